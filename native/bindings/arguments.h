@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/progress.h"
+#include "native/core/types.h"
+#include "native/mesh/regions.h"
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sinew::bindings {
+
+namespace py = pybind11;
+
+// One rule for every array argument: C-contiguous float64 is read in place; other real types
+// and layouts (float32, integers, Fortran order, slices, lists) are converted once; text,
+// objects, booleans and complex numbers are a TypeError; a wrong shape is the argument's own
+// error (InvalidMesh, InvalidConstraint or InvalidOption).
+
+/// The bindings hold references, so the array outlives every view taken of it.
+using FloatArray = py::array_t<double, py::array::c_style>;
+
+/// \throw py::type_error  naming the argument.
+FloatArray floats(const py::handle& object, const char* name);
+
+/// Integers of any width, checked against 32 bits.
+std::vector<int> integers(const py::handle& object, const char* name);
+
+/// (n, 3) view of an array; E is thrown on another shape.
+template <class E>
+PointsView points(const FloatArray& array, const char* name)
+{
+    if (array.ndim() != 2 || array.shape(1) != 3) {
+        std::string shape;
+        for (py::ssize_t k = 0; k < array.ndim(); ++k)
+            shape += (k ? ", " : "") + std::to_string(array.shape(k));
+        throw E(std::string(name) + ": shape (" + shape + ") is not (n, 3)");
+    }
+    return {array.data(), array.shape(0), 3};
+}
+
+/// One number or one a vertex.
+std::vector<double> numbers(const py::handle& object, const char* name);
+
+/// (k, 3, 4) -> poses. \throw InvalidConstraint  another shape.
+Poses poses(const py::handle& object);
+
+/// handles, weights and continuity as set_handles() takes them.
+std::vector<Handle> handles(const py::handle& regions, const py::object& weights,
+                            const py::object& continuity);
+
+/// None, one flag, or one a handle.
+std::optional<std::vector<bool>> flags(const py::object& object, std::size_t count);
+
+/// Ticks into a Python callable (None for none) under the GIL and lets Ctrl-C through.
+Progress progress(const py::object& callback);
+
+/// Moves points into a NumPy array without a copy.
+py::array_t<double> to_numpy(Points&& points);
+
+template <class T>
+py::array_t<T> to_numpy(const std::vector<T>& values)
+{
+    return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data());
+}
+
+} // namespace sinew::bindings

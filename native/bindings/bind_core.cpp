@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/bindings/arguments.h"
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "native/core/report.h"
+
+#include <pybind11/stl.h>
+
+#include <map>
+#include <typeindex>
+
+namespace sinew::bindings {
+
+namespace {
+
+const char* name_of(Error::Element kind)
+{
+    switch (kind) {
+    case Error::Element::vertex: return "vertex";
+    case Error::Element::face: return "face";
+    case Error::Element::handle: return "handle";
+    case Error::Element::none: break;
+    }
+    return "";
+}
+
+/// Raises `type` with the message, `elements` and `element_kind` of a native error.
+void raise(const py::handle& type, const Error& error)
+{
+    const py::object instance = type(error.what());
+    instance.attr("elements") = py::cast(error.elements());
+    instance.attr("element_kind") = name_of(error.element_kind());
+    PyErr_SetObject(type.ptr(), instance.ptr());
+}
+
+/// Python types by C++ type; borrowed, the module keeps them alive.
+std::map<std::type_index, PyObject*>& types()
+{
+    static std::map<std::type_index, PyObject*> map;
+    return map;
+}
+
+template <class E>
+void add(py::module_& module, const char* name, const char* doc, const py::handle& base)
+{
+    const std::string full = std::string("sinew_native.") + name;
+    PyObject* type = PyErr_NewExceptionWithDoc(full.c_str(), doc, base.ptr(), nullptr);
+    if (!type)
+        throw py::error_already_set();
+    module.add_object(name, py::reinterpret_steal<py::object>(type));
+    types()[typeid(E)] = type;
+}
+
+} // namespace
+
+void bind_core(py::module_& module)
+{
+    add<Error>(module, "Error",
+               "Root of the library's errors. `elements` lists the indices at fault, `element_kind` "
+               "says of what: 'vertex', 'face', 'handle' or ''.", PyExc_Exception);
+    const py::object base = module.attr("Error");
+    base.attr("elements") = py::list();
+    base.attr("element_kind") = "";
+    add<InvalidMesh>(module, "InvalidMesh", "The rest shape cannot be read.", base);
+    add<InvalidConstraint>(module, "InvalidConstraint",
+                           "Handles, weights, poses or incoming points do not fit.", base);
+    add<InvalidOption>(module, "InvalidOption", "An option is outside its documented range.", base);
+    add<FactorizationFailed>(module, "FactorizationFailed",
+                             "The system has no unique solution, or memory ran out.", base);
+    add<Cancelled>(module, "Cancelled", "The progress callback returned False.", base);
+
+    py::register_exception_translator([](std::exception_ptr pointer) {
+        try {
+            if (pointer)
+                std::rethrow_exception(pointer);
+        } catch (const Error& error) {
+            const auto found = types().find(typeid(error));
+            raise(found != types().end() ? found->second : types().at(typeid(Error)), error);
+        }
+    });
+
+    py::class_<BindReport>(module, "BindReport", "What set_handles() did.")
+        .def_readonly("handle_count", &BindReport::handle_count)
+        .def_readonly("constrained_vertices", &BindReport::constrained_vertices, "Vertices held exactly.")
+        .def_readonly("soft_vertices", &BindReport::soft_vertices, "Vertices pulled softly.")
+        .def_readonly("free_parts", &BindReport::free_parts,
+                      "Connected parts without any constraint; they stay at rest.")
+        .def_property_readonly("free_vertices", [](const BindReport& r) { return to_numpy(r.free_vertices); },
+                               "(f,) vertices of those parts.")
+        .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
+                      "Triangles of (nearly) no area, solved with a floored area.")
+        .def_readonly("factorizations", &BindReport::factorizations,
+                      "Numeric factorisations since the constructor.")
+        .def_readonly("seconds", &BindReport::seconds, "Wall clock of the call.")
+        .def("__repr__", [](const BindReport& r) {
+            return "<BindReport: " + std::to_string(r.handle_count) + " handles, " +
+                   std::to_string(r.constrained_vertices) + " held, " + std::to_string(r.soft_vertices) +
+                   " soft, " + std::to_string(r.free_parts) + " free parts>";
+        });
+
+    py::class_<SolveReport>(module, "SolveReport", "What solve() reached.")
+        .def_readonly("iterations", &SolveReport::iterations, "Trial steps; 1 for a linear method.")
+        .def_readonly("rejected", &SolveReport::rejected, "Trials that did not lower the energy.")
+        .def_readonly("energy", &SolveReport::energy, "Of the returned shape, in the method's units.")
+        .def_readonly("residual", &SolveReport::residual,
+                      "Linear: |A d - b| / |b|. Nonlinear: last relative decrease of the energy.")
+        .def_readonly("converged", &SolveReport::converged, "The tolerance was met within the budget.")
+        .def("__repr__", [](const SolveReport& r) {
+            return "<SolveReport: " + std::to_string(r.iterations) + " iterations, energy " +
+                   std::to_string(r.energy) + (r.converged ? ", converged>" : ", budget spent>");
+        });
+
+    module.def("limit_threads", &limit_threads, py::arg("count"),
+               "At most `count` threads in the library's own loops; 0 lifts the limit.");
+}
+
+} // namespace sinew::bindings

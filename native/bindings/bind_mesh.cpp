@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/bindings/arguments.h"
+#include "native/core/errors.h"
+#include "native/mesh/components.h"
+#include "native/mesh/diagnosis.h"
+#include "native/mesh/surface_mesh.h"
+
+#include <pybind11/stl.h>
+
+namespace sinew::bindings {
+
+namespace {
+
+SurfaceMesh make_mesh(const py::object& point_object, const py::object& faces)
+{
+    const FloatArray array = floats(point_object, "points");
+    const PointsView rest = points<InvalidMesh>(array, "points");
+    std::vector<int> counts, corners;
+    if (py::isinstance<py::tuple>(faces)) {
+        const auto pair = faces.cast<py::tuple>();
+        if (pair.size() != 2)
+            throw InvalidMesh("faces: a tuple must be (counts, indices)");
+        counts = integers(pair[0], "faces[0]");
+        corners = integers(pair[1], "faces[1]");
+    } else {
+        const py::array shape = py::array::ensure(faces);
+        if (!shape) {
+            PyErr_Clear();
+            throw InvalidMesh("faces: give an (m, 3) or (m, 4) array, or (counts, indices) for mixed polygons");
+        }
+        if (shape.size() > 0 && shape.ndim() != 2)
+            throw InvalidMesh("faces: the array must be (m, 3) or (m, 4); for mixed polygons give (counts, indices)");
+        if (shape.size() > 0) {
+            counts.assign(shape.shape(0), static_cast<int>(shape.shape(1)));
+            corners = integers(faces, "faces");
+        }
+    }
+    Points copy = rest;
+    const py::gil_scoped_release unlocked;
+    return SurfaceMesh(std::move(copy), std::move(counts), std::move(corners));
+}
+
+/// Read-only (rows, columns) view of memory that `owner` keeps alive.
+template <class T>
+py::array_t<T> view_of(const T* data, py::ssize_t rows, py::ssize_t columns, const py::object& owner)
+{
+    py::array_t<T> array({rows, columns}, data, owner);
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+}
+
+py::array_t<int> edge_array(const std::vector<std::array<int, 2>>& edges)
+{
+    return py::array_t<int>({static_cast<py::ssize_t>(edges.size()), py::ssize_t{2}},
+                            edges.empty() ? nullptr : edges.front().data());
+}
+
+} // namespace
+
+void bind_mesh(py::module_& module)
+{
+    py::class_<Diagnosis>(module, "Diagnosis", "What is unusual about a mesh, by element index.")
+        .def_property_readonly("non_manifold_edges", [](const Diagnosis& d) { return edge_array(d.non_manifold_edges); },
+                               "(k, 2) vertices of edges with three or more faces.")
+        .def_property_readonly("non_manifold_vertices", [](const Diagnosis& d) { return to_numpy(d.non_manifold_vertices); },
+                               "(k,) vertices whose faces form more than one fan.")
+        .def_property_readonly("boundary_loops", [](const Diagnosis& d) {
+            py::list loops;
+            for (const auto& loop : d.boundary_loops)
+                loops.append(to_numpy(loop));
+            return loops;
+        }, "List of (l,) vertex arrays, in order along each border.")
+        .def_property_readonly("degenerate_faces", [](const Diagnosis& d) { return to_numpy(d.degenerate_faces); },
+                               "(k,) faces of area below 1e-10 of their longest edge squared.")
+        .def_property_readonly("duplicate_faces", [](const Diagnosis& d) { return to_numpy(d.duplicate_faces); },
+                               "(k,) faces with the vertices of an earlier face.")
+        .def_property_readonly("inconsistent_edges", [](const Diagnosis& d) { return edge_array(d.inconsistent_edges); },
+                               "(k, 2) edges along which both faces run the same way.")
+        .def_property_readonly("loose_vertices", [](const Diagnosis& d) { return to_numpy(d.loose_vertices); },
+                               "(k,) vertices in no face.")
+        .def_property_readonly("coincident_vertices", [](const Diagnosis& d) { return to_numpy(d.coincident_vertices); },
+                               "(k,) vertices exactly where an earlier one is.")
+        .def_readonly("component_count", &Diagnosis::component_count, "Connected parts.")
+        .def_property_readonly("clean", [](const Diagnosis& d) { return summary(d) == "clean"; })
+        .def("summary", &summary, "One line with the counts, or 'clean'.")
+        .def("__repr__", [](const Diagnosis& d) { return "<Diagnosis: " + summary(d) + ">"; });
+
+    py::class_<SurfaceMesh>(module, "SurfaceMesh", R"(Rest surface of polygons of any size.
+
+Any number of parts, boundaries, non-manifold edges, duplicate and zero-area faces and loose
+vertices are normal input. Immutable; O(n) to build.)")
+        .def(py::init(&make_mesh), py::arg("points"), py::arg("faces"), R"(
+points  (n, 3) rest positions in object space.
+faces   (m, 3) or (m, 4) integers, or a tuple (counts (m,), indices (sum of counts,)).
+
+Raises InvalidMesh for no vertices, NaN or infinite points, faces of fewer than three corners
+and indices out of range; `elements` lists the culprits.)")
+        .def_property_readonly("points", [](const py::object& self) {
+            const auto& mesh = self.cast<const SurfaceMesh&>();
+            return view_of(mesh.points().data(), mesh.vertex_count(), 3, self);
+        }, "(n, 3) rest positions, read-only.")
+        .def_property_readonly("triangles", [](const py::object& self) {
+            const auto& mesh = self.cast<const SurfaceMesh&>();
+            const auto& triangles = mesh.triangles();
+            return view_of(triangles.empty() ? nullptr : triangles.front().data(),
+                           static_cast<py::ssize_t>(triangles.size()), 3, self);
+        }, "(t, 3) the triangulation that all operators use, read-only.")
+        .def_property_readonly("vertex_count", &SurfaceMesh::vertex_count)
+        .def_property_readonly("face_count", &SurfaceMesh::face_count)
+        .def_property_readonly("component_count", [](const SurfaceMesh& m) { return connected_components(m).count; })
+        .def_property_readonly("components", [](const SurfaceMesh& m) { return to_numpy(connected_components(m).labels); },
+                               "(n,) part of each vertex; parts are joined through faces.")
+        .def("diagnose", &diagnose, py::call_guard<py::gil_scoped_release>(),
+             "Everything unusual, with element indices. O(n log n).")
+        .def("__repr__", [](const SurfaceMesh& m) {
+            return "<SurfaceMesh: " + std::to_string(m.vertex_count()) + " vertices, " +
+                   std::to_string(m.face_count()) + " faces>";
+        });
+}
+
+} // namespace sinew::bindings

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <pybind11/pybind11.h>
+
+namespace py = pybind11;
+
+namespace sinew::bindings {
+void bind_core(py::module_& module);
+void bind_mesh(py::module_& module);
+void bind_operators(py::module_& module);
+void bind_solvers(py::module_& module);
+void bind_thin_shell(py::module_& module);
+void bind_affine_basis(py::module_& module);
+void bind_arap(py::module_& module);
+} // namespace sinew::bindings
+
+PYBIND11_MODULE(sinew_native, module)
+{
+    module.doc() = "Shape deformation: NumPy in, NumPy out. Points are (n, 3) float64, angles radians, "
+                   "Laplacians positive semi-definite and weak.";
+    module.attr("__version__") = SINEW_VERSION;
+    using namespace sinew::bindings;
+    bind_core(module);
+    bind_mesh(module);
+    bind_operators(module);
+    bind_solvers(module);
+    bind_thin_shell(module);
+    bind_affine_basis(module);
+    bind_arap(module);
+}

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+namespace sinew {
+
+/// What set_handles() did.
+struct BindReport
+{
+    int handle_count = 0;
+    int constrained_vertices = 0;   ///< hard ones
+    int soft_vertices = 0;
+    int free_parts = 0;             ///< connected parts without any constraint; they stay at rest
+    std::vector<int> free_vertices; ///< the vertices of those parts
+    int degenerate_faces = 0;       ///< faces of (nearly) no area, solved with a floored area
+    int factorizations = 0;         ///< numeric factorisations since the constructor
+    double seconds = 0.0;           ///< wall clock of set_handles()
+};
+
+/// What solve() reached.
+struct SolveReport
+{
+    int iterations = 0;     ///< accepted steps; 1 for a linear method
+    int rejected = 0;       ///< trial steps that did not lower the energy
+    double energy = 0.0;    ///< of the returned shape, in the method's own units
+    double residual = 0.0;  ///< linear: |A d - b| / |b|; nonlinear: last relative decrease
+    bool converged = false; ///< the tolerance was met before the budget ended
+};
+
+} // namespace sinew

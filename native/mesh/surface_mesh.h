@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/types.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace sinew {
+
+using Triangle = std::array<int, 3>;
+
+/// Polygon surface: faces of any size, any number of parts, boundaries, non-manifold
+/// edges, duplicate and zero-area faces, loose vertices. Immutable after construction.
+///
+/// Faces with more than three corners are triangulated once, here, so that every
+/// operator sees the same surface: quads along the better diagonal, larger faces by
+/// ear clipping in the plane of their area vector.
+class SurfaceMesh
+{
+public:
+    /// \param points   (n, 3) rest positions, n >= 1, finite.
+    /// \param counts   (m) corners of each face, each >= 3.
+    /// \param corners  (sum of counts) vertex indices, face after face.
+    /// \throw InvalidMesh  no vertex, a non-finite point, a face of fewer than three
+    ///                     corners, an index out of range, counts that do not add up.
+    SurfaceMesh(Points points, std::vector<int> counts, std::vector<int> corners);
+
+    const Points& points() const { return points_; }
+    Vector3 point(int vertex) const { return points_.row(vertex).transpose(); }
+    int vertex_count() const { return static_cast<int>(points_.rows()); }
+
+    int face_count() const { return static_cast<int>(offsets_.size()) - 1; }
+    std::span<const int> face(int face) const
+    {
+        return {corners_.data() + offsets_[face], corners_.data() + offsets_[face + 1]};
+    }
+
+    const std::vector<Triangle>& triangles() const { return triangles_; }
+    /// The face that triangle t was cut from.
+    const std::vector<int>& triangle_faces() const { return triangle_faces_; }
+
+    /// Unique undirected edges (a < b) of the faces, without the cuts of the triangulation.
+    std::vector<std::array<int, 2>> edges() const;
+
+private:
+    Points points_;
+    std::vector<int> offsets_;
+    std::vector<int> corners_;
+    std::vector<Triangle> triangles_;
+    std::vector<int> triangle_faces_;
+};
+
+} // namespace sinew

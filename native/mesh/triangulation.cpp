@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/mesh/triangulation.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace sinew {
+
+namespace {
+
+using Vector2 = Eigen::Vector2d;
+
+double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Corner positions in the plane of the polygon's area vector, counter-clockwise.
+std::vector<Vector2> flatten(const Points& points, std::span<const int> polygon)
+{
+    const Vector3 origin = points.row(polygon[0]).transpose();
+    const auto at = [&](std::size_t k) -> Vector3 {
+        return points.row(polygon[k % polygon.size()]).transpose() - origin;
+    };
+    Vector3 normal = Vector3::Zero();
+    for (std::size_t k = 0; k < polygon.size(); ++k)
+        normal += at(k).cross(at(k + 1));
+    const Eigen::Quaterniond turn = normal.squaredNorm() > 0
+        ? Eigen::Quaterniond::FromTwoVectors(normal, Vector3::UnitZ())
+        : Eigen::Quaterniond::Identity();
+    std::vector<Vector2> flat(polygon.size());
+    for (std::size_t k = 0; k < polygon.size(); ++k)
+        flat[k] = (turn * at(k)).head<2>();
+    return flat;
+}
+
+/// 1 for an equilateral corner triangle, 0 for a degenerate one, negative if reflex.
+double quality(const Vector2& a, const Vector2& b, const Vector2& c)
+{
+    const double lengths = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
+    return lengths > 0 ? 2 * std::sqrt(3.0) * cross(b - a, c - a) / lengths : 0.0;
+}
+
+bool inside(const Vector2& p, const Vector2& a, const Vector2& b, const Vector2& c)
+{
+    return cross(b - a, p - a) >= 0 && cross(c - b, p - b) >= 0 && cross(a - c, p - c) >= 0;
+}
+
+class EarClipper
+{
+public:
+    EarClipper(std::span<const int> polygon, std::vector<Vector2> flat)
+        : polygon_(polygon), flat_(std::move(flat)), previous_(flat_.size()), next_(flat_.size()),
+          score_(flat_.size())
+    {
+        const int k = static_cast<int>(flat_.size());
+        for (int i = 0; i < k; ++i) {
+            previous_[i] = (i + k - 1) % k;
+            next_[i] = (i + 1) % k;
+        }
+        for (int i = 0; i < k; ++i)
+            score_[i] = score(i);
+    }
+
+    void run(std::vector<Triangle>& triangles)
+    {
+        constexpr double cut = -std::numeric_limits<double>::infinity();
+        for (std::size_t left = flat_.size(); left > 2; --left) {
+            const int ear = static_cast<int>(std::ranges::max_element(score_) - score_.begin());
+            const int a = previous_[ear];
+            const int b = next_[ear];
+            triangles.push_back({polygon_[a], polygon_[ear], polygon_[b]});
+            next_[a] = b;
+            previous_[b] = a;
+            score_[ear] = cut;
+            if (left > 3) {
+                score_[a] = score(a);
+                score_[b] = score(b);
+            }
+        }
+    }
+
+private:
+    /// Quality of the ear at i; -2 and less where it is no ear, so that one is still cut
+    /// when nothing better is left.
+    double score(int i) const
+    {
+        const int a = previous_[i];
+        const int b = next_[i];
+        const double q = quality(flat_[a], flat_[i], flat_[b]);
+        if (q <= 0)
+            return -3 + q;
+        for (int p = next_[b]; p != a; p = next_[p])
+            if (inside(flat_[p], flat_[a], flat_[i], flat_[b]) && flat_[p] != flat_[a] &&
+                flat_[p] != flat_[b])
+                return -2;
+        return q;
+    }
+
+    std::span<const int> polygon_;
+    std::vector<Vector2> flat_;
+    std::vector<int> previous_, next_;
+    std::vector<double> score_;
+};
+
+/// The diagonal whose worse triangle is better; ties go to corner 0.
+void cut_quad(const Points& points, std::span<const int> q, std::vector<Triangle>& triangles)
+{
+    const std::vector<Vector2> p = flatten(points, q);
+    const double first = std::min(quality(p[0], p[1], p[2]), quality(p[0], p[2], p[3]));
+    const double second = std::min(quality(p[0], p[1], p[3]), quality(p[1], p[2], p[3]));
+    if (first >= second) {
+        triangles.push_back({q[0], q[1], q[2]});
+        triangles.push_back({q[0], q[2], q[3]});
+    } else {
+        triangles.push_back({q[0], q[1], q[3]});
+        triangles.push_back({q[1], q[2], q[3]});
+    }
+}
+
+} // namespace
+
+void triangulate(const Points& points, std::span<const int> polygon,
+                 std::vector<Triangle>& triangles)
+{
+    if (polygon.size() == 3)
+        triangles.push_back({polygon[0], polygon[1], polygon[2]});
+    else if (polygon.size() == 4)
+        cut_quad(points, polygon, triangles);
+    else
+        EarClipper(polygon, flatten(points, polygon)).run(triangles);
+}
+
+} // namespace sinew

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/ldlt_factor.h"
+
+#include <Eigen/SparseCholesky>
+
+#include <limits>
+
+namespace sinew {
+
+namespace {
+
+class LdltFactor final : public FactorEngine
+{
+public:
+    void analyze(const SparseMatrix& matrix, const std::vector<int>& order) override
+    {
+        // Eigen applies P A P^T with P.indices()[old] = new.
+        permutation_.resize(static_cast<int>(order.size()));
+        for (int i = 0; i < static_cast<int>(order.size()); ++i)
+            permutation_.indices()[order[i]] = i;
+        permute(matrix);
+        ldlt_.analyzePattern(permuted_);
+    }
+
+    int factorize(const SparseMatrix& matrix) override
+    {
+        permute(matrix);
+        ldlt_.factorize(permuted_);
+        const VectorX d = ldlt_.vectorD();
+        // The pivot of a singular matrix is rounding: about epsilon times the entry it
+        // was reduced from.
+        for (int i = 0; i < d.size(); ++i)
+            if (!(d[i] > 1e-15 * permuted_.coeff(i, i)))
+                return permutation_.inverse().eval().indices()[i];
+        condition_ = d.size() ? d.minCoeff() / d.maxCoeff() : 1.0;
+        return -1;
+    }
+
+    void solve(const MatrixX& rhs, MatrixX& solution) const override
+    {
+        solution = permutation_.inverse() * ldlt_.solve(permutation_ * rhs);
+    }
+
+    double reciprocal_condition() const override { return condition_; }
+
+    std::int64_t nonzeros() const override
+    {
+        return ldlt_.matrixL().nestedExpression().nonZeros() + permuted_.cols();
+    }
+
+private:
+    void permute(const SparseMatrix& matrix)
+    {
+        permuted_ = matrix.twistedBy(permutation_);
+    }
+
+    Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation_;
+    SparseMatrix permuted_;
+    Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
+    double condition_ = 0.0;
+};
+
+} // namespace
+
+std::unique_ptr<FactorEngine> make_ldlt_factor() { return std::make_unique<LdltFactor>(); }
+
+} // namespace sinew

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/types.h"
+
+#include <vector>
+
+namespace sinew {
+
+/// Elimination orderings for sparse Cholesky factors (appendix A of the tutorial).
+///
+///   natural                 the order of the unknowns; a reference, never fast
+///   reverse_cuthill_mckee   small band; for long thin shapes
+///   minimum_degree          cheap to find; the default
+///   nested_dissection       less fill on large surfaces, 5-6 times dearer to find; repays
+///                           after some 65-100 solves. Needs CHOLMOD with METIS.
+enum class Ordering { natural, reverse_cuthill_mckee, minimum_degree, nested_dissection };
+
+/// p such that row p[i] of the symmetric matrix is eliminated as number i. Only the
+/// pattern matters.
+/// \throw InvalidOption  nested dissection in a build without it.
+std::vector<int> elimination_order(const SparseMatrix& matrix, Ordering ordering);
+
+} // namespace sinew

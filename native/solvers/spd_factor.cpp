@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/spd_factor.h"
+
+#include "native/core/errors.h"
+#include "native/solvers/cholmod_factor.h"
+#include "native/solvers/ldlt_factor.h"
+
+#include <algorithm>
+#include <string>
+
+namespace sinew {
+
+namespace {
+
+/// Below this estimate a solution has no correct digit left.
+constexpr double singular = 1e-17;
+
+std::unique_ptr<FactorEngine> make_engine(FactorBackend backend, const SparseMatrix& matrix)
+{
+    if (backend == FactorBackend::ldlt)
+        return make_ldlt_factor();
+    if (!have_cholmod()) {
+        if (backend != FactorBackend::automatic)
+            throw InvalidOption("backend: this build has no CHOLMOD; choose automatic or ldlt");
+        return make_ldlt_factor();
+    }
+    if (backend != FactorBackend::automatic)
+        return make_cholmod_factor(backend == FactorBackend::supernodal);
+    const bool second_ring = matrix.nonZeros() >= 12 * matrix.cols();
+    return make_cholmod_factor(second_ring || matrix.cols() > 60000);
+}
+
+} // namespace
+
+SpdFactor::SpdFactor(const FactorOptions& options) : options_(options) {}
+SpdFactor::~SpdFactor() = default;
+SpdFactor::SpdFactor(SpdFactor&&) noexcept = default;
+SpdFactor& SpdFactor::operator=(SpdFactor&&) noexcept = default;
+
+bool SpdFactor::same_pattern(const SparseMatrix& matrix) const
+{
+    return engine_ && matrix.cols() == size_ &&
+           matrix.nonZeros() == static_cast<Eigen::Index>(rows_.size()) &&
+           std::equal(offsets_.begin(), offsets_.end(), matrix.outerIndexPtr()) &&
+           std::equal(rows_.begin(), rows_.end(), matrix.innerIndexPtr());
+}
+
+void SpdFactor::factorize(const SparseMatrix& matrix)
+{
+    if (matrix.cols() == 0) {
+        engine_.reset();
+        size_ = 0;
+        return;
+    }
+    if (!same_pattern(matrix)) {
+        engine_ = make_engine(options_.backend, matrix);
+        engine_->analyze(matrix, elimination_order(matrix, options_.ordering));
+        size_ = static_cast<int>(matrix.cols());
+        offsets_.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + size_ + 1);
+        rows_.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
+        ++analyses_;
+    }
+    const int broken = engine_->factorize(matrix);
+    ++factorizations_;
+    if (broken >= 0)
+        throw FactorizationFailed("the matrix is not positive definite; it broke down at unknown " +
+                                      std::to_string(broken),
+                                  Error::Element::vertex, {broken});
+    if (!(engine_->reciprocal_condition() > singular))
+        throw FactorizationFailed("the matrix is singular to working precision");
+}
+
+MatrixX SpdFactor::solve(const MatrixX& rhs) const
+{
+    if (rhs.rows() != size_)
+        throw InvalidConstraint("right side: " + std::to_string(rhs.rows()) + " rows for " +
+                                std::to_string(size_) + " unknowns");
+    MatrixX solution(rhs.rows(), rhs.cols());
+    if (rhs.size() > 0)
+        engine_->solve(rhs, solution);
+    return solution;
+}
+
+std::int64_t SpdFactor::nonzeros() const { return engine_ ? engine_->nonzeros() : 0; }
+
+} // namespace sinew

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/report.h"
+#include "native/core/types.h"
+
+#include <memory>
+
+namespace sinew {
+
+class ThinShell;
+
+/// Precomputed answer of a linear surface method to affine handle motion.
+///
+/// M. Botsch, L. Kobbelt. "An Intuitive Framework for Real-Time Freeform Modeling."
+/// ACM Transactions on Graphics 23(3), 2004, section 5.
+///
+/// A handle moved by x -> A x + t displaces its vertices by a linear combination of the four
+/// functions x, y, z, 1 of the rest shape, with the entries of (A - I | t) as coefficients. The
+/// free surface answers linearly, so four basis functions a handle give the whole motion:
+///
+///     d = B P,    B (n, 4k),    P (4k, 3) the transposed (M_h - I) of all handles, stacked.
+///
+/// The constant functions of all handles sum to 1 wherever a handle reaches.
+///
+///   call         repeat it when ...     cost
+///   constructor  the factor changed     4k solves, all columns together
+///   solve()      the handles moved      one (n, 4k) x (4k, 3) product
+class AffineBasis
+{
+public:
+    /// \param shell  with its handles set.
+    explicit AffineBasis(const ThinShell& shell);
+
+    /// (n, 4k), four columns a handle: the answers to x, y, z and 1 on it.
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& matrix() const
+    {
+        return basis_;
+    }
+
+    /// The same shape and report as ThinShell::solve from rest.
+    /// \throw InvalidConstraint  the number of poses is not k, or one is not finite.
+    SolveReport solve(const Poses& poses, Points& positions) const;
+
+private:
+    Points rest_;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> basis_;
+    MatrixX energy_, residual_, load_; ///< (4k, 4k), see ThinShellResponse
+};
+
+} // namespace sinew

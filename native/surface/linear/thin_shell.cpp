@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/surface/linear/thin_shell.h"
+
+#include "native/core/errors.h"
+#include "native/solvers/constrained_quadratic.h"
+#include "native/surface/linear/affine_basis.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr int most_basis_handles = 16; ///< 64 columns: 0.5 KB a vertex
+constexpr double least_painted = 1e-6; ///< of the largest painted value
+
+/// One value a vertex, checked; empty when the stiffness is zero everywhere.
+std::vector<double> spread(const Stiffness& stiffness, int n, const char* name)
+{
+    if (stiffness.size() != 1 && static_cast<int>(stiffness.size()) != n)
+        throw InvalidOption(std::string(name) + ": " + std::to_string(stiffness.size()) +
+                            " values given; 1 or one a vertex (" + std::to_string(n) + ") needed");
+    std::vector<int> bad;
+    for (int i = 0; i < static_cast<int>(stiffness.size()); ++i)
+        if (!(stiffness[i] >= 0.0 && std::isfinite(stiffness[i])))
+            bad.push_back(i);
+    if (!bad.empty()) {
+        if (stiffness.size() == 1)
+            throw InvalidOption(std::string(name) + ": " + std::to_string(stiffness[0]) +
+                                " is not a finite number >= 0");
+        throw InvalidOption(std::string(name) + ": values at vertices " + list_some(bad) +
+                                " are not finite numbers >= 0",
+                            Error::Element::vertex, bad);
+    }
+    const double largest = *std::ranges::max_element(stiffness);
+    if (largest == 0.0)
+        return {};
+    if (stiffness.size() == 1)
+        return std::vector<double>(n, largest);
+    std::vector<double> values = stiffness;
+    for (double& value : values)
+        value = std::max(value, least_painted * largest);
+    return values;
+}
+
+double mean_over(const std::vector<double>& values, std::span<const int> vertices)
+{
+    double sum = 0.0;
+    for (int v : vertices)
+        sum += values[v];
+    return sum / static_cast<double>(vertices.size());
+}
+
+/// The C of the header, and the factor of an element in L_kv.
+double bending_continuity(const Regions& regions, int vertex)
+{
+    const int handle = regions.hard(vertex);
+    return handle < 0 ? 1.0 : std::min(regions.continuity(handle), 1.0);
+}
+
+double variation_continuity(const Regions& regions, std::span<const int> vertices)
+{
+    double least = 1.0;
+    for (int v : vertices) {
+        if (regions.hard(v) < 0)
+            return 1.0;
+        least = std::min(least, std::max(regions.continuity(regions.hard(v)) - 1.0, 0.0));
+    }
+    return least;
+}
+
+/// Values a vertex of the three stiffnesses; an empty one's term is absent.
+struct Coefficients
+{
+    std::vector<double> stretching, bending, variation;
+};
+
+/// What a bind makes. Replaced as a whole, so a bind that fails changes nothing.
+struct Binding
+{
+    std::vector<Handle> handles;
+    Coefficients k;
+    Regions regions;
+    std::vector<Constraint> constraints;
+    SparseMatrix A; ///< soft terms on the diagonal
+    std::vector<double> soft_stiffness;
+    ConstrainedQuadratic system;
+    std::unique_ptr<AffineBasis> basis;
+};
+
+} // namespace
+
+struct ThinShell::Impl
+{
+    SurfaceMesh rest;
+    ThinShellOptions options;
+    Components parts;
+    SparseMatrix L;
+    VectorX inverse_mass;
+    int degenerate_faces;
+    Binding bound;
+    int factorizations = 0;
+
+    Impl(const SurfaceMesh& mesh, const ThinShellOptions& given)
+        : rest(mesh), options(given), parts(connected_components(rest)),
+          L(laplacian_matrix(rest, given.laplacian)),
+          inverse_mass(invertible(mass_vector(rest, given.laplacian)).cwiseInverse()),
+          degenerate_faces(static_cast<int>(triangle_metric(rest).degenerate.size()))
+    {
+        bound.k = coefficients(given.stretching, given.bending, given.variation);
+        bound.regions = Regions({}, parts);
+    }
+
+    Coefficients coefficients(const Stiffness& stretching, const Stiffness& bending,
+                              const Stiffness& variation) const
+    {
+        const int n = rest.vertex_count();
+        Coefficients k{spread(stretching, n, "stretching"), spread(bending, n, "bending"),
+                       spread(variation, n, "variation")};
+        if (k.stretching.empty() && k.bending.empty() && k.variation.empty())
+            throw InvalidOption("stretching, bending and variation are all zero; "
+                                "give at least one of them a positive value");
+        return k;
+    }
+
+    /// A of the header, without soft terms.
+    SparseMatrix assemble(const Regions& regions, const Coefficients& k) const
+    {
+        const int n = rest.vertex_count();
+        VectorX C(n);
+        for (int i = 0; i < n; ++i)
+            C[i] = bending_continuity(regions, i);
+        const VectorX CM = C.cwiseProduct(inverse_mass);
+
+        SparseMatrix A(n, n);
+        if (!k.stretching.empty())
+            A += laplacian_matrix(rest, options.laplacian, [&](std::span<const int> element) {
+                return mean_over(k.stretching, element);
+            });
+        if (!k.bending.empty()) {
+            const VectorX D = CM.cwiseProduct(Eigen::Map<const VectorX>(k.bending.data(), n));
+            A += SparseMatrix(L * D.asDiagonal()) * L;
+        }
+        if (!k.variation.empty()) {
+            const SparseMatrix U = CM.asDiagonal() * L;
+            const SparseMatrix L_kv =
+                laplacian_matrix(rest, options.laplacian, [&](std::span<const int> element) {
+                    return mean_over(k.variation, element) * variation_continuity(regions, element);
+                });
+            A += SparseMatrix(U.transpose()) * SparseMatrix(L_kv * U);
+        }
+        return A;
+    }
+
+    void add_soft_terms(Binding& next) const
+    {
+        const VectorX diagonal = next.A.diagonal();
+        const double mean = diagonal.mean() > 0 ? diagonal.mean() : 1.0;
+        for (const SoftConstraint& s : next.regions.soft()) {
+            const double unit = diagonal[s.vertex] > 0 ? diagonal[s.vertex] : mean; // loose vertices
+            next.soft_stiffness.push_back(s.stiffness() * unit);
+        }
+        for (std::size_t k = 0; k < next.soft_stiffness.size(); ++k) {
+            const int v = next.regions.soft()[k].vertex;
+            next.A.coeffRef(v, v) += next.soft_stiffness[k];
+        }
+    }
+
+    /// Binds `next`, whose handles and coefficients are set. The factor moves over, so that its
+    /// symbolic part serves again where the pattern is the same.
+    BindReport bind(Binding next, const ThinShell& self, const Progress& progress)
+    {
+        const auto start = std::chrono::steady_clock::now();
+        progress.tick(0.0, "assembling the energy");
+        next.regions = Regions(next.handles, parts);
+        next.constraints = next.regions.constraints();
+        next.A = assemble(next.regions, next.k);
+        add_soft_terms(next);
+
+        progress.tick(0.2, "factorising");
+        std::swap(bound, next);
+        try {
+            bound.system = std::move(next.system);
+            factorize();
+            progress.tick(0.7, "computing the basis");
+            if (options.affine_basis && bound.regions.handle_count() <= most_basis_handles)
+                bound.basis = std::make_unique<AffineBasis>(self);
+            progress.tick(1.0, "bound");
+        } catch (const std::exception&) {
+            next.system = std::move(bound.system);
+            std::swap(bound, next);
+            if (bound.A.cols() > 0)
+                factorize();
+            throw;
+        }
+
+        BindReport report = bound.regions.report();
+        report.degenerate_faces = degenerate_faces;
+        report.factorizations = factorizations;
+        report.seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return report;
+    }
+
+    void factorize()
+    {
+        std::vector<bool> free(rest.vertex_count());
+        for (int v = 0; v < rest.vertex_count(); ++v)
+            free[v] = bound.regions.is_free(v);
+        bound.system.factorize(bound.A, free);
+        ++factorizations;
+    }
+};
+
+ThinShell::ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options)
+    : impl_(std::make_unique<Impl>(rest, options))
+{
+}
+
+ThinShell::~ThinShell() = default;
+ThinShell::ThinShell(ThinShell&&) noexcept = default;
+
+BindReport ThinShell::set_handles(const std::vector<Handle>& handles, const Progress& progress)
+{
+    Binding next;
+    next.handles = handles;
+    next.k = impl_->bound.k;
+    return impl_->bind(std::move(next), *this, progress);
+}
+
+BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness& bending,
+                                    const Stiffness& variation, const Progress& progress)
+{
+    Binding next;
+    next.handles = impl_->bound.handles;
+    next.k = impl_->coefficients(stretching, bending, variation);
+    return impl_->bind(std::move(next), *this, progress);
+}
+
+ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
+{
+    const Binding& bound = impl_->bound;
+    const int n = rest().vertex_count();
+    const auto columns = constraints.cols();
+
+    ThinShellResponse response;
+    MatrixX& x = response.displacement;
+    x = MatrixX::Zero(n, columns);
+    MatrixX pull = MatrixX::Zero(n, columns); // b: the soft constraints' side
+    MatrixX soft_energy = MatrixX::Zero(columns, columns);
+    const auto hard_count = bound.constraints.size() - bound.soft_stiffness.size();
+    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
+        const int vertex = bound.constraints[row].vertex;
+        const auto target = constraints.row(row);
+        if (row < hard_count) {
+            x.row(vertex) = target;
+        } else {
+            const double stiffness = bound.soft_stiffness[row - hard_count];
+            pull.row(vertex) += stiffness * target;
+            soft_energy += stiffness * target.transpose() * target;
+        }
+    }
+
+    const MatrixX load = bound.system.solve(x, &pull);
+    // A holds the soft stiffness on its diagonal, so that
+    // x^T A x - x^T b - b^T x + sum s c c^T is the elastic plus the soft energy, doubled.
+    const MatrixX Ax = bound.A * x;
+    const MatrixX cross = x.transpose() * pull;
+    response.energy = x.transpose() * Ax - cross - cross.transpose() + soft_energy;
+
+    const std::vector<int>& unknowns = bound.system.free_rows();
+    MatrixX force(unknowns.size(), columns);
+    for (std::size_t f = 0; f < unknowns.size(); ++f)
+        force.row(f) = Ax.row(unknowns[f]) - pull.row(unknowns[f]);
+    response.residual = force.transpose() * force;
+    response.load = load.transpose() * load;
+    return response;
+}
+
+SolveReport ThinShell::solve(const Poses& poses, Points& positions,
+                             const std::optional<PointsView>& incoming,
+                             const std::vector<bool>* from_rest) const
+{
+    const Binding& bound = impl_->bound;
+    const Targets targets{poses, view(rest().points()), incoming, from_rest};
+    targets.check(bound.regions.handle_count());
+    if (bound.A.cols() == 0) { // no set_handles yet: nothing is held
+        positions = targets.base();
+        return SolveReport{.converged = true};
+    }
+    if (bound.basis && !incoming)
+        return bound.basis->solve(poses, positions);
+
+    const PointsView base = targets.base();
+    MatrixX constraints(bound.constraints.size(), 3);
+    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
+        const auto [vertex, handle] = bound.constraints[row];
+        constraints.row(row) = targets.of(vertex, handle).transpose() - base.row(vertex);
+    }
+    const ThinShellResponse response = respond(constraints);
+    positions = base + response.displacement;
+
+    SolveReport report;
+    report.iterations = 1;
+    report.converged = true;
+    report.energy = 0.5 * response.energy.trace();
+    const double load = response.load.trace();
+    report.residual = load > 0 ? std::sqrt(response.residual.trace() / load) : 0.0;
+    return report;
+}
+
+const SurfaceMesh& ThinShell::rest() const { return impl_->rest; }
+const Regions& ThinShell::regions() const { return impl_->bound.regions; }
+const AffineBasis* ThinShell::affine_basis() const { return impl_->bound.basis.get(); }
+
+} // namespace sinew

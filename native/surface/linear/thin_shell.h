@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/progress.h"
+#include "native/core/report.h"
+#include "native/mesh/regions.h"
+#include "native/mesh/surface_mesh.h"
+#include "native/operators/laplacian.h"
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace sinew {
+
+class AffineBasis;
+
+/// A stiffness: one number, or one a vertex (painted). Painted values below 1e-6 of their
+/// largest are raised to it, so that a region painted black stays solvable.
+using Stiffness = std::vector<double>;
+
+struct ThinShellOptions
+{
+    Stiffness stretching{0.0}; ///< k_s >= 0: order 1, membrane
+    Stiffness bending{1.0};    ///< k_b >= 0: order 2, thin plate
+    Stiffness variation{0.0};  ///< k_v >= 0: order 3, minimum variation of curvature
+    Discretization laplacian = Discretization::cotan_voronoi;
+    /// Precompute the answer to affine handle motion where it fits (at most 16 handles): a
+    /// frame is then one small matrix product. The result is the same.
+    bool affine_basis = true;
+};
+
+/// Displacements that answer columns of constraint values, with inner products of the columns
+/// from which the energy and residual of any linear combination follow.
+struct ThinShellResponse
+{
+    MatrixX displacement; ///< (n, m)
+    MatrixX energy;       ///< (m, m) twice E as a bilinear form, soft terms included
+    MatrixX residual;     ///< (m, m) of A d - b on the unknowns
+    MatrixX load;         ///< (m, m) of b, the right-hand side
+};
+
+/// Linear thin shell: the smoothest displacement field that meets the handles.
+///
+/// M. Botsch, L. Kobbelt. "An Intuitive Framework for Real-Time Freeform Modeling."
+/// ACM Transactions on Graphics 23(3), 2004. Tutorial, section 4.3.
+///
+/// With rest points x and deformed points x + d it minimises
+///
+///     E(d) = 1/2 k_s |grad d|^2 + 1/2 k_b |Delta d|^2 + 1/2 k_v |grad Delta d|^2,
+///     A    = L_ks + L (k_b C / M) L + L (C / M) L_kv (C / M) L,     A d = 0 on free vertices,
+///
+/// whose Euler-Lagrange equation is -k_s Delta d + k_b Delta^2 d - k_v Delta^3 d = 0 (Eq. 12).
+/// L and M are those of operators/laplacian.h; a painted k scales the elements or vertices of
+/// its own term.
+///
+/// Continuity [BK04]: C is 1 on free vertices and min(c_h, 1) on those of handle h, so that
+/// below c_h = 1 the handle's own curvature drops out and the surface may leave it with a
+/// crease (C0); L_kv loses triangles without a free vertex by the factor min(max(c_h - 1, 0), 1)
+/// (C1 to C2). C1 needs handles at least two rings deep, C2 three: a handle of one ring holds
+/// positions only, and one of a single vertex under k_b ends in a rounded peak.
+///
+/// Departs from the paper: C enters symmetrically, so that A stays positive definite and one
+/// Cholesky factor serves; soft handles add s_i |d_i - t_i|^2 / 2 with s_i = w / (1 - w) A_ii.
+///
+///   call            repeat it when ...            cost
+///   constructor     rest shape or faces changed   operators, O(n)
+///   set_handles()   another set of handles        one factorisation, 4 columns a handle
+///   set_stiffness() a stiffness changed           numeric factorisation only
+///   solve()         the handles moved             O(n k) with the basis, else one solve of x, y, z
+///
+/// Linear: fair for translations and gentle bends; details do not rotate with the surface.
+class ThinShell
+{
+public:
+    /// \throw InvalidOption  a stiffness negative, not finite, of a length other than 1 or n, or
+    ///                       all three zero.
+    explicit ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options = {});
+    ~ThinShell();
+    ThinShell(ThinShell&&) noexcept;
+
+    /// Leaves the object as it was if it throws.
+    /// \throw InvalidConstraint    see Regions.
+    /// \throw FactorizationFailed  the system is singular.
+    /// \throw Cancelled            by `progress`.
+    BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {});
+
+    /// Other k_s, k_b, k_v under the same handles.
+    /// \throw InvalidOption, FactorizationFailed, Cancelled  as above.
+    BindReport set_stiffness(const Stiffness& stretching, const Stiffness& bending,
+                             const Stiffness& variation, const Progress& progress = {});
+
+    /// \param poses       (k) affine maps from each handle's rest frame, object space.
+    /// \param[out] positions  (n, 3) deformed points: incoming + d.
+    /// \param incoming    (n, 3) what entered this frame; none for rest.
+    /// \param from_rest   (k) which handles aim from rest; null for none.
+    /// \throw InvalidConstraint  see Targets::check.
+    SolveReport solve(const Poses& poses, Points& positions,
+                      const std::optional<PointsView>& incoming = {},
+                      const std::vector<bool>* from_rest = nullptr) const;
+
+    const SurfaceMesh& rest() const;
+    const Regions& regions() const;
+
+    /// The answer to m columns of constraint values, all solved together.
+    /// \param constraints  (c, m) one row for each of regions().constraints().
+    ThinShellResponse respond(const MatrixX& constraints) const;
+
+    /// Null where the basis was not wanted or does not fit.
+    const AffineBasis* affine_basis() const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace sinew

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/surface/nonlinear/arap.h"
+
+#include "native/core/errors.h"
+#include "native/operators/laplacian.h"
+#include "native/surface/nonlinear/arap_cascade.h"
+#include "native/surface/nonlinear/arap_energy.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <string>
+
+namespace sinew {
+
+namespace {
+
+constexpr double least_weight = 1e-6; ///< of the mean: keeps the graph connected
+constexpr double most_weight = 1e4;   ///< of the mean: keeps the factor well conditioned
+/// F below this share of sum w |p|^2 is rounding: rigid poses would iterate on it.
+constexpr double rounding_floor = 1e-14;
+constexpr int history = 3; ///< correction pairs on the fine level
+
+void require_range(double value, double least, const char* name)
+{
+    if (!(value >= least && std::isfinite(value)))
+        throw InvalidOption(std::string(name) + ": " + std::to_string(value) +
+                            " is not a finite number >= " + std::to_string(least));
+}
+
+std::vector<double> spread_rigidity(const std::vector<double>& rigidity, int n)
+{
+    if (rigidity.size() != 1 && static_cast<int>(rigidity.size()) != n)
+        throw InvalidOption("rigidity: " + std::to_string(rigidity.size()) +
+                            " values given; 1 or one a vertex (" + std::to_string(n) + ") needed");
+    std::vector<int> bad;
+    for (int i = 0; i < static_cast<int>(rigidity.size()); ++i)
+        if (!(rigidity[i] > 0 && std::isfinite(rigidity[i])))
+            bad.push_back(i);
+    if (!bad.empty())
+        throw InvalidOption("rigidity: values at " + list_some(bad) + " are not finite numbers > 0",
+                            Error::Element::vertex, bad);
+    return rigidity.size() == 1 ? std::vector<double>(n, rigidity[0]) : rigidity;
+}
+
+/// Half cotangents by triangle corner, each raised so that every cell stays positive.
+void add_wings(ArapGraph& graph, const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
+{
+    const auto& triangles = mesh.triangles();
+    std::vector<std::vector<ArapWing>> around(graph.size);
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        std::array<double, 3> c;
+        for (int k = 0; k < 3; ++k)
+            c[k] = std::clamp(metric.half_cotan[t][k], least_weight * mean, most_weight * mean);
+        for (int k = 0; k < 3; ++k) {
+            const int b = (k + 1) % 3;
+            const int d = (k + 2) % 3;
+            // The edge to corner b lies opposite corner d.
+            around[triangles[t][k]].push_back({triangles[t][b], triangles[t][d], c[d], c[b], c[k]});
+        }
+    }
+    graph.wing_offsets.assign(1, 0);
+    for (auto& wings : around) {
+        graph.wings.insert(graph.wings.end(), wings.begin(), wings.end());
+        graph.wing_offsets.push_back(static_cast<int>(graph.wings.size()));
+    }
+}
+
+/// Directed edges and weights. With rims, w_ij is the sum of the corners' raised cotangents,
+/// so that L is exactly the Hessian bound of the rims' energy.
+ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
+{
+    ArapGraph graph;
+    graph.size = mesh.vertex_count();
+    graph.rigidity = spread_rigidity(options.rigidity, graph.size);
+    const TriangleMetric metric = triangle_metric(mesh);
+    graph.smoothing = options.smoothness * std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
+
+    SparseMatrix L = laplacian_matrix(mesh, Discretization::cotan);
+    double sum = 0.0;
+    int count = 0;
+    for (int c = 0; c < L.cols(); ++c)
+        for (SparseMatrix::InnerIterator it(L, c); it; ++it)
+            if (it.row() != c) {
+                sum += std::abs(it.value());
+                ++count;
+            }
+    const double mean = sum > 0 ? sum / count : 1.0;
+    if (options.cells == ArapOptions::Cells::rims) {
+        add_wings(graph, mesh, metric, mean);
+        std::vector<Eigen::Triplet<double>> entries;
+        for (int i = 0; i < graph.size; ++i)
+            for (int k = graph.wing_offsets[i]; k < graph.wing_offsets[i + 1]; ++k) {
+                entries.emplace_back(i, graph.wings[k].b, -graph.wings[k].to_b);
+                entries.emplace_back(i, graph.wings[k].c, -graph.wings[k].to_c);
+            }
+        L.setFromTriplets(entries.begin(), entries.end());
+    }
+
+    graph.offsets.assign(1, 0);
+    for (int c = 0; c < L.cols(); ++c) {
+        for (SparseMatrix::InnerIterator it(L, c); it; ++it)
+            if (it.row() != c) {
+                graph.neighbours.push_back(static_cast<int>(it.row()));
+                graph.weights.push_back(graph.has_rims()
+                    ? -it.value() : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
+            }
+        graph.offsets.push_back(static_cast<int>(graph.neighbours.size()));
+    }
+    return graph;
+}
+
+} // namespace
+
+struct Arap::Impl
+{
+    SurfaceMesh rest;
+    ArapOptions options;
+    Components parts;
+    int degenerate_faces;
+    int factorizations = 0;
+    int handle_count = 0;
+    ArapGraph graph;
+    ArapCascade cascade;
+
+    Impl(const SurfaceMesh& mesh, const ArapOptions& given)
+        : rest(mesh), options(given), parts(connected_components(rest)),
+          degenerate_faces(static_cast<int>(triangle_metric(rest).degenerate.size()))
+    {
+        require_range(options.smoothness, 0.0, "smoothness");
+        require_range(options.tolerance, 0.0, "tolerance");
+        require_range(options.max_iterations, 1, "max_iterations");
+        graph = make_graph(rest, options);
+        adopt(graph, Regions({}, parts));
+        graph.place.assign(graph.size, -1);
+    }
+
+    static void adopt(ArapGraph& graph, const Regions& regions)
+    {
+        graph.hard.resize(graph.size);
+        graph.idle.resize(graph.size);
+        for (int i = 0; i < graph.size; ++i) {
+            graph.hard[i] = regions.hard(i);
+            graph.idle[i] = regions.is_idle(i);
+        }
+        graph.pulls.clear();
+        for (const SoftConstraint& s : regions.soft()) {
+            double diagonal = 0.0;
+            for (int a = graph.offsets[s.vertex]; a < graph.offsets[s.vertex + 1]; ++a)
+                diagonal += graph.weights[a] * graph.edge_rigidity(s.vertex, graph.neighbours[a]);
+            graph.pulls.push_back({s.vertex, s.handle, s.stiffness() * (diagonal > 0 ? diagonal : 1.0)});
+        }
+    }
+
+    void require_same_size(const PointsView& points, const char* name) const
+    {
+        if (points.rows() != rest.vertex_count())
+            throw InvalidConstraint(std::string(name) + ": " + std::to_string(points.rows()) +
+                                    " points given for a rest shape of " +
+                                    std::to_string(rest.vertex_count()));
+        if (!points.allFinite())
+            throw InvalidConstraint(std::string(name) + ": NaN or infinite coordinates");
+    }
+};
+
+Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
+    : impl_(std::make_unique<Impl>(rest, options))
+{
+}
+
+Arap::~Arap() = default;
+Arap::Arap(Arap&&) noexcept = default;
+
+BindReport Arap::set_handles(const std::vector<Handle>& handles, const Progress& progress)
+{
+    const auto start = std::chrono::steady_clock::now();
+    Impl& self = *impl_;
+    progress.tick(0.0, "assembling the energy");
+    const Regions regions(handles, self.parts);
+    ArapGraph graph = make_graph(self.rest, self.options);
+    Impl::adopt(graph, regions);
+    progress.tick(0.2, "factorising");
+    graph.factorize(self.rest.points());
+    ArapCascade cascade(graph, self.rest.points(), progress);
+    progress.tick(1.0, "bound");
+
+    self.graph = std::move(graph);
+    self.cascade = std::move(cascade);
+    self.handle_count = regions.handle_count();
+    self.factorizations += self.graph.smoothing > 0 ? 2 : 1;
+
+    BindReport report = regions.report();
+    report.degenerate_faces = self.degenerate_faces;
+    report.factorizations = self.factorizations;
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return report;
+}
+
+SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& request,
+                        const Progress& progress) const
+{
+    const Impl& self = *impl_;
+    const Targets targets{poses, view(self.rest.points()), request.incoming, request.from_rest};
+    targets.check(self.handle_count);
+    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(self.options.max_iterations),
+                         .tolerance = request.tolerance.value_or(self.options.tolerance),
+                         .window = history};
+    require_range(options.max_iterations, 0, "max_iterations");
+    require_range(options.tolerance, 0.0, "tolerance");
+    if (request.start)
+        self.require_same_size(*request.start, "start");
+
+    const ArapGoals goals(self.graph, targets);
+    if (self.graph.free_nodes.empty()) {
+        positions = goals.targets;
+        return SolveReport{.converged = true};
+    }
+    ArapProblem problem(self.graph, targets.base(), goals.targets, goals.pulls);
+    options.floor = rounding_floor * problem.scale();
+    Points x;
+    if (request.start) {
+        x = problem.free_rows(*request.start);
+        problem.fit_rotations(x);
+    } else {
+        self.cascade.start(problem, self.graph, self.rest.points(), targets);
+        x = problem.positions_for_rotations();
+    }
+    SolveReport report = minimize(problem, x, options, progress);
+    report.energy *= self.graph.energy_factor();
+    positions = problem.place(x);
+    return report;
+}
+
+double Arap::energy(const PointsView& positions) const
+{
+    const Impl& self = *impl_;
+    self.require_same_size(positions, "positions");
+    const Points all = positions;
+    Points pulls(self.graph.pulls.size(), 3); // already where they would go: no energy
+    for (std::size_t k = 0; k < self.graph.pulls.size(); ++k)
+        pulls.row(k) = all.row(self.graph.pulls[k].node);
+    ArapProblem problem(self.graph, view(self.rest.points()), all, pulls);
+    const Points x = problem.free_rows(positions);
+    Points gradient;
+    problem.fit_rotations(x);
+    double energy = problem.evaluate(x, gradient);
+    for (int k = 0; self.graph.smoothing > 0 && k < 500; ++k) {
+        const double next = problem.evaluate(x, gradient);
+        if (!(next < energy * (1 - 1e-9)))
+            break;
+        energy = next;
+    }
+    return energy * self.graph.energy_factor();
+}
+
+const SurfaceMesh& Arap::rest() const { return impl_->rest; }
+
+} // namespace sinew
