@@ -20,7 +20,7 @@ constexpr double least_weight = 1e-6; ///< of the mean: keeps the graph connecte
 constexpr double most_weight = 1e4;   ///< of the mean: keeps the factor well conditioned
 /// F below this share of sum w |p|^2 is rounding: rigid poses would iterate on it.
 constexpr double rounding_floor = 1e-14;
-constexpr int history = 3; ///< correction pairs on the fine level
+constexpr int history = 5; ///< correction pairs on the fine level
 
 void require_range(double value, double least, const char* name)
 {
@@ -204,8 +204,7 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
     const Targets targets{poses, view(self.rest.points()), request.incoming, request.from_rest};
     targets.check(self.handle_count);
     LbfgsOptions options{.max_iterations = request.max_iterations.value_or(self.options.max_iterations),
-                         .tolerance = request.tolerance.value_or(self.options.tolerance),
-                         .window = history};
+                         .tolerance = request.tolerance.value_or(self.options.tolerance)};
     require_range(options.max_iterations, 0, "max_iterations");
     require_range(options.tolerance, 0.0, "tolerance");
     if (request.start)

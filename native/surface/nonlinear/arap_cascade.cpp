@@ -313,7 +313,7 @@ void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const 
         bases.push_back(levels_[l].restrict(view(bases.back())));
     }
     const LbfgsOptions options = fine.smoothing > 0
-        ? LbfgsOptions{.max_iterations = 10, .tolerance = 1e-3}
+        ? LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4}
         : LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4};
 
     std::vector<Matrix3> coarser;
