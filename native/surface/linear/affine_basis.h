@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Part of the method thin_shell.
+
 #include "native/core/report.h"
 #include "native/core/types.h"
 
