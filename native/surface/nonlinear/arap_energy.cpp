@@ -144,7 +144,7 @@ void ArapProblem::turn_rotation_field()
 {
     MatrixX torque(graph_.size, 3);
     parallel_for(graph_.size, [&](int i) {
-        const Matrix3 pull = covariance(i) + neighbour_rotations(i, rotations);
+        const Matrix3 pull = covariances_[i] + neighbour_rotations(i, rotations);
         torque.row(i) = vee(pull * rotations[i].transpose()).transpose();
     }, grain);
     const MatrixX omega = graph_.rotation_factor.solve(torque);
@@ -214,13 +214,15 @@ double ArapProblem::energy_and_gradient(Points& gradient) const
 
 double ArapProblem::evaluate(const Points& x, Points& gradient)
 {
-    place(x);
     if (graph_.smoothing > 0) {
+        place(x);
+        covariances_.resize(graph_.size);
+        parallel_for(graph_.size, [&](int i) { covariances_[i] = covariance(i); }, grain);
         turn_rotation_field();
         previous_ = rotations;
         parallel_for(graph_.size, [&](int i) {
             if (!graph_.idle[i])
-                rotations[i] = fit_rotation(covariance(i) + neighbour_rotations(i, previous_));
+                rotations[i] = fit_rotation(covariances_[i] + neighbour_rotations(i, previous_));
         }, grain);
     } else {
         fit_rotations(x);

@@ -100,7 +100,7 @@ private:
     PointsView base_;
     const Points& pulls_;
     Points all_;
-    std::vector<Matrix3> kept_, previous_;
+    std::vector<Matrix3> covariances_, previous_, kept_;
     double scale_ = 0.0;
 };
 
