@@ -31,7 +31,8 @@ mesh            SurfaceMesh, the rest shape.
 smoothness      alpha >= 0 of the smooth rotations; 0 is the textbook energy, which buckles on
                 dense meshes.
 cells           'spokes' [SA07] or 'rims' (spokes and rims).
-rigidity        > 0, or (n,) painted: how stiff each vertex's cell is.
+rigidity        > 0, or (n,) >= 0 painted: how stiff each vertex's cell is; values below 1e-3 of
+                the largest are raised to it.
 max_iterations  budget of a solve, >= 1.
 tolerance       >= 0: stop after two relative decreases of the energy in a row below it.
 

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double least_weight = 1e-6; ///< of the mean: keeps the graph connected
 constexpr double most_weight = 1e4;   ///< of the mean: keeps the factor well conditioned
+constexpr double least_rigidity = 1e-3; ///< of the largest painted one
 /// F below this share of sum w |p|^2 is rounding: rigid poses would iterate on it.
 constexpr double rounding_floor = 1e-14;
 constexpr int history = 5; ///< correction pairs on the fine level
@@ -36,12 +37,18 @@ std::vector<double> spread_rigidity(const std::vector<double>& rigidity, int n)
                             " values given; 1 or one a vertex (" + std::to_string(n) + ") needed");
     std::vector<int> bad;
     for (int i = 0; i < static_cast<int>(rigidity.size()); ++i)
-        if (!(rigidity[i] > 0 && std::isfinite(rigidity[i])))
+        if (!(rigidity[i] >= 0 && std::isfinite(rigidity[i])))
             bad.push_back(i);
     if (!bad.empty())
-        throw InvalidOption("rigidity: values at " + list_some(bad) + " are not finite numbers > 0",
+        throw InvalidOption("rigidity: values at " + list_some(bad) + " are not finite numbers >= 0",
                             Error::Element::vertex, bad);
-    return rigidity.size() == 1 ? std::vector<double>(n, rigidity[0]) : rigidity;
+    const double largest = *std::ranges::max_element(rigidity);
+    if (!(largest > 0))
+        throw InvalidOption("rigidity: zero everywhere; give at least one vertex a positive value");
+    std::vector<double> values = rigidity.size() == 1 ? std::vector<double>(n, rigidity[0]) : rigidity;
+    for (double& value : values)
+        value = std::max(value, least_rigidity * largest);
+    return values;
 }
 
 /// Half cotangents by triangle corner, each raised so that every cell stays positive.

@@ -17,7 +17,8 @@ struct ArapOptions
     /// alpha >= 0 of the smooth rotations [LG15]; 0 is the textbook energy of [SA07].
     double smoothness = 5e-4;
     enum class Cells { spokes, rims } cells = Cells::spokes;
-    /// One number, or one a vertex (painted): how stiff its cell is. Positive.
+    /// One number > 0, or one a vertex (painted, >= 0): how stiff its cell is. Painted values
+    /// below 1e-3 of their largest are raised to it, so that a region painted black stays solvable.
     std::vector<double> rigidity{1.0};
     int max_iterations = 40; ///< fine iterations a solve, rejected trials included
     /// solve() ends after two relative decreases of the energy in a row below this.
@@ -55,7 +56,7 @@ class Arap
 {
 public:
     /// \throw InvalidOption  a number negative or not finite, max_iterations < 1, or rigidity of
-    ///                       a length other than 1 or n, or not positive.
+    ///                       a length other than 1 or n, or zero everywhere.
     explicit Arap(const SurfaceMesh& rest, const ArapOptions& options = {});
     ~Arap();
     Arap(Arap&&) noexcept;
