@@ -12,26 +12,45 @@
 #ifdef __GNUC__
 // Absent unless the BLAS is OpenBLAS.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+extern "C" int openblas_get_parallel() __attribute__((weak));
 #endif
 
 #include <algorithm>
-#include <limits>
+#include <array>
+#include <mutex>
+#include <string>
 
 namespace sinew {
 
 namespace {
 
+enum class Blas { unknown, serial, pthread, openmp };
+
+Blas blas()
+{
+#ifdef __GNUC__
+    if (openblas_get_parallel)
+        return std::array{Blas::serial, Blas::pthread, Blas::openmp}[openblas_get_parallel() % 3];
+#endif
+    return Blas::unknown;
+}
+
 /// CHOLMOD opens OpenMP loops of its own whose spinning threads slow every later loop on a
 /// small machine by up to ten times, and a BLAS of several threads gains nothing at these
-/// block sizes. Both are held to one thread while a call runs.
+/// block sizes. Both are held to one thread while a call runs. OpenBLAS' serial build is not
+/// safe from two threads, so its calls queue; its OpenMP build hangs without active levels.
 class ThreadGuard
 {
 public:
     ThreadGuard()
     {
+        static std::mutex queue;
+        if (blas() == Blas::serial)
+            turn_ = std::unique_lock(queue);
 #ifdef SINEW_HAVE_OPENMP
         levels_ = omp_get_max_active_levels();
-        omp_set_max_active_levels(0);
+        if (blas() != Blas::openmp)
+            omp_set_max_active_levels(0);
 #endif
 #ifdef __GNUC__
         if (openblas_set_num_threads)
@@ -48,6 +67,7 @@ public:
     ThreadGuard& operator=(const ThreadGuard&) = delete;
 
 private:
+    std::unique_lock<std::mutex> turn_;
 #ifdef SINEW_HAVE_OPENMP
     int levels_ = 1;
 #endif
