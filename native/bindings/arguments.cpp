@@ -23,8 +23,8 @@ py::array any_array(const py::handle& object, const char* name)
 
 [[noreturn]] void refuse_type(const py::array& array, const char* name, const char* wanted)
 {
-    throw py::type_error(std::string(name) + ": " + py::str(array.dtype()).cast<std::string>() +
-                         " given, " + wanted + " needed");
+    throw py::type_error(std::string(name) + ": " + py::str(array.dtype()).cast<std::string>() + " given, " +
+                         wanted + " needed");
 }
 
 } // namespace
@@ -51,7 +51,8 @@ std::vector<int> integers(const py::handle& object, const char* name)
     for (py::ssize_t k = 0; k < wide.size(); ++k) {
         const std::int64_t value = wide.data()[k];
         // Out of 32 bits is out of any mesh: -1 is refused by whoever checks the range.
-        const bool fits = value >= std::numeric_limits<int>::min() && value <= std::numeric_limits<int>::max();
+        const bool fits =
+            value >= std::numeric_limits<int>::min() && value <= std::numeric_limits<int>::max();
         values[k] = fits ? static_cast<int>(value) : -1;
     }
     return values;
@@ -124,12 +125,13 @@ std::optional<std::vector<bool>> flags(const py::object& object, std::size_t cou
 {
     if (object.is_none())
         return std::nullopt;
-    if (py::isinstance<py::bool_>(object))
-        return std::vector<bool>(count, object.cast<bool>());
-    std::vector<bool> result;
-    for (const py::handle flag : object)
-        result.push_back(py::bool_(py::reinterpret_borrow<py::object>(flag)));
-    return result;
+    const py::array array = any_array(object, "from_rest");
+    if (array.size() > 0 && array.dtype().kind() != 'b')
+        refuse_type(array, "from_rest", "a flag or one a handle");
+    const auto values = py::array_t<bool, py::array::c_style | py::array::forcecast>(array);
+    if (values.ndim() == 0)
+        return std::vector<bool>(count, *values.data());
+    return std::vector<bool>(values.data(), values.data() + values.size());
 }
 
 Progress progress(const py::object& callback)

@@ -16,10 +16,14 @@ namespace {
 const char* name_of(Error::Element kind)
 {
     switch (kind) {
-    case Error::Element::vertex: return "vertex";
-    case Error::Element::face: return "face";
-    case Error::Element::handle: return "handle";
-    case Error::Element::none: break;
+    case Error::Element::vertex:
+        return "vertex";
+    case Error::Element::face:
+        return "face";
+    case Error::Element::handle:
+        return "handle";
+    case Error::Element::none:
+        break;
     }
     return "";
 }
@@ -57,7 +61,8 @@ void bind_core(py::module_& module)
 {
     add<Error>(module, "Error",
                "Root of the library's errors. `elements` lists the indices at fault, `element_kind` "
-               "says of what: 'vertex', 'face', 'handle' or ''.", PyExc_Exception);
+               "says of what: 'vertex', 'face', 'handle' or ''.",
+               PyExc_Exception);
     const py::object base = module.attr("Error");
     base.attr("elements") = py::list();
     base.attr("element_kind") = "";
@@ -85,8 +90,9 @@ void bind_core(py::module_& module)
         .def_readonly("soft_vertices", &BindReport::soft_vertices, "Vertices pulled softly.")
         .def_readonly("free_parts", &BindReport::free_parts,
                       "Connected parts without any constraint; they stay at rest.")
-        .def_property_readonly("free_vertices", [](const BindReport& r) { return to_numpy(r.free_vertices); },
-                               "(f,) vertices of those parts.")
+        .def_property_readonly(
+            "free_vertices", [](const BindReport& r) { return to_numpy(r.free_vertices); },
+            "(f,) vertices of those parts.")
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
                       "Triangles of (nearly) no area, solved with a floored area.")
         .def_readonly("factorizations", &BindReport::factorizations,

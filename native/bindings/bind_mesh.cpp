@@ -26,10 +26,12 @@ SurfaceMesh make_mesh(const py::object& point_object, const py::object& faces)
         const py::array shape = py::array::ensure(faces);
         if (!shape) {
             PyErr_Clear();
-            throw InvalidMesh("faces: give an (m, 3) or (m, 4) array, or (counts, indices) for mixed polygons");
+            throw InvalidMesh(
+                "faces: give an (m, 3) or (m, 4) array, or (counts, indices) for mixed polygons");
         }
         if (shape.size() > 0 && shape.ndim() != 2)
-            throw InvalidMesh("faces: the array must be (m, 3) or (m, 4); for mixed polygons give (counts, indices)");
+            throw InvalidMesh(
+                "faces: the array must be (m, 3) or (m, 4); for mixed polygons give (counts, indices)");
         if (shape.size() > 0) {
             counts.assign(shape.shape(0), static_cast<int>(shape.shape(1)));
             corners = integers(faces, "faces");
@@ -60,26 +62,36 @@ py::array_t<int> edge_array(const std::vector<std::array<int, 2>>& edges)
 void bind_mesh(py::module_& module)
 {
     py::class_<Diagnosis>(module, "Diagnosis", "What is unusual about a mesh, by element index.")
-        .def_property_readonly("non_manifold_edges", [](const Diagnosis& d) { return edge_array(d.non_manifold_edges); },
-                               "(k, 2) vertices of edges with three or more faces.")
-        .def_property_readonly("non_manifold_vertices", [](const Diagnosis& d) { return to_numpy(d.non_manifold_vertices); },
-                               "(k,) vertices whose faces form more than one fan.")
-        .def_property_readonly("boundary_loops", [](const Diagnosis& d) {
-            py::list loops;
-            for (const auto& loop : d.boundary_loops)
-                loops.append(to_numpy(loop));
-            return loops;
-        }, "List of (l,) vertex arrays, in order along each border.")
-        .def_property_readonly("degenerate_faces", [](const Diagnosis& d) { return to_numpy(d.degenerate_faces); },
-                               "(k,) faces of area below 1e-10 of their longest edge squared.")
-        .def_property_readonly("duplicate_faces", [](const Diagnosis& d) { return to_numpy(d.duplicate_faces); },
-                               "(k,) faces with the vertices of an earlier face.")
-        .def_property_readonly("inconsistent_edges", [](const Diagnosis& d) { return edge_array(d.inconsistent_edges); },
-                               "(k, 2) edges along which both faces run the same way.")
-        .def_property_readonly("loose_vertices", [](const Diagnosis& d) { return to_numpy(d.loose_vertices); },
-                               "(k,) vertices in no face.")
-        .def_property_readonly("coincident_vertices", [](const Diagnosis& d) { return to_numpy(d.coincident_vertices); },
-                               "(k,) vertices exactly where an earlier one is.")
+        .def_property_readonly(
+            "non_manifold_edges", [](const Diagnosis& d) { return edge_array(d.non_manifold_edges); },
+            "(k, 2) vertices of edges with three or more faces.")
+        .def_property_readonly(
+            "non_manifold_vertices", [](const Diagnosis& d) { return to_numpy(d.non_manifold_vertices); },
+            "(k,) vertices whose faces form more than one fan.")
+        .def_property_readonly(
+            "boundary_loops",
+            [](const Diagnosis& d) {
+                py::list loops;
+                for (const auto& loop : d.boundary_loops)
+                    loops.append(to_numpy(loop));
+                return loops;
+            },
+            "List of (l,) vertex arrays, in order along each border.")
+        .def_property_readonly(
+            "degenerate_faces", [](const Diagnosis& d) { return to_numpy(d.degenerate_faces); },
+            "(k,) faces of area below 1e-10 of their longest edge squared.")
+        .def_property_readonly(
+            "duplicate_faces", [](const Diagnosis& d) { return to_numpy(d.duplicate_faces); },
+            "(k,) faces with the vertices of an earlier face.")
+        .def_property_readonly(
+            "inconsistent_edges", [](const Diagnosis& d) { return edge_array(d.inconsistent_edges); },
+            "(k, 2) edges along which both faces run the same way.")
+        .def_property_readonly(
+            "loose_vertices", [](const Diagnosis& d) { return to_numpy(d.loose_vertices); },
+            "(k,) vertices in no face.")
+        .def_property_readonly(
+            "coincident_vertices", [](const Diagnosis& d) { return to_numpy(d.coincident_vertices); },
+            "(k,) vertices exactly where an earlier one is.")
         .def_readonly("component_count", &Diagnosis::component_count, "Connected parts.")
         .def_property_readonly("clean", [](const Diagnosis& d) { return summary(d) == "clean"; })
         .def("summary", &summary, "One line with the counts, or 'clean'.")
@@ -95,21 +107,29 @@ faces   (m, 3) or (m, 4) integers, or a tuple (counts (m,), indices (sum of coun
 
 Raises InvalidMesh for no vertices, NaN or infinite points, faces of fewer than three corners
 and indices out of range; `elements` lists the culprits.)")
-        .def_property_readonly("points", [](const py::object& self) {
-            const auto& mesh = self.cast<const SurfaceMesh&>();
-            return view_of(mesh.points().data(), mesh.vertex_count(), 3, self);
-        }, "(n, 3) rest positions, read-only.")
-        .def_property_readonly("triangles", [](const py::object& self) {
-            const auto& mesh = self.cast<const SurfaceMesh&>();
-            const auto& triangles = mesh.triangles();
-            return view_of(triangles.empty() ? nullptr : triangles.front().data(),
-                           static_cast<py::ssize_t>(triangles.size()), 3, self);
-        }, "(t, 3) the triangulation that all operators use, read-only.")
+        .def_property_readonly(
+            "points",
+            [](const py::object& self) {
+                const auto& mesh = self.cast<const SurfaceMesh&>();
+                return view_of(mesh.points().data(), mesh.vertex_count(), 3, self);
+            },
+            "(n, 3) rest positions, read-only.")
+        .def_property_readonly(
+            "triangles",
+            [](const py::object& self) {
+                const auto& mesh = self.cast<const SurfaceMesh&>();
+                const auto& triangles = mesh.triangles();
+                return view_of(triangles.empty() ? nullptr : triangles.front().data(),
+                               static_cast<py::ssize_t>(triangles.size()), 3, self);
+            },
+            "(t, 3) the triangulation that all operators use, read-only.")
         .def_property_readonly("vertex_count", &SurfaceMesh::vertex_count)
         .def_property_readonly("face_count", &SurfaceMesh::face_count)
-        .def_property_readonly("component_count", [](const SurfaceMesh& m) { return connected_components(m).count; })
-        .def_property_readonly("components", [](const SurfaceMesh& m) { return to_numpy(connected_components(m).labels); },
-                               "(n,) part of each vertex; parts are joined through faces.")
+        .def_property_readonly("component_count",
+                               [](const SurfaceMesh& m) { return connected_components(m).count; })
+        .def_property_readonly(
+            "components", [](const SurfaceMesh& m) { return to_numpy(connected_components(m).labels); },
+            "(n,) part of each vertex; parts are joined through faces.")
         .def("diagnose", &diagnose, py::call_guard<py::gil_scoped_release>(),
              "Everything unusual, with element indices. O(n log n).")
         .def("__repr__", [](const SurfaceMesh& m) {

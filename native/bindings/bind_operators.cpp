@@ -31,21 +31,30 @@ py::array_t<double> fit_rotations(const py::object& object)
 
 void bind_operators(py::module_& module)
 {
-    module.def("laplacian", [](const SurfaceMesh& mesh, const std::string& kind) {
-        return laplacian_matrix(mesh, discretization(kind));
-    }, py::arg("mesh"), py::arg("discretization") = "cotan_voronoi",
-    R"((n, n) SciPy sparse L: symmetric, positive semi-definite, weak (not divided by area).
+    module.def(
+        "laplacian",
+        [](const SurfaceMesh& mesh, const std::string& kind) {
+            return laplacian_matrix(mesh, discretization(kind));
+        },
+        py::arg("mesh"), py::arg("discretization") = "cotan_voronoi",
+        R"((n, n) SciPy sparse L: symmetric, positive semi-definite, weak (not divided by area).
 
 (L f)_i = sum_j w_ij (f_i - f_j) with the weights of tutorial section 3.2: 'uniform' [Tau95],
 'cotan' [YZX*04] or 'cotan_voronoi' [MDSB03]. The Laplace-Beltrami of f is -(L f) / mass.)");
-    module.def("mass", [](const SurfaceMesh& mesh, const std::string& kind) {
-        return mass_vector(mesh, discretization(kind));
-    }, py::arg("mesh"), py::arg("discretization") = "cotan_voronoi",
-    "(n,) mass of each vertex: mixed Voronoi area, 1, or the number of neighbours ('uniform').");
-    module.def("laplacian_power", [](const SurfaceMesh& mesh, int order, const std::string& kind) {
-        return laplacian_power(mesh, order, discretization(kind));
-    }, py::arg("mesh"), py::arg("order"), py::arg("discretization") = "cotan_voronoi",
-    "(n, n) symmetric order-k operator L (M^-1 L)^(k-1), Eq. 18. Raises InvalidOption below order 1.");
+    module.def(
+        "mass",
+        [](const SurfaceMesh& mesh, const std::string& kind) {
+            return mass_vector(mesh, discretization(kind));
+        },
+        py::arg("mesh"), py::arg("discretization") = "cotan_voronoi",
+        "(n,) mass of each vertex: mixed Voronoi area, 1, or the number of neighbours ('uniform').");
+    module.def(
+        "laplacian_power",
+        [](const SurfaceMesh& mesh, int order, const std::string& kind) {
+            return laplacian_power(mesh, order, discretization(kind));
+        },
+        py::arg("mesh"), py::arg("order"), py::arg("discretization") = "cotan_voronoi",
+        "(n, n) symmetric order-k operator L (M^-1 L)^(k-1), Eq. 18. Raises InvalidOption below order 1.");
     module.def("gradient", &gradient_matrix, py::arg("mesh"),
                "(3t, n) sparse G: rows 3k..3k+2 are the gradient on triangle k.");
     module.def("divergence", &divergence_matrix, py::arg("mesh"),

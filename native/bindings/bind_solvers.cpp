@@ -41,37 +41,46 @@ SparseMatrix tidy(const SparseMatrix& matrix)
 void bind_solvers(py::module_& module)
 {
     py::class_<SpdFactor>(module, "SpdFactor", "Sparse Cholesky factor, kept for many right-hand sides.")
-        .def(py::init([](const SparseMatrix& matrix, const std::string& ordering, const std::string& backend) {
-            SpdFactor factor(factor_options(ordering, backend));
-            const SparseMatrix sorted = tidy(matrix);
-            const py::gil_scoped_release unlocked;
-            factor.factorize(sorted);
-            return factor;
-        }), py::arg("matrix"), py::arg("ordering") = "minimum_degree", py::arg("backend") = "automatic", R"(
+        .def(
+            py::init([](const SparseMatrix& matrix, const std::string& ordering, const std::string& backend) {
+                SpdFactor factor(factor_options(ordering, backend));
+                const SparseMatrix sorted = tidy(matrix);
+                const py::gil_scoped_release unlocked;
+                factor.factorize(sorted);
+                return factor;
+            }),
+            py::arg("matrix"), py::arg("ordering") = "minimum_degree", py::arg("backend") = "automatic", R"(
 matrix    (n, n) SciPy sparse, symmetric positive definite.
 ordering  'natural', 'reverse_cuthill_mckee', 'minimum_degree' or 'nested_dissection'.
 backend   'automatic', 'supernodal', 'simplicial' (CHOLMOD) or 'ldlt' (Eigen).
 
 Raises FactorizationFailed where the matrix is singular or indefinite.)")
-        .def("solve", [](const SpdFactor& factor, const py::object& rhs) {
-            const FloatArray array = floats(rhs, "rhs");
-            if (array.ndim() != 1 && array.ndim() != 2)
-                throw InvalidConstraint("rhs: the shape must be (n,) or (n, k)");
-            using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-            const py::ssize_t columns = array.ndim() == 2 ? array.shape(1) : 1;
-            const MatrixX b = Eigen::Map<const RowMajor>(array.data(), array.shape(0), columns);
-            MatrixX x;
-            {
+        .def(
+            "solve",
+            [](const SpdFactor& factor, const py::object& rhs) {
+                const FloatArray array = floats(rhs, "rhs");
+                if (array.ndim() != 1 && array.ndim() != 2)
+                    throw InvalidConstraint("rhs: the shape must be (n,) or (n, k)");
+                using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+                const py::ssize_t columns = array.ndim() == 2 ? array.shape(1) : 1;
+                const MatrixX b = Eigen::Map<const RowMajor>(array.data(), array.shape(0), columns);
+                MatrixX x;
+                {
+                    const py::gil_scoped_release unlocked;
+                    x = factor.solve(b);
+                }
+                return array.ndim() == 1 ? py::object(py::cast(VectorX(x.col(0)))) : py::object(py::cast(x));
+            },
+            py::arg("rhs"),
+            "(n,) or (n, k) -> the solution in the same shape. Two triangular solves a column.")
+        .def(
+            "factorize",
+            [](SpdFactor& factor, const SparseMatrix& matrix) {
+                const SparseMatrix sorted = tidy(matrix);
                 const py::gil_scoped_release unlocked;
-                x = factor.solve(b);
-            }
-            return array.ndim() == 1 ? py::object(py::cast(VectorX(x.col(0)))) : py::object(py::cast(x));
-        }, py::arg("rhs"), "(n,) or (n, k) -> the solution in the same shape. Two triangular solves a column.")
-        .def("factorize", [](SpdFactor& factor, const SparseMatrix& matrix) {
-            const SparseMatrix sorted = tidy(matrix);
-            const py::gil_scoped_release unlocked;
-            factor.factorize(sorted);
-        }, py::arg("matrix"), "Other values; the symbolic part is kept while the pattern is the same.")
+                factor.factorize(sorted);
+            },
+            py::arg("matrix"), "Other values; the symbolic part is kept while the pattern is the same.")
         .def_property_readonly("size", &SpdFactor::size)
         .def_property_readonly("nonzeros", &SpdFactor::nonzeros, "Entries of the factor.")
         .def_property_readonly("factorizations", &SpdFactor::factorizations, "Numeric factorisations so far.")

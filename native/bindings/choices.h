@@ -11,8 +11,7 @@ namespace sinew::bindings {
 
 /// A named choice -> its enumerator. \throw InvalidOption  listing the names.
 template <class T>
-T choose(const std::string& value, const char* name,
-         std::initializer_list<std::pair<const char*, T>> choices)
+T choose(const std::string& value, const char* name, std::initializer_list<std::pair<const char*, T>> choices)
 {
     std::string known;
     for (const auto& [key, result] : choices) {

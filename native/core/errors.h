@@ -14,8 +14,7 @@ class Error : public std::runtime_error
 public:
     enum class Element { none, vertex, face, handle };
 
-    explicit Error(const std::string& message, Element kind = Element::none,
-                   std::vector<int> elements = {});
+    explicit Error(const std::string& message, Element kind = Element::none, std::vector<int> elements = {});
 
     Element element_kind() const { return kind_; }
     const std::vector<int>& elements() const { return elements_; }
@@ -26,19 +25,34 @@ private:
 };
 
 /// The rest shape cannot be read: index out of range, non-finite point, no vertex.
-class InvalidMesh : public Error { using Error::Error; };
+class InvalidMesh : public Error
+{
+    using Error::Error;
+};
 
 /// Handles, weights, poses or incoming points do not fit the mesh or each other.
-class InvalidConstraint : public Error { using Error::Error; };
+class InvalidConstraint : public Error
+{
+    using Error::Error;
+};
 
 /// An option is outside its documented range.
-class InvalidOption : public Error { using Error::Error; };
+class InvalidOption : public Error
+{
+    using Error::Error;
+};
 
 /// The system has no unique solution, or memory ran out while factorising.
-class FactorizationFailed : public Error { using Error::Error; };
+class FactorizationFailed : public Error
+{
+    using Error::Error;
+};
 
 /// The caller asked to stop; the object is as it was before the call.
-class Cancelled : public Error { using Error::Error; };
+class Cancelled : public Error
+{
+    using Error::Error;
+};
 
 /// "3, 17, 20 and 4 more", for messages.
 std::string list_some(const std::vector<int>& elements, std::size_t most = 8);

@@ -19,9 +19,7 @@ void parallel_chunks(int count, int grain, const std::function<void(int, int)>& 
             body(c * grain, std::min(count, (c + 1) * grain));
         return;
     }
-    tbb::parallel_for(0, chunks, [&](int c) {
-        body(c * grain, std::min(count, (c + 1) * grain));
-    });
+    tbb::parallel_for(0, chunks, [&](int c) { body(c * grain, std::min(count, (c + 1) * grain)); });
 }
 
 void limit_threads(int count)
@@ -31,8 +29,8 @@ void limit_threads(int count)
     const std::lock_guard lock(mutex);
     control.reset();
     if (count > 0)
-        control = std::make_unique<tbb::global_control>(
-            tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
+        control = std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism,
+                                                        static_cast<std::size_t>(count));
 }
 
 } // namespace sinew

@@ -33,9 +33,7 @@ std::vector<HalfEdge> sorted_half_edges(const SurfaceMesh& mesh)
                 sides.push_back({std::min(a, b), std::max(a, b), a, b, f});
         }
     }
-    std::ranges::sort(sides, {}, [](const HalfEdge& s) {
-        return std::array{s.low, s.high, s.face, s.from};
-    });
+    std::ranges::sort(sides, {}, [](const HalfEdge& s) { return std::array{s.low, s.high, s.face, s.from}; });
     return sides;
 }
 
@@ -77,8 +75,7 @@ std::vector<int> several_fans(const SurfaceMesh& mesh, const std::vector<HalfEdg
     };
     const auto corner = [&](int face, int vertex) {
         const auto loop = mesh.face(face);
-        return first_corner[face] +
-               static_cast<int>(std::ranges::find(loop, vertex) - loop.begin());
+        return first_corner[face] + static_cast<int>(std::ranges::find(loop, vertex) - loop.begin());
     };
     for (std::size_t i = 1; i < sides.size(); ++i) {
         const HalfEdge& a = sides[i - 1];

@@ -27,20 +27,18 @@ void check(const Handle& handle, int index, int vertex_count)
                                 Element::handle, {index});
     if (!handle.weights.empty() && handle.weights.size() != handle.vertices.size())
         throw InvalidConstraint(name_of(index) + ": " + std::to_string(handle.weights.size()) +
-                                    " weights for " + std::to_string(handle.vertices.size()) +
-                                    " vertices",
+                                    " weights for " + std::to_string(handle.vertices.size()) + " vertices",
                                 Element::handle, {index});
     std::vector<int> bad;
     for (std::size_t k = 0; k < handle.weights.size(); ++k)
         if (!(handle.weights[k] >= 0.0 && handle.weights[k] <= 1.0))
             bad.push_back(handle.vertices[k]);
     if (!bad.empty())
-        throw InvalidConstraint(name_of(index) + ": weights outside [0, 1] at vertices " +
-                                    list_some(bad),
+        throw InvalidConstraint(name_of(index) + ": weights outside [0, 1] at vertices " + list_some(bad),
                                 Element::vertex, bad);
     if (!(handle.continuity >= 0.0 && handle.continuity <= 2.0))
-        throw InvalidConstraint(name_of(index) + ": continuity " +
-                                    std::to_string(handle.continuity) + " is outside [0, 2]",
+        throw InvalidConstraint(name_of(index) + ": continuity " + std::to_string(handle.continuity) +
+                                    " is outside [0, 2]",
                                 Element::handle, {index});
 }
 
@@ -126,8 +124,8 @@ void Targets::check(int handle_count) const
             throw InvalidConstraint("poses: NaN or infinite entry in the pose of " + name_of(h),
                                     Error::Element::handle, {h});
     if (from_rest && static_cast<int>(from_rest->size()) != handle_count)
-        throw InvalidConstraint("from_rest: " + std::to_string(from_rest->size()) +
-                                " flags given for " + std::to_string(handle_count) + " handles");
+        throw InvalidConstraint("from_rest: " + std::to_string(from_rest->size()) + " flags given for " +
+                                std::to_string(handle_count) + " handles");
     if (!incoming)
         return;
     if (incoming->rows() != rest.rows())
@@ -138,8 +136,7 @@ void Targets::check(int handle_count) const
         if (!incoming->row(v).allFinite())
             bad.push_back(v);
     if (!bad.empty())
-        throw InvalidConstraint("incoming: NaN or infinite coordinates at vertices " +
-                                    list_some(bad),
+        throw InvalidConstraint("incoming: NaN or infinite coordinates at vertices " + list_some(bad),
                                 Error::Element::vertex, bad);
 }
 

@@ -57,8 +57,8 @@ SurfaceMesh::SurfaceMesh(Points points, std::vector<int> counts, std::vector<int
         if (std::ranges::any_of(face(f), [n](int v) { return v < 0 || v >= n; }))
             bad.push_back(f);
     if (!bad.empty())
-        throw InvalidMesh("faces: vertex index out of range [0, " + std::to_string(n) +
-                              ") in faces " + list_some(bad),
+        throw InvalidMesh("faces: vertex index out of range [0, " + std::to_string(n) + ") in faces " +
+                              list_some(bad),
                           Error::Element::face, bad);
 
     triangles_.reserve(corners_.size());

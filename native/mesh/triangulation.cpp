@@ -26,8 +26,8 @@ std::vector<Vector2> flatten(const Points& points, std::span<const int> polygon)
     for (std::size_t k = 0; k < polygon.size(); ++k)
         normal += at(k).cross(at(k + 1));
     const Eigen::Quaterniond turn = normal.squaredNorm() > 0
-        ? Eigen::Quaterniond::FromTwoVectors(normal, Vector3::UnitZ())
-        : Eigen::Quaterniond::Identity();
+                                        ? Eigen::Quaterniond::FromTwoVectors(normal, Vector3::UnitZ())
+                                        : Eigen::Quaterniond::Identity();
     std::vector<Vector2> flat(polygon.size());
     for (std::size_t k = 0; k < polygon.size(); ++k)
         flat[k] = (turn * at(k)).head<2>();
@@ -120,8 +120,7 @@ void cut_quad(const Points& points, std::span<const int> q, std::vector<Triangle
 
 } // namespace
 
-void triangulate(const Points& points, std::span<const int> polygon,
-                 std::vector<Triangle>& triangles)
+void triangulate(const Points& points, std::span<const int> polygon, std::vector<Triangle>& triangles)
 {
     if (polygon.size() == 3)
         triangles.push_back({polygon[0], polygon[1], polygon[2]});

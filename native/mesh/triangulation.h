@@ -12,7 +12,6 @@ namespace sinew {
 /// Concave and non-planar polygons are cut in the plane of their area vector, where the
 /// best-shaped ear goes first; a polygon without any ear (self-crossing, collinear) is
 /// still cut into k - 2 triangles over its own corners. O(k^2).
-void triangulate(const Points& points, std::span<const int> polygon,
-                 std::vector<Triangle>& triangles);
+void triangulate(const Points& points, std::span<const int> polygon, std::vector<Triangle>& triangles);
 
 } // namespace sinew

@@ -48,8 +48,7 @@ void add_mixed_areas(const SurfaceMesh& mesh, const Triangle& t, double area, Ve
             const int a = (k + 1) % 3;
             const int b = (k + 2) % 3;
             // 1/8 (|e_a|^2 cot_a + |e_b|^2 cot_b), with cot = dot / (2 area)
-            mass[t[k]] +=
-                (edge[a].squaredNorm() * dot[a] + edge[b].squaredNorm() * dot[b]) / (16 * area);
+            mass[t[k]] += (edge[a].squaredNorm() * dot[a] + edge[b].squaredNorm() * dot[b]) / (16 * area);
         }
     }
 }
@@ -76,8 +75,8 @@ TriangleMetric triangle_metric(const SurfaceMesh& mesh)
             metric.degenerate.push_back(static_cast<int>(t));
         for (int c = 0; c < 3; ++c) {
             const double dot = -edge[(c + 1) % 3].dot(edge[(c + 2) % 3]);
-            metric.half_cotan[t][c] = (divisor > 0 ? dot / divisor : 0.0) +
-                                      (degenerate ? 0.5 / std::sqrt(3.0) : 0.0);
+            metric.half_cotan[t][c] =
+                (divisor > 0 ? dot / divisor : 0.0) + (degenerate ? 0.5 / std::sqrt(3.0) : 0.0);
         }
     }
     return metric;

@@ -94,8 +94,7 @@ Eigen::Quaterniond fit_rotation_quaternion(const Matrix3& S)
 Matrix3 rotation_from_vector(const Vector3& omega)
 {
     const double angle = omega.norm();
-    return angle < 1e-14 ? Matrix3::Identity()
-                         : Eigen::AngleAxisd(angle, omega / angle).toRotationMatrix();
+    return angle < 1e-14 ? Matrix3::Identity() : Eigen::AngleAxisd(angle, omega / angle).toRotationMatrix();
 }
 
 } // namespace sinew

@@ -178,7 +178,8 @@ private:
         if (status == CHOLMOD_OUT_OF_MEMORY)
             throw FactorizationFailed("out of memory while factorising; use a coarser mesh");
         if (status == CHOLMOD_TOO_LARGE)
-            throw FactorizationFailed("the factor has more entries than can be addressed; use a coarser mesh");
+            throw FactorizationFailed(
+                "the factor has more entries than can be addressed; use a coarser mesh");
         throw FactorizationFailed("CHOLMOD failed with status " + std::to_string(status));
     }
 

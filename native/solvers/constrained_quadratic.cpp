@@ -43,8 +43,7 @@ void ConstrainedQuadratic::factorize(const SparseMatrix& matrix, const std::vect
         if (error.elements().empty())
             throw;
         const int row = free_rows_[error.elements().front()];
-        throw FactorizationFailed("the system is singular; it broke down at vertex " +
-                                      std::to_string(row),
+        throw FactorizationFailed("the system is singular; it broke down at vertex " + std::to_string(row),
                                   Error::Element::vertex, {row});
     }
 }

@@ -51,7 +51,7 @@ public:
 private:
     void permute(const SparseMatrix& matrix)
     {
-        permuted_ = matrix.twistedBy(permutation_);
+        permuted_ = matrix.selfadjointView<Eigen::Lower>().twistedBy(permutation_);
     }
 
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation_;

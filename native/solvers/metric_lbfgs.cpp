@@ -19,8 +19,7 @@ constexpr double rounding = 1e-12;
 
 double dot(const Points& a, const Points& b)
 {
-    return parallel_sum(static_cast<int>(a.rows()),
-                        [&](int i) { return a.row(i).dot(b.row(i)); }, 8192);
+    return parallel_sum(static_cast<int>(a.rows()), [&](int i) { return a.row(i).dot(b.row(i)); }, 8192);
 }
 
 struct Pair
@@ -51,8 +50,7 @@ Points direction(const std::deque<Pair>& pairs, const Points& g, const Points& z
 
 } // namespace
 
-SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options,
-                     const Progress& progress)
+SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress)
 {
     SolveReport report;
     Points g, z, trial, trial_g, trial_z;

@@ -15,8 +15,7 @@ namespace {
 
 /// Breadth-first from `start`, neighbours by rising degree; appends to `order`.
 /// E. Cuthill, J. McKee. "Reducing the bandwidth of sparse symmetric matrices." ACM 1969.
-void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& seen,
-                   std::vector<int>& order)
+void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& seen, std::vector<int>& order)
 {
     const int* offsets = matrix.outerIndexPtr();
     const auto degree = [&](int v) { return offsets[v + 1] - offsets[v]; };
@@ -38,8 +37,9 @@ void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& see
     }
 }
 
-std::vector<int> reverse_cuthill_mckee(const SparseMatrix& matrix)
+std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
 {
+    const SparseMatrix matrix = lower.selfadjointView<Eigen::Lower>();
     const int n = static_cast<int>(matrix.cols());
     std::vector<bool> seen(n, false);
     std::vector<int> order;

@@ -201,8 +201,7 @@ struct ThinShell::Impl
         BindReport report = bound.regions.report();
         report.degenerate_faces = degenerate_faces;
         report.factorizations = factorizations;
-        report.seconds =
-            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return report;
     }
 
@@ -281,8 +280,7 @@ ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
     return response;
 }
 
-SolveReport ThinShell::solve(const Poses& poses, Points& positions,
-                             const std::optional<PointsView>& incoming,
+SolveReport ThinShell::solve(const Poses& poses, Points& positions, const std::optional<PointsView>& incoming,
                              const std::vector<bool>* from_rest) const
 {
     const Binding& bound = impl_->bound;

@@ -95,8 +95,7 @@ public:
     /// \param incoming    (n, 3) what entered this frame; none for rest.
     /// \param from_rest   (k) which handles aim from rest; null for none.
     /// \throw InvalidConstraint  see Targets::check.
-    SolveReport solve(const Poses& poses, Points& positions,
-                      const std::optional<PointsView>& incoming = {},
+    SolveReport solve(const Poses& poses, Points& positions, const std::optional<PointsView>& incoming = {},
                       const std::vector<bool>* from_rest = nullptr) const;
 
     const SurfaceMesh& rest() const;

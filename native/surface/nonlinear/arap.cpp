@@ -110,8 +110,9 @@ ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
         for (SparseMatrix::InnerIterator it(L, c); it; ++it)
             if (it.row() != c) {
                 graph.neighbours.push_back(static_cast<int>(it.row()));
-                graph.weights.push_back(graph.has_rims()
-                    ? -it.value() : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
+                graph.weights.push_back(
+                    graph.has_rims() ? -it.value()
+                                     : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
             }
         graph.offsets.push_back(static_cast<int>(graph.neighbours.size()));
     }
@@ -171,8 +172,7 @@ struct Arap::Impl
     }
 };
 
-Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
-    : impl_(std::make_unique<Impl>(rest, options))
+Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options) : impl_(std::make_unique<Impl>(rest, options))
 {
 }
 

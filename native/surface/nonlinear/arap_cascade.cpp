@@ -94,8 +94,7 @@ private:
 };
 
 /// Squared hats over the graph distance to each seed, normalised at every node.
-void set_up_weights(ArapLevel& level, const ArapGraph& fine, const Points& rest,
-                    const Clusters& clusters)
+void set_up_weights(ArapLevel& level, const ArapGraph& fine, const Points& rest, const Clusters& clusters)
 {
     const double reach = hat_radius * clusters.radius;
     std::vector<std::vector<std::pair<int, double>>> shares(fine.size);
@@ -143,8 +142,8 @@ void set_up_weights(ArapLevel& level, const ArapGraph& fine, const Points& rest,
     }
 }
 
-void set_edges(ArapGraph& coarse, const ArapGraph& fine, const Points& fine_rest,
-               const Points& coarse_rest, const std::vector<int>& label)
+void set_edges(ArapGraph& coarse, const ArapGraph& fine, const Points& fine_rest, const Points& coarse_rest,
+               const std::vector<int>& label)
 {
     std::vector<std::map<int, double>> crossing(coarse.size);
     for (int i = 0; i < fine.size; ++i)
@@ -152,8 +151,8 @@ void set_edges(ArapGraph& coarse, const ArapGraph& fine, const Points& fine_rest
             const int p = label[i];
             const int q = label[fine.neighbours[a]];
             if (p != q && p >= 0)
-                crossing[p][q] += fine.weights[a] *
-                                  (fine_rest.row(i) - fine_rest.row(fine.neighbours[a])).norm();
+                crossing[p][q] +=
+                    fine.weights[a] * (fine_rest.row(i) - fine_rest.row(fine.neighbours[a])).norm();
         }
     coarse.offsets.assign(1, 0);
     for (int p = 0; p < coarse.size; ++p) {
@@ -312,9 +311,8 @@ void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const 
         rests.push_back(levels_[l].restrict(view(rests.back())));
         bases.push_back(levels_[l].restrict(view(bases.back())));
     }
-    const LbfgsOptions options = fine.smoothing > 0
-        ? LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4}
-        : LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4};
+    const LbfgsOptions options = fine.smoothing > 0 ? LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4}
+                                                    : LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4};
 
     std::vector<Matrix3> coarser;
     for (int l = static_cast<int>(levels_.size()) - 1; l >= 0; --l) {

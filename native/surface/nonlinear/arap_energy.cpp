@@ -15,10 +15,7 @@ namespace {
 constexpr int grain = 512; ///< nodes a parallel chunk: some 50 us of work
 
 /// Axial vector of the skew part: vee(Q)_k = e_kij Q_ji.
-Vector3 vee(const Matrix3& Q)
-{
-    return {Q(2, 1) - Q(1, 2), Q(0, 2) - Q(2, 0), Q(1, 0) - Q(0, 1)};
-}
+Vector3 vee(const Matrix3& Q) { return {Q(2, 1) - Q(1, 2), Q(0, 2) - Q(2, 0), Q(1, 0) - Q(0, 1)}; }
 
 } // namespace
 
@@ -79,8 +76,7 @@ void ArapGraph::factorize(const Points& rest)
 
 ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets,
                          const Points& pulls)
-    : rotations(graph.size, Matrix3::Identity()), graph_(graph), base_(base), pulls_(pulls),
-      all_(targets)
+    : rotations(graph.size, Matrix3::Identity()), graph_(graph), base_(base), pulls_(pulls), all_(targets)
 {
     for (int i : graph.free_nodes)
         all_.row(i) = base.row(i);
@@ -143,65 +139,79 @@ Matrix3 ArapProblem::neighbour_rotations(int i, const std::vector<Matrix3>& from
 void ArapProblem::turn_rotation_field()
 {
     MatrixX torque(graph_.size, 3);
-    parallel_for(graph_.size, [&](int i) {
-        const Matrix3 pull = covariances_[i] + neighbour_rotations(i, rotations);
-        torque.row(i) = vee(pull * rotations[i].transpose()).transpose();
-    }, grain);
+    parallel_for(
+        graph_.size,
+        [&](int i) {
+            const Matrix3 pull = covariances_[i] + neighbour_rotations(i, rotations);
+            torque.row(i) = vee(pull * rotations[i].transpose()).transpose();
+        },
+        grain);
     const MatrixX omega = graph_.rotation_factor.solve(torque);
-    parallel_for(graph_.size, [&](int i) {
-        Vector3 turn = omega.row(i).transpose();
-        turn /= std::max(1.0, turn.norm());
-        rotations[i] = rotation_from_vector(turn) * rotations[i];
-    }, grain);
+    parallel_for(
+        graph_.size,
+        [&](int i) {
+            Vector3 turn = omega.row(i).transpose();
+            turn /= std::max(1.0, turn.norm());
+            rotations[i] = rotation_from_vector(turn) * rotations[i];
+        },
+        grain);
 }
 
 void ArapProblem::fit_rotations(const Points& x)
 {
     place(x);
-    parallel_for(graph_.size, [&](int i) {
-        if (!graph_.idle[i])
-            rotations[i] = fit_rotation(covariance(i));
-    }, grain);
+    parallel_for(
+        graph_.size,
+        [&](int i) {
+            if (!graph_.idle[i])
+                rotations[i] = fit_rotation(covariance(i));
+        },
+        grain);
 }
 
 double ArapProblem::energy_and_gradient(Points& gradient) const
 {
     gradient.resize(graph_.free_nodes.size(), 3);
-    double energy = parallel_sum(graph_.size, [&](int i) {
-        if (graph_.idle[i])
-            return 0.0;
-        const Matrix3& R = rotations[i];
-        double cell = 0.0;
-        double bend = 0.0;
-        Vector3 force = Vector3::Zero();
-        for (int a = graph_.offsets[i]; a < graph_.offsets[i + 1]; ++a) {
-            const int j = graph_.neighbours[a];
-            const double w = graph_.weights[a];
-            if (!graph_.has_rims()) {
-                const Vector3 e = edge(i, j);
-                const Vector3 own = span(i, j) - R * e;
-                cell += w * own.squaredNorm();
-                force += 0.5 * w * (graph_.rigidity[i] * own +
-                                    graph_.rigidity[j] * (span(i, j) - rotations[j] * e));
-            }
-            if (graph_.smoothing > 0)
-                bend += w * graph_.edge_rigidity(i, j) * (R - rotations[j]).squaredNorm();
-        }
-        if (graph_.has_rims())
-            for (int k = graph_.wing_offsets[i]; k < graph_.wing_offsets[i + 1]; ++k) {
-                const ArapWing& t = graph_.wings[k];
-                cell += t.to_b * (span(i, t.b) - R * edge(i, t.b)).squaredNorm() +
-                        t.to_c * (span(i, t.c) - R * edge(i, t.c)).squaredNorm() +
-                        t.across * (span(t.b, t.c) - R * edge(t.b, t.c)).squaredNorm();
-                for (int corner : {i, t.b, t.c})
-                    force += graph_.rigidity[corner] / 3.0 *
-                             (t.to_b * (span(i, t.b) - rotations[corner] * edge(i, t.b)) +
-                              t.to_c * (span(i, t.c) - rotations[corner] * edge(i, t.c)));
-            }
-        if (graph_.place[i] >= 0)
-            gradient.row(graph_.place[i]) = force.transpose();
-        return graph_.rigidity[i] * cell + graph_.smoothing * bend;
-    }, grain) / graph_.energy_factor();
+    double energy = parallel_sum(
+                        graph_.size,
+                        [&](int i) {
+                            if (graph_.idle[i])
+                                return 0.0;
+                            const Matrix3& R = rotations[i];
+                            double cell = 0.0;
+                            double bend = 0.0;
+                            Vector3 force = Vector3::Zero();
+                            for (int a = graph_.offsets[i]; a < graph_.offsets[i + 1]; ++a) {
+                                const int j = graph_.neighbours[a];
+                                const double w = graph_.weights[a];
+                                if (!graph_.has_rims()) {
+                                    const Vector3 e = edge(i, j);
+                                    const Vector3 own = span(i, j) - R * e;
+                                    cell += w * own.squaredNorm();
+                                    force += 0.5 * w *
+                                             (graph_.rigidity[i] * own +
+                                              graph_.rigidity[j] * (span(i, j) - rotations[j] * e));
+                                }
+                                if (graph_.smoothing > 0)
+                                    bend += w * graph_.edge_rigidity(i, j) * (R - rotations[j]).squaredNorm();
+                            }
+                            if (graph_.has_rims())
+                                for (int k = graph_.wing_offsets[i]; k < graph_.wing_offsets[i + 1]; ++k) {
+                                    const ArapWing& t = graph_.wings[k];
+                                    cell += t.to_b * (span(i, t.b) - R * edge(i, t.b)).squaredNorm() +
+                                            t.to_c * (span(i, t.c) - R * edge(i, t.c)).squaredNorm() +
+                                            t.across * (span(t.b, t.c) - R * edge(t.b, t.c)).squaredNorm();
+                                    for (int corner : {i, t.b, t.c})
+                                        force += graph_.rigidity[corner] / 3.0 *
+                                                 (t.to_b * (span(i, t.b) - rotations[corner] * edge(i, t.b)) +
+                                                  t.to_c * (span(i, t.c) - rotations[corner] * edge(i, t.c)));
+                                }
+                            if (graph_.place[i] >= 0)
+                                gradient.row(graph_.place[i]) = force.transpose();
+                            return graph_.rigidity[i] * cell + graph_.smoothing * bend;
+                        },
+                        grain) /
+                    graph_.energy_factor();
 
     for (std::size_t k = 0; k < graph_.pulls.size(); ++k) {
         const ArapPull& pull = graph_.pulls[k];
@@ -220,10 +230,13 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
         parallel_for(graph_.size, [&](int i) { covariances_[i] = covariance(i); }, grain);
         turn_rotation_field();
         previous_ = rotations;
-        parallel_for(graph_.size, [&](int i) {
-            if (!graph_.idle[i])
-                rotations[i] = fit_rotation(covariances_[i] + neighbour_rotations(i, previous_));
-        }, grain);
+        parallel_for(
+            graph_.size,
+            [&](int i) {
+                if (!graph_.idle[i])
+                    rotations[i] = fit_rotation(covariances_[i] + neighbour_rotations(i, previous_));
+            },
+            grain);
     } else {
         fit_rotations(x);
     }

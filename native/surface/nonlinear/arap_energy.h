@@ -66,8 +66,7 @@ public:
     /// \param base     (size, 3) shape whose edges are kept as rigid as possible.
     /// \param targets  (size, 3) where held nodes go; base for the idle ones; else unused.
     /// \param pulls    (pulls, 3) where pulled nodes would go.
-    ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets,
-                const Points& pulls);
+    ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets, const Points& pulls);
 
     std::vector<Matrix3> rotations; ///< one a node
 
