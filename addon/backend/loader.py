@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Find the native module and shake hands.
+
+A legacy zip carries the unpacked wheel in ``_native`` beside this package; an extension's wheel is
+importable by name.
+"""
+
+import importlib
+import platform
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+from ..ids import VERSION
+
+_ROOT = __package__.rpartition(".")[0]
+
+
+@dataclass(frozen=True)
+class Availability:
+    """The native module, or the reason why there is none and what to do."""
+
+    module: ModuleType | None
+    remedy: str = ""
+
+
+def wheel_name() -> str:
+    """The wheel that fits this Blender, as its file name begins."""
+    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    return (
+        f"sinew_native-{VERSION}-{python}-{python}-*{platform.system().lower()}*{platform.machine().lower()}*"
+    )
+
+
+def load() -> Availability:
+    """Import the module; never raises, the reason is in ``remedy``."""
+    bundled = (Path(__file__).parent.parent / "_native").is_dir()
+    name = f"{_ROOT}._native.sinew_native" if bundled else "sinew_native"
+    try:
+        module = importlib.import_module(name)
+    except ImportError as error:
+        reason = "is missing" if isinstance(error, ModuleNotFoundError) else f"does not load ({error})"
+        return Availability(
+            None,
+            f"The native module {reason}. Install the Sinew zip for this Blender, which holds {wheel_name()}",
+        )
+    found = getattr(module, "__version__", "unknown")
+    if found != VERSION:
+        return Availability(
+            None,
+            f"The native module is version {found}, the add-on {VERSION}. "
+            "Restart Blender; if this stays, install the zip again",
+        )
+    return Availability(module)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Inputs and outputs of node groups, and their values on a modifier."""
+
+from bpy.types import ID, NodesModifier, NodeTree
+
+
+def add_group_input(group: NodeTree, socket_type: str, name: str, description: str = "") -> None:
+    """Append an input. Blender 4.0 moved them to ``group.interface``."""
+    if hasattr(group, "interface"):
+        group.interface.new_socket(name, description=description, in_out="INPUT", socket_type=socket_type)
+    else:
+        group.inputs.new(socket_type, name).description = description
+
+
+def add_group_output(group: NodeTree, socket_type: str, name: str) -> None:
+    """Append an output."""
+    if hasattr(group, "interface"):
+        group.interface.new_socket(name, in_out="OUTPUT", socket_type=socket_type)
+    else:
+        group.outputs.new(socket_type, name)
+
+
+def _inputs(group: NodeTree) -> list:
+    if not hasattr(group, "interface"):
+        return list(group.inputs)
+    return [
+        item for item in group.interface.items_tree if item.item_type == "SOCKET" and item.in_out == "INPUT"
+    ]
+
+
+def hide_in_modifier(group: NodeTree, names: tuple[str, ...]) -> None:
+    """Keep inputs out of the modifier's panel, where Blender can (4.0 and later)."""
+    for item in _inputs(group):
+        if item.name in names and hasattr(item, "hide_in_modifier"):
+            item.hide_in_modifier = True
+
+
+def _identifier(group: NodeTree, name: str) -> str | None:
+    return next((item.identifier for item in _inputs(group) if item.name == name), None)
+
+
+def modifier_input(modifier: NodesModifier, name: str) -> object:
+    """The value of a node group input; None where the group has no such input."""
+    identifier = _identifier(modifier.node_group, name) if modifier.node_group else None
+    if identifier is None:
+        return None
+    if hasattr(modifier, "properties"):
+        return getattr(modifier.properties.inputs, identifier).value
+    return modifier.get(identifier)
+
+
+def set_modifier_input(modifier: NodesModifier, name: str, value: object) -> None:
+    """Set a node group input.
+
+    Blender 5.2 moved them, and notices a new object only when the group is set again.
+    """
+    identifier = _identifier(modifier.node_group, name)
+    if hasattr(modifier, "properties"):
+        getattr(modifier.properties.inputs, identifier).value = value
+    else:
+        modifier[identifier] = value
+    if isinstance(value, ID):
+        modifier.node_group = modifier.node_group

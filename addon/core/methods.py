@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The method registry: one row a method. Menus, properties, sessions and tests are made from these rows."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Family(Enum):
+    """Sections of the method menu."""
+
+    SURFACE_LINEAR = "Linear Surface"
+    SURFACE_NONLINEAR = "Nonlinear Surface"
+    SPACE_LINEAR = "Linear Space"
+    SPACE_NONLINEAR = "Nonlinear Space"
+
+
+class Control(Enum):
+    """What an artist moves to steer a method."""
+
+    HANDLES = "Handles"
+    CAGE = "Cage"
+    LATTICE = "Lattice"
+    POINTS = "Points"
+    CURVES = "Curves"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A value the artist may set.
+
+    ``rebinds``: a keyword of the native constructor, a change makes a new factor; without it, a keyword of
+    ``solve``.
+    """
+
+    id: str
+    default: object
+
+
+@dataclass(frozen=True)
+class Float(Parameter):
+    """A real number; where ``paintable``, a vertex group may scale it per vertex."""
+
+    minimum: float = 0.0
+    maximum: float = 1e9
+    soft_maximum: float = 10.0
+    precision: int = 3
+    paintable: bool = False
+    rebinds: bool = False
+    label: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Int(Parameter):
+    """A whole number."""
+
+    minimum: int = 0
+    maximum: int = 1_000_000
+    soft_maximum: int = 100
+    rebinds: bool = False
+    label: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Bool(Parameter):
+    """A switch."""
+
+    rebinds: bool = False
+    label: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Choice(Parameter):
+    """One of ``items``: (identifier, label, description), in an order that never changes."""
+
+    items: tuple[tuple[str, str, str], ...] = ()
+    rebinds: bool = False
+    label: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Method:
+    """One row. ``number`` is stored in files: never reuse or change it."""
+
+    id: str
+    number: int
+    label: str
+    family: Family
+    control: Control
+    native: str
+    section: str
+    paper: str
+    summary: str
+    parameters: tuple[Parameter, ...] = ()
+    continuity: bool = False  # each handle has a boundary continuity of its own, C0 to C2
+
+    @property
+    def iterative(self) -> bool:
+        """Solves by steps, so a drag can show an early one."""
+        return self.family in (Family.SURFACE_NONLINEAR, Family.SPACE_NONLINEAR)
+
+    @property
+    def paintable(self) -> tuple[Parameter, ...]:
+        """The parameters a vertex group may scale."""
+        return tuple(parameter for parameter in self.parameters if getattr(parameter, "paintable", False))
+
+
+def group_property(parameter: Parameter) -> str:
+    """The property that names the vertex group of a paintable parameter."""
+    return f"{parameter.id}_group"
+
+
+LAPLACIANS = (
+    ("uniform", "Uniform", "Counts neighbours only: for meshes so messy that angles and areas mean nothing"),
+    ("cotan", "Cotangent", "Follows the shape of the faces, not their size"),
+    (
+        "cotan_voronoi",
+        "Cotangent + Area",
+        "Follows shape and size of the faces: the least dependent on the meshing",
+    ),
+)
+
+CELLS = (
+    ("spokes", "Spokes", "Each vertex keeps the edges that meet it rigid"),
+    ("rims", "Spokes and Rims", "Also the edges opposite to it: firmer, and steadier on sharp triangles"),
+)
+
+METHODS: tuple[Method, ...] = (
+    Method(
+        id="thin_shell",
+        number=1,
+        label="Thin Shell",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="ThinShell",
+        section="4.3",
+        paper="Botsch & Kobbelt 2004",
+        summary="Smooth and fair; best for translations and gentle bends",
+        continuity=True,
+        parameters=(
+            Float(
+                "stretching",
+                0.0,
+                soft_maximum=1.0,
+                paintable=True,
+                rebinds=True,
+                label="Stretching",
+                description="k_s: how much the surface resists being stretched, like a rubber skin. "
+                "Raise it for a tauter, straighter transition",
+            ),
+            Float(
+                "bending",
+                1.0,
+                soft_maximum=1.0,
+                paintable=True,
+                rebinds=True,
+                label="Bending",
+                description="k_b: how much the surface resists being bent, like a thin plate. "
+                "Keeps the transition smooth at the edge of a handle",
+            ),
+            Float(
+                "variation",
+                0.0,
+                soft_maximum=1.0,
+                paintable=True,
+                rebinds=True,
+                label="Variation",
+                description="How much the surface resists a change of its curvature. "
+                "Gives the roundest, fairest shapes, and needs wider handles",
+            ),
+            Choice(
+                "laplacian",
+                "cotan_voronoi",
+                LAPLACIANS,
+                rebinds=True,
+                label="Laplacian",
+                description="How the mesh is measured",
+            ),
+        ),
+    ),
+    Method(
+        id="arap",
+        number=2,
+        label="As-Rigid-As-Possible",
+        family=Family.SURFACE_NONLINEAR,
+        control=Control.HANDLES,
+        native="Arap",
+        section="6",
+        paper="Sorkine & Alexa 2007",
+        summary="Keeps details through large turns; best for limbs",
+        parameters=(
+            Float(
+                "smoothness",
+                5e-4,
+                maximum=10.0,
+                soft_maximum=0.01,
+                precision=5,
+                rebinds=True,
+                label="Smooth Rotations",
+                description="How much neighbouring parts turn together, as a share of the surface's size. "
+                "0 is the textbook energy, which buckles on fine meshes",
+            ),
+            Choice(
+                "cells",
+                "spokes",
+                CELLS,
+                rebinds=True,
+                label="Cells",
+                description="Which edges each vertex keeps rigid",
+            ),
+            Float(
+                "rigidity",
+                1.0,
+                minimum=0.001,
+                soft_maximum=1.0,
+                paintable=True,
+                rebinds=True,
+                label="Rigidity",
+                description="How firmly a region keeps its shape. "
+                "Paint a vertex group to let soft parts give way before hard ones",
+            ),
+            Int(
+                "max_iterations",
+                40,
+                minimum=1,
+                soft_maximum=100,
+                label="Iterations",
+                description="The most steps a frame or a render may spend. "
+                "While you drag, fewer are taken and the rest follow when you stop",
+            ),
+            Float(
+                "tolerance",
+                1e-4,
+                maximum=1.0,
+                soft_maximum=0.01,
+                precision=6,
+                label="Tolerance",
+                description="Stop when a step changes the shape by less than this share of its size",
+            ),
+        ),
+    ),
+)
+
+DEFAULT_METHOD = "arap"  # what Add Handle makes on a mesh without a deformer
+
+BY_ID: dict[str, Method] = {method.id: method for method in METHODS}

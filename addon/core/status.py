@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panel says about each deformer, by its key.
+
+Texts only: nothing here is saved, everything is recomputed.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Level(Enum):
+    """How a line is shown."""
+
+    NONE = "NONE"
+    INFO = "INFO"
+    WARNING = "WARNING"
+    ERROR = "ERROR"
+
+
+@dataclass(frozen=True)
+class Status:
+    """One line, and the elements that **Select** would show."""
+
+    level: Level = Level.NONE
+    text: str = ""
+    elements: tuple[int, ...] = ()
+    element_kind: str = ""
+
+
+EMPTY = Status()
+
+_statuses: dict[str, Status] = {}
+_notes: dict[str, tuple[Status, ...]] = {}
+
+
+def of(key: str) -> Status:
+    """The main line of a deformer."""
+    return _statuses.get(key, EMPTY)
+
+
+def notes(key: str) -> tuple[Status, ...]:
+    """Further lines, warnings mostly."""
+    return _notes.get(key, ())
+
+
+def put(key: str, status: Status) -> None:
+    """Replace the main line."""
+    _statuses[key] = status
+
+
+def put_notes(key: str, lines: tuple[Status, ...]) -> None:
+    """Replace the further lines."""
+    _notes[key] = lines
+
+
+def fail(key: str, error: Exception) -> None:
+    """Show a refusal."""
+    elements = tuple(getattr(error, "elements", ()))
+    _statuses[key] = Status(Level.ERROR, str(error), elements, getattr(error, "element_kind", ""))
+
+
+def clear(key: str | None = None) -> None:
+    """Forget one deformer, or all of them."""
+    if key is None:
+        _statuses.clear()
+        _notes.clear()
+        return
+    _statuses.pop(key, None)
+    _notes.pop(key, None)

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender calls on its own."""
+
+import bpy
+
+from . import deferred, evaluation, history
+
+_HANDLERS = (
+    ("depsgraph_update_post", evaluation.on_depsgraph_update),
+    ("frame_change_post", evaluation.on_frame_change),
+    ("undo_post", history.on_undo),
+    ("redo_post", history.on_undo),
+    ("load_post", history.on_load),
+    ("save_pre", history.before_use),
+    ("render_init", history.before_use),
+)
+
+
+def register() -> None:
+    for event, handler in _HANDLERS:
+        getattr(bpy.app.handlers, event).append(handler)
+
+
+def unregister() -> None:
+    deferred.stop()
+    for event, handler in _HANDLERS:
+        handlers = getattr(bpy.app.handlers, event)
+        if handler in handlers:
+            handlers.remove(handler)

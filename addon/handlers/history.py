@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Undo, redo, load, save: properties are the truth, the session follows."""
+
+import bpy
+from bpy.app.handlers import persistent
+
+from .. import session
+from . import deferred
+
+
+@persistent
+def on_undo(*_args: object) -> None:
+    """Shape meshes may hold another state now: the next evaluation writes them again."""
+    session.forget_owners()
+    session.distrust()
+    _evaluate_again()
+
+
+@persistent
+def on_load(*_args: object) -> None:
+    """Another file: nothing of the old one counts."""
+    session.drop_all()
+    session.forget_owners()
+    if session.owners():  # the first evaluation after a load calls no handlers
+        session.update(bpy.context.evaluated_depsgraph_get())
+        deferred.schedule()
+
+
+@persistent
+def before_use(*_args: object) -> None:
+    """Before a save or a render, on the main thread: copies get shapes of their own."""
+    session.tidy()
+
+
+def _evaluate_again() -> None:
+    for obj in session.owners():
+        if obj.library is None:
+            obj.update_tag()
+    deferred.schedule()

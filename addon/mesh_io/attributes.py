@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Read what entered our modifier from the final evaluated mesh."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from bpy.types import Mesh
+
+
+@dataclass(frozen=True)
+class Incoming:
+    """``points`` float32 (n, 3), None where the order is lost; ``count`` entered, -1 where unknown."""
+
+    points: np.ndarray | None
+    count: int
+
+
+def read_incoming(mesh: Mesh, position_name: str, index_name: str, expected: int) -> Incoming:
+    """The incoming positions and how many there are, by the two attributes the node group stores."""
+    positions, indices = mesh.attributes.get(position_name), mesh.attributes.get(index_name)
+    if positions is None or indices is None or len(indices.data) == 0:
+        return Incoming(None, -1)
+    index = np.empty(len(indices.data), dtype=np.int32)
+    indices.data.foreach_get("value", index)
+    count = int(index.max()) + 1
+    if count != expected or not np.array_equal(index[:expected], np.arange(expected, dtype=np.int32)):
+        return Incoming(None, count)
+    flat = np.empty(len(positions.data) * 3, dtype=np.float32)
+    positions.data.foreach_get("vector", flat)
+    return Incoming(flat[: expected * 3].reshape(-1, 3), count)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add and remove deformers."""
+
+from bpy.props import EnumProperty, IntProperty
+from bpy.types import Context, Operator
+
+from .. import session
+from ..core.errors import SinewError
+from ..core.methods import DEFAULT_METHOD
+from ..ids import Operators
+from ..preferences import preferences
+from ..properties import method_items
+from .target import deformer_index, has_deformer, has_target, target_of
+
+
+class SINEW_OT_deformer_add(Operator):
+    """Add a Sinew deformer to the mesh"""
+
+    bl_idname = Operators.DEFORMER_ADD
+    bl_label = "Add Deformer"
+    bl_options = {"REGISTER", "UNDO"}
+
+    method: EnumProperty(name="Method", items=method_items(), default=DEFAULT_METHOD)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_target(cls, context)
+
+    def invoke(self, context: Context, _event: object) -> set[str]:
+        if not self.properties.is_property_set("method"):
+            self.method = preferences(context).method
+        return self.execute(context)
+
+    def execute(self, context: Context) -> set[str]:
+        try:
+            session.add_deformer(target_of(context), self.method)
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class SINEW_OT_deformer_remove(Operator):
+    """Remove the deformer, its controls and its hidden data; the mesh is at rest again"""
+
+    bl_idname = Operators.DEFORMER_REMOVE
+    bl_label = "Remove Deformer"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: IntProperty(name="Index", default=-1, min=-1, description="Which deformer; -1 is the active one")
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        try:
+            session.remove_deformer(obj, deformer_index(obj, self.index))
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Show the elements that a status line speaks of."""
+
+import bpy
+from bpy.props import IntProperty
+from bpy.types import Context, Operator
+
+from .. import session
+from ..core import status
+from ..ids import Operators
+from .target import has_deformer, target_of
+
+
+class SINEW_OT_select_problems(Operator):
+    """Select, in Edit Mode, the vertices or faces that the status speaks of"""
+
+    bl_idname = Operators.SELECT_PROBLEMS
+    bl_label = "Select"
+    bl_options = {"REGISTER", "UNDO"}
+
+    line: IntProperty(
+        name="Line", default=-1, min=-1, description="Which status line; -1 is the first with elements"
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        uid = obj.sinew.active.uid
+        lines = [line for line in (status.of(uid), *status.notes(uid)) if line.elements]
+        if self.line >= 0:
+            lines = lines[self.line : self.line + 1]
+        if not lines:
+            self.report({"INFO"}, "No problem to show")
+            return {"CANCELLED"}
+        if obj.mode != "EDIT":
+            context.view_layer.objects.active = obj
+            bpy.ops.object.mode_set(mode="EDIT")
+        count = session.select_elements(obj, lines[0].elements, lines[0].element_kind)
+        self.report({"INFO"}, f"{lines[0].text}: {count} selected")
+        return {"FINISHED"}

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which mesh an operator works on: the active one, or the one that the active control poses."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+from bpy.types import Context, Object
+
+from ..core.errors import SinewError
+from ..properties import SinewDeformer
+
+
+def target_of(context: Context) -> Object | None:
+    """The mesh object at hand."""
+    obj = context.object
+    if obj is None or obj.type == "MESH":
+        return obj
+    target = obj.sinew.target
+    return target if target is not None and target.sinew.deformers else None
+
+
+def has_target(operator: type, context: Context) -> bool:
+    """A poll: an editable mesh object is at hand."""
+    obj = target_of(context)
+    if obj is None:
+        operator.poll_message_set("Select a mesh object, or a control of one")
+        return False
+    if obj.library is not None:
+        operator.poll_message_set("This object is linked - make a library override first")
+        return False
+    return True
+
+
+def has_deformer(operator: type, context: Context) -> bool:
+    """A poll: an editable mesh object with a deformer is at hand."""
+    if not has_target(operator, context):
+        return False
+    if not target_of(context).sinew.deformers:
+        operator.poll_message_set("Add a deformer first")
+        return False
+    return True
+
+
+def deformer_index(obj: Object, index: int) -> int:
+    """A deformer's index, the active one's for -1."""
+    count = len(obj.sinew.deformers)
+    if index >= count:
+        raise SinewError(f"{obj.name} has {count} deformers, counted from 0 - there is no number {index}")
+    return min(max(obj.sinew.active_deformer, 0), count - 1) if index < 0 else index
+
+
+def handle_index(deformer: SinewDeformer, index: int) -> int:
+    """A handle's index, the active one's for -1."""
+    count = len(deformer.handles)
+    chosen = min(deformer.active_handle, count - 1) if index < 0 else index
+    if not 0 <= chosen < count:
+        raise SinewError(f"{deformer.name} has {count} handles, counted from 0 - there is no number {chosen}")
+    return chosen
+
+
+@contextmanager
+def object_mode(context: Context, obj: Object) -> Iterator[None]:
+    """Edits of objects happen in Object Mode; the user's mode comes back."""
+    mode = obj.mode
+    if mode != "EDIT":
+        yield
+        return
+    bpy.ops.object.mode_set(mode="OBJECT")
+    active = context.view_layer.objects.active
+    try:
+        yield
+    finally:
+        context.view_layer.objects.active = active
+        bpy.ops.object.mode_set(mode=mode)

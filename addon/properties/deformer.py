@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A deformer of an object, and the list of them."""
+
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy.types import Context, Mesh, Object, PropertyGroup
+
+from ..core import status
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
+from .handle import SinewHandle
+from .parameters import GROUPS
+
+_OVERRIDE = {"LIBRARY_OVERRIDABLE"}
+_LIST = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
+
+
+def method_items() -> tuple[tuple, ...]:
+    """Items of the method menu, under one heading a family."""
+    items, family = [], None
+    for method in METHODS:
+        if method.family is not family:
+            family = method.family
+            items.append(("", family.value, ""))
+        description = f"{method.summary}. {method.paper}, section {method.section}"
+        items.append((method.id, method.label, description, "NONE", method.number))
+    return tuple(items)
+
+
+def _changed(deformer: "SinewDeformer", _context: Context) -> None:
+    deformer.id_data.update_tag()
+
+
+class SinewDeformer(PropertyGroup):
+    """Settings of one deformer"""
+
+    uid: StringProperty(options={"HIDDEN"}, override=_OVERRIDE)
+    name: StringProperty(name="Name", default="Sinew", override=_OVERRIDE)
+    method: EnumProperty(
+        name="Method",
+        items=method_items(),
+        default=DEFAULT_METHOD,
+        update=_changed,
+        override=_OVERRIDE,
+        description="How the surface follows its handles",
+    )
+    handles: CollectionProperty(type=SinewHandle, override=_LIST)
+    active_handle: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
+    factor: FloatProperty(
+        name="Factor",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        update=_changed,
+        override=_OVERRIDE,
+        description="How much of the deformation is shown",
+    )
+    mask_group: StringProperty(
+        name="Mask",
+        update=_changed,
+        override=_OVERRIDE,
+        description="Vertex group that limits where the deformation is shown; none means the whole mesh",
+    )
+    live: BoolProperty(
+        name="Live",
+        default=True,
+        update=_changed,
+        override=_OVERRIDE,
+        description="Follow the controls; off, the last shape stays",
+    )
+    proxy: PointerProperty(type=Object, options={"HIDDEN"}, override=_OVERRIDE)
+    proxy_render: PointerProperty(type=Object, options={"HIDDEN"}, override=_OVERRIDE)
+    rest: PointerProperty(type=Mesh, options={"HIDDEN"}, override=_OVERRIDE)
+    status: StringProperty(
+        name="Status",
+        description="What the deformer is doing, or what to do about it",
+        options={"SKIP_SAVE"},
+        get=lambda deformer: status.of(deformer.uid).text,
+    )
+    status_level: StringProperty(
+        name="Status Level",
+        options={"HIDDEN", "SKIP_SAVE"},
+        description="NONE, INFO, WARNING or ERROR",
+        get=lambda deformer: status.of(deformer.uid).level.value,
+    )
+
+    @property
+    def definition(self) -> Method:
+        """The registry row of the method in use."""
+        return BY_ID[self.method]
+
+    @property
+    def parameters(self) -> PropertyGroup:
+        """The parameters of the method in use, by name."""
+        return getattr(self, self.method)
+
+    @property
+    def is_bound(self) -> bool:
+        """The rest shape is stored; the factor is built from it when needed."""
+        return self.rest is not None
+
+
+for _method in METHODS:
+    SinewDeformer.__annotations__[_method.id] = PointerProperty(type=GROUPS[_method.id], override=_OVERRIDE)
+
+
+class SinewObject(PropertyGroup):
+    """What Sinew stores on an object"""
+
+    deformers: CollectionProperty(type=SinewDeformer, override=_LIST)
+    active_deformer: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
+    target: PointerProperty(
+        name="Poses",
+        type=Object,
+        override=_OVERRIDE,
+        description="The mesh object that this control poses last",
+    )
+
+    @property
+    def active(self) -> SinewDeformer | None:
+        """The deformer shown in the panel."""
+        if not self.deformers:
+            return None
+        return self.deformers[min(max(self.active_deformer, 0), len(self.deformers) - 1)]

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""When to factorise. Light meshes bind where they stand, heavy ones in a thread of their own."""
+
+import logging
+import time
+
+import bpy
+
+from ..backend import Factor, Progress, build_factor
+from ..core import status
+from ..core.errors import CancelledError, SinewError
+from ..core.status import Level, Status
+from ..ids import Keys
+from ..mesh_io import read_rest
+from ..properties import SinewDeformer
+from . import regions, state
+from .regions import BindInput
+from .state import Bound, Session
+from .work import Work
+
+logger = logging.getLogger(__name__)
+
+HEAVY = 20_000  # vertices; below, a bind takes some tens of milliseconds and needs no thread
+
+CANCELLED = "Binding was cancelled - press Bind to start again"
+
+
+_jobs: dict[str, Work] = {}  # by deformer key; the subject is a BindInput
+
+
+def _factor(request: BindInput, progress: Progress | None) -> Factor:
+    return build_factor(
+        request.method,
+        request.rest.points,
+        (request.rest.counts, request.rest.corners),
+        request.options,
+        request.indices,
+        request.weights,
+        request.continuity,
+        progress,
+    )
+
+
+def ensure(
+    session: Session,
+    deformer: SinewDeformer,
+    settings: SinewDeformer,
+    wait: bool,
+    progress: Progress | None = None,
+) -> Bound | None:
+    """The factor for these settings; None while a thread builds it, or where an earlier refusal still stands.
+
+    ``deformer`` is the original settings, ``settings`` the evaluated ones (animated values).
+    """
+    token = deformer.rest.get(Keys.REST_TOKEN, "")
+    key = regions.bind_key(settings, token)
+    if session.bound is not None and session.bound.key == key:
+        return session.bound
+    if session.failed == key:
+        return None
+    request = None
+    try:
+        if session.rest is None or session.rest.token != token:
+            session.rest = read_rest(deformer.rest)
+        job = _jobs.get(deformer.uid)
+        if job is not None and job.subject.key == key and not wait:
+            return None
+        request = regions.gather(settings, deformer.rest, session.rest)
+        abandon(deformer.uid)
+        if not wait and may_wait(len(request.rest.points)):
+            _jobs[deformer.uid] = Work(lambda progress: _factor(request, progress), request)
+            return None
+        begin = time.perf_counter()
+        factor = _factor(request, progress)
+    except SinewError as error:
+        _refuse(session, deformer.uid, key, error, request)
+        raise
+    return _install(session, deformer.uid, request, factor, time.perf_counter() - begin)
+
+
+def _refuse(session: Session, uid: str, key: tuple, error: SinewError, request: BindInput | None) -> None:
+    session.bound, session.failed = None, key
+    if request is not None and error.element_kind == "handle":
+        regions_at_fault = [request.indices[row] for row in error.elements]
+        error.elements = tuple(int(vertex) for members in regions_at_fault for vertex in members)
+        error.element_kind = "vertex"
+    status.put_notes(uid, ())
+    status.fail(uid, error)
+
+
+def _install(session: Session, uid: str, request: BindInput, factor: Factor, seconds: float) -> Bound:
+    session.bound = Bound(
+        request.key, factor, request.rest, request.handles, request.indices, seconds * 1000.0
+    )
+    session.failed = None
+    session.shown.clear()
+    status.put(uid, Status(Level.INFO, summary(session.bound)))
+    status.put_notes(uid, _warnings(factor.report))
+    logger.info("bound %d vertices in %.1f ms", len(request.rest.points), session.bound.milliseconds)
+    return session.bound
+
+
+def summary(bound: Bound) -> str:
+    """The status line of a deformer that is well."""
+    handles = len(bound.handles)
+    plural = "" if handles == 1 else "s"
+    time_spent = duration(bound.milliseconds)
+    return f"{len(bound.rest.points):,} vertices, {handles} region{plural}, bound in {time_spent}"
+
+
+def duration(milliseconds: float) -> str:
+    """As a person says it."""
+    return f"{milliseconds / 1000.0:.1f} s" if milliseconds >= 1000.0 else f"{milliseconds:.1f} ms"
+
+
+def _warnings(report: object) -> tuple[Status, ...]:
+    lines = []
+    if report.free_parts:
+        one = report.free_parts == 1
+        text = "1 free part stays at rest" if one else f"{report.free_parts} free parts stay at rest"
+        free = tuple(int(vertex) for vertex in report.free_vertices)
+        lines.append(Status(Level.WARNING, text, free, "vertex"))
+    if report.degenerate_faces:
+        lines.append(Status(Level.WARNING, f"{report.degenerate_faces} faces without area"))
+    return tuple(lines)
+
+
+def may_wait(vertex_count: int) -> bool:
+    """A bind may run in a thread: there is a window to keep alive, and the mesh is heavy."""
+    return not bpy.app.background and vertex_count >= HEAVY
+
+
+def job(uid: str) -> Work | None:
+    """The bind under way for a deformer."""
+    return _jobs.get(uid)
+
+
+def abandon(uid: str) -> None:
+    """Stop a bind under way, if there is one; its result is dropped."""
+    stopped = _jobs.pop(uid, None)
+    if stopped is not None:
+        stopped.cancel()
+
+
+def cancel(uid: str) -> None:
+    """Stop a bind at the user's wish and say so; Bind starts it again."""
+    stopped = _jobs.get(uid)
+    if stopped is None:
+        return
+    abandon(uid)
+    _refuse(state.of(uid), uid, stopped.subject.key, CancelledError(CANCELLED), None)
+
+
+def collect() -> list[str]:
+    """Take finished jobs in; the keys of the deformers that may solve now. For timers, and for tests."""
+    ready = []
+    for uid, done in list(_jobs.items()):
+        if not done.done:
+            continue
+        del _jobs[uid]
+        ready.append(uid)
+        if done.result is not None:
+            _install(state.of(uid), uid, done.subject, done.result, done.seconds)
+        elif done.error is not None:
+            _refuse(state.of(uid), uid, done.subject.key, done.error, done.subject)
+    return ready
+
+
+def busy() -> bool:
+    """A thread is at work."""
+    return bool(_jobs) or state.has_final()

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the controls are, as poses in the object space of the target."""
+
+import numpy as np
+from bpy.types import Depsgraph, Object
+
+from ..core import frames
+from ..mesh_io import read_shape
+from ..properties import SinewDeformer, SinewHandle
+from .state import Bound, Session
+
+IDENTITY = np.eye(4)[:3]
+
+
+def control_matrix(handle: SinewHandle, depsgraph: Depsgraph | None = None) -> np.ndarray | None:
+    """World matrix of the control (4, 4), or None; evaluated where a depsgraph is given."""
+    control = handle.control
+    if control is None:
+        return None
+    evaluated = control if depsgraph is None else control.evaluated_get(depsgraph)
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    if not handle.bone:
+        return matrix
+    bone = evaluated.pose.bones.get(handle.bone) if evaluated.pose else None
+    return None if bone is None else matrix @ np.array(bone.matrix, dtype=np.float64)
+
+
+def rest_of(handle: SinewHandle) -> np.ndarray:
+    """The control relative to the target at rest, (4, 4)."""
+    return np.array(handle.rest_matrix, dtype=np.float64).reshape(4, 4, order="F")
+
+
+def set_rest(handle: SinewHandle, matrix: np.ndarray) -> None:
+    """Store the control's rest frame."""
+    handle.rest_matrix = matrix.ravel(order="F").tolist()
+    handle.has_rest = True
+
+
+def capture_rest(
+    handle: SinewHandle, target: np.ndarray, control: np.ndarray, pose: np.ndarray | None = None
+) -> None:
+    """Make ``control`` (world, now) stand for ``pose``, by default the identity, so that nothing jumps."""
+    now = frames.inverse(target, "The mesh object") @ control
+    if pose is not None:
+        now = frames.inverse(np.vstack((pose, (0.0, 0.0, 0.0, 1.0))), handle.name) @ now
+    set_rest(handle, now)
+
+
+def gather(
+    settings: SinewDeformer, target: Object, depsgraph: Depsgraph, session: Session, bound: Bound
+) -> tuple[np.ndarray, np.ndarray]:
+    """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape.
+
+    A control that was deleted leaves its handle where it was last.
+    """
+    world = np.array(target.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    by_key = {handle.uid: handle for handle in settings.handles}
+    poses = np.empty((len(bound.handles), 3, 4))
+    from_rest = np.zeros(len(bound.handles), dtype=bool)
+    for row, key in enumerate(bound.handles):
+        handle = by_key.get(key)
+        poses[row] = IDENTITY
+        if handle is None or handle.kind != "HANDLE":
+            continue
+        from_rest[row] = handle.from_rest
+        control = control_matrix(handle, depsgraph)
+        if control is not None and not handle.has_rest and depsgraph.mode == "VIEWPORT":
+            last = session.poses.get(key)
+            capture_rest(handle, world, control, _last_pose(settings, bound, row) if last is None else last)
+            session.rewire = True
+        if control is not None and handle.has_rest:
+            poses[row] = frames.pose(world, control, rest_of(handle), f"The control of {handle.name}")
+            session.poses[key] = poses[row].copy()
+        else:
+            if key not in session.poses:
+                session.poses[key] = _last_pose(settings, bound, row)
+            poses[row] = session.poses[key]
+    return poses, from_rest
+
+
+def _last_pose(settings: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
+    """Where the saved shape shows a region whose control is gone."""
+    rest = bound.rest.points
+    shape = read_shape(settings.proxy.data) if settings.proxy is not None else None
+    if shape is None or len(shape) != len(rest):
+        return IDENTITY
+    members = bound.indices[row]
+    return frames.fit(rest[members], shape[members])

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From handle settings to what the native module binds: index arrays, weights, options.
+
+No bpy calls but reads.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from bpy.types import Mesh
+
+from ..core.errors import ConstraintError, OptionError
+from ..core.methods import Method, group_property
+from ..ids import Keys
+from ..mesh_io import RestShape, group_weights
+from ..properties import SinewDeformer
+
+_IMPLIED = "support"  # the key of the fixed region around a support
+
+
+@dataclass(frozen=True)
+class BindInput:
+    """Everything a worker thread needs to build a factor."""
+
+    key: tuple
+    method: Method
+    rest: RestShape
+    options: dict[str, object]
+    handles: tuple[str, ...]
+    indices: tuple[np.ndarray, ...]
+    weights: tuple[object, ...]
+    continuity: tuple[float, ...] | None
+
+
+def bind_key(settings: SinewDeformer, token: str) -> tuple:
+    """What a factor depends on. Equal keys, equal factors; so undo, load and copies need no bookkeeping."""
+    method = settings.definition
+    values = settings.parameters
+    options = tuple(
+        (parameter.id, getattr(values, parameter.id), getattr(values, group_property(parameter), ""))
+        for parameter in method.parameters
+        if parameter.rebinds
+    )
+    handles = tuple(
+        (handle.uid, handle.kind, handle.vertex_group, handle.weight, handle.continuity)
+        for handle in settings.handles
+        if handle.enabled
+    )
+    return token, method.id, options, handles
+
+
+def has_constraints(settings: SinewDeformer) -> bool:
+    """At least one region is in use."""
+    return any(handle.enabled for handle in settings.handles)
+
+
+def _weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
+    """Read the vertex groups in use, once a rest mesh."""
+    method = settings.definition
+    wanted = {handle.vertex_group for handle in settings.handles}
+    wanted |= {getattr(settings.parameters, group_property(parameter)) for parameter in method.paintable}
+    wanted = {name for name in wanted if name and name not in rest.weights}
+    if wanted:
+        rest.weights.update(group_weights(mesh, list(mesh.get(Keys.REST_GROUPS, ())), wanted))
+
+
+def gather(settings: SinewDeformer, mesh: Mesh, rest: RestShape) -> BindInput:
+    """Arrays for the native module, or the reason why there are none."""
+    _weights(rest, mesh, settings)
+    method = settings.definition
+    count = len(rest.points)
+    names, indices, weights, continuity = [], [], [], []
+    taken = np.zeros(count, dtype=bool)
+    holder = np.full(count, -1)
+    labels: list[str] = []
+    support: np.ndarray | None = None
+    support_continuity = 2.0
+    for handle in settings.handles:
+        if not handle.enabled:
+            continue
+        painted = rest.weights.get(handle.vertex_group)
+        if painted is None:
+            raise ConstraintError(
+                f"{handle.name}: vertex group '{handle.vertex_group}' is not on the mesh - pick one, Rebind"
+            )
+        members = np.flatnonzero(painted > 0.0)
+        if len(members) == 0:
+            raise ConstraintError(
+                f"{handle.name}: vertex group '{handle.vertex_group}' has no vertices - assign some, Rebind"
+            )
+        if handle.kind == "SUPPORT":
+            support = painted > 0.0 if support is None else support | (painted > 0.0)
+            support_continuity = min(support_continuity, handle.continuity)
+            continue
+        strength = painted[members].astype(np.float64) * handle.weight
+        _refuse_overlap(holder, members[strength >= 1.0], handle.name, labels)
+        taken[members] = True
+        names.append(handle.uid)
+        indices.append(members)
+        weights.append(strength)
+        continuity.append(handle.continuity)
+    if support is not None:
+        outside = np.flatnonzero(~support & ~taken)
+        if len(outside):
+            names.append(_IMPLIED)
+            indices.append(outside)
+            weights.append(None)
+            continuity.append(support_continuity)
+    if not names:
+        raise ConstraintError(
+            "Nothing holds the mesh - select vertices in Edit Mode and Add Handle or Add Fixed"
+        )
+    return BindInput(
+        key=bind_key(settings, rest.token),
+        method=method,
+        rest=rest,
+        options=_options(settings, rest),
+        handles=tuple(names),
+        indices=tuple(indices),
+        weights=tuple(weights),
+        continuity=tuple(continuity) if method.continuity else None,
+    )
+
+
+def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: list[str]) -> None:
+    """No vertex obeys two masters. ``holder`` (n,) is the row in ``labels`` that holds each vertex, or -1."""
+    shared = hard[holder[hard] >= 0]
+    if len(shared):
+        other = labels[holder[shared[0]]]
+        vertices = "1 vertex" if len(shared) == 1 else f"{len(shared)} vertices"
+        raise ConstraintError(
+            f"{other} and {name} share {vertices} - take them out of one of the two groups, then Rebind",
+            tuple(shared),
+            "vertex",
+        )
+    holder[hard] = len(labels)
+    labels.append(name)
+
+
+def _options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
+    values = settings.parameters
+    options: dict[str, object] = {}
+    for parameter in settings.definition.parameters:
+        if not parameter.rebinds:
+            continue
+        value = getattr(values, parameter.id)
+        group = getattr(values, group_property(parameter), "")
+        if group:
+            painted = rest.weights.get(group)
+            if painted is None:
+                raise OptionError(
+                    f"{parameter.label}: vertex group '{group}' is not on the mesh - pick another"
+                )
+            value = np.maximum(value * painted.astype(np.float64), parameter.minimum)
+        options[parameter.id] = value
+    return options
+
+
+def solve_options(settings: SinewDeformer) -> dict[str, object]:
+    """The keywords of ``solve`` that the method takes."""
+    return {
+        parameter.id: getattr(settings.parameters, parameter.id)
+        for parameter in settings.definition.parameters
+        if not parameter.rebinds
+    }

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A dragon with three regions (head, tail, fixed feet), posed alike by two methods."""
+
+from __future__ import annotations
+
+from math import radians
+
+import bpy
+from mathutils import Vector
+
+from . import markers, materials, posing, studio
+from .models import creature
+from .posing import REST, Move
+
+POSE_FRAME = 40
+SPACING, HEADING = 2.75, -49.0  # the dragons stand in a row and look to the front right
+
+LABELS = {None: "Rest", "thin_shell": "Thin Shell", "arap": "As-Rigid-As-Possible"}
+
+# in the dragon's own frame: x ahead, y to its left
+NECK, RUMP = (0.62, 0.0, 1.00), (-0.95, 0.0, 0.50)
+HEAD_MOVES = {
+    1: REST,
+    POSE_FRAME: Move(shift=(-0.05, -0.10, 0.16), turn=(14.0, -12.0, -34.0), pivot=NECK),
+    56: Move(shift=(-0.05, -0.10, 0.16), turn=(14.0, -12.0, -34.0), pivot=NECK),
+    76: Move(shift=(0.04, 0.05, -0.16), turn=(-12.0, 14.0, 20.0), pivot=NECK),
+    96: REST,
+}
+TAIL_MOVES = {
+    1: REST,
+    POSE_FRAME: Move(shift=(0.04, 0.0, 0.02), turn=(0.0, 64.0, 22.0), pivot=RUMP),
+    56: Move(shift=(0.04, 0.0, 0.02), turn=(0.0, 64.0, 22.0), pivot=RUMP),
+    76: Move(turn=(0.0, 14.0, -32.0), pivot=RUMP),
+    96: REST,
+}
+
+
+def make() -> bpy.types.Scene:
+    scene = studio.empty_scene("Creature")
+    first = creature.build()
+    first.data.materials.append(materials.skin_material("Skin", roughness=0.42, bump=0.25, grain=90.0))
+    first.data.materials.append(materials.eye_material("Eye", iris=(0.75, 0.33, 0.03), pupil=0.46, size=0.92))
+    dragons = [first, first.copy(), first.copy()]
+    for k, (method, dragon) in enumerate(zip(LABELS, dragons)):
+        dragon.name = f"Dragon {LABELS[method]}"
+        dragon.location = ((k - 1) * SPACING, 0.0, 0.0)
+        dragon.rotation_euler = (0.0, 0.0, radians(HEADING))
+        if k:
+            scene.collection.objects.link(dragon)
+    bpy.context.view_layer.update()
+    for method, dragon in zip(LABELS, dragons):
+        pose(dragon, method)
+
+    studio.add_backdrop(scene, behind=14.0)
+    studio.add_camera(scene, target=(-0.06, 0.0, 0.90), distance=26.0, elevation=13.0, width=8.6)
+    studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=10.0)
+    for k, label in enumerate(LABELS.values()):
+        studio.add_label(scene, label, ((k - 1) * SPACING + 0.12, -1.75, 0.0), 0.22)
+    studio.set_up_render(scene, samples=64, height=540)
+    studio.open_at(scene, POSE_FRAME, dragons[-1])
+    return scene
+
+
+def pose(dragon: bpy.types.Object, method: str | None) -> None:
+    """Pins and pads for every dragon; a deformer and moving controls for those with a method."""
+    place = dragon.matrix_world
+    for x, y in ((0.52, 0.375), (0.52, -0.375), (-0.50, 0.43), (-0.50, -0.43)):
+        markers.add_pad(place @ Vector((x, y, 0.0)), 0.26)
+    if method is None:
+        controls = [bpy.data.objects.new(f"{name} at rest", None) for name in ("Head", "Tail")]
+        for control in controls:
+            bpy.context.scene.collection.objects.link(control)
+    else:
+        posing.add_deformer(dragon, method)
+        controls = [posing.add_region(dragon, "HANDLE", name).control for name in ("Head", "Tail")]
+        posing.add_region(dragon, "FIXED", "Feet")
+    markers.add_pin(controls[0], place @ Vector((1.06, 0, 2.05)), 0.062, place @ Vector((1.06, 0, 1.6)))
+    markers.add_pin(controls[1], place @ Vector((-2.19, 0, 1.33)), 0.062, place @ Vector((-2.13, 0, 1.0)))
+    if method is not None:
+        for control, moves in zip(controls, (HEAD_MOVES, TAIL_MOVES)):
+            posing.animate(control, moves, dragon)
+        posing.check_posed(dragon, 1, POSE_FRAME)

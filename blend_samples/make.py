@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside Blender: ``blender --background --python make.py -- SAMPLE [--publish]`` makes one sample.
+
+Lines for people start with ``> ``, so that ``run`` can tell them from Blender's own.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from pathlib import Path
+
+import bpy
+
+FOLDER = Path(__file__).resolve().parent
+OUTPUT = FOLDER / "output"
+PICTURES = FOLDER.parent / "docs" / "images"
+sys.path.insert(0, str(FOLDER.parent))
+
+
+def main() -> None:
+    words = sys.argv[sys.argv.index("--") + 1 :]
+    parser = argparse.ArgumentParser(prog="make.py", description=__doc__)
+    parser.add_argument("sample")
+    parser.add_argument("--publish", action="store_true", help="also write the picture that the README shows")
+    wanted = parser.parse_args(words)
+    if not hasattr(bpy.types.Object, "sinew"):
+        raise SystemExit(
+            "The Sinew add-on is not enabled in this Blender: run blend_samples/run, which installs it."
+        )
+
+    sample = importlib.import_module(f"blend_samples.{wanted.sample}")
+    studio = importlib.import_module("blend_samples.studio")
+    denoise = importlib.import_module("blend_samples.denoise")
+    scene = sample.make()
+    OUTPUT.mkdir(exist_ok=True)
+    picture = OUTPUT / f"{wanted.sample}.png"
+    scene.render.filepath = f"//{picture.name}"
+    bpy.ops.wm.save_as_mainfile(filepath=str(OUTPUT / f"{wanted.sample}.blend"), compress=True)
+    studio.progress(f"rendering {scene.render.resolution_x} x {scene.render.resolution_y} pixels")
+    denoise.render_clean(scene, picture)
+    if wanted.publish:
+        image = bpy.data.images.load(str(picture))
+        image.file_format = "JPEG"
+        image.filepath_raw = str(PICTURES / f"{wanted.sample}.jpg")
+        image.save()
+
+
+main()

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What stands for the controls in a picture: orange pins on handles, blue pads under what is fixed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+from mathutils import Vector
+
+from .materials import FIXED_COLOUR, HANDLE_COLOUR, plain_material
+
+
+def add_pin(
+    control: bpy.types.Object, tip: Sequence[float], radius: float, foot: Sequence[float] | None = None
+) -> None:
+    """A ball at ``tip`` on a thin stem from ``foot`` (world space), carried by the control."""
+    bpy.context.view_layer.update()
+    material = plain_material("Handle", HANDLE_COLOUR, roughness=0.3)
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=radius, location=tip)
+    carry(bpy.context.object, control, f"{control.name} Pin", material)
+    if foot is not None:
+        start, end = Vector(foot), Vector(tip)
+        bpy.ops.mesh.primitive_cylinder_add(
+            vertices=16,
+            radius=0.16 * radius,
+            depth=(end - start).length,
+            location=(start + end) / 2,
+            rotation=(end - start).to_track_quat("Z", "Y").to_euler(),
+        )
+        carry(bpy.context.object, control, f"{control.name} Stem", material)
+
+
+def carry(
+    marker: bpy.types.Object, control: bpy.types.Object, name: str, material: bpy.types.Material
+) -> None:
+    marker.name = name
+    marker.data.materials.append(material)
+    marker.data.polygons.foreach_set("use_smooth", [True] * len(marker.data.polygons))
+    marker.parent = control
+    marker.matrix_parent_inverse = control.matrix_world.inverted()
+    marker.hide_select = True
+
+
+def add_pad(centre: Sequence[float], radius: float, height: float = 0.012) -> None:
+    """A thin disc on the floor that says: this stays where it is."""
+    bpy.ops.mesh.primitive_cylinder_add(
+        vertices=64, radius=radius, depth=height, location=(centre[0], centre[1], height / 2)
+    )
+    pad = bpy.context.object
+    pad.name = "Fixed"
+    pad.hide_select = True
+    bevel = pad.modifiers.new("Bevel", "BEVEL")
+    bevel.width, bevel.segments = 0.4 * height, 2
+    pad.data.materials.append(plain_material("Fixed", FIXED_COLOUR, roughness=0.35))

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shapes as distance fields, the stuff that clay is joined from.
+
+A shape is anything with ``bounds() -> (low, high)`` and ``distance(points) -> (n,)``, negative inside and
+exact near the surface, which is all that the blending needs. Points are (n, 3) float arrays.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+Vector = Sequence[float]
+
+
+class Shape(Protocol):
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]: ...
+
+    def distance(self, points: np.ndarray) -> np.ndarray: ...
+
+
+def rotation(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
+    """(3, 3) rotation by Euler angles in degrees, first about x, then y, then z."""
+    a, b, c = np.radians((x, y, z))
+    rx = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
+    ry = np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
+    rz = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
+    return rz @ ry @ rx
+
+
+def smoothstep(low: float, high: float, value: np.ndarray) -> np.ndarray:
+    """0 below ``low``, 1 above ``high``, smooth in between (``low`` may be the larger one)."""
+    t = np.clip((value - low) / (high - low), 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
+
+
+@dataclass(frozen=True)
+class Ellipsoid:
+    centre: Vector
+    radii: Vector
+    turn: np.ndarray | None = None
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        reach = np.full(3, max(self.radii)) if self.turn is not None else np.asarray(self.radii)
+        return np.asarray(self.centre) - reach, np.asarray(self.centre) + reach
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        local = points - np.asarray(self.centre)
+        if self.turn is not None:
+            local = local @ self.turn
+        radii = np.asarray(self.radii)
+        level = np.linalg.norm(local / radii, axis=1)
+        slope = np.linalg.norm(local / (radii * radii), axis=1)
+        return (level - 1.0) * np.where(slope > 1e-9, level / np.maximum(slope, 1e-9), radii.min())
+
+
+@dataclass(frozen=True)
+class Tube:
+    """A smooth curve through ``points`` with a radius at each."""
+
+    points: Sequence[Vector]
+    radii: Sequence[float]
+    steps: int = 6
+
+    def path(self) -> tuple[np.ndarray, np.ndarray]:
+        """The curve (m, 3) and its radii (m,): Catmull-Rom through the points."""
+        knots = np.column_stack((np.asarray(self.points, float), np.asarray(self.radii, float)))
+        if len(knots) == 2:
+            return knots[:, :3], knots[:, 3]
+        padded = np.vstack((2 * knots[0] - knots[1], knots, 2 * knots[-1] - knots[-2]))
+        pieces = []
+        for i in range(1, len(padded) - 2):
+            p0, p1, p2, p3 = padded[i - 1 : i + 3]
+            t = np.linspace(0, 1, self.steps, endpoint=False)[:, None]
+            pieces.append(
+                0.5
+                * (
+                    2 * p1
+                    + (p2 - p0) * t
+                    + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2
+                    + (3 * p1 - p0 - 3 * p2 + p3) * t**3
+                )
+            )
+        curve = np.vstack((*pieces, knots[-1:]))
+        return curve[:, :3], np.maximum(curve[:, 3], 1e-3)
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        curve, radii = self.path()
+        return (curve - radii[:, None]).min(0), (curve + radii[:, None]).max(0)
+
+    def nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distance (n,) to the tube and the place along it (n,), 0 at its start, 1 at its end."""
+        curve, radii = self.path()
+        length = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))))
+        best = np.full(len(points), np.inf)
+        place = np.zeros(len(points))
+        for i in range(len(curve) - 1):
+            axis = curve[i + 1] - curve[i]
+            t = np.clip((points - curve[i]) @ axis / (axis @ axis), 0.0, 1.0)
+            away = np.linalg.norm(points - curve[i] - t[:, None] * axis, axis=1)
+            away -= radii[i] + t * (radii[i + 1] - radii[i])
+            closer = away < best
+            best[closer] = away[closer]
+            place[closer] = (length[i] + t * (length[i + 1] - length[i]))[closer] / length[-1]
+        return best, place
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        return self.nearest(points)[0]
+
+
+@dataclass(frozen=True)
+class Mirrored:
+    """A shape and its image across the plane y = 0 (the shape itself lies at y > 0)."""
+
+    shape: Shape
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        low, high = self.shape.bounds()
+        reach = max(abs(low[1]), abs(high[1]))
+        return np.array((low[0], -reach, low[2])), np.array((high[0], reach, high[2]))
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        folded = points.copy()
+        folded[:, 1] = np.abs(folded[:, 1])
+        return self.shape.distance(folded)
+
+
+@dataclass(frozen=True)
+class Squashed:
+    """A shape pressed flat towards the plane at ``centre`` across ``axis``, ``factor`` times thinner."""
+
+    shape: Shape
+    centre: Vector
+    axis: Vector
+    factor: float
+
+    def bounds(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.shape.bounds()
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        axis = np.asarray(self.axis, float) / np.linalg.norm(self.axis)
+        offset = (points - np.asarray(self.centre)) @ axis
+        stretched = points + np.outer((self.factor - 1.0) * offset, axis)
+        return self.shape.distance(stretched) / np.sqrt(self.factor)

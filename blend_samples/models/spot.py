@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Spot, the cow by Keenan Crane (CC0), read from ``spot.obj``, with bead eyes and painted patches."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Vector, noise
+from mathutils.bvhtree import BVHTree
+
+from .objects import keep_rest_positions
+from .sculpt import ball
+
+SOURCE = Path(__file__).with_name("spot.obj")
+EYE_RADIUS = 0.055
+HIDE, EYE = 0, 1  # material slots
+
+
+def read() -> tuple[np.ndarray, np.ndarray]:
+    """Points (n, 3), z up, hooves on the floor, looking along +x; triangles (m, 3)."""
+    points, faces = [], []
+    for line in SOURCE.read_text(encoding="ascii").splitlines():
+        word, *rest = line.split() or [""]
+        if word == "v":
+            points.append([float(c) for c in rest])
+        elif word == "f":
+            faces.append([int(corner.split("/")[0]) - 1 for corner in rest])
+    x, y, z = np.array(points).T
+    turned = np.stack((-z, -x, y), 1)
+    turned[:, 2] -= turned[:, 2].min()
+    return turned, np.array(faces)
+
+
+def paint(points: np.ndarray) -> dict[str, np.ndarray]:
+    """Colour fields (n,): positive where a colour lies."""
+    _, y, z = points.T
+    blot = np.array([noise.noise(Vector(p) * 2.1 + Vector((3.7, 0.4, 1.9))) for p in points])
+    muzzle = 0.26 - np.linalg.norm((points - (0.60, 0, 1.02)) * (1.0, 0.80, 1.25), axis=1)
+    ear = np.maximum(
+        0.075 - np.linalg.norm((points - (0.235, 0.37, 1.40)) * (1.6, 0.8, 1.4), axis=1),
+        0.075 - np.linalg.norm((points - (0.235, -0.37, 1.40)) * (1.6, 0.8, 1.4), axis=1),
+    )
+    nostril = 0.030 - np.linalg.norm((np.abs(points) - (0.655, 0.085, 1.06)) * (0.4, 1.0, 1.0), axis=1)
+    return {
+        "blot": np.minimum(blot - 0.06, 0.6 * np.maximum(z - 0.15, -0.1)),
+        "muzzle": muzzle,
+        "ear": ear,
+        "nostril": nostril,
+        "hoof": 0.125 - z,
+        "horn": np.minimum(z - 1.545, np.abs(y) - 0.06),
+    }
+
+
+def build(name: str = "Spot") -> bpy.types.Object:
+    points, faces = read()
+    regions = {
+        "Head": np.flatnonzero((points[:, 0] > 0.16) & (points[:, 2] > 1.02)),
+        "Hoof": np.flatnonzero((points[:, 2] < 0.17) & (points[:, 0] > -0.2) & (points[:, 1] < 0)),
+        "Hooves": np.flatnonzero((points[:, 2] < 0.14) & ((points[:, 0] < -0.2) | (points[:, 1] > 0))),
+    }
+    tree = BVHTree.FromPolygons(points.tolist(), faces.tolist())
+    all_points, all_faces = [points], faces.tolist()
+    for side in (1, -1):
+        place, normal, _, _ = tree.ray_cast(
+            Vector((1.1, 0.49 * side, 1.37)), Vector((-0.75, -0.30 * side, -0.06))
+        )
+        globe, quads = ball(place - 0.45 * EYE_RADIUS * normal, EYE_RADIUS, 6)
+        start = sum(len(part) for part in all_points)
+        regions["Head"] = np.concatenate((regions["Head"], start + np.arange(len(globe))))
+        all_points.append(globe)
+        all_faces += (quads + start).tolist()
+    fields = paint(points)
+    points = np.vstack(all_points)
+
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), [], all_faces)
+    mesh.polygons.foreach_set("use_smooth", [True] * len(all_faces))
+    mesh.polygons.foreach_set("material_index", [HIDE] * len(faces) + [EYE] * (len(all_faces) - len(faces)))
+    for field, values in fields.items():
+        padded = np.full(len(points), -1.0, np.float32)
+        padded[: len(values)] = values
+        mesh.attributes.new(field, "FLOAT", "POINT").data.foreach_set("value", padded)
+    keep_rest_positions(mesh)
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    for group, indices in regions.items():
+        obj.vertex_groups.new(name=group).add(indices.tolist(), 1.0, "REPLACE")
+    return obj

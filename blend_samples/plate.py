@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The plate of the tutorial's figure 9: one pose, three ratios of stretching (k_s) to bending (k_b)."""
+
+from __future__ import annotations
+
+import bpy
+from mathutils import Vector
+
+from . import markers, materials, posing, studio
+from .models import plate
+from .posing import REST, Move
+
+POSE_FRAME = 40
+SPACING = 2.45
+SETTINGS = (
+    ("Membrane   k_s = 1, k_b = 0", 1.0, 0.0),
+    ("Blend   k_s = 1, k_b = 0.005", 1.0, 0.005),
+    ("Thin plate   k_s = 0, k_b = 1", 0.0, 1.0),
+)
+LIFT = Move(shift=(0.0, 0.0, 0.72), turn=(10.0, -9.0, 0.0))
+MOVES = {
+    1: REST,
+    POSE_FRAME: LIFT,
+    52: LIFT,
+    76: Move(shift=(0.0, 0.0, 0.40), turn=(-16.0, 20.0, 45.0)),
+    96: REST,
+}
+
+
+def make() -> bpy.types.Scene:
+    scene = studio.empty_scene("Plate")
+    first = plate.build()
+    patches = (("handle", materials.HANDLE_COLOUR, 0.002), ("fixed", materials.FIXED_COLOUR, 0.002))
+    surface = materials.patched_material("Plate", plate.PLAIN, patches, roughness=0.5)
+    materials.rule_lines(surface, cell=0.1, line=0.014)
+    first.data.materials.append(surface)
+    plates = [first, first.copy(), first.copy()]
+    for k, (obj, (label, _, _)) in enumerate(zip(plates, SETTINGS)):
+        obj.name = f"Plate {label.split('   ')[0]}"
+        obj.location = ((k - 1) * SPACING, 0.0, 0.05)
+        if k:
+            scene.collection.objects.link(obj)
+    for obj, (_, stretching, bending) in zip(plates, SETTINGS):
+        pose(obj, stretching, bending)
+
+    studio.add_backdrop(scene, behind=14.0, tint=(0.30, 0.27, 0.235))
+    studio.add_camera(scene, target=(0.0, 0.0, 0.31), distance=24.0, elevation=19.0, width=7.5)
+    studio.add_lights(scene, target=(0.0, 0.0, 0.3), size=11.0)
+    for k, (label, _, _) in enumerate(SETTINGS):
+        studio.add_label(scene, label, ((k - 1) * SPACING, -1.52, 0.0), 0.165)
+    studio.set_up_render(scene, samples=64, height=450)
+    studio.open_at(scene, POSE_FRAME, plates[1])
+    return scene
+
+
+def pose(obj: bpy.types.Object, stretching: float, bending: float) -> None:
+    posing.add_deformer(obj, "thin_shell", stretching=stretching, bending=bending)
+    handle = posing.add_region(obj, "HANDLE", "Handle")
+    posing.add_region(obj, "FIXED", "Frame")
+    thick = obj.modifiers.new("Thickness", "SOLIDIFY")  # below ours: it sees the posed plate
+    thick.thickness, thick.offset = 0.035, -1.0
+    place = obj.matrix_world
+    markers.add_pin(handle.control, place @ Vector((0, 0, 0.42)), 0.06, place @ Vector((0, 0, 0)))
+    posing.animate(handle.control, MOVES, obj)
+    posing.check_posed(obj, 1, POSE_FRAME)

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Posing by the add-on's operators, keyframes of the controls, and the checks that every sample makes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import radians
+
+import bpy
+import numpy as np
+from mathutils import Euler, Matrix, Vector
+
+from .studio import progress
+
+
+class SampleError(RuntimeError):
+    """A sample did not come out as it should."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """What a control has done since it was at rest: turned and scaled about ``pivot``, then shifted."""
+
+    shift: Sequence[float] = (0.0, 0.0, 0.0)
+    turn: Sequence[float] = (0.0, 0.0, 0.0)  # degrees about x, y, z
+    pivot: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def matrix(self) -> Matrix:
+        about = Matrix.Translation(Vector(self.pivot))
+        turn = Euler([radians(angle) for angle in self.turn]).to_matrix().to_4x4()
+        return Matrix.Translation(Vector(self.shift)) @ about @ turn @ about.inverted()
+
+
+REST = Move()
+
+
+def make_active(obj: bpy.types.Object) -> None:
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+
+
+def add_deformer(obj: bpy.types.Object, method: str, **parameters: float | str) -> bpy.types.PropertyGroup:
+    """A Sinew deformer on the object, its parameters set by name."""
+    progress(f"posing {obj.name} by {method}")
+    make_active(obj)
+    expect(bpy.ops.sinew.deformer_add(method=method), f"{obj.name}: deformer_add({method!r})")
+    deformer = obj.sinew.deformers[-1]
+    for name, value in parameters.items():
+        setattr(deformer.parameters, name, value)
+    return deformer
+
+
+def add_region(obj: bpy.types.Object, kind: str, group: str, **control: str) -> bpy.types.PropertyGroup:
+    """A handle, fixed or support region from a vertex group. The operator also binds.
+
+    A new empty moves a handle unless ``control`` names an object, ``control_object``, and its ``bone``.
+    """
+    make_active(obj)
+    answer = bpy.ops.sinew.handle_add(kind=kind, vertex_group=group, **control)
+    expect(answer, f"{obj.name}: handle_add({kind!r}, {group!r})")
+    return obj.sinew.deformers[-1].handles[-1]
+
+
+def expect(result: set[str], what: str) -> None:
+    if result != {"FINISHED"}:
+        raise SampleError(f"{what} answered {result}")
+
+
+def animate(
+    control: bpy.types.Object, keys: Mapping[int, Move], frame_of: bpy.types.Object | None = None
+) -> None:
+    """Keyframe a control: at each frame its move from where it stands now, in the space of ``frame_of``."""
+    bpy.context.view_layer.update()
+    rest = control.matrix_world.copy()
+    control.rotation_mode = "QUATERNION"
+    space = frame_of.matrix_world.copy() if frame_of else Matrix()
+    previous = None
+    for frame, move in sorted(keys.items()):
+        control.matrix_world = space @ move.matrix() @ space.inverted() @ rest
+        if previous is not None:  # the short way round
+            turn = control.rotation_quaternion.copy()
+            turn.make_compatible(previous)
+            control.rotation_quaternion = turn
+        control.keyframe_insert("location", frame=frame)
+        control.keyframe_insert("rotation_quaternion", frame=frame)
+        previous = control.rotation_quaternion.copy()
+
+
+def shape(obj: bpy.types.Object) -> np.ndarray:
+    """The vertices (n, 3) as the modifiers leave them, object space."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3)
+
+
+def check_posed(obj: bpy.types.Object, rest_frame: int, pose_frame: int) -> None:
+    """Stop the sample unless the deformers are bound and well, and the pose is finite and moves the mesh."""
+    for deformer in obj.sinew.deformers:
+        if not deformer.is_bound or deformer.status_level in {"ERROR", "WARNING"}:
+            raise SampleError(
+                f"{obj.name}: deformer {deformer.name!r} is not well: {deformer.status or 'not bound'}"
+            )
+    scene = bpy.context.scene
+    shapes = []
+    for frame in (rest_frame, pose_frame):
+        scene.frame_set(frame)
+        shapes.append(shape(obj))
+        if not np.isfinite(shapes[-1]).all():
+            raise SampleError(f"{obj.name}: frame {frame} is not finite")
+    size = np.ptp(shapes[0], axis=0).max()
+    travel = np.linalg.norm(shapes[1] - shapes[0], axis=1).max() / size
+    if not 0.05 < travel < 3.0:
+        raise SampleError(f"{obj.name}: the pose moves vertices by {travel:.3g} of its size")
+    print(f"> {obj.name}: {deformer_line(obj)}", flush=True)
+
+
+def deformer_line(obj: bpy.types.Object) -> str:
+    return "; ".join(f"{deformer.method}: {deformer.status}" for deformer in obj.sinew.deformers)

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The photo studio of the samples: backdrop, lights, camera, labels, render settings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, pi, radians, sin
+from pathlib import Path
+
+import bpy
+from mathutils import Vector
+
+from .materials import backdrop_material, ink_material
+
+FRAMES = (1, 96)
+WIDTH, HEIGHT = 1440, 600
+
+
+def empty_scene(name: str) -> bpy.types.Scene:
+    """A scene with nothing in it, seconds of 24 frames, colours managed for soft daylight."""
+    progress("modelling")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)  # keeps the add-ons enabled
+    scene = bpy.context.scene
+    scene.name = name
+    scene.frame_start, scene.frame_end = FRAMES
+    scene.render.fps = 24
+    scene.view_settings.view_transform = "Filmic"
+    scene.view_settings.look = "High Contrast"
+    scene.view_settings.exposure = 0.1
+    return scene
+
+
+def progress(text: str) -> None:
+    """A line for the person who waits."""
+    print(f"> {text} ...", flush=True)
+
+
+def set_up_render(scene: bpy.types.Scene, samples: int, width: int = WIDTH, height: int = HEIGHT) -> None:
+    """Cycles on the CPU, few bounces. Debian's build has no denoiser: see ``denoise``."""
+    render, cycles = scene.render, scene.cycles
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
+    render.image_settings.file_format = "PNG"
+    render.image_settings.color_mode = "RGB"
+    render.image_settings.compression = 90
+    render.use_persistent_data = False
+    cycles.device = "CPU"
+    cycles.use_denoising = False
+    cycles.samples = samples
+    cycles.use_adaptive_sampling = True
+    cycles.adaptive_threshold = 0.03
+    cycles.adaptive_min_samples = min(24, samples)
+    cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 2, 2
+    cycles.transmission_bounces = cycles.transparent_max_bounces = 2
+    cycles.sample_clamp_indirect = 3.0
+    cycles.blur_glossy = 1.0
+    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.pixel_filter_type = "BLACKMAN_HARRIS"
+    cycles.filter_width = 1.6
+
+
+def add_backdrop(
+    scene: bpy.types.Scene, behind: float, width: float = 80.0, tint: Sequence[float] = (0.54, 0.485, 0.42)
+) -> None:
+    """A floor at z = 0 that bends up into a wall at ``y = behind``, seen from -y."""
+    radius = 6.0
+    profile = [(-40.0, 0.0), (behind - radius, 0.0)]
+    profile += [
+        (behind - radius + radius * sin(pi * k / 48), radius - radius * cos(pi * k / 48))
+        for k in range(1, 25)
+    ]
+    profile.append((behind, 40.0))
+    points = [(x, y, z) for y, z in profile for x in (-width / 2, width / 2)]
+    faces = [(2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2) for i in range(len(profile) - 1)]
+    mesh = bpy.data.meshes.new("Backdrop")
+    mesh.from_pydata(points, [], faces)
+    mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
+    mesh.materials.append(backdrop_material(tint))
+    backdrop = bpy.data.objects.new("Backdrop", mesh)
+    backdrop.hide_select = True
+    scene.collection.objects.link(backdrop)
+
+
+def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> None:
+    """A large warm key from the upper left, a cool rim from behind; the sky fills the shadows."""
+    world = bpy.data.worlds.new("Sky")
+    scene.world = world
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    place = nodes.new("ShaderNodeTexCoord")
+    split = nodes.new("ShaderNodeSeparateXYZ")
+    ramp = nodes.new("ShaderNodeValToRGB")
+    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.35, (0.55, 0.50, 0.46, 1)
+    ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 1.0, (0.62, 0.72, 0.90, 1)
+    half = nodes.new("ShaderNodeMath")
+    half.operation = "MULTIPLY_ADD"
+    half.inputs[1].default_value = half.inputs[2].default_value = 0.5
+    links.new(place.outputs["Generated"], split.inputs[0])
+    links.new(split.outputs["Z"], half.inputs[0])
+    links.new(half.outputs[0], ramp.inputs[0])
+    links.new(ramp.outputs[0], nodes["Background"].inputs["Color"])
+    nodes["Background"].inputs["Strength"].default_value = 0.36
+    world.cycles.sampling_method = "NONE"  # smooth: chance finds it with less noise
+
+    add_area(scene, "Key", target, size, (-0.75, -0.95, 1.25), 0.70, 46.0, (1.0, 0.93, 0.84))
+    add_area(scene, "Rim", target, size, (0.95, 0.95, 0.95), 0.55, 32.0, (0.80, 0.90, 1.0))
+
+
+def add_area(
+    scene: bpy.types.Scene,
+    name: str,
+    target: Sequence[float],
+    size: float,
+    direction: Sequence[float],
+    spread: float,
+    power: float,
+    colour: Sequence[float],
+) -> None:
+    """One area light at ``size`` times ``direction`` from the target, as bright there at any size."""
+    light = bpy.data.lights.new(name, "AREA")
+    light.shape = "DISK"
+    light.size = spread * size
+    light.energy = power * size * size
+    light.color = colour
+    lamp = bpy.data.objects.new(name, light)
+    lamp.location = Vector(target) + size * Vector(direction)
+    lamp.rotation_euler = (Vector(target) - lamp.location).to_track_quat("-Z", "Y").to_euler()
+    scene.collection.objects.link(lamp)
+
+
+def add_camera(
+    scene: bpy.types.Scene,
+    target: Sequence[float],
+    distance: float,
+    elevation: float,
+    width: float,
+) -> None:
+    """A long lens that sees ``width`` units at the target, from ``elevation`` degrees above it."""
+    camera = bpy.data.cameras.new("Camera")
+    camera.sensor_width = 36.0
+    camera.lens = camera.sensor_width * distance / width
+    camera.clip_end = 500.0
+    body = bpy.data.objects.new("Camera", camera)
+    rise = radians(elevation)
+    body.location = Vector(target) + distance * Vector((0.0, -cos(rise), sin(rise)))
+    body.rotation_euler = (Vector(target) - body.location).to_track_quat("-Z", "Y").to_euler()
+    scene.collection.objects.link(body)
+    scene.camera = body
+
+
+def add_label(scene: bpy.types.Scene, text: str, place: Sequence[float], size: float) -> None:
+    """A line of text above ``place`` on the floor, parallel to the picture; the camera is there already."""
+    curve = bpy.data.curves.new(text, "FONT")
+    curve.body = text
+    curve.font = label_font()
+    curve.size = size
+    curve.align_x = "CENTER"
+    curve.extrude = 0.02 * size
+    curve.materials.append(ink_material())
+    label = bpy.data.objects.new(f"Label {text}", curve)
+    label.location = Vector(place) + Vector((0.0, 0.0, 0.28 * size))  # room below the line for g and p
+    label.rotation_euler = scene.camera.rotation_euler
+    label.hide_select = True
+    label.visible_shadow = False
+    scene.collection.objects.link(label)
+
+
+def label_font() -> bpy.types.VectorFont:
+    """Blender's own interface font, stored in the file; the built-in one where it is missing."""
+    for font in bpy.data.fonts:
+        if font.name.startswith("DejaVu"):
+            return font
+    folder = Path(bpy.utils.system_resource("DATAFILES")) / "fonts"
+    for file in sorted(folder.glob("DejaVuSans.*")):
+        font = bpy.data.fonts.load(str(file))
+        font.pack()
+        return font
+    return bpy.data.fonts.load("<builtin>")
+
+
+def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None:
+    """What a person finds who opens the file: the pose through the camera, a control selected."""
+    scene.frame_set(frame)
+    for other in scene.objects:
+        other.select_set(False)
+    for handle in posed.sinew.deformers[0].handles[:1]:
+        if handle.control:
+            handle.control.select_set(True)
+    bpy.context.view_layer.objects.active = posed
+    for screen in bpy.data.screens:
+        for space in (area.spaces.active for area in screen.areas if area.type == "VIEW_3D"):
+            space.region_3d.view_perspective = "CAMERA"
+            space.show_region_ui = True
+            space.shading.color_type = "VERTEX" if posed.data.color_attributes else "MATERIAL"
+            space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Typed errors, status texts, and the backend's translation of native errors."""
+
+import numpy as np
+import pytest
+
+from sinew.core import errors, status
+from sinew.core.status import Level, Status
+
+
+def test_every_error_is_a_sinew_error_and_carries_elements():
+    kinds = [value for value in vars(errors).values() if isinstance(value, type)]
+    assert len(kinds) > 5
+    for kind in kinds:
+        error = kind("message", (np.int64(3), 5), "vertex")
+        assert isinstance(error, errors.SinewError)
+        assert error.elements == (3, 5)
+        assert error.element_kind == "vertex"
+        assert str(error) == "message"
+
+
+def test_status_is_kept_by_key():
+    status.put("a", Status(Level.INFO, "fine"))
+    status.fail("b", errors.MeshError("broken", (1, 2), "face"))
+    status.put_notes("b", (Status(Level.WARNING, "and free"),))
+    assert status.of("a").text == "fine"
+    assert status.of("b") == Status(Level.ERROR, "broken", (1, 2), "face")
+    assert status.notes("b")[0].text == "and free"
+    status.clear("b")
+    assert status.of("b") is status.EMPTY
+    assert status.notes("b") == ()
+    status.clear()
+    assert status.of("a") is status.EMPTY
+
+
+PLATE = np.array([(x, y, 0.0) for y in range(4) for x in range(4)], dtype=float)
+COUNTS = np.full(9, 4, dtype=np.int32)
+CORNERS = np.array([i + j * 4 + k for j in range(3) for i in range(3) for k in (0, 1, 5, 4)], dtype=np.int32)
+
+
+@pytest.fixture
+def backend():
+    pytest.importorskip("sinew_native")
+    from sinew import backend
+
+    return backend
+
+
+def build(backend, method_id: str = "thin_shell", **changes):
+    from sinew.core.methods import BY_ID
+
+    arguments = {
+        "points": PLATE,
+        "faces": (COUNTS, CORNERS),
+        "options": {},
+        "handles": [np.arange(4), np.arange(12, 16)],
+        "weights": None,
+        **changes,
+    }
+    return backend.build_factor(BY_ID[method_id], **arguments)
+
+
+def test_a_factor_solves(backend):
+    poses = np.stack([np.eye(4)[:3]] * 2)
+    poses[:, 2, 3] = 1.0
+    positions, _report = build(backend).solve(poses)
+    assert np.allclose(positions, PLATE + (0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("method_id", ["thin_shell", "arap"])
+def test_native_refusals_become_ours(backend, method_id: str):
+    with pytest.raises(errors.ConstraintError):
+        build(backend, method_id, handles=[np.arange(4), np.array([99])])
+    with pytest.raises(errors.ConstraintError):
+        build(backend, method_id, handles=[np.arange(4), np.arange(2, 6)])
+    with pytest.raises(errors.MeshError):
+        build(backend, method_id, points=np.full_like(PLATE, np.nan))
+    with pytest.raises(errors.OptionError):
+        build(backend, method_id, options={"rigidity" if method_id == "arap" else "bending": -1.0})
+    with pytest.raises(errors.ConstraintError):
+        build(backend, method_id).solve(np.stack([np.eye(4)[:3]] * 3))
+
+
+def test_native_refusals_name_the_elements(backend):
+    with pytest.raises(errors.ConstraintError) as refused:
+        build(backend, handles=[np.arange(4), np.arange(2, 6)])
+    assert set(refused.value.elements) == {2, 3}
+    assert refused.value.element_kind == "vertex"
+
+
+def test_cancel(backend):
+    with pytest.raises(errors.CancelledError):
+        build(backend, progress=lambda _fraction, _stage: False)

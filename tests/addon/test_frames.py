@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames and poses against closed forms."""
+
+import numpy as np
+import pytest
+
+from sinew.core import frames
+from sinew.core.errors import ConstraintError
+
+RANDOM = np.random.default_rng(7)
+
+
+def rotation(axis: tuple[float, float, float], angle: float) -> np.ndarray:
+    """Rodrigues' formula, (4, 4)."""
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    K = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+    matrix = np.eye(4)
+    matrix[:3, :3] += np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
+    return matrix
+
+
+def translation(*by: float) -> np.ndarray:
+    matrix = np.eye(4)
+    matrix[:3, 3] = by
+    return matrix
+
+
+SQUARE = np.array([(0.0, 0.0, 0.0), (2.0, 0.0, 0.0), (2.0, 2.0, 0.0), (0.0, 2.0, 0.0)])
+ONE_QUAD = (np.array([4]), np.array([0, 1, 2, 3]))
+
+
+def test_vector_area_of_a_polygon():
+    assert np.allclose(frames.newell_normals(SQUARE, *ONE_QUAD), [(0.0, 0.0, 8.0)])
+
+
+def test_region_frame_sits_at_the_centre_and_looks_along_the_normal():
+    world = rotation((1.0, 2.0, 3.0), 0.8)
+    frame = frames.region_frame(frames.transformed(world, SQUARE), *ONE_QUAD, np.arange(4))
+    assert np.allclose(frame[:3, 3], world[:3, :3] @ (1.0, 1.0, 0.0))
+    assert np.allclose(frame[:3, 2], world[:3, 2])
+    assert np.allclose(frame[:3, :3].T @ frame[:3, :3], np.eye(3))
+    assert np.linalg.det(frame[:3, :3]) == pytest.approx(1.0)
+
+
+def test_region_without_whole_faces_keeps_the_axes():
+    frame = frames.region_frame(SQUARE, *ONE_QUAD, np.array([0, 1]))
+    assert np.allclose(frame[:3, :3], np.eye(3))
+
+
+def test_region_of_a_mesh_without_faces():
+    none = np.zeros(0, dtype=int)
+    assert np.allclose(frames.region_frame(SQUARE, none, none, np.array([2])), translation(2.0, 2.0, 0.0))
+
+
+def test_placed_keeps_the_normal_under_unequal_scale():
+    """Normals go by the inverse transpose: a slope of 45 degrees, stretched along x, gets steeper normals."""
+    tilted = rotation((0.0, 1.0, 0.0), np.pi / 4.0)
+    world = np.diag((3.0, 1.0, 1.0, 1.0))
+    placed = frames.placed(world, tilted)
+    expected = np.array((1.0 / 3.0, 0.0, 1.0))
+    assert np.allclose(placed[:3, 2], expected / np.linalg.norm(expected))
+    assert np.allclose(placed[:3, :3].T @ placed[:3, :3], np.eye(3))
+
+
+def test_pose_is_the_identity_at_rest_and_the_motion_after():
+    target = translation(1.0, 2.0, 3.0) @ rotation((0.0, 1.0, 1.0), 0.5) @ np.diag((2.0, 0.5, 1.0, 1.0))
+    control = translation(-1.0, 0.5, 0.0) @ rotation((1.0, 0.0, 1.0), 1.1)
+    rest = np.linalg.inv(target) @ control
+    assert np.allclose(frames.pose(target, control, rest), np.eye(4)[:3])
+    motion = translation(0.1, 0.2, 0.3) @ rotation((1.0, 1.0, 0.0), 0.4)
+    moved = frames.pose(target, motion @ control, rest)
+    points = RANDOM.normal(size=(5, 3))
+    in_world = frames.transformed(target, points @ moved[:, :3].T + moved[:, 3])
+    assert np.allclose(in_world, frames.transformed(motion @ target, points))
+
+
+def test_moving_everything_leaves_the_pose():
+    target, control = rotation((1.0, 0.0, 0.0), 0.3), translation(1.0, 0.0, 2.0)
+    rest = translation(0.0, 0.5, 0.0)
+    all_of_it = translation(3.0, 1.0, 2.0) @ rotation((1.0, 2.0, 0.5), 2.0)
+    assert np.allclose(
+        frames.pose(all_of_it @ target, all_of_it @ control, rest), frames.pose(target, control, rest)
+    )
+
+
+@pytest.mark.parametrize(
+    "flat", [np.diag((1.0, 1.0, 0.0, 1.0)), np.full((4, 4), np.nan), np.diag((0.0, 0.0, 0.0, 1.0))]
+)
+def test_flat_or_broken_matrices_are_refused_by_name(flat: np.ndarray):
+    with pytest.raises(ConstraintError, match="Statue"):
+        frames.inverse(flat, "Statue")
+
+
+def test_tiny_and_huge_scales_are_fine():
+    for scale in (1e-4, 1e4):
+        matrix = np.diag((scale, scale, scale, 1.0))
+        assert np.allclose(frames.inverse(matrix, "Statue") @ matrix, np.eye(4))
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 20])
+def test_fit_finds_a_rigid_motion_from_any_number_of_points(count: int):
+    before = RANDOM.normal(size=(count, 3))
+    motion = translation(0.3, -1.0, 2.0) @ rotation((0.2, 1.0, 0.4), 2.5)
+    after = frames.transformed(motion, before)
+    for rigid in (False, True):
+        found = frames.fit(before, after, rigid)
+        assert np.allclose(before @ found[:, :3].T + found[:, 3], after)
+        assert np.linalg.det(found[:, :3]) > 0.1
+    if count >= 3:
+        assert np.allclose(found, motion[:3], atol=1e-6)
+
+
+def test_fit_finds_an_affine_motion():
+    before = RANDOM.normal(size=(20, 3))
+    affine = np.column_stack((RANDOM.normal(size=(3, 3)) + 2.0 * np.eye(3), (1.0, 2.0, 3.0)))
+    after = before @ affine[:, :3].T + affine[:, 3]
+    assert np.allclose(frames.fit(before, after), affine)
+
+
+def test_rigid_fit_of_a_mirrored_cloud_is_a_rotation():
+    before = RANDOM.normal(size=(20, 3))
+    found = frames.fit(before, before * (-1.0, 1.0, 1.0), rigid=True)
+    assert np.linalg.det(found[:, :3]) == pytest.approx(1.0)

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The registry: complete rows, stable numbers, and keywords the native module really takes."""
+
+import re
+
+import pytest
+
+from sinew.core import methods
+from sinew.core.methods import METHODS, Choice, Control, Family, Float, Int, group_property
+
+
+def test_ids_and_numbers_are_unique():
+    assert len({method.id for method in METHODS}) == len(METHODS)
+    assert len({method.number for method in METHODS}) == len(METHODS)
+
+
+def test_numbers_in_files_never_change():
+    """Files store the number: extend this table, never edit it."""
+    assert {"thin_shell": 1, "arap": 2}.items() <= {method.id: method.number for method in METHODS}.items()
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_a_row_is_complete(method: methods.Method):
+    assert re.fullmatch(r"[a-z][a-z0-9_]*", method.id)
+    assert method.native.lower() == method.id.replace("_", "")
+    assert isinstance(method.family, Family)
+    assert isinstance(method.control, Control)
+    assert method.paper
+    assert method.section
+    assert method.summary
+    assert not method.summary.endswith(".")
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_parameters_teach(method: methods.Method):
+    names = [parameter.id for parameter in method.parameters]
+    names += [group_property(parameter) for parameter in method.paintable]
+    assert len(set(names)) == len(names)
+    for parameter in method.parameters:
+        assert parameter.label
+        assert len(parameter.description) > 10
+        assert not parameter.description.endswith(".")
+        if isinstance(parameter, Choice):
+            items = [item[0] for item in parameter.items]
+            assert parameter.default in items
+            assert all(len(item) == 3 and item[1] and item[2] for item in parameter.items)
+        if isinstance(parameter, (Float, Int)):
+            assert parameter.minimum <= parameter.default <= parameter.maximum
+            assert parameter.default <= parameter.soft_maximum <= parameter.maximum
+
+
+def test_painted_parameters_rebind():
+    """A painted parameter goes into the factor."""
+    assert all(parameter.rebinds for method in METHODS for parameter in method.paintable)
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_the_native_class_takes_the_parameters(method: methods.Method):
+    native = pytest.importorskip("sinew_native")
+    np = pytest.importorskip("numpy")
+    points = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)])
+    mesh = native.SurfaceMesh(points, np.array([[0, 1, 2, 3]]))
+    options = {parameter.id: parameter.default for parameter in method.parameters if parameter.rebinds}
+    for parameter in method.paintable:
+        options[parameter.id] = np.full(len(points), max(parameter.default, parameter.minimum, 0.1))
+    solver = getattr(native, method.native)(mesh, **options)
+    boundary = {"continuity": [2.0]} if method.continuity else {}
+    solver.set_handles([np.array([0, 1])], weights=None, **boundary)
+    keywords = {parameter.id: parameter.default for parameter in method.parameters if not parameter.rebinds}
+    positions, report = solver.solve(np.eye(4)[None, :3], incoming=None, from_rest=[False], **keywords)
+    assert np.abs(positions - points).max() < 1e-9
+    assert report.converged

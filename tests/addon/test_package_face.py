@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender reads before it runs the add-on: one version everywhere, a manifest by the rules."""
+
+import ast
+import tomllib
+from pathlib import Path
+
+from sinew import ids
+
+ADDON = Path(__file__).parents[2] / "addon"
+MANIFEST = tomllib.loads((ADDON / "blender_manifest.toml").read_text(encoding="utf-8"))
+
+
+def bl_info() -> dict:
+    tree = ast.parse((ADDON / "__init__.py").read_text(encoding="utf-8"))
+    node = next(
+        node for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"
+    )
+    return ast.literal_eval(node.value)
+
+
+def test_one_version():
+    assert MANIFEST["version"] == ids.VERSION == ".".join(str(part) for part in bl_info()["version"])
+
+
+def test_manifest():
+    assert MANIFEST["id"] == "sinew"
+    assert MANIFEST["schema_version"] == "1.0.0"
+    assert len(MANIFEST["tagline"]) <= 64
+    assert not MANIFEST["tagline"].endswith(".")
+    assert MANIFEST["license"] == ["SPDX:GPL-3.0-or-later"]
+    assert MANIFEST["wheels"] == []
+
+
+def test_legacy_face():
+    assert bl_info()["blender"] == (3, 4, 0)
+
+
+def test_operator_names_follow_one_pattern():
+    names = [value for key, value in vars(ids.Operators).items() if key.isupper()]
+    assert all(name.startswith("sinew.") for name in names)
+    assert len(set(names)) == len(names)
+
+
+def test_no_bpy_in_core_and_backend():
+    for room in ("core", "backend"):
+        for path in (ADDON / room).glob("*.py"):
+            imported = [
+                name.name if isinstance(node, ast.Import) else node.module or ""
+                for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+                if isinstance(node, (ast.Import, ast.ImportFrom))
+                for name in node.names
+            ]
+            assert not any(module.split(".")[0] in {"bpy", "bmesh", "mathutils"} for module in imported), path
+
+
+def test_methods_are_named_in_the_registry_only():
+    """Menus, properties and sessions come from rows: a method's id stands in its row and nowhere else."""
+    from sinew.core.methods import METHODS
+
+    for path in ADDON.rglob("*.py"):
+        if path.name == "methods.py" or "_native" in path.parts:
+            continue
+        text = path.read_text(encoding="utf-8")
+        for method in METHODS:
+            assert f'"{method.id}"' not in text, f"{path} names {method.id}"
+            assert f'"{method.native}"' not in text, f"{path} names {method.native}"

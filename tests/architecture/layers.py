@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The ranks of the rooms: a room sees itself and rooms of lower rank, never one of its own rank."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from .tree import files, lines
+
+NATIVE_RANKS = {
+    "core": 0,
+    "mesh": 1,
+    "solvers": 1,
+    "operators": 2,
+    "subdivision": 2,
+    "surface/linear": 3,
+    "space/lattice": 3,
+    "space/cage": 3,
+    "space/points": 3,
+    "surface/nonlinear": 4,
+    "space/nonlinear": 4,
+    "multiresolution": 5,
+    "bindings": 6,
+}
+ADDON_RANKS = {
+    "ids": 0,
+    "core": 0,
+    "compat": 0,
+    "backend": 1,
+    "properties": 2,
+    "preferences": 2,
+    "mesh_io": 2,
+    "session": 3,
+    "bake": 4,
+    "operators": 5,
+    "handlers": 6,
+    "ui": 6,
+}
+# A header that only one room may include -> that room.
+RESERVED_HEADERS = {
+    r"pybind11/|Python\.h": "bindings",
+    r"opensubdiv/": "subdivision",
+    r"tbb/|oneapi/": "core",
+}
+BLENDER_MODULES = {"bpy", "bpy_extras", "bmesh", "mathutils", "gpu", "blf", "addon_utils", "bl_math", "aud"}
+ROOMS_WITHOUT_BLENDER = {"core", "backend"}
+INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+def native_offences(root: Path) -> list[str]:
+    return [f"{place}: {what}" for place, what in _native_offences(root)]
+
+
+def addon_offences(root: Path) -> list[str]:
+    return [f"{place}: {what}" for place, what in _addon_offences(root)]
+
+
+def _native_room(path: str) -> str | None:
+    """The room of a path below native/, by the longest name that fits."""
+    fitting = [room for room in NATIVE_RANKS if path.startswith(room + "/")]
+    return max(fitting, key=len, default=None)
+
+
+def _native_offences(root: Path) -> Iterator[tuple[str, str]]:
+    for path in files(root, "native", ".h", ".cpp"):
+        name = path.relative_to(root).as_posix()
+        room = _native_room(name.removeprefix("native/"))
+        if room is None:
+            yield name, "belongs to no room that has a rank"
+            continue
+        for number, line in lines(path):
+            place = f"{name}:{number}"
+            if re.match(r"\s*#\s*pragma\s+omp\b", line):
+                yield place, f"parallel loops go through core/parallel.h, never OpenMP: {line.strip()}"
+            include = INCLUDE.match(line)
+            if include is None:
+                continue
+            quote, target = include.groups()
+            for header, keeper in RESERVED_HEADERS.items():
+                if re.match(header, target) and room != keeper:
+                    yield place, f"only {keeper} may include {target}: {line.strip()}"
+            if quote == '"' and not target.startswith("native/"):
+                yield place, f"includes run from the repository root: {line.strip()}"
+            elif quote == '"':
+                yield from _step(
+                    place, line, room, _native_room(target.removeprefix("native/")), NATIVE_RANKS
+                )
+
+
+def _step(
+    place: str, line: str, room: str, target: str | None, ranks: dict[str, int]
+) -> Iterator[tuple[str, str]]:
+    """Nothing where `room` may see `target`."""
+    if target is None:
+        yield place, f"names no room that has a rank: {line.strip()}"
+    elif target != room and ranks[target] >= ranks[room]:
+        above = "of the same rank" if ranks[target] == ranks[room] else "of higher rank"
+        yield place, f"{room} (rank {ranks[room]}) may not see {target}, {above}: {line.strip()}"
+
+
+def _addon_offences(root: Path) -> Iterator[tuple[str, str]]:
+    for path in files(root, "addon", ".py"):
+        inside = path.relative_to(root / "addon")
+        room = inside.parts[0].removesuffix(".py")
+        is_root = inside.as_posix() == "__init__.py"
+        if not is_root and room not in ADDON_RANKS:
+            yield f"addon/{inside.as_posix()}", "belongs to no room that has a rank"
+            continue
+        source = path.read_text(encoding="utf-8")
+        module = ast.parse(source, filename=str(path))
+        at_top = set(_top_level(module.body))
+        text = source.splitlines()
+        for node in ast.walk(module):
+            if not isinstance(node, ast.Import | ast.ImportFrom | ast.Call):
+                continue
+            place, line = f"addon/{inside.as_posix()}:{node.lineno}", text[node.lineno - 1]
+            modules, targets = _seen(node, inside)
+            for name in modules:
+                yield from _absolute(place, line, name, room)
+            for target in targets:
+                if node not in at_top:
+                    yield place, f"relative imports stand at the top of the file: {line.strip()}"
+                if target == "_native":
+                    if room != "backend":
+                        yield place, f"only backend may import sinew_native: {line.strip()}"
+                elif not is_root:
+                    known = target if target in ADDON_RANKS else None
+                    yield from _step(place, line, room, known, ADDON_RANKS)
+
+
+def _absolute(place: str, line: str, name: str, room: str) -> Iterator[tuple[str, str]]:
+    first = name.split(".")[0]
+    if first in BLENDER_MODULES and room in ROOMS_WITHOUT_BLENDER:
+        yield place, f"{room} does without Blender: {line.strip()}"
+    if first == "sinew_native" and room != "backend":
+        yield place, f"only backend may import sinew_native: {line.strip()}"
+    if first in ("addon", "sinew", "bl_ext"):
+        yield place, f"the add-on imports itself relatively: {line.strip()}"
+
+
+def _top_level(body: list[ast.stmt]) -> Iterator[ast.stmt]:
+    """Statements that run with the module, those under a module's if or try included."""
+    for statement in body:
+        yield statement
+        for part in ("body", "orelse", "finalbody"):
+            if isinstance(statement, ast.If | ast.Try):
+                yield from _top_level(getattr(statement, part, []))
+        for handler in getattr(statement, "handlers", []):
+            yield from _top_level(handler.body)
+
+
+def _seen(node: ast.Import | ast.ImportFrom | ast.Call, inside: Path) -> tuple[list[str], list[str]]:
+    """Absolute module names, and rooms of the add-on, that an import names."""
+    if isinstance(node, ast.Import):
+        return [alias.name for alias in node.names], []
+    if isinstance(node, ast.Call):
+        called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+        if called in ("import_module", "__import__") and node.args and isinstance(node.args[0], ast.Constant):
+            return [str(node.args[0].value).lstrip(".")], []
+        return [], []
+    if node.level == 0:
+        return [node.module or ""], []
+    package = list(inside.parts[:-1])
+    kept = package[: len(package) - (node.level - 1)]
+    target = kept + (node.module.split(".") if node.module else [])
+    if node.level - 1 > len(package):
+        return [], ["(outside the add-on)"]
+    return [], [target[0]] if target else [alias.name for alias in node.names]

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every method is complete: pair of files, test, binding with its types, row, sample, all under one name.
+
+A pair in a method room that is no row of the registry is part of a method, and says so in one of two ways:
+its name starts with the id of a row and an underscore (``arap_cascade``), or its header has the line
+``// Part of the method thin_shell.``
+"""
+
+import ast
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from .tree import files
+
+METHOD_ROOMS = {
+    "SURFACE_LINEAR": ("surface/linear",),
+    "SURFACE_NONLINEAR": ("surface/nonlinear",),
+    "SPACE_LINEAR": ("space/lattice", "space/cage", "space/points"),
+    "SPACE_NONLINEAR": ("space/nonlinear",),
+}
+PART_OF = re.compile(r"^// Part of the method (\w+)\.$", re.MULTILINE)
+
+
+@dataclass(frozen=True)
+class Row:
+    id: str
+    native: str
+    family: str
+    line: int
+
+
+def rows(root: Path) -> list[Row]:
+    """The calls of Method(...) in the registry, read without importing it."""
+    source = (root / "addon/core/methods.py").read_text(encoding="utf-8")
+    found = []
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Method":
+            words = {keyword.arg: keyword.value for keyword in node.keywords}
+            values = {name: getattr(words.get(name), "value", "") for name in ("id", "native")}
+            found.append(
+                Row(values["id"], values["native"], getattr(words["family"], "attr", ""), node.lineno)
+            )
+    return found
+
+
+def registry_offences(root: Path) -> list[str]:
+    found = rows(root)
+    return [*_doubled(found), *(o for row in found for o in _row_offences(root, row)), *_strays(root, found)]
+
+
+def camel_case(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("_"))
+
+
+def _doubled(found: list[Row]) -> Iterator[str]:
+    ids = [row.id for row in found]
+    yield from (
+        f"addon/core/methods.py: two rows are called {name}" for name in set(ids) if ids.count(name) > 1
+    )
+
+
+def _row_offences(root: Path, row: Row) -> Iterator[str]:
+    place = f"addon/core/methods.py:{row.line}: {row.id}"
+    if row.native != camel_case(row.id):
+        yield f"{place}: the native class must be {camel_case(row.id)}, the row says {row.native}"
+    if row.family not in METHOD_ROOMS:
+        yield f"{place}: no room is known for {row.family}"
+        return
+    rooms = [room for room in METHOD_ROOMS[row.family] if (root / f"native/{room}/{row.id}.h").is_file()]
+    if len(rooms) != 1:
+        yield f"{place}: no {row.id}.h in native/{' or native/'.join(METHOD_ROOMS[row.family])}"
+        return
+    for name in (f"native/{rooms[0]}/{row.id}.cpp", f"tests/native/{rooms[0]}/test_{row.id}.cpp"):
+        if not (root / name).is_file():
+            yield f"{place}: {name} is missing"
+    bindings = "".join(path.read_text(encoding="utf-8") for path in files(root, "native/bindings", ".cpp"))
+    if not re.search(rf'class_<[^;]*?"{row.native}"', bindings):
+        yield f"{place}: native/bindings binds no class {row.native}"
+    types = root / "native/bindings/sinew_native.pyi"
+    if not types.is_file() or not re.search(
+        rf"^class {row.native}\b", types.read_text(encoding="utf-8"), re.MULTILINE
+    ):
+        yield f"{place}: native/bindings/sinew_native.pyi declares no class {row.native}"
+    if not any(_shows(path, row.id) for path in files(root, "blend_samples", ".py")):
+        yield f'{place}: no sample in blend_samples is named after it or uses "{row.id}"'
+
+
+def _shows(sample: Path, method: str) -> bool:
+    named = sample.stem == method or sample.stem.startswith(method + "_")
+    return named or bool(re.search(rf"[\"']{method}[\"']", sample.read_text(encoding="utf-8")))
+
+
+def _strays(root: Path, found: list[Row]) -> Iterator[str]:
+    ids = {row.id for row in found}
+    for room in sorted({room for rooms in METHOD_ROOMS.values() for room in rooms}):
+        for header in files(root, f"native/{room}", ".h"):
+            of = PART_OF.search(header.read_text(encoding="utf-8"))
+            part = any(header.stem.startswith(name + "_") for name in ids) or (of and of.group(1) in ids)
+            if header.stem not in ids and not part:
+                yield f"native/{room}/{header.name}: neither a row of the registry nor part of a method"
+        for source in files(root, f"native/{room}", ".cpp"):
+            if not source.with_suffix(".h").is_file():
+                yield f"native/{room}/{source.name}: has no header beside it"

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from pathlib import Path
+
+import pytest
+
+from .layers import ADDON_RANKS, NATIVE_RANKS, addon_offences, native_offences
+from .tree import ROOT, files, grow, listed
+
+
+def test_native_rooms_see_lower_ranks_only() -> None:
+    assert list(files(ROOT, "native", ".cpp")), "no sources were found"
+    offences = native_offences(ROOT)
+    assert not offences, listed(offences)
+
+
+def test_addon_rooms_see_lower_ranks_only() -> None:
+    assert list(files(ROOT, "addon", ".py")), "no sources were found"
+    offences = addon_offences(ROOT)
+    assert not offences, listed(offences)
+
+
+@pytest.mark.parametrize(
+    ("path", "line", "reason"),
+    [
+        ("native/core/a.h", '#include "native/mesh/b.h"', "of higher rank"),
+        ("native/mesh/a.h", '#include "native/solvers/b.h"', "of the same rank"),
+        ("native/space/cage/a.cpp", '#include "native/surface/linear/b.h"', "of the same rank"),
+        ("native/surface/linear/a.cpp", '#include "native/surface/nonlinear/b.h"', "of higher rank"),
+        ("native/surface/linear/a.cpp", '#include "b.h"', "from the repository root"),
+        ("native/mesh/a.h", '#include "native/gizmos/b.h"', "no room that has a rank"),
+        ("native/gizmos/a.h", "", "no room that has a rank"),
+        ("native/mesh/a.cpp", "#include <pybind11/numpy.h>", "only bindings may include"),
+        ("native/mesh/a.cpp", "#  include <Python.h>", "only bindings may include"),
+        ("native/bindings/a.cpp", "#include <opensubdiv/far/stencilTable.h>", "only subdivision may include"),
+        ("native/operators/a.cpp", "#include <tbb/parallel_for.h>", "only core may include"),
+        ("native/operators/a.cpp", "#pragma omp parallel for", "never OpenMP"),
+    ],
+)
+def test_native_offence_is_found(tmp_path: Path, path: str, line: str, reason: str) -> None:
+    grow(tmp_path, {path: f"// first line\n{line}\n"})
+    (offence,) = native_offences(tmp_path)
+    assert offence.startswith(path)
+    assert reason in offence
+    assert line.strip() in offence
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("native/surface/nonlinear/a.cpp", '#include "native/surface/linear/b.h"'),
+        ("native/surface/nonlinear/a.cpp", '#include "native/surface/nonlinear/b.h"'),
+        ("native/bindings/a.cpp", "#include <pybind11/numpy.h>"),
+        ("native/subdivision/a.cpp", "#include <opensubdiv/far/stencilTable.h>"),
+        ("native/core/a.cpp", "#include <vector>"),
+    ],
+)
+def test_native_step_down_is_allowed(tmp_path: Path, path: str, line: str) -> None:
+    assert native_offences(grow(tmp_path, {path: line})) == []
+
+
+@pytest.mark.parametrize(
+    ("path", "line", "reason"),
+    [
+        ("addon/core/a.py", "import bpy", "does without Blender"),
+        ("addon/core/a.py", "from mathutils import Matrix", "does without Blender"),
+        ("addon/backend/a.py", "from bpy.types import Object", "does without Blender"),
+        ("addon/core/a.py", "from ..compat import nodes", "of the same rank"),
+        ("addon/session/a.py", "from ..operators.bind import run", "of higher rank"),
+        ("addon/session/a.py", "from .. import ui", "of higher rank"),
+        ("addon/session/a.py", "from ..gizmos import draw", "no room that has a rank"),
+        ("addon/session/a.py", "from ... import sinew", "no room that has a rank"),
+        ("addon/preferences.py", "from .session import cache", "of higher rank"),
+        ("addon/gizmos/a.py", "", "no room that has a rank"),
+        ("addon/ui/a.py", "def f():\n    from ..session import cache", "at the top of the file"),
+        ("addon/session/a.py", "import sinew_native", "only backend may import sinew_native"),
+        ("addon/session/a.py", "from .._native import sinew_native", "only backend may import sinew_native"),
+        ("addon/session/a.py", "importlib.import_module('sinew_native')", "only backend may import"),
+        ("addon/ui/a.py", "from sinew.session import cache", "imports itself relatively"),
+        ("addon/ui/a.py", "import bl_ext.user_default.sinew", "imports itself relatively"),
+    ],
+)
+def test_addon_offence_is_found(tmp_path: Path, path: str, line: str, reason: str) -> None:
+    (offence,) = addon_offences(grow(tmp_path, {path: line}))
+    assert offence.startswith(path)
+    assert reason in offence
+    assert line.splitlines()[-1].strip() in offence if line else True
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("addon/__init__.py", "from . import handlers, operators, ui"),
+        ("addon/backend/a.py", "from .._native import sinew_native"),
+        ("addon/backend/a.py", "def load():\n    import sinew_native"),
+        (
+            "addon/session/a.py",
+            "from .cache import entries\nfrom ..backend import load\nfrom ..core.errors import E",
+        ),
+        ("addon/ui/a.py", "from .. import ids, session"),
+        (
+            "addon/ui/a.py",
+            "try:\n    from ..session import a\nexcept ImportError:\n    from ..session import b",
+        ),
+        ("addon/ui/a.py", "def draw():\n    import gpu"),
+    ],
+)
+def test_addon_step_down_is_allowed(tmp_path: Path, path: str, line: str) -> None:
+    assert addon_offences(grow(tmp_path, {path: line})) == []
+
+
+def test_every_room_that_exists_has_a_rank() -> None:
+    """Also where a room holds no source yet."""
+    folders = {p.parent.relative_to(ROOT / "native").as_posix() for p in files(ROOT, "native", ".h", ".cpp")}
+    assert folders <= set(NATIVE_RANKS)
+    rooms = {
+        p.stem if p.is_file() else p.name
+        for p in (ROOT / "addon").iterdir()
+        if not p.name.startswith(("_", "."))
+    }
+    assert rooms - {"README", "blender_manifest", "LICENSE"} <= set(ADDON_RANKS) | {"wheels", "icons"}

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from pathlib import Path
+
+import pytest
+
+from .registry import camel_case, registry_offences, rows
+from .tree import ROOT, grow, listed
+
+WHOLE = {
+    "addon/core/methods.py": 'Method(id="thin_shell", native="ThinShell", family=Family.SURFACE_LINEAR)\n',
+    "native/surface/linear/thin_shell.h": "",
+    "native/surface/linear/thin_shell.cpp": "",
+    "native/surface/linear/thin_shell_terms.h": "",
+    "native/surface/linear/affine_basis.h": "// Part of the method thin_shell.\n",
+    "tests/native/surface/linear/test_thin_shell.cpp": "",
+    "native/bindings/bind_surface.cpp": 'py::class_<ThinShell, Holder>(module, "ThinShell");\n',
+    "native/bindings/sinew_native.pyi": "class ThinShell:\n    ...\n",
+    "blend_samples/plate.py": 'pose(method="thin_shell")\n',
+}
+
+
+def test_every_method_of_the_registry_is_complete() -> None:
+    assert rows(ROOT), "the registry is empty"
+    offences = registry_offences(ROOT)
+    assert not offences, listed(offences)
+
+
+def test_whole_method_is_accepted(tmp_path: Path) -> None:
+    assert registry_offences(grow(tmp_path, WHOLE)) == []
+
+
+@pytest.mark.parametrize("missing", [name for name in WHOLE if name != "addon/core/methods.py"])
+def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
+    tree = {name: content for name, content in WHOLE.items() if name != missing}
+    if missing in ("native/surface/linear/thin_shell_terms.h", "native/surface/linear/affine_basis.h"):
+        assert registry_offences(grow(tmp_path, tree)) == []  # parts of a method are free
+    else:
+        assert registry_offences(grow(tmp_path, tree))
+
+
+@pytest.mark.parametrize(
+    ("path", "content", "reason"),
+    [
+        ("native/surface/linear/propagation.h", "", "neither a row of the registry"),
+        ("native/surface/nonlinear/primo.cpp", "", "no header beside it"),
+        ("native/surface/linear/affine_basis.h", "// Part of the method primo.\n", "neither a row"),
+        ("native/bindings/bind_surface.cpp", 'py::class_<X>(m, "Shell");', "binds no class ThinShell"),
+        ("native/bindings/sinew_native.pyi", "class ThinShellReport: ...", "declares no class ThinShell"),
+        ("blend_samples/plate.py", "thin_shells = 1", "no sample"),
+        (
+            "addon/core/methods.py",
+            WHOLE["addon/core/methods.py"].replace("ThinShell", "Shell"),
+            "must be ThinShell",
+        ),
+        ("addon/core/methods.py", WHOLE["addon/core/methods.py"] * 2, "two rows are called thin_shell"),
+        (
+            "addon/core/methods.py",
+            WHOLE["addon/core/methods.py"].replace("SURFACE_LINEAR", "SPACE_LINEAR"),
+            "no thin_shell.h in native/space/lattice",
+        ),
+    ],
+)
+def test_offence_is_found(tmp_path: Path, path: str, content: str, reason: str) -> None:
+    offences = registry_offences(grow(tmp_path, WHOLE | {path: content}))
+    assert any(reason in offence for offence in offences), offences
+
+
+def test_class_names_follow_from_ids() -> None:
+    assert [camel_case(name) for name in ("thin_shell", "arap", "mean_value")] == [
+        "ThinShell",
+        "Arap",
+        "MeanValue",
+    ]

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from pathlib import Path
+
+import pytest
+
+from .sources import (
+    LICENCE,
+    LONGEST,
+    build_list_offences,
+    door_plate_offences,
+    licence_offences,
+    size_offences,
+    sources,
+    versions,
+    word_offences,
+)
+from .tree import ROOT, grow, listed
+
+
+def test_every_source_names_its_licence() -> None:
+    assert len(list(sources(ROOT))) > 20
+    offences = licence_offences(ROOT)
+    assert not offences, listed(offences)
+
+
+def test_no_source_is_too_long() -> None:
+    offences = size_offences(ROOT)
+    assert not offences, listed(offences)
+
+
+def test_no_word_that_does_not_belong_here() -> None:
+    offences = word_offences(ROOT)
+    assert not offences, listed(offences)
+
+
+def test_cmake_names_every_source() -> None:
+    offences = build_list_offences(ROOT)
+    assert not offences, listed(offences)
+
+
+def test_every_room_has_its_door_plate() -> None:
+    offences = door_plate_offences(ROOT)
+    assert not offences, listed(offences)
+
+
+def test_all_versions_agree() -> None:
+    stated = versions(ROOT)
+    assert len(set(stated.values())) == 1, stated
+
+
+@pytest.mark.parametrize("path", ["native/core/a.h", "addon/a.py", "tools/go", "CMakeLists.txt", ".ci/run"])
+def test_missing_licence_is_found(tmp_path: Path, path: str) -> None:
+    grow(tmp_path, {path: "#!/bin/sh\n\n\n\n# " + LICENCE})
+    assert licence_offences(tmp_path) == [f"{path}:1: does not name its licence"]
+    grow(tmp_path, {path: f"#!/bin/sh\n# {LICENCE}\n"})
+    assert licence_offences(tmp_path) == []
+
+
+def test_long_file_is_found(tmp_path: Path) -> None:
+    grow(tmp_path, {"native/core/a.h": "\n" * LONGEST, "native/core/b.h": "\n" * (LONGEST + 1)})
+    assert size_offences(tmp_path) == [f"native/core/b.h: {LONGEST + 1} lines"]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "open('/wor|k/main/a.obj')",
+        "/roo|t/.pyenv",
+        "/hom|e/ada/sinew",
+        "pyp|i.org/simple",
+        "# TOD|O: later",
+        "raise NotImplemented|Error",
+        "except Exceptio|n as error:",
+        "exc|ept:",
+        "catch (|...)",
+    ],
+)
+def test_word_that_does_not_belong_here_is_found(tmp_path: Path, line: str) -> None:
+    whole = line.replace("|", "")  # this file may not hold it either
+    (offence,) = word_offences(grow(tmp_path, {"addon/a.py": f"x = 1\n{whole}\n"}))
+    assert offence.startswith("addon/a.py:2:")
+    assert whole in offence
+
+
+@pytest.mark.parametrize(
+    "line", ["except ValueError:", "work/main", "a.root/b", "the home/of", "catch (Error& e)"]
+)
+def test_innocent_word_is_left_alone(tmp_path: Path, line: str) -> None:
+    assert word_offences(grow(tmp_path, {"addon/a.py": line})) == []
+
+
+def test_stray_missing_and_doubled_build_entries_are_found(tmp_path: Path) -> None:
+    grow(
+        tmp_path,
+        {
+            "CMakeLists.txt": "add_library(sinew native/core/a.cpp native/core/gone.cpp native/core/a.cpp)\n"
+            "# native/core/stray.cpp\n",
+            "native/core/a.cpp": "",
+            "native/core/stray.cpp": "",
+            "tests/native/CMakeLists.txt": "add_executable(t core/test_a.cpp)",
+            "tests/native/core/test_a.cpp": "",
+            "tests/native/core/test_b.cpp": "",
+        },
+    )
+    assert sorted(build_list_offences(tmp_path)) == [
+        "CMakeLists.txt: does not name native/core/stray.cpp",
+        "CMakeLists.txt: names a.cpp twice",
+        "CMakeLists.txt: names native/core/gone.cpp, which does not exist",
+        "tests/native/CMakeLists.txt: does not name tests/native/core/test_b.cpp",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "good"), [("One room.", True), ("Reads a.h. And more.", False), ("", False)]
+)
+def test_door_plate_is_one_sentence(tmp_path: Path, text: str, good: bool) -> None:
+    grow(
+        tmp_path,
+        {"native/core/README.md": text, "native/README.md": "All rooms.", "addon/README.md": "Plate."},
+    )
+    assert door_plate_offences(tmp_path) == ([] if good else ["native/core/README.md: must be one sentence"])
+
+
+def test_disagreeing_version_is_seen(tmp_path: Path) -> None:
+    grow(
+        tmp_path,
+        {
+            "CMakeLists.txt": "project(sinew VERSION 1.2.3 LANGUAGES CXX)",
+            "addon/blender_manifest.toml": 'version = "1.2.3"',
+            "addon/__init__.py": 'bl_info = {"version": (1, 2, 3)}',
+            "addon/ids.py": 'VERSION = "1.2.4"',
+            "CITATION.cff": "version: 1.2.3",
+            "CHANGELOG.md": "## [Unreleased]\n\n## [1.2.3] - 2030-01-01\n",
+        },
+    )
+    stated = versions(tmp_path)
+    assert {place for place, version in stated.items() if version != "1.2.3"} == {"addon/ids.py (VERSION)"}

@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The installed add-on, a fresh scene for each test, and the ways to look at a result."""
+
+import importlib
+import os
+from types import ModuleType
+
+import bpy
+import pytest
+from rig import Rig
+
+# isort: split
+import addon_utils  # comes with bpy, not before it
+
+CANDIDATES = ("bl_ext.user_default.sinew", "sinew")
+
+
+def _enable() -> str:
+    wanted = os.environ.get("SINEW_ADDON_MODULE")
+    for name in (wanted,) if wanted else CANDIDATES:
+        if addon_utils.enable(name, default_set=True) is not None:
+            return name
+    raise RuntimeError(f"Sinew is not installed as {wanted or ' or '.join(CANDIDATES)}")
+
+
+@pytest.fixture(scope="session")
+def addon_name() -> str:
+    """The module name of the installed add-on."""
+    return _enable()
+
+
+@pytest.fixture(scope="session")
+def addon(addon_name: str) -> ModuleType:
+    """The installed add-on."""
+    return importlib.import_module(addon_name)
+
+
+@pytest.fixture(scope="session")
+def room(addon_name: str):
+    """A room of the add-on by name, as ``room("session")``."""
+    return lambda path: importlib.import_module(f"{addon_name}.{path}")
+
+
+@pytest.fixture(autouse=True)
+def scene(addon_name: str, capfd: pytest.CaptureFixture):
+    """An empty scene before, no traceback and no dependency cycle after."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    if addon_name not in bpy.context.preferences.addons:
+        addon_utils.enable(addon_name, default_set=True)
+    if bpy.context.scene.world is None:
+        bpy.context.scene.world = bpy.data.worlds.new("World")
+    capfd.readouterr()
+    yield bpy.context.scene
+    said = "".join(capfd.readouterr())
+    for word in ("Traceback", "Dependency cycle", "Error in bpy.app.handlers"):
+        assert word not in said, said
+
+
+@pytest.fixture
+def plate() -> Rig:
+    """A grid 2 x 2 in the plane z = 0, its far edge a handle, its near edge fixed. Not bound."""
+    return Rig.plate()
+
+
+@pytest.fixture
+def bound_plate(plate: Rig) -> Rig:
+    """The plate with a thin shell, bound."""
+    return plate.bind("thin_shell")
+
+
+def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:
+    session.config.stash[_STATUS] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Blender as a module may hang or crash on its way out."""
+    os._exit(config.stash.get(_STATUS, 1))
+
+
+_STATUS = pytest.StashKey[int]()

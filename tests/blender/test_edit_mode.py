@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a rigger does in Edit Mode: select, Add Handle, Add Fixed, Set Support, undo."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from rig import Rig, grid_object, make_active, move_world, update
+
+
+def select(obj: bpy.types.Object, where) -> list[int]:
+    """Enter Edit Mode with the vertices selected for which ``where(point)``."""
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    return reselect(obj, where)
+
+
+def reselect(obj: bpy.types.Object, where) -> list[int]:
+    edit = bmesh.from_edit_mesh(obj.data)
+    for vertex in edit.verts:
+        vertex.select = bool(where(vertex.co))
+    edit.select_flush_mode()
+    bmesh.update_edit_mesh(obj.data)
+    return [vertex.index for vertex in edit.verts if vertex.select]
+
+
+def test_from_selection_to_pose():
+    obj = grid_object()
+    top = select(obj, lambda point: point.y > 0.75)
+    assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
+    assert obj.mode == "EDIT"
+    base = reselect(obj, lambda point: point.y < -0.75)
+    assert bpy.ops.sinew.handle_add(kind="FIXED") == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+    deformer = obj.sinew.active
+    assert [handle.vertex_group for handle in deformer.handles] == ["Handle", "Fixed"]
+    assert len(obj.modifiers) == 1
+    control = deformer.handles[0].control
+    assert control.select_get()
+    assert not obj.select_get()
+    assert np.allclose(control.matrix_world.translation, (0.0, 0.9, 0.0), atol=1e-6)
+    assert np.allclose(np.array(control.matrix_world)[:3, 2], (0.0, 0.0, 1.0), atol=1e-6)  # the mean normal
+    move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
+    rig = Rig.__new__(Rig)
+    rig.name = obj.name
+    assert np.abs(rig.points()[top, 2] - 0.5).max() < 4e-6
+    assert np.array_equal(rig.points()[base], rig.rest()[base])
+
+
+def test_support_from_the_selection():
+    obj = grid_object()
+    top = select(obj, lambda point: point.y > 0.75)
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    soft = reselect(obj, lambda point: point.y > -0.1)
+    bpy.ops.sinew.handle_add(kind="SUPPORT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.5)))
+    rig = Rig.__new__(Rig)
+    rig.name = obj.name
+    moved = np.abs(rig.points() - rig.rest()).max(axis=1) > 1e-6
+    assert set(np.flatnonzero(moved)) <= set(soft)
+    assert set(top) <= set(np.flatnonzero(moved))
+
+
+def test_nothing_selected_is_refused():
+    obj = grid_object()
+    select(obj, lambda point: False)
+    with pytest.raises(RuntimeError, match="Nothing is selected"):
+        bpy.ops.sinew.handle_add(kind="HANDLE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(obj.vertex_groups) == 0
+    assert len(obj.sinew.deformers) == 0
+
+
+def test_undo_in_edit_mode_takes_the_handle_back():
+    obj = grid_object()
+    select(obj, lambda point: point.y > 0.75)
+    update()
+    bpy.ops.ed.undo_push(message="selected")
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    bpy.ops.ed.undo_push(message="handle")
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects["Plate"]
+    assert len(obj.sinew.deformers) == 0
+    assert "Plate Handle" not in bpy.data.objects
+    bpy.ops.ed.redo()
+    obj = bpy.data.objects["Plate"]
+    assert len(obj.sinew.deformers[0].handles) == 1
+    assert obj.sinew.deformers[0].handles[0].control is not None
+    if obj.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_control_of_a_selected_bone_or_object():
+    obj = grid_object()
+    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(armature)
+    make_active(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name in ("other", "wanted"):
+        bone = armature.data.edit_bones.new(name)
+        bone.head, bone.tail = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    armature.data.bones.active = armature.data.bones["wanted"]
+    select(obj, lambda point: point.y > 0.75)
+    armature.select_set(True)
+    bpy.ops.sinew.handle_add(kind="HANDLE", control="SELECTED")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    handle = obj.sinew.active.handles[0]
+    assert (handle.control, handle.bone) == (armature, "wanted")
+
+
+def test_controls_move_the_mesh_while_it_is_in_edit_mode(plate: Rig):
+    plate.bind().lift(0.5)
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    plate.lift(0.25)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert plate.points()[plate.top, 2] == pytest.approx(0.75, abs=4e-6)
+
+
+def test_vertices_added_shows_rest_and_says_so(plate: Rig):
+    plate.bind().lift(0.5)
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.array_equal(plate.points(), plate.rest())
+    assert plate.deformer.status == "Topology changed - Rebind"
+    assert plate.deformer.status_level == "ERROR"
+    bpy.ops.sinew.bind()
+    assert plate.deformer.status_level == "INFO"
+    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
+
+
+def test_select_shows_free_parts(plate: Rig, room):
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    plate.bind()
+    lines = [line.text for line in room("core.status").notes(plate.deformer.uid)]
+    assert "1 free part stays at rest" in lines
+    make_active(plate.obj)
+    bpy.ops.sinew.select_problems()
+    edit = bmesh.from_edit_mesh(plate.obj.data)
+    chosen = [vertex.co.z for vertex in edit.verts if vertex.select]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(chosen) == 8
+    assert min(chosen) > 1.5
+
+
+def test_vertices_removed_shows_rest_and_says_so(plate: Rig):
+    plate.bind()
+    move_world(plate.control, Matrix.Translation((0.3, 0.2, 0.5)))
+    select(plate.obj, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.5)
+    bpy.ops.mesh.delete(type="VERT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.array_equal(plate.points(), plate.rest())
+    assert plate.deformer.status == "Topology changed - Rebind"
+    bpy.ops.sinew.bind()
+    assert plate.points()[:, 2].max() == pytest.approx(0.5, abs=4e-6)

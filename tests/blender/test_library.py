@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Linked and overridden rigs: Blender never writes linked meshes, so an override gets shapes of its own."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from rig import Rig, evaluated_points, move_world, update
+
+
+@pytest.fixture
+def library(plate: Rig, tmp_path: Path) -> tuple[str, np.ndarray]:
+    """A file with a posed plate in the collection ``Asset``; its path, and what it shows."""
+    collection = bpy.data.collections.new("Asset")
+    bpy.context.scene.collection.children.link(collection)
+    plate.bind().lift(0.5)
+    for obj in (plate.obj, plate.control):
+        collection.objects.link(obj)
+    shown = plate.points()
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    return path, shown
+
+
+def link(path: str, collection: bool) -> bpy.types.ID:
+    with bpy.data.libraries.load(path, link=True) as (_there, here):
+        if collection:
+            here.collections = ["Asset"]
+        else:
+            here.objects = ["Plate"]
+    return here.collections[0] if collection else here.objects[0]
+
+
+def test_a_linked_rig_shows_the_last_solution(library: tuple[str, np.ndarray]):
+    path, shown = library
+    obj = link(path, collection=False)
+    bpy.context.scene.collection.objects.link(obj)
+    update()
+    bpy.context.scene.frame_set(3)
+    assert np.array_equal(evaluated_points(obj), shown)
+    assert "library override" in obj.sinew.deformers[0].status
+
+
+def test_an_override_can_be_posed(library: tuple[str, np.ndarray], room, tmp_path: Path):
+    path, shown = library
+    collection = link(path, collection=True)
+    bpy.context.scene.collection.children.link(collection)
+    update()
+    collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    update()
+    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
+    room("handlers.deferred").catch_up()
+    assert obj.sinew.deformers[0].proxy.library is None
+    assert np.abs(evaluated_points(obj) - shown).max() < 1e-5
+    control = obj.sinew.deformers[0].handles[0].control
+    assert control.library is None
+    move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
+    moved = evaluated_points(obj)
+    assert moved[:, 2].max() == pytest.approx(0.75, abs=1e-5)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
+    assert np.abs(evaluated_points(obj) - moved).max() < 1e-5

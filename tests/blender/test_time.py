@@ -1,0 +1,344 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Playback, renders and previews: equal inputs give equal bits, whatever came before."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from rig import Rig, add_armature, evaluated_points, make_active, move_world, update
+
+METHODS = ("thin_shell", "arap")
+
+
+def animate(plate: Rig) -> None:
+    """A bend that grows to 90 degrees at frame 20."""
+    control = plate.control
+    control.rotation_mode = "XYZ"
+    for frame, angle in ((1, 0.0), (20, 90.0)):
+        control.rotation_euler = (math.radians(angle), 0.0, 0.0)
+        control.location = (0.0, -0.01 * angle, 0.01 * angle)
+        control.keyframe_insert("rotation_euler", frame=frame)
+        control.keyframe_insert("location", frame=frame)
+
+
+def rendered_points(obj: bpy.types.Object) -> np.ndarray:
+    """What a render's own depsgraph shows, read where a render engine reads it."""
+    seen = {}
+
+    def remember(_scene, depsgraph) -> None:
+        if depsgraph.mode == "RENDER":
+            evaluated = obj.evaluated_get(depsgraph)
+            seen["proxy"] = obj.sinew.deformers[0].proxy_render.data
+            seen["matrix"] = evaluated.matrix_world.copy()
+
+    bpy.app.handlers.frame_change_post.append(remember)
+    try:
+        render_image(size=8)
+    finally:
+        bpy.app.handlers.frame_change_post.remove(remember)
+    mesh = seen["proxy"]
+    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)[:-1].astype(float)
+
+
+def add_camera(size: float = 6.0) -> None:
+    """Looks along y at the plane of x and z; the image is ``size`` wide."""
+    data = bpy.data.cameras.new("Camera")
+    data.type, data.ortho_scale = "ORTHO", size
+    camera = bpy.data.objects.new("Camera", data)
+    camera.matrix_world = Matrix.Translation((0.0, -10.0, 0.0)) @ Matrix.Rotation(math.pi / 2.0, 4, "X")
+    bpy.context.scene.collection.objects.link(camera)
+    bpy.context.scene.camera = camera
+
+
+def render_image(size: int = 64, engine: str = "CYCLES", path: str = "") -> np.ndarray:
+    """Render the current frame; brightness (rows from below, columns)."""
+    scene = bpy.context.scene
+    if scene.camera is None:
+        add_camera()
+    scene.render.engine = engine
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scene.render.resolution_percentage = 100
+    scene.render.image_settings.file_format = "PNG"
+    scene.render.image_settings.color_mode = "RGB"
+    scene.render.dither_intensity = 0.0
+    scene.render.filepath = path or bpy.app.tempdir + "sinew.png"
+    scene.view_settings.view_transform = "Standard"
+    if engine == "CYCLES":
+        scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.device = 4, False, "CPU"
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(scene.render.filepath, check_existing=False)
+    pixels = np.array(image.pixels[:]).reshape(size, size, 4)[:, :, 0]
+    bpy.data.images.remove(image)
+    return pixels
+
+
+def glow(obj: bpy.types.Object) -> None:
+    """White, whatever the light."""
+    material = bpy.data.materials.new("Glow")
+    material.use_nodes = True
+    tree = material.node_tree
+    tree.nodes.clear()
+    emission = tree.nodes.new("ShaderNodeEmission")
+    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(emission.outputs[0], output.inputs[0])
+    obj.data.materials.append(material)
+    bpy.context.scene.world.use_nodes = False
+    bpy.context.scene.world.color = (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_frame_reached_by_scrubbing_equals_the_frame_reached_directly(plate: Rig, method: str):
+    plate.bind(method)
+    animate(plate)
+    scene = bpy.context.scene
+    scene.frame_set(1)
+    scene.frame_set(20)
+    direct = plate.points()
+    for frame in (3, 17, 5, 12, 1, 19, 20):
+        scene.frame_set(frame)
+    assert np.abs(direct[plate.top] - plate.rest()[plate.top]).max() > 0.5
+    assert np.array_equal(plate.points(), direct)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_dragging_to_a_pose_equals_the_frame_with_that_pose(plate: Rig, method: str):
+    plate.bind(method)
+    animate(plate)
+    bpy.context.scene.frame_set(14)
+    played, matrix = plate.points(), plate.control.matrix_basis.copy()
+    bpy.context.scene.frame_set(1)
+    plate.control.animation_data_clear()
+    for step in np.linspace(0.0, 1.0, 5):
+        plate.control.matrix_basis = Matrix.Identity(4).lerp(matrix, float(step))
+        update()
+    plate.control.matrix_basis = matrix
+    # the control's basis went through location and Euler angles in float32 once more
+    assert np.abs(plate.points() - played).max() < 1e-4
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_render_equals_viewport_to_the_last_bit(plate: Rig, method: str):
+    plate.bind(method)
+    animate(plate)
+    bpy.context.scene.frame_set(13)
+    viewport = plate.points()
+    assert np.array_equal(rendered_points(plate.obj), viewport)
+
+
+def test_render_of_another_frame_leaves_the_viewport_alone(plate: Rig):
+    plate.bind()
+    animate(plate)
+    scene = bpy.context.scene
+    scene.frame_set(6)
+    viewport = plate.points()
+    scene.frame_start, scene.frame_end = 18, 20
+    scene.render.filepath = bpy.app.tempdir + "frame"
+    add_camera()
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = 1, False
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    bpy.ops.render.render(animation=True)
+    update()
+    assert scene.frame_current == 6
+    assert np.array_equal(plate.points(), viewport)
+
+
+@pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_WORKBENCH"])
+def test_the_picture_shows_the_pose(plate: Rig, engine: str):
+    """One unit of height is a sixth of the image: the brightest rows rise as far as the handle does."""
+    plate.bind(fixed=False)
+    glow(plate.obj)
+    plate.obj.rotation_euler.x = 0.2  # seen a little from above, else it has no height
+    update()
+    rows = np.arange(96)
+    heights = []
+    for height in (0.0, 1.5):
+        plate.control.matrix_basis = Matrix.Identity(4)
+        plate.lift(height)
+        pixels = render_image(96, engine)
+        bright = np.clip(pixels - pixels[0, 0], 0.0, None)
+        assert bright.sum() > 0.0
+        heights.append((bright.sum(axis=1) * rows).sum() / bright.sum())
+    assert heights[1] - heights[0] == pytest.approx(1.5 * 96 / 6.0, abs=1.0)  # about a pixel
+
+
+@pytest.mark.parametrize("hidden", ["hide_viewport", "hide_render", "excluded", "unlinked"])
+def test_hidden_controls_still_move_their_region(plate: Rig, hidden: str):
+    plate.bind()
+    control = plate.control
+    for frame, height in ((1, 0.0), (11, 1.0)):
+        control.location.z = height
+        control.keyframe_insert("location", frame=frame)
+    if hidden == "excluded":
+        collection = bpy.data.collections.new("Hidden")
+        bpy.context.scene.collection.children.link(collection)
+        bpy.context.scene.collection.objects.unlink(control)
+        collection.objects.link(control)
+        bpy.context.view_layer.layer_collection.children["Hidden"].exclude = True
+    elif hidden == "unlinked":
+        bpy.context.scene.collection.objects.unlink(control)
+    else:
+        setattr(control, hidden, True)
+    bpy.context.scene.frame_set(11)
+    assert plate.points()[plate.top, 2] == pytest.approx(1.0, abs=1e-5)
+    assert rendered_points(plate.obj)[plate.top, 2] == pytest.approx(1.0, abs=1e-5)
+
+
+def test_motion_between_frames(plate: Rig):
+    plate.bind()
+    for frame, height in ((1, 0.0), (2, 1.0)):
+        plate.control.location.z = height
+        plate.control.keyframe_insert("location", frame=frame)
+    for curve in curves_of(plate.control):
+        for key in curve.keyframe_points:
+            key.interpolation = "LINEAR"
+    bpy.context.scene.frame_set(1, subframe=0.25)
+    assert plate.points()[plate.top, 2] == pytest.approx(0.25, abs=1e-4)
+
+
+def curves_of(obj: bpy.types.Object) -> list:
+    action = obj.animation_data.action
+    if hasattr(action, "fcurves"):
+        return list(action.fcurves)
+    return [
+        curve
+        for layer in action.layers
+        for strip in layer.strips
+        for bag in strip.channelbags
+        for curve in bag.fcurves
+    ]
+
+
+def test_factor_can_be_keyframed(plate: Rig):
+    plate.bind().lift(1.0)
+    for frame, factor in ((1, 0.0), (11, 1.0)):
+        plate.deformer.factor = factor
+        plate.obj.keyframe_insert("sinew.deformers[0].factor", frame=frame)
+    for frame, expected in ((1, 0.0), (6, 0.5), (11, 1.0)):
+        bpy.context.scene.frame_set(frame)
+        assert plate.points()[plate.top, 2] == pytest.approx(expected, abs=1e-5)
+        assert plate.deformer.proxy_render is not None
+    assert rendered_points(plate.obj)[plate.top, 2] == pytest.approx(1.0, abs=1e-5)
+
+
+def test_a_parameter_can_be_keyframed(plate: Rig):
+    plate.bind()
+    move_world(plate.control, Matrix.Translation((0.0, 0.0, 0.5)))
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        plate.deformer.parameters.stretching = value
+        plate.obj.keyframe_insert("sinew.deformers[0].thin_shell.stretching", frame=frame)
+    bpy.context.scene.frame_set(1)
+    smooth = plate.points()
+    bpy.context.scene.frame_set(11)
+    assert np.abs(plate.points() - smooth).max() > 1e-3
+
+
+def test_ten_poses_need_one_factor(plate: Rig, room):
+    plate.bind("arap")
+    state = room("session").find(plate.deformer.uid)
+    factor = state.bound.factor
+    for step in range(10):
+        plate.lift(0.05)
+        assert plate.points()[plate.top, 2].mean() == pytest.approx(0.05 * (step + 1), abs=1e-5)
+    assert room("session").find(plate.deformer.uid).bound.factor is factor
+
+
+def test_nothing_is_solved_when_nothing_changed(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
+    plate.bind().lift(0.5)
+    plate.points()
+    factor = room("session").find(plate.deformer.uid).bound.factor
+    calls = []
+    monkeypatch.setattr(factor, "solve", lambda *_args, **_options: calls.append(1))
+    for _ in range(3):
+        plate.obj.update_tag()
+        update()
+    assert not calls
+
+
+@pytest.fixture
+def dragged(plate: Rig, room):
+    """A plate in the middle of a drag: what a window's handler shows before the pause."""
+    plate.bind("arap")
+    handlers, handler = (
+        bpy.app.handlers.depsgraph_update_post,
+        room("handlers.evaluation").on_depsgraph_update,
+    )
+    handlers.remove(handler)
+    motion = Matrix.Translation((0.0, -0.6, 0.9)) @ Matrix.Rotation(math.radians(110.0), 4, "X")
+    move_world(plate.control, motion)
+    room("session").update(bpy.context.evaluated_depsgraph_get(), preview=True)
+    update()
+    handlers.append(handler)
+    return plate
+
+
+def final_points(plate: Rig) -> np.ndarray:
+    """The answer for the same pose, reached without any preview."""
+    basis = plate.control.matrix_basis.copy()
+    plate.control.matrix_basis = Matrix.Identity(4)
+    update()
+    plate.control.matrix_basis = basis
+    return plate.points()
+
+
+def test_a_drag_shows_a_preview_and_settles_to_the_final_answer(dragged: Rig, room):
+    plate = dragged
+    session = room("session")
+    assert session.unsettled() == [plate.deformer.uid]
+    preview = evaluated_points(plate.obj)
+    assert np.abs(preview[plate.top] - plate.rest()[plate.top]).max() > 0.5  # handles follow at once
+    assert session.settle()
+    settled = plate.points()
+    assert not session.unsettled()
+    assert np.array_equal(settled, final_points(plate))
+
+
+def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
+    plate = dragged
+    monkeypatch.setattr(room("session.bind"), "may_wait", lambda _count: True)
+    session = room("session")
+    session.settle()
+    update()
+    work = session.find(plate.deformer.uid).final
+    assert work is not None
+    work.thread.join(timeout=20.0)
+    room("handlers.deferred").catch_up()
+    settled = plate.points()
+    assert not session.busy()
+    assert not session.unsettled()
+    monkeypatch.undo()
+    assert np.array_equal(settled, final_points(plate))
+
+
+def test_a_newer_pose_drops_the_final_answer_under_way(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
+    plate = dragged
+    monkeypatch.setattr(room("session.bind"), "may_wait", lambda _count: True)
+    session = room("session")
+    session.settle()
+    update()
+    plate.lift(0.1)
+    assert session.find(plate.deformer.uid).final is None
+    assert not session.unsettled()  # without a window the newer pose is solved to the end
+    monkeypatch.undo()
+    assert np.array_equal(plate.points(), final_points(plate))
+
+
+def test_deformers_of_the_other_side_of_an_armature_stay_exact_in_playback(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.bind("arap")
+    bone = armature.pose.bones["high"]
+    for frame, height in ((1, 0.0), (11, 0.5)):
+        bone.location = (0.0, 0.0, height)
+        bone.keyframe_insert("location", frame=frame)
+    make_active(plate.obj)
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene.frame_set(11)
+    once = evaluated_points(plate.obj)
+    bpy.context.scene.frame_set(7)
+    bpy.context.scene.frame_set(11)
+    assert np.array_equal(evaluated_points(plate.obj), once)
+    assert np.array_equal(rendered_points(plate.obj), once)

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/mesh/regions.h"
+
+#include "native/core/errors.h"
+#include "tests/native/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace sinew {
+
+namespace {
+
+using Element = Error::Element;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Two parts: 0-5 and 6-8.
+const Components two_parts{2, {0, 0, 0, 0, 0, 0, 1, 1, 1}};
+
+template <class Make>
+InvalidConstraint refusal(Make&& make)
+{
+    try {
+        make();
+    } catch (const InvalidConstraint& error) {
+        return error;
+    }
+    ADD_FAILURE() << "not refused";
+    return InvalidConstraint("");
+}
+
+InvalidConstraint refused(const std::vector<Handle>& handles)
+{
+    return refusal([&] { Regions(handles, two_parts); });
+}
+
+void expect_elements(const Error& error, Element kind, const std::vector<int>& elements)
+{
+    EXPECT_EQ(error.element_kind(), kind) << error.what();
+    EXPECT_EQ(error.elements(), elements) << error.what();
+}
+
+} // namespace
+
+TEST(Regions, tell_held_free_and_idle_vertices_apart)
+{
+    const Regions regions({{{1, 2}, {}}, {{4}, {}}}, two_parts);
+    EXPECT_EQ(regions.handle_count(), 2);
+    EXPECT_EQ(regions.vertex_count(), 9);
+    EXPECT_EQ(regions.hard(2), 0);
+    EXPECT_EQ(regions.hard(4), 1);
+    EXPECT_EQ(regions.hard(0), -1);
+    EXPECT_TRUE(regions.is_free(0));
+    EXPECT_FALSE(regions.is_free(1));
+    EXPECT_TRUE(regions.is_idle(7));
+    EXPECT_FALSE(regions.is_free(7));
+}
+
+TEST(Regions, a_weight_of_one_holds_less_pulls_and_zero_lets_go)
+{
+    const Regions regions({{{0, 1, 2}, {1.0, 0.25, 0.0}}}, two_parts);
+    EXPECT_EQ(regions.hard(0), 0);
+    EXPECT_EQ(regions.hard(1), -1);
+    ASSERT_EQ(regions.soft().size(), 1u);
+    EXPECT_EQ(regions.soft()[0].vertex, 1);
+    EXPECT_DOUBLE_EQ(regions.soft()[0].stiffness(), 1.0 / 3.0);
+    EXPECT_TRUE(regions.is_free(2));
+}
+
+TEST(Regions, a_part_whose_weights_are_all_zero_is_idle)
+{
+    const Regions regions({{{7}, {0.0}}, {{0}, {}}}, two_parts);
+    EXPECT_TRUE(regions.is_idle(7));
+    EXPECT_EQ(regions.report().free_parts, 1);
+}
+
+TEST(Regions, a_hard_constraint_overrides_soft_ones_whatever_the_order)
+{
+    const Handle hard{{3}, {}};
+    const Handle soft{{3, 4}, {0.5, 0.5}};
+    for (const auto& handles : {std::vector{hard, soft}, std::vector{soft, hard}}) {
+        const Regions regions(handles, two_parts);
+        EXPECT_GE(regions.hard(3), 0);
+        ASSERT_EQ(regions.soft().size(), 1u);
+        EXPECT_EQ(regions.soft()[0].vertex, 4);
+    }
+}
+
+TEST(Regions, soft_constraints_of_several_handles_on_a_vertex_all_count)
+{
+    const Regions regions({{{3}, {0.5}}, {{3}, {0.25}}}, two_parts);
+    EXPECT_EQ(regions.soft().size(), 2u);
+    EXPECT_EQ(regions.report().soft_vertices, 1);
+}
+
+TEST(Regions, constraints_are_the_hard_ones_by_vertex_then_the_soft_ones)
+{
+    const Regions regions({{{5, 2}, {}}, {{4, 1}, {0.5, 1.0}}}, two_parts);
+    const auto all = regions.constraints();
+    ASSERT_EQ(all.size(), 4u);
+    const std::vector<std::pair<int, int>> expected{{1, 1}, {2, 0}, {5, 0}, {4, 1}};
+    for (std::size_t k = 0; k < all.size(); ++k)
+        EXPECT_EQ(std::pair(all[k].vertex, all[k].handle), expected[k]);
+}
+
+TEST(Regions, a_vertex_named_twice_by_one_handle_is_held_once)
+{
+    EXPECT_EQ(Regions({{{2, 2, 3}, {}}}, two_parts).report().constrained_vertices, 2);
+}
+
+TEST(Regions, the_report_counts)
+{
+    const BindReport report = Regions({{{0, 1}, {}}, {{2, 3}, {0.5, 0.5}}}, two_parts).report();
+    EXPECT_EQ(report.handle_count, 2);
+    EXPECT_EQ(report.constrained_vertices, 2);
+    EXPECT_EQ(report.soft_vertices, 2);
+    EXPECT_EQ(report.free_parts, 1);
+    EXPECT_EQ(report.free_vertices, (std::vector{6, 7, 8}));
+}
+
+TEST(Regions, without_handles_everything_is_idle)
+{
+    const Regions regions({}, two_parts);
+    EXPECT_EQ(regions.report().free_parts, 2);
+    EXPECT_EQ(regions.report().free_vertices.size(), 9u);
+}
+
+TEST(Regions, refuse_a_handle_without_vertices)
+{
+    expect_elements(refused({{{0}, {}}, {{}, {}}}), Element::handle, {1});
+}
+
+TEST(Regions, refuse_vertices_out_of_range)
+{
+    for (int bad : {-1, 9, std::numeric_limits<int>::max()}) {
+        const InvalidConstraint error = refused({{{0}, {}}, {{1, bad}, {}}});
+        expect_elements(error, Element::handle, {1});
+        EXPECT_NE(std::string(error.what()).find(std::to_string(bad)), std::string::npos);
+    }
+}
+
+TEST(Regions, refuse_weights_of_another_length)
+{
+    expect_elements(refused({{{0, 1}, {1.0}}}), Element::handle, {0});
+}
+
+TEST(Regions, refuse_weights_outside_0_to_1_and_name_the_vertices)
+{
+    for (double bad : {-0.1, 1.1, nan, std::numeric_limits<double>::infinity()})
+        expect_elements(refused({{{4, 5, 1}, {0.5, bad, bad}}}), Element::vertex, {5, 1});
+}
+
+TEST(Regions, refuse_continuity_outside_0_to_2)
+{
+    for (double bad : {-0.1, 2.1, nan})
+        expect_elements(refused({{{0}, {}}, {{1}, {}, bad}}), Element::handle, {1});
+}
+
+TEST(Regions, refuse_a_vertex_held_by_two_handles_and_name_it)
+{
+    expect_elements(refused({{{0, 1, 2}, {}}, {{2, 3, 1}, {}}}), Element::vertex, {2, 1});
+}
+
+TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)
+{
+    const Points rest = shapes::points_of({{1, 0, 0}, {0, 1, 0}});
+    const Points incoming = shapes::points_of({{5, 0, 0}, {0, 5, 0}});
+    const Poses poses{shapes::turn({0, 0, 1}, 90), shapes::shift(0, 0, 2)};
+    const std::vector<bool> from_rest{false, true};
+    const Targets targets{poses, view(rest), view(incoming), &from_rest};
+    EXPECT_TRUE(targets.of(0, 0).isApprox(Vector3(0, 5, 0)));
+    EXPECT_TRUE(targets.of(1, 1).isApprox(Vector3(0, 1, 2)));
+    const Targets at_rest{poses, view(rest), {}, nullptr};
+    EXPECT_TRUE(at_rest.of(0, 1).isApprox(Vector3(1, 0, 2)));
+}
+
+TEST(Targets, refuse_what_does_not_fit)
+{
+    const Points rest = shapes::points_of({{1, 0, 0}, {0, 1, 0}});
+    Points incoming = rest;
+    const Poses good{shapes::still(), shapes::still()};
+    const auto check = [&](const Poses& poses, std::optional<PointsView> points = {},
+                           const std::vector<bool>* flags = nullptr) {
+        Targets{poses, view(rest), points, flags}.check(2);
+    };
+    EXPECT_NO_THROW(check(good, view(incoming)));
+    refusal([&] { check({shapes::still()}); });
+
+    Poses bad = good;
+    bad[1](2, 3) = nan;
+    expect_elements(refusal([&] { check(bad); }), Element::handle, {1});
+
+    const std::vector<bool> one_flag{true};
+    refusal([&] { check(good, {}, &one_flag); });
+
+    const Points three = Points::Zero(3, 3);
+    refusal([&] { check(good, view(three)); });
+
+    incoming(1, 0) = nan;
+    expect_elements(refusal([&] { check(good, view(incoming)); }), Element::vertex, {1});
+}
+
+} // namespace sinew

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/constrained_quadratic.h"
+
+#include "native/core/errors.h"
+#include "tests/native/solvers/matrices.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+namespace sinew {
+
+namespace {
+
+/// The minimiser from the dense saddle-point system [A C^T; C 0].
+MatrixX dense_kkt(const SparseMatrix& A, const std::vector<bool>& free, const MatrixX& given, const MatrixX& b)
+{
+    const int n = static_cast<int>(A.rows());
+    std::vector<int> fixed;
+    for (int i = 0; i < n; ++i)
+        if (!free[i])
+            fixed.push_back(i);
+    const int m = static_cast<int>(fixed.size());
+    MatrixX K = MatrixX::Zero(n + m, n + m);
+    K.topLeftCorner(n, n) = A;
+    MatrixX rhs(n + m, given.cols());
+    rhs.topRows(n) = b;
+    for (int k = 0; k < m; ++k) {
+        K(n + k, fixed[k]) = K(fixed[k], n + k) = 1;
+        rhs.row(n + k) = given.row(fixed[k]);
+    }
+    return K.fullPivLu().solve(rhs).topRows(n);
+}
+
+std::vector<bool> random_choice(shapes::Random& random, int n, double share)
+{
+    std::vector<bool> free(n);
+    for (int i = 0; i < n; ++i)
+        free[i] = random.unit() < share;
+    return free;
+}
+
+// Condition below 1e4 in all of these.
+constexpr double tolerance = 1e-11;
+
+} // namespace
+
+TEST(ConstrainedQuadratic, minimises_as_the_dense_saddle_point_system_does)
+{
+    shapes::Random random(1);
+    for (int trial = 0; trial < 20; ++trial) {
+        const int n = 10 + trial * 4;
+        const SparseMatrix A = matrices::random_spd(n, trial);
+        const std::vector<bool> free = random_choice(random, n, 0.7);
+        const MatrixX given = random.dense(n, 3);
+        const MatrixX b = random.dense(n, 3);
+        ConstrainedQuadratic system;
+        system.factorize(A, free);
+
+        MatrixX x = given;
+        system.solve(x, &b);
+        EXPECT_LT((x - dense_kkt(A, free, given, b)).cwiseAbs().maxCoeff(), tolerance);
+
+        x = given;
+        system.solve(x);
+        EXPECT_LT((x - dense_kkt(A, free, given, MatrixX::Zero(n, 3))).cwiseAbs().maxCoeff(), tolerance);
+    }
+}
+
+TEST(ConstrainedQuadratic, needs_only_the_free_block_to_be_definite)
+{
+    const SparseMatrix L = matrices::shuffled_grid(6, 0.0); // constants cost nothing
+    std::vector<bool> free(36, true);
+    free[5] = false;
+    ConstrainedQuadratic system;
+    system.factorize(L, free);
+    MatrixX x = MatrixX::Zero(36, 1);
+    x(5) = 7;
+    system.solve(x);
+    EXPECT_LT((x.array() - 7).abs().maxCoeff(), tolerance);
+}
+
+TEST(ConstrainedQuadratic, leaves_given_entries_as_they_are_to_the_bit)
+{
+    shapes::Random random(2);
+    const SparseMatrix A = matrices::random_spd(30, 3);
+    const std::vector<bool> free = random_choice(random, 30, 0.5);
+    const MatrixX given = random.dense(30, 2);
+    ConstrainedQuadratic system;
+    system.factorize(A, free);
+    MatrixX x = given;
+    system.solve(x);
+    for (int i = 0; i < 30; ++i) {
+        if (!free[i]) {
+            EXPECT_EQ(x.row(i), given.row(i));
+        }
+    }
+}
+
+TEST(ConstrainedQuadratic, does_not_read_what_stands_in_the_unknowns)
+{
+    const SparseMatrix A = matrices::random_spd(20, 4);
+    std::vector<bool> free(20, true);
+    free[0] = free[7] = false;
+    ConstrainedQuadratic system;
+    system.factorize(A, free);
+    MatrixX x = MatrixX::Ones(20, 1);
+    MatrixX y = MatrixX::Constant(20, 1, 1e30);
+    y(0) = y(7) = 1;
+    system.solve(x);
+    system.solve(y);
+    EXPECT_EQ(x, y);
+}
+
+TEST(ConstrainedQuadratic, returns_the_right_side_that_was_solved_for)
+{
+    shapes::Random random(5);
+    const SparseMatrix A = matrices::random_spd(25, 5);
+    const std::vector<bool> free = random_choice(random, 25, 0.6);
+    ConstrainedQuadratic system;
+    system.factorize(A, free);
+    MatrixX x = random.dense(25, 2);
+    const MatrixX b = random.dense(25, 2);
+    const MatrixX side = system.solve(x, &b);
+    const std::vector<int>& rows = system.free_rows();
+    ASSERT_EQ(side.rows(), static_cast<Eigen::Index>(rows.size()));
+    EXPECT_LT((side - [&] {
+        MatrixX own(rows.size(), 2);
+        for (std::size_t f = 0; f < rows.size(); ++f) {
+            own.row(f) = b.row(rows[f]);
+            for (int c = 0; c < 25; ++c)
+                if (!free[c])
+                    own.row(f) -= A.coeff(rows[f], c) * x.row(c);
+        }
+        return own;
+    }()).cwiseAbs().maxCoeff(), 1e-13); // the same products in another order
+    EXPECT_LT((system.solve_free(side) - [&] {
+        MatrixX own(rows.size(), 2);
+        for (std::size_t f = 0; f < rows.size(); ++f)
+            own.row(f) = x.row(rows[f]);
+        return own;
+    }()).cwiseAbs().maxCoeff(), 1e-15);
+}
+
+TEST(ConstrainedQuadratic, with_everything_given_solves_nothing)
+{
+    const SparseMatrix A = matrices::random_spd(5, 6);
+    ConstrainedQuadratic system;
+    system.factorize(A, std::vector<bool>(5, false));
+    MatrixX x = MatrixX::Ones(5, 3);
+    EXPECT_EQ(system.solve(x).rows(), 0);
+    EXPECT_EQ(x, MatrixX::Ones(5, 3));
+}
+
+TEST(ConstrainedQuadratic, names_a_row_of_the_whole_matrix_where_it_breaks_down)
+{
+    const SparseMatrix A = matrices::diagonal({1, 1, 1, 0, 1});
+    ConstrainedQuadratic system;
+    try {
+        system.factorize(A, {false, false, true, true, true});
+        FAIL() << "factorised";
+    } catch (const FactorizationFailed& error) {
+        EXPECT_EQ(error.element_kind(), Error::Element::vertex);
+        EXPECT_EQ(error.elements(), std::vector{3});
+    }
+}
+
+TEST(ConstrainedQuadratic, ten_solves_take_one_factorisation)
+{
+    ConstrainedQuadratic system;
+    std::vector<bool> free(36, true);
+    free[0] = false;
+    system.factorize(matrices::shuffled_grid(6), free);
+    for (int k = 0; k < 10; ++k) {
+        MatrixX x = MatrixX::Constant(36, 1, k);
+        system.solve(x);
+    }
+    EXPECT_EQ(system.factor().factorizations(), 1);
+    EXPECT_EQ(system.factor().analyses(), 1);
+}
+
+} // namespace sinew

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/orderings.h"
+
+#include "native/core/errors.h"
+#include "native/solvers/cholmod_factor.h"
+#include "native/solvers/spd_factor.h"
+#include "tests/native/solvers/matrices.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+namespace sinew {
+
+namespace {
+
+/// Entries of the factor by elimination on the graph, without numbers.
+int fill_in(const SparseMatrix& matrix, const std::vector<int>& order)
+{
+    const int n = static_cast<int>(matrix.cols());
+    std::vector<int> when(n);
+    for (int i = 0; i < n; ++i)
+        when[order[i]] = i;
+    std::vector<std::set<int>> later(n);
+    for (int c = 0; c < n; ++c)
+        for (SparseMatrix::InnerIterator it(matrix, c); it; ++it) {
+            const auto [first, second] = std::minmax(when[c], when[it.row()]);
+            if (first != second)
+                later[first].insert(second);
+        }
+    int entries = n;
+    for (int i = 0; i < n; ++i) {
+        entries += static_cast<int>(later[i].size());
+        if (later[i].empty())
+            continue;
+        const int parent = *later[i].begin();
+        later[parent].insert(std::next(later[i].begin()), later[i].end());
+    }
+    return entries;
+}
+
+std::vector<Ordering> available()
+{
+    std::vector all{Ordering::natural, Ordering::reverse_cuthill_mckee, Ordering::minimum_degree};
+    if (have_cholmod())
+        all.push_back(Ordering::nested_dissection);
+    return all;
+}
+
+SparseMatrix two_parts_and_a_loner()
+{
+    const SparseMatrix grid = matrices::shuffled_grid(5);
+    std::vector<Eigen::Triplet<double>> entries{{50, 50, 1.0}};
+    for (int c = 0; c < 25; ++c)
+        for (SparseMatrix::InnerIterator it(grid, c); it; ++it)
+            for (int shift : {0, 25})
+                entries.emplace_back(static_cast<int>(it.row()) + shift, c + shift, it.value());
+    SparseMatrix matrix(51, 51);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+}
+
+} // namespace
+
+TEST(Orderings, name_every_unknown_once)
+{
+    for (const SparseMatrix& matrix : {matrices::shuffled_grid(13), two_parts_and_a_loner(),
+                                       matrices::diagonal({1}), matrices::random_spd(70, 3)})
+        for (Ordering ordering : available()) {
+            std::vector<int> order = elimination_order(matrix, ordering);
+            std::ranges::sort(order);
+            std::vector<int> all(matrix.cols());
+            std::iota(all.begin(), all.end(), 0);
+            EXPECT_EQ(order, all);
+        }
+}
+
+TEST(Orderings, natural_is_the_order_of_the_unknowns)
+{
+    EXPECT_EQ(elimination_order(matrices::random_spd(3, 1), Ordering::natural), (std::vector{0, 1, 2}));
+}
+
+// Figure 24 of the tutorial.
+TEST(Orderings, fill_falls_from_natural_by_cuthill_mckee_to_the_others)
+{
+    const SparseMatrix matrix = matrices::shuffled_grid(30);
+    const auto fill = [&](Ordering ordering) { return fill_in(matrix, elimination_order(matrix, ordering)); };
+    const int natural = fill(Ordering::natural);
+    const int band = fill(Ordering::reverse_cuthill_mckee);
+    const int degree = fill(Ordering::minimum_degree);
+    EXPECT_GT(natural, 2 * band);
+    EXPECT_GT(band, 1.3 * degree);
+    if (have_cholmod()) {
+        EXPECT_GT(band, 1.3 * fill(Ordering::nested_dissection));
+    }
+}
+
+TEST(Orderings, the_factor_has_the_entries_that_elimination_predicts)
+{
+    const SparseMatrix matrix = matrices::shuffled_grid(12);
+    std::vector backends{FactorBackend::ldlt};
+    if (have_cholmod())
+        backends.push_back(FactorBackend::simplicial);
+    for (Ordering ordering : available())
+        for (FactorBackend backend : backends) {
+            SpdFactor factor({.backend = backend, .ordering = ordering});
+            factor.factorize(matrix);
+            EXPECT_EQ(factor.nonzeros(), fill_in(matrix, elimination_order(matrix, ordering)));
+        }
+}
+
+TEST(Orderings, cuthill_mckee_of_a_long_strip_has_the_band_of_its_width)
+{
+    // A path, shuffled: the narrowest band is one.
+    shapes::Random random(2);
+    std::vector<int> name(200);
+    std::iota(name.begin(), name.end(), 0);
+    for (int i = 199; i > 0; --i)
+        std::swap(name[i], name[random.below(i + 1)]);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int i = 0; i < 200; ++i) {
+        entries.emplace_back(name[i], name[i], 3.0);
+        if (i > 0) {
+            entries.emplace_back(name[i], name[i - 1], -1.0);
+            entries.emplace_back(name[i - 1], name[i], -1.0);
+        }
+    }
+    SparseMatrix path(200, 200);
+    path.setFromTriplets(entries.begin(), entries.end());
+    EXPECT_EQ(fill_in(path, elimination_order(path, Ordering::reverse_cuthill_mckee)), 399);
+}
+
+TEST(Orderings, nested_dissection_is_refused_where_the_build_has_none)
+{
+    if (have_cholmod())
+        GTEST_SKIP() << "this build has it";
+    EXPECT_THROW(elimination_order(matrices::shuffled_grid(3), Ordering::nested_dissection), InvalidOption);
+}
+
+} // namespace sinew

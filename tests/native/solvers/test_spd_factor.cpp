@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/spd_factor.h"
+
+#include "native/core/errors.h"
+#include "native/solvers/cholmod_factor.h"
+#include "tests/native/solvers/matrices.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <thread>
+
+namespace sinew {
+
+namespace {
+
+using Choice = std::tuple<FactorBackend, Ordering>;
+
+std::string name_of(const testing::TestParamInfo<Choice>& info)
+{
+    static const char* const backends[] = {"automatic", "supernodal", "simplicial", "ldlt"};
+    static const char* const orderings[] = {"natural", "cuthill_mckee", "minimum_degree", "dissection"};
+    return std::string(backends[static_cast<int>(std::get<0>(info.param))]) + "_" +
+           orderings[static_cast<int>(std::get<1>(info.param))];
+}
+
+class EveryFactor : public testing::TestWithParam<Choice>
+{
+protected:
+    void SetUp() override
+    {
+        const bool needs_cholmod = backend() == FactorBackend::supernodal ||
+                                   backend() == FactorBackend::simplicial ||
+                                   ordering() == Ordering::nested_dissection;
+        if (needs_cholmod && !have_cholmod())
+            GTEST_SKIP() << "this build has no CHOLMOD";
+    }
+    static FactorBackend backend() { return std::get<0>(GetParam()); }
+    static Ordering ordering() { return std::get<1>(GetParam()); }
+    static SpdFactor make() { return SpdFactor({.backend = backend(), .ordering = ordering()}); }
+};
+
+/// Largest difference to a dense LU solve, relative to the solution.
+double error_of(const SpdFactor& factor, const SparseMatrix& A, const MatrixX& b)
+{
+    const MatrixX expected = MatrixX(A).fullPivLu().solve(b);
+    return (factor.solve(b) - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
+}
+
+FactorizationFailed failure(SpdFactor& factor, const SparseMatrix& A)
+{
+    try {
+        factor.factorize(A);
+    } catch (const FactorizationFailed& error) {
+        return error;
+    }
+    ADD_FAILURE() << "factorised";
+    return FactorizationFailed("");
+}
+
+} // namespace
+
+// Condition numbers here stay below 1e3, so 1e-12 leaves a digit for 1e3 x epsilon.
+constexpr double well_conditioned = 1e-12;
+
+TEST_P(EveryFactor, solves_as_dense_elimination_does)
+{
+    shapes::Random random(1);
+    for (int n : {1, 2, 7, 40, 150}) {
+        const SparseMatrix A = matrices::random_spd(n, n);
+        SpdFactor factor = make();
+        factor.factorize(A);
+        EXPECT_EQ(factor.size(), n);
+        for (int columns : {1, 3, 12})
+            EXPECT_LT(error_of(factor, A, random.dense(n, columns)), well_conditioned) << n;
+    }
+}
+
+TEST_P(EveryFactor, solves_from_the_lower_triangle_alone)
+{
+    shapes::Random random(2);
+    const SparseMatrix A = matrices::random_spd(60, 5);
+    const SparseMatrix lower = A.triangularView<Eigen::Lower>();
+    SpdFactor factor = make();
+    factor.factorize(lower);
+    EXPECT_LT(error_of(factor, A, random.dense(60, 2)), well_conditioned);
+}
+
+TEST_P(EveryFactor, keeps_the_symbolic_part_while_the_pattern_stays)
+{
+    shapes::Random random(3);
+    SpdFactor factor = make();
+    const SparseMatrix A = matrices::shuffled_grid(9);
+    for (int k = 1; k <= 3; ++k) {
+        const SparseMatrix scaled = k * A;
+        factor.factorize(scaled);
+        EXPECT_EQ(factor.analyses(), 1);
+        EXPECT_EQ(factor.factorizations(), k);
+        EXPECT_LT(error_of(factor, scaled, random.dense(81, 1)), well_conditioned);
+    }
+    const SparseMatrix other = matrices::random_spd(81, 6);
+    factor.factorize(other);
+    EXPECT_EQ(factor.analyses(), 2);
+    EXPECT_LT(error_of(factor, other, random.dense(81, 1)), well_conditioned);
+}
+
+TEST_P(EveryFactor, names_the_unknown_where_an_indefinite_matrix_breaks_down)
+{
+    SpdFactor factor = make();
+    const FactorizationFailed error = failure(factor, matrices::diagonal({1, 2, 3, -1, 4}));
+    EXPECT_EQ(error.element_kind(), Error::Element::vertex);
+    EXPECT_EQ(error.elements(), std::vector{3});
+}
+
+TEST_P(EveryFactor, names_an_unknown_that_nothing_holds)
+{
+    SpdFactor factor = make();
+    EXPECT_EQ(failure(factor, matrices::diagonal({1, 2, 0, 3})).elements(), std::vector{2});
+}
+
+TEST_P(EveryFactor, refuses_a_laplacian_without_constraints)
+{
+    SpdFactor factor = make();
+    failure(factor, matrices::shuffled_grid(8, 0.0));
+}
+
+TEST_P(EveryFactor, refuses_a_matrix_that_is_not_finite)
+{
+    SpdFactor factor = make();
+    failure(factor, matrices::diagonal({1, std::numeric_limits<double>::quiet_NaN(), 1}));
+}
+
+TEST_P(EveryFactor, factorises_again_after_a_refusal)
+{
+    SpdFactor factor = make();
+    failure(factor, matrices::diagonal({1, -1, 1}));
+    const SparseMatrix good = matrices::diagonal({1, 2, 4});
+    factor.factorize(good);
+    EXPECT_LT(error_of(factor, good, MatrixX::Ones(3, 1)), well_conditioned);
+}
+
+TEST_P(EveryFactor, does_not_mind_the_scale)
+{
+    shapes::Random random(4);
+    for (double scale : {1e-60, 1e60}) {
+        const SparseMatrix A = scale * matrices::random_spd(50, 8);
+        SpdFactor factor = make();
+        factor.factorize(A);
+        EXPECT_LT(error_of(factor, A, random.dense(50, 2)), well_conditioned);
+    }
+}
+
+TEST_P(EveryFactor, solves_from_several_threads_give_the_same_bits)
+{
+    shapes::Random random(5);
+    const SparseMatrix A = matrices::shuffled_grid(25);
+    SpdFactor factor = make();
+    factor.factorize(A);
+    const MatrixX b = random.dense(static_cast<int>(A.rows()), 3);
+    const MatrixX alone = factor.solve(b);
+    std::vector<int> wrong(4, 0);
+    std::vector<std::thread> threads;
+    for (int& count : wrong)
+        threads.emplace_back([&] {
+            for (int repeat = 0; repeat < 20; ++repeat)
+                count += factor.solve(b) != alone;
+        });
+    for (std::thread& thread : threads)
+        thread.join();
+    EXPECT_EQ(wrong, std::vector<int>(4, 0));
+}
+
+INSTANTIATE_TEST_SUITE_P(SpdFactor, EveryFactor,
+                         testing::Combine(testing::Values(FactorBackend::automatic, FactorBackend::supernodal,
+                                                          FactorBackend::simplicial, FactorBackend::ldlt),
+                                          testing::Values(Ordering::natural, Ordering::reverse_cuthill_mckee,
+                                                          Ordering::minimum_degree, Ordering::nested_dissection)),
+                         name_of);
+
+TEST(SpdFactor, of_no_unknowns_solves_nothing)
+{
+    SpdFactor factor;
+    factor.factorize(SparseMatrix(0, 0));
+    EXPECT_EQ(factor.solve(MatrixX(0, 3)).cols(), 3);
+    EXPECT_EQ(factor.nonzeros(), 0);
+}
+
+TEST(SpdFactor, refuses_a_right_side_of_another_length)
+{
+    SpdFactor factor;
+    factor.factorize(matrices::diagonal({1, 2}));
+    EXPECT_THROW(factor.solve(MatrixX(3, 1)), InvalidConstraint);
+}
+
+TEST(SpdFactor, moves_with_its_factor)
+{
+    SpdFactor first;
+    const SparseMatrix A = matrices::random_spd(20, 9);
+    first.factorize(A);
+    const SpdFactor second = std::move(first);
+    EXPECT_LT(error_of(second, A, MatrixX::Ones(20, 1)), well_conditioned);
+}
+
+TEST(SpdFactor, solves_all_columns_as_it_solves_one)
+{
+    shapes::Random random(6);
+    SpdFactor factor;
+    factor.factorize(matrices::shuffled_grid(12));
+    const MatrixX b = random.dense(144, 5);
+    const MatrixX together = factor.solve(b);
+    for (int c = 0; c < 5; ++c) // blocked kernels sum in another order: rounding only
+        EXPECT_LT((together.col(c) - factor.solve(b.col(c))).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+} // namespace sinew

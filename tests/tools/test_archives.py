@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import base64
+import hashlib
+import os
+import time
+from pathlib import Path
+
+import pytest
+from workshop.archives import read_zip, write_wheel, write_zip
+from workshop.isolation import OWNED, RENAMED
+
+
+def test_zip_has_the_same_bytes_at_another_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = write_zip(tmp_path / "a.zip", {"b": b"2", "a": b"1" * 999}).read_bytes()
+    monkeypatch.setenv("TZ", "Asia/Tokyo")
+    time.tzset()
+    old_mask = os.umask(0o077)
+    second = write_zip(tmp_path / "b.zip", {"a": b"1" * 999, "b": b"2"}).read_bytes()
+    os.umask(old_mask)
+    assert first == second
+    assert read_zip(tmp_path / "b.zip") == {"a": b"1" * 999, "b": b"2"}
+
+
+def test_wheel_records_every_file(tmp_path: Path) -> None:
+    files = {"x.so": b"machine code", "x-1.dist-info/WHEEL": b"", "x-1.dist-info/RECORD": b"out of date"}
+    record = read_zip(write_wheel(tmp_path / "x.whl", files))["x-1.dist-info/RECORD"].decode().splitlines()
+    digest = base64.urlsafe_b64encode(hashlib.sha256(b"machine code").digest()).rstrip(b"=").decode()
+    assert f"x.so,sha256={digest},12" in record
+    assert "x-1.dist-info/RECORD,," in record
+    assert len(record) == 3
+
+
+@pytest.mark.parametrize(
+    "name", ["dgemm_", "openblas_set_num_threads", "cholmod_start", "_ZN3tbb6detail2r115spawnEv"]
+)
+def test_names_that_a_host_may_bring_too_are_changed(name: str) -> None:
+    assert RENAMED.match(name)
+
+
+@pytest.mark.parametrize(
+    "name", ["_ZNSt6vectorIiE", "_ZTISt9exception", "_ZNKSt5ctypeIcE", "_init", "_edata"]
+)
+def test_names_of_the_system_stay(name: str) -> None:
+    assert not RENAMED.match(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "owned"),
+    [
+        ("libopenblasp-r0.so", 1),
+        ("libccolamd.so.2", 1),
+        ("libtbb-1.so.12", 1),
+        ("libgomp.so.1", 0),
+        ("libgfortran.so", 0),
+    ],
+)
+def test_libraries_that_only_serve_the_compiler_stay(name: str, owned: int) -> None:
+    assert bool(OWNED.match(name)) == bool(owned)

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Zips and wheels as dictionaries of path -> content; written, the same content gives the same bytes."""
+
+import base64
+import hashlib
+import zipfile
+from pathlib import Path
+
+FIRST_DAY = (1980, 1, 1, 0, 0, 0)
+PACKED_ALREADY = (".whl", ".png", ".blend")
+
+
+def read_zip(source: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(source) as archive:
+        return {name: archive.read(name) for name in archive.namelist() if not name.endswith("/")}
+
+
+def write_zip(target: Path, files: dict[str, bytes]) -> Path:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with zipfile.ZipFile(target, "w") as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, FIRST_DAY)
+            entry.external_attr = 0o100644 << 16
+            entry.create_system = 3  # Unix, on every system
+            packed = name.endswith(PACKED_ALREADY)
+            entry.compress_type = zipfile.ZIP_STORED if packed else zipfile.ZIP_DEFLATED
+            archive.writestr(entry, files[name])
+    return target
+
+
+def write_wheel(target: Path, files: dict[str, bytes]) -> Path:
+    """As write_zip(), with the wheel's RECORD made anew."""
+    record = next(name for name in files if name.endswith(".dist-info/RECORD"))
+    lines = [
+        f"{name},{_digest(content)},{len(content)}\n"
+        for name, content in sorted(files.items())
+        if name != record
+    ]
+    return write_zip(target, files | {record: "".join([*lines, f"{record},,\n"]).encode()})
+
+
+def _digest(content: bytes) -> str:
+    return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The CMake trees of daily work, by preset."""
+
+import argparse
+
+from . import debian, environments
+from .places import BUILD, ROOT
+from .shell import Stamp, fingerprint, jobs, must
+
+
+def build_tree(preset: str) -> None:
+    """Configures where the presets or the tools changed, then builds what changed."""
+    debian.install(debian.BUILD)
+    environments.build().make()
+    tree = BUILD / {"dev": "native"}.get(preset, preset)
+    stamp = Stamp(tree / "configured-from", fingerprint([ROOT / "CMakePresets.json"], preset))
+    if not stamp.is_fresh() or not (tree / "build.ninja").is_file():
+        must(["cmake", "--preset", preset, "-Wno-dev"])
+        stamp.write()
+    must(["cmake", "--build", "--preset", preset, "-j", str(jobs())])
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="tools/dev", description=__doc__)
+    parser.add_argument(
+        "preset", nargs="?", default="dev", help="a preset of CMakePresets.json; dev when none is named"
+    )
+    build_tree(parser.parse_args().preset)
+
+
+if __name__ == "__main__":
+    main()

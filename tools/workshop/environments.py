@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The virtual environments in ``.build``: pinned, made once, renewed when their pins change."""
+
+import functools
+import shutil
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import debian
+from .places import BUILD, PYTHON311, ROOT
+from .shell import Stamp, fingerprint, must, say
+
+REQUIREMENTS = ROOT / "tools" / "requirements"
+
+
+@dataclass(frozen=True)
+class Environment:
+    name: str
+    interpreter: Path
+    requirements: tuple[str, ...]
+    packages: tuple[str, ...] = debian.PYTHON
+
+    @property
+    def folder(self) -> Path:
+        return BUILD / f"venv-{self.name}"
+
+    @property
+    def bin(self) -> Path:
+        return self.folder / "bin"
+
+    @property
+    def python(self) -> Path:
+        return self.bin / "python"
+
+    @property
+    def site_packages(self) -> Path:
+        return next((self.folder / "lib").glob("python3*")) / "site-packages"
+
+    def make(self) -> "Environment":
+        """Sets the environment up unless it stands already."""
+        debian.install(self.packages)
+        files = [REQUIREMENTS / f"{name}.txt" for name in self.requirements]
+        pins = fingerprint([*files, *([REQUIREMENTS / "build.txt"] if "dev" in self.requirements else [])])
+        stamp = Stamp(self.folder / "made-from", f"{self.folder} {self.interpreter} {pins}")
+        if stamp.is_fresh() and _runs(self.python):
+            return self
+        say(f"Making {self.folder.relative_to(ROOT)} from {self.interpreter}")
+        stamp.forget()
+        if not _runs(self.python) or not _stands_here(self.folder):
+            shutil.rmtree(self.folder, ignore_errors=True)
+            must([self.interpreter, "-m", "venv", self.folder])
+        pip = [self.python, "-m", "pip", "--quiet", "--disable-pip-version-check"]
+        chosen = [word for file in files for word in ("-r", file)]
+        must([*pip, "install", "--no-cache-dir", *chosen])
+        stamp.write()
+        return self
+
+
+def _runs(python: Path) -> bool:
+    return python.exists() and subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
+
+
+def _stands_here(folder: Path) -> bool:
+    """Whether the environment was made at this path; a moved one has scripts that point elsewhere."""
+    return str(folder) in (folder / "pyvenv.cfg").read_text(encoding="utf-8")
+
+
+@functools.cache
+def python313() -> Path | None:
+    """A Python 3.13 with headers, from PATH or from pyenv, or None."""
+    pyenv = sorted(Path.home().glob(".pyenv/versions/3.13*/bin/python3.13"), reverse=True)
+    on_path = shutil.which("python3.13")
+    check = (
+        "import os, sys, sysconfig, venv; assert sys.version_info[:2] == (3, 13); "
+        "assert os.path.exists(os.path.join(sysconfig.get_path('include'), 'Python.h')); "
+        "print(os.path.realpath(sys.executable))"
+    )
+    for candidate in ([Path(on_path)] if on_path else []) + pyenv:
+        answer = subprocess.run([candidate, "-c", check], capture_output=True, text=True)
+        if answer.returncode == 0:
+            return Path(answer.stdout.strip())
+    return None
+
+
+def build() -> Environment:
+    return Environment("build", PYTHON311, ("build",))
+
+
+def build313() -> Environment | None:
+    interpreter = python313()
+    return Environment("build-3.13", interpreter, ("build",)) if interpreter else None
+
+
+def dev() -> Environment:
+    return Environment("dev", PYTHON311, ("dev",))
+
+
+def newest_blender() -> Environment:
+    """Blender as a Python module: 5.2 where there is a Python 3.13 to run it, else 5.0."""
+    interpreter = python313()
+    if interpreter:
+        return Environment("bpy-5.2.3", interpreter, ("bpy-5.2.3",), debian.BPY)
+    return Environment("bpy-5.0.1", PYTHON311, ("bpy-5.0.1",), debian.BPY)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Loads sinew_native and poses a small sheet; run by any Python, Blender's included.
+
+With ``--own-libraries FOLDER`` it also holds that CHOLMOD, BLAS and TBB came from FOLDER, where the wheel
+lies, and with ``--alone`` that no second copy of them was mapped from anywhere else.
+"""
+
+import argparse
+import os
+import sys
+
+BUNDLED = ("libcholmod", "libopenblas", "libtbb", "libgomp")
+
+
+def pose_a_sheet(sinew_native):
+    """A sheet of 41 x 41 points, one side fixed, the other lifted: both methods follow and stay finite."""
+    import numpy
+
+    side = 41
+    ticks = numpy.linspace(0.0, 1.0, side)
+    points = numpy.array([(x, y, 0.0) for y in ticks for x in ticks])
+    corners = numpy.array([(j * side + i) for j in range(side - 1) for i in range(side - 1)])
+    faces = numpy.column_stack((corners, corners + 1, corners + side + 1, corners + side))
+    handles = [numpy.arange(3 * side), numpy.arange((side - 3) * side, side * side)]
+    poses = numpy.tile(numpy.eye(3, 4), (2, 1, 1))
+    poses[1, 2, 3] = 0.25
+    mesh = sinew_native.SurfaceMesh(points, faces)
+    for method in (sinew_native.ThinShell(mesh), sinew_native.Arap(mesh)):
+        method.set_handles(handles)
+        posed, report = method.solve(poses)
+        assert numpy.isfinite(posed).all(), report
+        assert numpy.allclose(posed[handles[1], 2], 0.25, atol=1e-9), report
+        assert 0.05 < posed[side * (side // 2), 2] < 0.2, posed[side * (side // 2)]
+
+
+def check_libraries(folder, alone):
+    folder = os.path.realpath(folder)
+    with open("/proc/self/maps", encoding="utf-8") as maps:
+        mapped = {line.split(None, 5)[5].strip() for line in maps if len(line.split(None, 5)) == 6}
+    for name in BUNDLED:
+        copies = sorted(path for path in mapped if os.path.basename(path).startswith(name))
+        own = [path for path in copies if path.startswith(folder + os.sep)]
+        assert own, f"{name} does not come from {folder}: {copies}"
+        assert not alone or own == copies, f"{name} is loaded twice: {copies}"
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--own-libraries", default="")
+    parser.add_argument("--alone", action="store_true")
+    options = parser.parse_args(arguments)
+    if options.own_libraries:
+        sys.path.insert(0, options.own_libraries)
+    import sinew_native
+
+    pose_a_sheet(sinew_native)
+    if options.own_libraries:
+        check_libraries(options.own_libraries, options.alone)
+    print(f"sinew_native {sinew_native.__version__} works in Python {sys.version.split()[0]}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:])

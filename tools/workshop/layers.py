@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The layers of the tests, from fast to slow: each sets up what it needs, runs, and counts."""
+
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import debian, environments
+from .dev import build_tree
+from .format import checks
+from .package import package, validate
+from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT, SANITIZE_TREE
+from .results import Outcome, outcome
+from .shell import jobs, must, run
+
+RESULTS = BUILD / "results"
+TESTS = ROOT / "tests"
+INSIDE = Path(__file__).parent / "inside"
+LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
+OPTIONS = ("-p", "no:cacheprovider", "-q")
+
+
+@dataclass(frozen=True)
+class Layer:
+    name: str
+    timeout: float  # seconds, for the tests without their set-up
+    run: Callable[[float], Outcome]
+
+
+def lint(timeout: float) -> Outcome:
+    total = Outcome()
+    for name, command in checks().items():
+        status = run(command, timeout=timeout)
+        total += Outcome(passed=1) if status == 0 else Outcome(failed=1, note=f"{name}: try tools/format")
+    return total
+
+
+def architecture(timeout: float) -> Outcome:
+    return _pytest("architecture", timeout)
+
+
+def tools(timeout: float) -> Outcome:
+    return _pytest("tools", timeout)
+
+
+def native(timeout: float) -> Outcome:
+    build_tree("dev")
+    return _ctest("native", NATIVE_TREE, timeout)
+
+
+def sanitizers(timeout: float) -> Outcome:
+    build_tree("sanitize")
+    sanitizer_options = {
+        "ASAN_OPTIONS": "detect_leaks=1:strict_init_order=1",
+        "LSAN_OPTIONS": f"suppressions={LEAKS_OF_OTHERS}:print_suppressions=0",
+        "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
+    }
+    return _ctest("sanitizers", SANITIZE_TREE, timeout, sanitizer_options)
+
+
+def bindings(timeout: float) -> Outcome:
+    build_tree("dev")
+    return _pytest("bindings", timeout, {"PYTHONPATH": DEV_MODULE})
+
+
+def addon(timeout: float) -> Outcome:
+    build_tree("dev")
+    return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE})
+
+
+def blender_3_4(timeout: float) -> Outcome:
+    debian.install(debian.BLENDER_TESTS)
+    env = install_legacy("blender-3.4")
+    junit = _junit("blender-3.4")
+    script = TESTS / "blender" / "run_pytest.py"
+    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", script]
+    status = run(
+        [*headless, "--", *OPTIONS, f"--junitxml={junit}"], env=env, timeout=timeout
+    )
+    return outcome(junit, status)
+
+
+def blender_5(timeout: float) -> Outcome:
+    newest = environments.newest_blender().make()
+    env = install_extension(newest.python, "blender-5")
+    junit = _junit("blender-5")
+    script = TESTS / "blender" / "run_pytest.py"
+    command = [newest.python, script, "--", *OPTIONS, f"--junitxml={junit}"]
+    found = outcome(junit, run(command, env=env, timeout=timeout))
+    if newest.name != "bpy-5.2.3":
+        found += Outcome(note="Blender 5.0.1 stands in: without a Python 3.13, 5.2 was not run")
+    return found
+
+
+def gui(timeout: float) -> Outcome:
+    debian.install(debian.GUI)
+    env = install_legacy("gui")
+    junit = _junit("gui")
+    screen = ["xvfb-run", "--auto-servernum", "--server-args=-ac -screen 0 1280x800x24"]
+    command = [*screen, PYTHON311, "-m", "pytest", "tests/gui", *OPTIONS, f"--junitxml={junit}"]
+    return outcome(junit, run(command, env=env, timeout=timeout))
+
+
+def install_legacy(name: str) -> dict[str, str | Path]:
+    """Installs the legacy zip in Debian's Blender, in a fresh user folder; the environment to run it with."""
+    _, zip_file = package()
+    user = _emptied(BUILD / "blender-users" / name)
+    env = {
+        "BLENDER_USER_CONFIG": user / "config",
+        "BLENDER_USER_SCRIPTS": user / "scripts",
+        "SINEW_ADDON_MODULE": "sinew",
+        "SINEW_TEST_OUTPUT": _emptied(RESULTS / name),
+    }
+    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1"]
+    must([*headless, "--python", INSIDE / "install_zip.py", "--", zip_file], env=env, timeout=120, quiet=True)
+    return env
+
+
+def install_extension(python: Path, name: str) -> dict[str, str | Path]:
+    """Installs the extension in Blender as a Python module, likewise."""
+    zip_file, _ = package()
+    validate(zip_file)
+    env = {
+        "BLENDER_USER_RESOURCES": _emptied(BUILD / "blender-users" / name),
+        "SINEW_ADDON_MODULE": "bl_ext.user_default.sinew",
+        "SINEW_TEST_OUTPUT": _emptied(RESULTS / name),
+    }
+    must([python, INSIDE / "install_zip.py", "--", zip_file], env=env, timeout=120, quiet=True)
+    return env
+
+
+def _pytest(name: str, timeout: float, env: Mapping[str, str | Path] | None = None) -> Outcome:
+    junit = _junit(name)
+    command = [
+        environments.dev().make().python,
+        "-m",
+        "pytest",
+        f"tests/{name}",
+        *OPTIONS,
+        f"--junitxml={junit}",
+    ]
+    return outcome(junit, run(command, env=env, timeout=timeout))
+
+
+def _ctest(name: str, tree: Path, timeout: float, env: Mapping[str, str | Path] | None = None) -> Outcome:
+    junit = _junit(name)
+    command = ["ctest", "--output-on-failure", "--output-junit", junit, "-j", str(jobs()), "--timeout", "300"]
+    # A line for each of hundreds of tests hides the one that failed.
+    status = run([*command, "--progress"], env=env, cwd=tree, timeout=timeout)
+    return outcome(junit, status)
+
+
+def _junit(name: str) -> Path:
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    file = RESULTS / f"{name}.xml"
+    file.unlink(missing_ok=True)
+    return file
+
+
+def _emptied(folder: Path) -> Path:
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
+
+
+LAYERS = (
+    Layer("lint", 120, lint),
+    Layer("architecture", 120, architecture),
+    Layer("tools", 120, tools),
+    Layer("native", 300, native),
+    Layer("sanitizers", 600, sanitizers),
+    Layer("bindings", 420, bindings),
+    Layer("addon", 120, addon),
+    Layer("blender-3.4", 600, blender_3_4),
+    Layer("blender-5", 600, blender_5),
+    Layer("gui", 420, gui),
+)

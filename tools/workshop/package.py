@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The two zips that people install.
+
+``dist/sinew-<version>.zip``         extension for Blender 4.2 and later, wheels inside
+``dist/sinew-legacy-<version>.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in ``sinew/_native``
+
+The same tree gives the same bytes, whenever and wherever it is packed.
+"""
+
+import argparse
+import functools
+import re
+import tomllib
+from pathlib import Path
+
+from . import environments
+from .archives import read_zip, write_zip
+from .places import ADDON, DIST, ROOT, version
+from .shell import must, say
+from .wheels import build_wheels
+
+MANIFEST = "blender_manifest.toml"
+NATIVE_FOLDER = "_native"
+EXCLUDED_NAMES = ("__pycache__", ".DS_Store")
+EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
+PLATFORMS = {
+    "linux": "linux-x64",
+    "manylinux": "linux-x64",
+    "win_amd64": "windows-x64",
+    "macosx": "macos-arm64",
+}
+
+
+def addon_files() -> dict[str, bytes]:
+    """Path inside the add-on -> content, of all that belongs to it."""
+    found = {}
+    for path in sorted(ADDON.rglob("*")):
+        inside = path.relative_to(ADDON)
+        hidden = any(part in EXCLUDED_NAMES or part.startswith(".") for part in inside.parts)
+        if (
+            path.is_file()
+            and not hidden
+            and path.suffix not in EXCLUDED_SUFFIXES
+            and inside.parts[0] != NATIVE_FOLDER
+        ):
+            found[inside.as_posix()] = path.read_bytes()
+    if MANIFEST not in found or "__init__.py" not in found:
+        raise SystemExit(f"{ADDON} is no add-on: {MANIFEST} or __init__.py is missing")
+    found["LICENSE"] = (ROOT / "LICENSE").read_bytes()
+    return found
+
+
+def extension_files(wheels: list[Path]) -> dict[str, bytes]:
+    files = addon_files()
+    files[MANIFEST] = filled_manifest(files[MANIFEST].decode(), [wheel.name for wheel in wheels]).encode()
+    return files | {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
+
+
+def legacy_files(wheel: Path) -> dict[str, bytes]:
+    files = addon_files()
+    note = '# SPDX-License-Identifier: GPL-3.0-or-later\n"""The unpacked wheel of sinew_native."""\n'
+    files[f"{NATIVE_FOLDER}/__init__.py"] = note.encode()
+    files |= {f"{NATIVE_FOLDER}/{name}": content for name, content in read_zip(wheel).items()}
+    return {f"sinew/{name}": content for name, content in files.items()}
+
+
+def filled_manifest(text: str, wheel_names: list[str]) -> str:
+    """The manifest with its ``wheels`` and ``platforms`` set to what is packed."""
+    values = {
+        "platforms": sorted({_platform(name) for name in wheel_names}),
+        "wheels": [f"./wheels/{name}" for name in wheel_names],
+    }
+    for key, items in values.items():
+        line = f"{key} = [\n" + "".join(f'  "{item}",\n' for item in items) + "]\n"
+        text, replaced = re.subn(
+            rf"^{key}\s*=\s*\[[^\]]*\]\s*?\n", lambda _, line=line: line, text, flags=re.M
+        )
+        if replaced == 0:  # keys must stand before the first table
+            table = re.search(r"^\[", text, flags=re.M)
+            place = table.start() if table else len(text)
+            text = text[:place] + line + "\n" + text[place:]
+    stated = tomllib.loads(text)
+    if stated["version"] != version() or stated["wheels"] != values["wheels"]:
+        raise SystemExit(f"{MANIFEST} states version {stated['version']}, CMakeLists.txt {version()}")
+    return text
+
+
+def _platform(wheel_name: str) -> str:
+    tag = wheel_name.removesuffix(".whl").rsplit("-", 1)[-1]
+    for prefix, platform in PLATFORMS.items():
+        if tag.startswith(prefix):
+            return platform
+    raise SystemExit(f"{wheel_name}: no Blender platform is known for {tag}")
+
+
+def pack(target: Path, files: dict[str, bytes]) -> Path:
+    write_zip(target, files)
+    say(f"{target.relative_to(ROOT)}  {target.stat().st_size / 1e6:.1f} MB")
+    return target
+
+
+def validate(extension: Path) -> None:
+    """Blender's own check of an extension, if a Blender that brings it is set up (``tools/setup tests``)."""
+    newest = environments.newest_blender()
+    tools = sorted(
+        newest.folder.glob("lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+    )
+    if not tools:
+        say(f"{extension.name} was not validated: {newest.folder.relative_to(ROOT)} is not set up")
+        return
+    must([newest.python, tools[0], "validate", extension], quiet=True)
+    say(f"{extension.name} passes Blender's extension validation")
+
+
+@functools.cache
+def package() -> tuple[Path, Path]:
+    """The extension and the legacy zip; packed once in a run."""
+    wheels = build_wheels()
+    DIST.mkdir(exist_ok=True)
+    for old in DIST.glob("sinew-*.zip"):
+        old.unlink()
+    extension = pack(DIST / f"sinew-{version()}.zip", extension_files(wheels))
+    validate(extension)
+    oldest = next(wheel for wheel in wheels if "-cp311-" in wheel.name)
+    legacy = pack(DIST / f"sinew-legacy-{version()}.zip", legacy_files(oldest))
+    return extension, legacy
+
+
+def main() -> None:
+    argparse.ArgumentParser(
+        prog="tools/package", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    ).parse_args()
+    package()
+
+
+if __name__ == "__main__":
+    main()

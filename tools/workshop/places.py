@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where things lie in a checkout, and which version this is."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / ".build"
+DIST = ROOT / "dist"
+ADDON = ROOT / "addon"
+NATIVE_TREE = BUILD / "native"
+SANITIZE_TREE = BUILD / "sanitize"
+DEV_MODULE = BUILD / "dev"
+WHEELS = BUILD / "wheels"
+PYTHON311 = Path("/usr/bin/python3.11")
+
+
+def version(root: Path = ROOT) -> str:
+    """The version of everything, which CMakeLists.txt alone states."""
+    text = (root / "CMakeLists.txt").read_text(encoding="utf-8")
+    found = re.search(r"project\(sinew\s+VERSION\s+(\d+\.\d+\.\d+)", text)
+    if found is None:
+        raise SystemExit("CMakeLists.txt states no project(sinew VERSION x.y.z)")
+    return found.group(1)

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Counting what a layer of tests did, from the JUnit files of ctest and pytest."""
+
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class Outcome:
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+    note: str = ""
+
+    def __add__(self, other: "Outcome") -> "Outcome":
+        return Outcome(
+            self.passed + other.passed,
+            self.failed + other.failed,
+            self.skipped + other.skipped,
+            "; ".join(note for note in (self.note, other.note) if note),
+        )
+
+
+def outcome(junit: Path, status: int) -> Outcome:
+    """What the file counts; a run that ended badly without a failed test, or left no test, is one failure."""
+    try:
+        root = ElementTree.parse(junit).getroot()
+    except (OSError, ElementTree.ParseError):
+        return Outcome(failed=1, note=f"no result was written (status {status})")
+    passed = failed = skipped = 0
+    for case in root.iter("testcase"):
+        kinds = {child.tag for child in case}
+        if kinds & {"failure", "error"} or case.get("status") == "fail":
+            failed += 1
+        elif "skipped" in kinds or case.get("status") in ("notrun", "disabled"):
+            skipped += 1
+        else:
+            passed += 1
+    if passed + failed + skipped == 0:
+        return Outcome(failed=1, note="no test was found")
+    if status != 0 and failed == 0:
+        return Outcome(passed, 1, skipped, f"all tests passed, yet the run ended with status {status}")
+    return Outcome(passed, failed, skipped)
+
+
+def closing_line(total: Outcome) -> str:
+    line = f"{total.passed} passed, {total.failed} failed"
+    return line + (f", {total.skipped} skipped" if total.skipped else "")

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All layers of the tests, or those that are named, with a summary at the end.
+
+One layer's failure does not stop the next. The last line counts all tests; the status is 1 if any failed.
+"""
+
+import argparse
+import sys
+import time
+
+from .layers import LAYERS, Layer
+from .results import Outcome, closing_line
+from .shell import say
+
+
+def run_layer(layer: Layer) -> Outcome:
+    say(f"\n==== {layer.name} " + "=" * (72 - len(layer.name)))
+    try:
+        return layer.run(layer.timeout)
+    except SystemExit as stop:  # a tool that could not set the layer up has said why
+        say(str(stop.code))
+        return Outcome(failed=1, note="could not be set up")
+
+
+def main() -> None:
+    names = [layer.name for layer in LAYERS]
+    parser = argparse.ArgumentParser(prog="tests/run", description=__doc__)
+    parser.add_argument("layers", nargs="*", metavar="LAYER", help=", ".join(names))
+    parser.add_argument("--list", action="store_true", help="name the layers and stop")
+    options = parser.parse_args()
+    if options.list:
+        print(*names, sep="\n")
+        return
+    unknown = sorted(set(options.layers) - set(names))
+    if unknown:
+        parser.error(f"no layer {', '.join(unknown)}; the layers are {', '.join(names)}")
+
+    rows = []
+    for layer in LAYERS:
+        if options.layers and layer.name not in options.layers:
+            continue
+        start = time.monotonic()
+        rows.append((layer.name, run_layer(layer), time.monotonic() - start))
+
+    say(f"\n{'layer':<14}{'passed':>8}{'failed':>8}{'skipped':>9}{'seconds':>9}")
+    for name, found, seconds in rows:
+        line = f"{name:<14}{found.passed:>8}{found.failed:>8}{found.skipped:>9}{seconds:>9.0f}  {found.note}"
+        say(line.rstrip())
+    total = sum((found for _, found, _ in rows), Outcome())
+    say("\n" + closing_line(total))
+    sys.exit(1 if total.failed else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Debian packages and virtual environments, by what they are wanted for."""
+
+import argparse
+
+from . import debian, environments
+from .shell import say
+
+
+def set_up_build() -> None:
+    debian.install(debian.BUILD)
+    environments.build().make()
+    newer = environments.build313()
+    if newer:
+        newer.make()
+
+
+def set_up_samples() -> None:
+    debian.install(debian.BUILD, debian.BLENDER)
+    set_up_build()
+
+
+def set_up_tests() -> None:
+    debian.install(debian.BUILD, debian.GUI, debian.BPY)
+    set_up_build()
+    environments.dev().make()
+    newest = environments.newest_blender().make()
+    if newest.name == "bpy-5.0.1":
+        say("No Python 3.13 here: Blender 5.0.1 stands in, 5.2 is not run.")
+
+
+PURPOSES = {
+    "build": set_up_build,
+    "samples": set_up_samples,
+    "dev": lambda: environments.dev().make(),
+    "tests": set_up_tests,
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="tools/setup", description=__doc__)
+    parser.add_argument(
+        "what", nargs="*", metavar="WHAT", help=f"{', '.join(PURPOSES)}; all when none is named"
+    )
+    chosen = parser.parse_args().what or list(PURPOSES)
+    unknown = sorted(set(chosen) - set(PURPOSES))
+    if unknown:
+        parser.error(f"unknown: {', '.join(unknown)}; one of {', '.join(PURPOSES)}")
+    for purpose in chosen:
+        PURPOSES[purpose]()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Running commands, and remembering what was already done."""
+
+import hashlib
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from .places import BUILD, ROOT
+
+TIMED_OUT = 124
+
+
+def say(text: str) -> None:
+    print(text, flush=True)
+
+
+def jobs() -> int:
+    return len(os.sched_getaffinity(0))
+
+
+def environment(extra: Mapping[str, str | Path] | None = None) -> dict[str, str]:
+    """This process's environment, without what would lead a build or a Blender astray."""
+    strays = ("PYTHONPATH", "PYTHONHOME", "PYTHONSTARTUP", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "LD_PRELOAD")
+    kept = {name: value for name, value in os.environ.items() if name not in strays}
+    kept |= {"CCACHE_DIR": str(BUILD / "ccache"), "PYTHONDONTWRITEBYTECODE": "1"}
+    return kept | {name: str(value) for name, value in (extra or {}).items()}
+
+
+def run(
+    command: Iterable[str | Path],
+    *,
+    env: Mapping[str, str | Path] | None = None,
+    cwd: Path = ROOT,
+    timeout: float | None = None,
+    quiet: bool = False,
+) -> int:
+    """The exit status; a command past its time is stopped with all it started. ``quiet`` hides a success."""
+    sink = subprocess.PIPE if quiet else None
+    with subprocess.Popen(
+        [str(word) for word in command],
+        cwd=cwd,
+        env=environment(env),
+        stdin=subprocess.DEVNULL,
+        stdout=sink,
+        stderr=subprocess.STDOUT if quiet else None,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    ) as process:
+        output = ""
+        try:
+            output, _ = process.communicate(timeout=timeout)
+            status = process.returncode
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            output, _ = process.communicate()
+            status = TIMED_OUT
+            say(f"stopped after {timeout:.0f} s")
+        except KeyboardInterrupt:
+            os.killpg(process.pid, signal.SIGTERM)
+            raise
+    if quiet and status != 0:
+        sys.stderr.write(output or "")
+    return status
+
+
+def must(command: Iterable[str | Path], **options) -> None:
+    """As run(), but a failure ends the tool."""
+    words = [str(word) for word in command]
+    status = run(words, **options)
+    if status != 0:
+        raise SystemExit(f"failed with {status}: {' '.join(words)}")
+
+
+def fingerprint(paths: Iterable[Path], *words: str) -> str:
+    """A digest of names and contents of files, folders included, and of some words."""
+    digest = hashlib.sha256("\0".join(words).encode())
+    for path in sorted(set(_files(paths))):
+        digest.update(str(path.relative_to(ROOT)).encode() + b"\0")
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
+    return digest.hexdigest()
+
+
+def _files(paths: Iterable[Path]) -> Iterable[Path]:
+    for path in paths:
+        if path.is_dir():
+            yield from (f for f in path.rglob("*") if f.is_file() and "__pycache__" not in f.parts)
+        elif path.is_file():
+            yield path
+
+
+class Stamp:
+    """A file that says from what a result was made; a result is fresh while that still holds."""
+
+    def __init__(self, file: Path, content: str) -> None:
+        self._file = file
+        self._content = content
+
+    def is_fresh(self) -> bool:
+        return self._file.is_file() and self._file.read_text(encoding="utf-8") == self._content
+
+    def forget(self) -> None:
+        self._file.unlink(missing_ok=True)
+
+    def write(self) -> None:
+        self._file.parent.mkdir(parents=True, exist_ok=True)
+        self._file.write_text(self._content, encoding="utf-8")

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Self-contained wheels of sinew_native.
+
+One for Python 3.11 (Blender 3.4.1 of Debian 12 and 4.2 to 5.0) and, where a Python 3.13 exists, one for 3.13
+(Blender 5.1 and later). Each carries its own CHOLMOD, OpenBLAS and TBB, and counts as built once tried.
+"""
+
+import argparse
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+from . import debian, environments
+from .archives import read_zip, write_wheel
+from .environments import Environment
+from .isolation import isolated
+from .notices import notices
+from .places import BUILD, PYTHON311, ROOT, WHEELS, version
+from .shell import Stamp, fingerprint, jobs, must, say
+
+INPUTS = (
+    "native",
+    "CMakeLists.txt",
+    "pyproject.toml",
+    "README.md",
+    "LICENSE",
+    "tools/requirements/build.txt",
+    *(f"tools/workshop/{name}.py" for name in ("archives", "isolation", "notices", "wheels")),
+)
+CHECK = Path(__file__).parent / "inside" / "check_module.py"
+EPOCH = "315532800"  # 1 January 1980, the first day a zip can name
+
+
+def build_wheels() -> list[Path]:
+    """The repaired wheels, rebuilt only where their inputs changed."""
+    debian.install(debian.BUILD)
+    builders = [environments.build(), environments.build313()]
+    return [build_wheel(builder.make()) for builder in builders if builder]
+
+
+def build_wheel(builder: Environment) -> Path:
+    tag = _tag(builder)
+    stamp = Stamp(
+        WHEELS / f"{tag}.made-from", fingerprint([ROOT / name for name in INPUTS], str(builder.interpreter))
+    )
+    if stamp.is_fresh() and len(list(WHEELS.glob(f"*-{tag}-*.whl"))) == 1:
+        return _wheel(tag)
+    say(f"Building the wheel for {tag}")
+    stamp.forget()
+    _require_threaded_blas()
+    for old in WHEELS.glob(f"*-{tag}-*.whl"):
+        old.unlink()
+    with tempfile.TemporaryDirectory(dir=_made(BUILD)) as raw:
+        path = f"{builder.bin}{os.pathsep}{os.environ['PATH']}"
+        settings = {
+            "PATH": path,
+            "CC": "gcc",  # the same for every Python, so that ccache knows the library again
+            "CXX": "g++",
+            "CMAKE_BUILD_PARALLEL_LEVEL": str(jobs()),
+            "CMAKE_CXX_COMPILER_LAUNCHER": "ccache",
+            "CMAKE_GENERATOR": "Ninja",
+            "SOURCE_DATE_EPOCH": EPOCH,
+        }
+        build = [builder.python, "-m", "build", "--wheel", "--no-isolation", "--outdir", raw, ROOT]
+        must(build, env=settings, quiet=True)
+        made = next(Path(raw).glob("*.whl"))
+        must([builder.bin / "auditwheel", "repair", "-w", _made(WHEELS), made], env=settings, quiet=True)
+    wheel = _wheel(tag)
+    files = isolated(read_zip(wheel), builder)
+    write_wheel(wheel, files | notices(files, builder))
+    check_wheel(wheel, builder)
+    stamp.write()
+    return wheel
+
+
+def check_wheel(wheel: Path, builder: Environment) -> None:
+    """Loads the wheel where no build library can help it: plain CPython, and Blender's if installed."""
+    unpacked = BUILD / "wheel-check" / _tag(builder)
+    shutil.rmtree(unpacked, ignore_errors=True)
+    for name, content in read_zip(wheel).items():
+        _made((unpacked / name).parent)
+        (unpacked / name).write_bytes(content)
+    must([builder.python, "-I", CHECK, "--own-libraries", unpacked, "--alone"], timeout=120, quiet=True)
+    say(f"{wheel.name} works in {builder.interpreter}")
+    blender = shutil.which("blender", path="/usr/bin")
+    if blender and builder.interpreter == PYTHON311:
+        script = [blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", CHECK]
+        must([*script, "--", "--own-libraries", unpacked], timeout=120, quiet=True)
+        say(f"{wheel.name} works in {blender}")
+
+
+def _require_threaded_blas() -> None:
+    """Several OpenBLAS builds may be installed; two binds at once in the serial one give wrong answers."""
+    chosen = Path("/usr/lib/x86_64-linux-gnu/libblas.so.3").resolve()
+    if "openblas-pthread" not in str(chosen):
+        raise SystemExit(
+            f"The wheel would carry {chosen}. Choose OpenBLAS's pthread build: "
+            "update-alternatives --config libblas.so.3-x86_64-linux-gnu (and liblapack.so.3-...)"
+        )
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _tag(builder: Environment) -> str:
+    return "cp311" if builder.interpreter == PYTHON311 else "cp313"
+
+
+def _wheel(tag: str) -> Path:
+    found = sorted(WHEELS.glob(f"sinew_native-{version()}-{tag}-*.whl"))
+    if len(found) != 1:
+        raise SystemExit(f"expected one wheel of {version()} for {tag} in {WHEELS}, found {len(found)}")
+    return found[0]
+
+
+def main() -> None:
+    argparse.ArgumentParser(prog="tools/build_wheels", description=__doc__).parse_args()
+    for wheel in build_wheels():
+        say(str(wheel.relative_to(ROOT)))
+
+
+if __name__ == "__main__":
+    main()
