@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The add-on's page in Blender's Preferences."""
 
+import textwrap
+
 import bpy
 from bpy.props import EnumProperty
 from bpy.types import AddonPreferences, Context
@@ -25,7 +27,8 @@ class SinewPreferences(AddonPreferences):
         layout = self.layout
         layout.prop(self, "method")
         if found.module is None:
-            layout.label(text=found.remedy, icon="ERROR")
+            for number, line in enumerate(textwrap.wrap(found.remedy, 90)):
+                layout.label(text=line, icon="BLANK1" if number else "ERROR")
         else:
             layout.label(text=f"Native module {found.module.__version__} is ready", icon="CHECKMARK")
 

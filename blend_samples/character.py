@@ -30,7 +30,7 @@ def make() -> bpy.types.Scene:
     first.data.materials.append(
         materials.skin_material("Skin", roughness=0.5, bump=0.2, grain=70.0, band="band")
     )
-    first.data.materials.append(materials.eye_material("Eye", iris=(0.10, 0.30, 0.45), pupil=0.42, size=0.80))
+    first.data.materials.append(materials.eye_material("Eye", yeti.IRIS, yeti.PUPIL, yeti.IRIS_EDGE))
     second, second_rig = first.copy(), rig.copy()
     second.parent = second.modifiers["Armature"].object = second_rig
     for joint in second_rig.pose.bones:

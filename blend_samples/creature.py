@@ -39,7 +39,9 @@ def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Creature")
     first = creature.build()
     first.data.materials.append(materials.skin_material("Skin", roughness=0.42, bump=0.25, grain=90.0))
-    first.data.materials.append(materials.eye_material("Eye", iris=(0.75, 0.33, 0.03), pupil=0.46, size=0.92))
+    first.data.materials.append(
+        materials.eye_material("Eye", creature.IRIS, creature.PUPIL, creature.IRIS_EDGE)
+    )
     dragons = [first, first.copy(), first.copy()]
     for k, (method, dragon) in enumerate(zip(LABELS, dragons)):
         dragon.name = f"Dragon {LABELS[method]}"

@@ -21,8 +21,8 @@ PASSES = ("DiffCol", "DiffDir", "DiffInd", "GlossCol", "GlossDir", "GlossInd", "
 KERNEL = {0: 3 / 8, 1: 1 / 4, 2: 1 / 16}
 
 
-def render_clean(scene: bpy.types.Scene, picture: Path) -> None:
-    """Render the scene's current frame and write ``picture`` with its colour management."""
+def render_clean(scene: bpy.types.Scene) -> np.ndarray:
+    """Render the scene's current frame: linear light (height, width, 3)."""
     layer = scene.view_layers[0]
     for name in ("diffuse", "glossy"):
         for part in ("color", "direct", "indirect"):
@@ -35,7 +35,7 @@ def render_clean(scene: bpy.types.Scene, picture: Path) -> None:
         scene.use_nodes = False
     diffuse = smooth(found["DiffDir"] + found["DiffInd"], found["Normal"], found["Depth"][..., :1], levels=4)
     glossy = smooth(found["GlossDir"] + found["GlossInd"], found["Normal"], found["Depth"][..., :1], levels=3)
-    write_picture(scene, found["DiffCol"] * diffuse + found["GlossCol"] * glossy, picture)
+    return found["DiffCol"] * diffuse + found["GlossCol"] * glossy
 
 
 def route_passes(scene: bpy.types.Scene, folder: Path) -> None:
@@ -133,9 +133,14 @@ def quench_fireflies(light: np.ndarray) -> np.ndarray:
 
 
 def write_picture(scene: bpy.types.Scene, light: np.ndarray, picture: Path) -> None:
+    """Write a PNG or, by its name, a JPEG with the scene's colour management."""
     height, width = light.shape[:2]
     image = bpy.data.images.new("Picture", width, height, float_buffer=True)
     rgba = np.concatenate((light, np.ones((height, width, 1))), axis=2).astype(np.float32)
     image.pixels.foreach_set(rgba.ravel())
+    settings = scene.render.image_settings
+    stored = settings.file_format
+    settings.file_format, settings.quality = {".jpg": "JPEG"}.get(picture.suffix, "PNG"), 90
     image.save_render(str(picture), scene=scene)
+    settings.file_format = stored
     bpy.data.images.remove(image)

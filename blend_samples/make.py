@@ -39,12 +39,10 @@ def main() -> None:
     scene.render.filepath = f"//{picture.name}"
     bpy.ops.wm.save_as_mainfile(filepath=str(OUTPUT / f"{wanted.sample}.blend"), compress=True)
     studio.progress(f"rendering {scene.render.resolution_x} x {scene.render.resolution_y} pixels")
-    denoise.render_clean(scene, picture)
+    light = denoise.render_clean(scene)
+    denoise.write_picture(scene, light, picture)
     if wanted.publish:
-        image = bpy.data.images.load(str(picture))
-        image.file_format = "JPEG"
-        image.filepath_raw = str(PICTURES / f"{wanted.sample}.jpg")
-        image.save()
+        denoise.write_picture(scene, light, PICTURES / f"{wanted.sample}.jpg")
 
 
 main()

@@ -120,6 +120,7 @@ def patched_material(
     nodes, links = material.node_tree.nodes, material.node_tree.links
     colour = nodes.new("ShaderNodeRGB")
     colour.outputs[0].default_value = (*base, 1.0)
+    material.diffuse_color = (*base, 1.0)
     below = colour.outputs[0]
     for field, tint, softness in patches:
         edge = nodes.new("ShaderNodeMapRange")

@@ -59,6 +59,13 @@ def set_up_render(scene: bpy.types.Scene, samples: int, width: int = WIDTH, heig
     cycles.filter_width = 1.6
 
 
+def studio_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
+    """Where everything lies that is not posed."""
+    if "Studio" not in scene.collection.children:
+        scene.collection.children.link(bpy.data.collections.new("Studio"))
+    return scene.collection.children["Studio"]
+
+
 def add_backdrop(
     scene: bpy.types.Scene, behind: float, width: float = 80.0, tint: Sequence[float] = (0.54, 0.485, 0.42)
 ) -> None:
@@ -78,7 +85,7 @@ def add_backdrop(
     mesh.materials.append(backdrop_material(tint))
     backdrop = bpy.data.objects.new("Backdrop", mesh)
     backdrop.hide_select = True
-    scene.collection.objects.link(backdrop)
+    studio_collection(scene).objects.link(backdrop)
 
 
 def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> None:
@@ -99,7 +106,7 @@ def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> 
     links.new(split.outputs["Z"], half.inputs[0])
     links.new(half.outputs[0], ramp.inputs[0])
     links.new(ramp.outputs[0], nodes["Background"].inputs["Color"])
-    nodes["Background"].inputs["Strength"].default_value = 0.36
+    nodes["Background"].inputs["Strength"].default_value = 0.31
     world.cycles.sampling_method = "NONE"  # smooth: chance finds it with less noise
 
     add_area(scene, "Key", target, size, (-0.75, -0.95, 1.25), 0.70, 46.0, (1.0, 0.93, 0.84))
@@ -125,7 +132,8 @@ def add_area(
     lamp = bpy.data.objects.new(name, light)
     lamp.location = Vector(target) + size * Vector(direction)
     lamp.rotation_euler = (Vector(target) - lamp.location).to_track_quat("-Z", "Y").to_euler()
-    scene.collection.objects.link(lamp)
+    studio_collection(scene).objects.link(lamp)
+    lamp.hide_set(True)  # its lines would cross the view; it shines all the same
 
 
 def add_camera(
@@ -144,7 +152,7 @@ def add_camera(
     rise = radians(elevation)
     body.location = Vector(target) + distance * Vector((0.0, -cos(rise), sin(rise)))
     body.rotation_euler = (Vector(target) - body.location).to_track_quat("-Z", "Y").to_euler()
-    scene.collection.objects.link(body)
+    studio_collection(scene).objects.link(body)
     scene.camera = body
 
 
@@ -162,7 +170,7 @@ def add_label(scene: bpy.types.Scene, text: str, place: Sequence[float], size: f
     label.rotation_euler = scene.camera.rotation_euler
     label.hide_select = True
     label.visible_shadow = False
-    scene.collection.objects.link(label)
+    studio_collection(scene).objects.link(label)
 
 
 def label_font() -> bpy.types.VectorFont:
@@ -190,6 +198,7 @@ def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None
     for screen in bpy.data.screens:
         for space in (area.spaces.active for area in screen.areas if area.type == "VIEW_3D"):
             space.region_3d.view_perspective = "CAMERA"
+            space.region_3d.view_camera_zoom = 12.0
             space.show_region_ui = True
             space.shading.color_type = "VERTEX" if posed.data.color_attributes else "MATERIAL"
             space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False

@@ -32,11 +32,7 @@ def stop() -> None:
 
 def catch_up() -> bool:
     """Do all of it now: finished binds, copies, final answers. True while something is still under way."""
-    ready = session.collect()
-    if ready:
-        for obj in session.owners():
-            if any(deformer.uid in ready for deformer in obj.sinew.deformers):
-                obj.update_tag()
+    session.collect()
     session.tidy()
     session.settle()
     return session.busy()

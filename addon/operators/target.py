@@ -7,6 +7,7 @@ from contextlib import contextmanager
 import bpy
 from bpy.types import Context, Object
 
+from .. import session
 from ..core.errors import SinewError
 from ..properties import SinewDeformer
 
@@ -14,10 +15,12 @@ from ..properties import SinewDeformer
 def target_of(context: Context) -> Object | None:
     """The mesh object at hand."""
     obj = context.object
-    if obj is None or obj.type == "MESH":
+    if obj is None:
+        return None
+    is_mesh = obj.type == "MESH"
+    if is_mesh and (obj.sinew.deformers or obj.mode == "EDIT"):
         return obj
-    target = obj.sinew.target
-    return target if target is not None and target.sinew.deformers else None
+    return session.posed_by(obj) or (obj if is_mesh else None)
 
 
 def has_target(operator: type, context: Context) -> bool:

@@ -19,6 +19,7 @@ class WaitsForBind:
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Context, event: Event) -> set[str]:
+        session.collect()
         job = session.job(self._uid)
         if job is None:
             return self._finish(context)

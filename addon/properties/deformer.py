@@ -116,12 +116,6 @@ class SinewObject(PropertyGroup):
 
     deformers: CollectionProperty(type=SinewDeformer, override=_LIST)
     active_deformer: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    target: PointerProperty(
-        name="Poses",
-        type=Object,
-        override=_OVERRIDE,
-        description="The mesh object that this control poses last",
-    )
 
     @property
     def active(self) -> SinewDeformer | None:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
-from .bind import CANCELLED, HEAVY, busy, cancel, collect, duration, job, may_wait
+from .binding import CANCELLED, HEAVY, busy, cancel, duration, job, may_wait
+from .census import forget_owners, has_copies, owners, posed_by
 from .edit import (
     add_deformer,
     add_handle,
@@ -14,10 +15,10 @@ from .edit import (
     select_group,
     unbind,
 )
-from .evaluate import forget_owners, has_copies, owners, settle, update
+from .evaluate import settle, update
 from .rig import find_modifier
 from .state import distrust, drop_all, find, is_suspended, rewired, unsettled
-from .upkeep import copies, tidy
+from .upkeep import collect, copies, tidy
 
 __all__ = (
     "CANCELLED",
@@ -42,6 +43,7 @@ __all__ = (
     "job",
     "may_wait",
     "owners",
+    "posed_by",
     "remove_deformer",
     "remove_handle",
     "rewired",

@@ -45,7 +45,6 @@ def make_empty(
     empty.parent = obj
     empty.matrix_parent_inverse = Matrix((relative @ at_rest).tolist())
     empty.matrix_basis = Matrix((np.linalg.inv(at_rest) @ moved @ at_rest).tolist())
-    empty.sinew.target = obj
     return empty, relative @ at_rest
 
 
@@ -58,7 +57,6 @@ def assign(
     if bone and (control.pose is None or bone not in control.pose.bones):
         raise ConstraintError(f"{control.name} has no bone '{bone}' - choose one of its pose bones")
     handle.control, handle.bone = control, bone
-    control.sinew.target = obj
     depsgraph = bpy.context.evaluated_depsgraph_get()
     matrix = poses.control_matrix(handle, depsgraph)
     poses.capture_rest(handle, np.array(obj.matrix_world, dtype=np.float64), matrix, pose)

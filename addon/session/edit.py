@@ -8,17 +8,16 @@ import bpy
 import numpy as np
 from bpy.types import Mesh, Object
 
-from ..backend import Progress, availability
+from ..backend import Progress
 from ..compat import write_positions
 from ..core import frames, status
-from ..core.errors import BackendMissingError, ConstraintError, SinewError
+from ..core.errors import ConstraintError, SinewError
 from ..core.methods import BY_ID
 from ..core.status import Level, Status
 from ..ids import Keys
 from ..mesh_io import RestShape, group_weights, read_rest
 from ..properties import SinewDeformer, SinewHandle
-from . import bind as binding
-from . import capture, controls, evaluate, poses, regions, rig, state
+from . import binding, capture, census, controls, poses, regions, rig, state
 
 NO_HANDLES = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
 
@@ -36,7 +35,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     deformer.method = method
     obj.sinew.active_deformer = len(obj.sinew.deformers) - 1
     rig.ensure(obj, deformer, len(obj.data.vertices))
-    evaluate.forget_owners()
+    census.forget_owners()
     status.put(deformer.uid, Status(Level.INFO, NO_HANDLES))
     return deformer
 
@@ -65,7 +64,7 @@ def _forget(obj: Object, index: int) -> None:
     obj.sinew.deformers.remove(index)
     obj.sinew.active_deformer = max(0, min(obj.sinew.active_deformer, len(obj.sinew.deformers) - 1))
     rig.keep_evaluated(obj)
-    evaluate.forget_owners()
+    census.forget_owners()
 
 
 def group_from_selection(obj: Object, name: str) -> str:
@@ -218,7 +217,11 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
     unbound, shows the rest shape and keeps every setting.
     """
     try:
-        _require_backend()
+        binding.require_backend()
+    except SinewError as error:
+        status.fail(deformer.uid, error)
+        raise
+    try:
         if not regions.has_constraints(deformer):
             raise ConstraintError(NO_HANDLES)
         mesh = capture.rest_mesh(obj, deformer)
@@ -228,7 +231,7 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
         rig.ensure(obj, deformer, len(mesh.vertices))
         rig.keep_evaluated(obj)
         bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
-        evaluate.forget_owners()
+        census.forget_owners()
         state.of(deformer.uid).failed = None
         binding.ensure(state.of(deformer.uid), deformer, deformer, wait, progress)
     except SinewError as error:
@@ -237,12 +240,6 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
         raise
     finally:
         obj.update_tag()
-
-
-def _require_backend() -> None:
-    found = availability()
-    if found.module is None:
-        raise BackendMissingError(found.remedy)
 
 
 def _let_go(deformer: SinewDeformer) -> None:

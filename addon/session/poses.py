@@ -2,12 +2,13 @@
 """Where the controls are, as poses in the object space of the target."""
 
 import numpy as np
-from bpy.types import Depsgraph, Object
+from bpy.types import Depsgraph
 
 from ..core import frames
 from ..mesh_io import read_shape
 from ..properties import SinewDeformer, SinewHandle
-from .state import Bound, Session
+from .state import Bound
+from .turn import Turn
 
 IDENTITY = np.eye(4)[:3]
 
@@ -46,15 +47,14 @@ def capture_rest(
     set_rest(handle, now)
 
 
-def gather(
-    settings: SinewDeformer, target: Object, depsgraph: Depsgraph, session: Session, bound: Bound
-) -> tuple[np.ndarray, np.ndarray]:
+def gather(turn: Turn, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
     """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape.
 
-    A control that was deleted leaves its handle where it was last.
+    A control that was deleted leaves its handle where it was last; one that was exchanged takes over there.
     """
-    world = np.array(target.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
-    by_key = {handle.uid: handle for handle in settings.handles}
+    deformer, depsgraph, session = turn.deformer, turn.depsgraph, turn.session
+    world = np.array(turn.evaluated.matrix_world, dtype=np.float64)
+    by_key = {handle.uid: handle for handle in deformer.handles}
     poses = np.empty((len(bound.handles), 3, 4))
     from_rest = np.zeros(len(bound.handles), dtype=bool)
     for row, key in enumerate(bound.handles):
@@ -64,24 +64,24 @@ def gather(
             continue
         from_rest[row] = handle.from_rest
         control = control_matrix(handle, depsgraph)
-        if control is not None and not handle.has_rest and depsgraph.mode == "VIEWPORT":
+        if control is not None and not handle.has_rest and turn.in_viewport:
             last = session.poses.get(key)
-            capture_rest(handle, world, control, _last_pose(settings, bound, row) if last is None else last)
+            capture_rest(handle, world, control, _last_pose(deformer, bound, row) if last is None else last)
             session.rewire = True
         if control is not None and handle.has_rest:
             poses[row] = frames.pose(world, control, rest_of(handle), f"The control of {handle.name}")
             session.poses[key] = poses[row].copy()
         else:
             if key not in session.poses:
-                session.poses[key] = _last_pose(settings, bound, row)
+                session.poses[key] = _last_pose(deformer, bound, row)
             poses[row] = session.poses[key]
     return poses, from_rest
 
 
-def _last_pose(settings: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
+def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
     """Where the saved shape shows a region whose control is gone."""
     rest = bound.rest.points
-    shape = read_shape(settings.proxy.data) if settings.proxy is not None else None
+    shape = read_shape(deformer.proxy.data) if deformer.proxy is not None else None
     if shape is None or len(shape) != len(rest):
         return IDENTITY
     members = bound.indices[row]

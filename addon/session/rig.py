@@ -73,12 +73,20 @@ def connect(modifier: NodesModifier, deformer: SinewDeformer) -> None:
     for name, value in (
         (Inputs.INCOMING, incoming),
         (Inputs.INDEX, index),
-        (Inputs.MASK, deformer.mask_group),
         (Inputs.PROXY_RENDER, deformer.proxy_render),
         (Inputs.PROXY_VIEWPORT, deformer.proxy),
     ):
         if compat.modifier_input(modifier, name) != value:
             compat.set_modifier_input(modifier, name, value)
+
+
+def connect_mask(obj: Object, modifier: NodesModifier, deformer: SinewDeformer) -> bool:
+    """Pass the mask on to the modifier; True where it changed. A group that is gone masks nothing."""
+    mask = deformer.mask_group if deformer.mask_group in obj.vertex_groups else ""
+    if compat.modifier_input(modifier, Inputs.MASK) == mask:
+        return False
+    compat.set_modifier_input(modifier, Inputs.MASK, mask)
+    return True
 
 
 def is_linked(proxy: Object | None) -> bool:

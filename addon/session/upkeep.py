@@ -10,7 +10,7 @@ import bpy
 from bpy.types import Object
 
 from ..ids import Datablocks
-from . import evaluate, rig, state
+from . import binding, census, rig, state
 
 
 def copies() -> list[Object]:
@@ -43,15 +43,23 @@ def separate(obj: Object) -> None:
     obj.update_tag()
 
 
+def collect() -> None:
+    """Take finished binds in; their deformers solve in the next evaluation."""
+    ready = binding.collect()
+    for obj in census.owners() if ready else ():
+        if any(deformer.uid in ready for deformer in obj.sinew.deformers):
+            obj.update_tag()
+
+
 def tidy() -> None:
     """What handlers had to leave: shapes for copies, drivers for controls that were exchanged."""
     found = copies()
     for obj in found:
         separate(obj)
     if found:
-        evaluate.forget_owners()
+        census.forget_owners()
     exchanged = set(state.rewired())
-    for obj in evaluate.owners() if exchanged else ():
+    for obj in census.owners() if exchanged else ():
         uids = exchanged.intersection(deformer.uid for deformer in obj.sinew.deformers)
         if uids:
             rig.keep_evaluated(obj)

@@ -15,7 +15,7 @@ class Work:
     ``subject`` says what it is about: the one who collects it compares it with what is wanted by then.
     """
 
-    def __init__(self, call: Callable[[Progress], object], subject: object) -> None:
+    def __init__(self, call: Callable[[Progress], object], subject: object = None) -> None:
         self.subject = subject
         self.fraction = 0.0
         self.stage = ""

@@ -31,8 +31,6 @@ class SINEW_PT_sinew(_Sidebar):
     def draw(self, context: Context) -> None:
         layout = self.layout
         obj = target_of(context)
-        if availability().module is None:
-            draw_text(context, layout, availability().remedy, "ERROR")
         if obj is None:
             layout.label(text="Select a mesh object", icon="INFO")
             return
@@ -42,6 +40,8 @@ class SINEW_PT_sinew(_Sidebar):
         _draw_deformers(layout, obj)
         deformer = obj.sinew.active
         if deformer is None:
+            if availability().module is None:
+                draw_text(context, layout, availability().remedy, "ERROR")
             draw_text(context, layout, "Select vertices in Edit Mode, then", "INFO")
             _draw_add_buttons(layout)
             return
@@ -155,6 +155,10 @@ def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
         if line.elements:
             row.operator(Operators.SELECT_PROBLEMS, text="", icon="RESTRICT_SELECT_OFF").line = number
             number += 1
+    for handle in deformer.handles:
+        if handle.control_missing:
+            text = f"{handle.name} has lost its control and stays where it was - pick another"
+            draw_text(context, box, text, _ICONS[Level.WARNING])
     render = context.scene.render
     if deformer.is_bound and not render.use_lock_interface:
         draw_text(context, box, "Renders from this window are safe only with", _ICONS[Level.WARNING])

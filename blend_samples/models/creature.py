@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 
-from .objects import Sculpture, soften, to_object
+from .objects import Sculpture, eye_colours, soften, to_object
 from .sculpt import Clay, ball, lobes, neighbour_mean, vertex_normals, weld_lists
 from .shapes import Ellipsoid, Mirrored, Squashed, Tube, rotation, smoothstep
 
 SKIN, EYE = 0, 1  # material slots
+IRIS, PUPIL, IRIS_EDGE = (0.75, 0.33, 0.03), 0.46, 0.92  # colour; angles from the line of sight in radians
 
 SPINE = Tube(
     [
@@ -146,7 +149,8 @@ def sculpture(voxel: float = 0.0135) -> Sculpture:
     points, quads = clay.skin()
     normals = vertex_normals(points, quads)
     x, y, z = points.T
-    spine_distance, along = SPINE.nearest(points)
+    # finer than the clay needs: the place along a coarse curve would jump from corner to corner
+    spine_distance, along = replace(SPINE, steps=24).nearest(points)
 
     hard = {
         "spike": np.min([spike.distance(points) for spike in spikes()], axis=0),
@@ -163,7 +167,7 @@ def sculpture(voxel: float = 0.0135) -> Sculpture:
     face = smoothstep(1.02, 1.22, x)
     # the underside: below the spine's axis, from the chin to the tail, and the lower jaw
     curve, _ = SPINE.path()
-    axis_z = np.interp(x, curve[4:, 0], curve[4:, 2])
+    axis_z = np.interp(x, curve[:, 0], curve[:, 2])
     below = np.degrees(np.arctan2(np.abs(y), axis_z - z))
     belly = smoothstep(62, 48, below) * smoothstep(
         0.05, 0.02, spine_distance - 0.06 * smoothstep(0.62, 0.40, z)
@@ -233,7 +237,7 @@ def sculpture(voxel: float = 0.0135) -> Sculpture:
         angle[skin_count + k * size : skin_count + (k + 1) * size] = np.arccos(
             np.clip(local @ gaze / EYE_RADIUS, -1, 1)
         )
-    all_colours = np.vstack((colours, np.ones((len(all_points) - skin_count, 3))))
+    all_colours = np.vstack((colours, eye_colours(angle[skin_count:], IRIS, PUPIL, IRIS_EDGE)))
 
     px, _, pz = all_points.T
     return Sculpture(

@@ -64,3 +64,11 @@ def soften(values: np.ndarray, quads: np.ndarray, rounds: int) -> np.ndarray:
     for _ in range(rounds):
         values = 0.5 * (values + neighbour_mean(values, quads))
     return values
+
+
+def eye_colours(gaze: np.ndarray, iris: tuple[float, float, float], pupil: float, edge: float) -> np.ndarray:
+    """Colours (n, 3) for the viewport, by the angle from the line of sight; the material has them sharp."""
+    white = np.tile((0.80, 0.77, 0.72), (len(gaze), 1))
+    white[gaze < edge] = iris
+    white[gaze < pupil] = 0.004
+    return white

@@ -154,21 +154,16 @@ def vertex_normals(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
 
 def scatter(points: np.ndarray, spacing: float, seed: int) -> np.ndarray:
     """Indices of points at least ``spacing`` apart, thrown like darts, the same each time."""
-    order = np.random.default_rng(seed).permutation(len(points))
-    taken: dict[tuple[int, ...], list[int]] = {}
+    tree = KDTree(len(points))
+    for i, point in enumerate(points):
+        tree.insert(point, i)
+    tree.balance()
+    free = np.ones(len(points), bool)
     kept = []
-    for i in order:
-        cell = tuple((points[i] // spacing).astype(int))
-        near = (
-            j
-            for offset in np.ndindex(3, 3, 3)
-            for j in taken.get(
-                (cell[0] + offset[0] - 1, cell[1] + offset[1] - 1, cell[2] + offset[2] - 1), ()
-            )
-        )
-        if all(((points[i] - points[j]) ** 2).sum() > spacing * spacing for j in near):
-            taken.setdefault(cell, []).append(int(i))
+    for i in np.random.default_rng(seed).permutation(len(points)):
+        if free[i]:
             kept.append(int(i))
+            free[[near[1] for near in tree.find_range(points[i], spacing)]] = False
     return np.array(kept)
 
 

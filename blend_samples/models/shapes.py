@@ -100,7 +100,8 @@ class Tube:
         for i in range(len(curve) - 1):
             axis = curve[i + 1] - curve[i]
             t = np.clip((points - curve[i]) @ axis / (axis @ axis), 0.0, 1.0)
-            away = np.linalg.norm(points - curve[i] - t[:, None] * axis, axis=1)
+            offset = points - curve[i] - t[:, None] * axis
+            away = np.sqrt(np.einsum("ij,ij->i", offset, offset))
             away -= radii[i] + t * (radii[i + 1] - radii[i])
             closer = away < best
             best[closer] = away[closer]

@@ -7,17 +7,18 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .objects import Sculpture, soften, to_object
+from .objects import Sculpture, eye_colours, soften, to_object
 from .sculpt import Clay, ball, lobes, neighbour_mean, vertex_normals, weld_lists
 from .shapes import Ellipsoid, Mirrored, Squashed, Tube, smoothstep
 
 SKIN, EYE = 0, 1  # material slots
+IRIS, PUPIL, IRIS_EDGE = (0.10, 0.30, 0.45), 0.42, 0.80  # colour; angles from the line of sight in radians
 
 SHOULDER, ELBOW, WRIST = 0.47, 1.00, 1.50  # |y| of the joints; the arms stretch sideways
 ARM_HEIGHT = 1.24
 EYES = np.array([(0.335, 0.135, 1.715), (0.335, -0.135, 1.715)])
 EYE_RADIUS = 0.088
-GAZE = np.array([(0.95, 0.20, 0.06), (0.95, -0.20, 0.06)]) / np.linalg.norm((0.95, 0.20, 0.06))
+GAZE = np.array([(0.97, 0.12, 0.03), (0.97, -0.12, 0.03)]) / np.linalg.norm((0.97, 0.12, 0.03))
 FACE = Squashed(Ellipsoid((0.36, 0, 1.63), (0.27, 0.27, 0.235)), (0.36, 0, 1.63), (1, 0, 0), 1.0)
 HORNS = Mirrored(Tube([(0.00, 0.24, 1.88), (0.00, 0.36, 1.98), (0.03, 0.38, 2.14)], [0.075, 0.055, 0.012]))
 FANGS = Mirrored(
@@ -159,7 +160,7 @@ def sculpture(voxel: float = 0.0165) -> Sculpture:
     return Sculpture(
         points=all_points,
         quads=all_quads,
-        colours=np.vstack((colours, np.ones((len(all_points) - len(points), 3)))),
+        colours=np.vstack((colours, eye_colours(angle[len(points) :], IRIS, PUPIL, IRIS_EDGE))),
         materials=np.where(np.arange(len(all_quads)) < len(quads), SKIN, EYE),
         attributes={"gaze": angle, "band": sum(elbow_bands(all_points).values())},
     )
@@ -187,7 +188,7 @@ SIDE_BONES = {
 def elbow_bands(points: np.ndarray) -> dict[str, np.ndarray]:
     """Masks (n,) of the handles: the outside of the left elbow, which bends; a ring at the right."""
     _, y, z = points.T
-    ring = smoothstep(0.056, 0.048, np.abs(np.abs(y) - ELBOW))
+    ring = smoothstep(0.044, 0.036, np.abs(np.abs(y) - ELBOW))
     outside = smoothstep(ARM_HEIGHT + 0.03, ARM_HEIGHT + 0.02, z)
     return {".L": (y > 0) * ring * outside, ".R": (y < 0) * ring}
 

@@ -14,8 +14,8 @@ namespace sinew {
 
 namespace {
 
-constexpr double least_area = 1e-5; ///< of a triangle, as a share of its longest edge squared
-constexpr double least_mass = 1e-6; ///< of a vertex, as a share of the mean
+constexpr double least_mass = 1e-6;            ///< of a vertex, as a share of the mean
+constexpr double least_mass_degenerate = 1e-2; ///< of a vertex of a degenerate triangle
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
@@ -55,7 +55,9 @@ void add_mixed_areas(const SurfaceMesh& mesh, const Triangle& t, double area, Ve
 
 } // namespace
 
-TriangleMetric triangle_metric(const SurfaceMesh& mesh)
+double least_area_for_order(int order) { return order < 2 ? needle : order < 3 ? 1e-3 : 1e-2; }
+
+TriangleMetric triangle_metric(const SurfaceMesh& mesh, double least_area)
 {
     const auto& triangles = mesh.triangles();
     TriangleMetric metric;
@@ -83,7 +85,7 @@ TriangleMetric triangle_metric(const SurfaceMesh& mesh)
 }
 
 SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretization,
-                              const ElementScale& scale)
+                              const ElementScale& scale, double least_area)
 {
     const int n = mesh.vertex_count();
     Triplets entries;
@@ -91,7 +93,7 @@ SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretiza
         for (const auto& edge : mesh.edges())
             add_edge(entries, edge[0], edge[1], scale ? scale(edge) : 1.0);
     } else {
-        const TriangleMetric metric = triangle_metric(mesh);
+        const TriangleMetric metric = triangle_metric(mesh, least_area);
         const auto& triangles = mesh.triangles();
         entries.reserve(12 * triangles.size());
         for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -125,18 +127,24 @@ VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization)
     return mass;
 }
 
-VectorX invertible(const VectorX& mass)
+VectorX divisible_mass(const SurfaceMesh& mesh, Discretization discretization, double least_area)
 {
-    const double mean = mass.mean();
-    return mass.cwiseMax(mean > 0 ? least_mass * mean : 1.0);
+    VectorX mass = mass_vector(mesh, discretization);
+    const double mean = mass.mean() > 0 ? mass.mean() : 1.0;
+    mass = mass.cwiseMax(least_mass * mean);
+    for (int t : triangle_metric(mesh, least_area).degenerate)
+        for (int v : mesh.triangles()[t])
+            mass[v] = std::max(mass[v], least_mass_degenerate * mean);
+    return mass;
 }
 
 SparseMatrix laplacian_power(const SurfaceMesh& mesh, int order, Discretization discretization)
 {
     if (order < 1)
         throw InvalidOption("order: " + std::to_string(order) + " is below 1");
-    const SparseMatrix L = laplacian_matrix(mesh, discretization);
-    const VectorX D = invertible(mass_vector(mesh, discretization)).cwiseInverse();
+    const double least_area = least_area_for_order(order);
+    const SparseMatrix L = laplacian_matrix(mesh, discretization, {}, least_area);
+    const VectorX D = divisible_mass(mesh, discretization, least_area).cwiseInverse();
     SparseMatrix power = L;
     for (int k = 1; k < order; ++k)
         power = SparseMatrix(power * D.asDiagonal()) * L;

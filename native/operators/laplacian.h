@@ -28,9 +28,9 @@ namespace sinew {
 /// special case.
 enum class Discretization { uniform, cotan, cotan_voronoi };
 
-/// The metric of the triangles. A triangle whose area is below 1e-5 of its longest edge squared
-/// (an angle of about 1e-5) is given that area and the weights of an equilateral triangle on top:
-/// its matrix stays positive semi-definite and no vertex hangs loose.
+/// The metric of the triangles. A triangle whose area is below `least_area` of its longest edge
+/// squared is given that area and the weights of an equilateral triangle on top: its matrix stays
+/// positive semi-definite and no vertex hangs loose.
 struct TriangleMetric
 {
     std::vector<std::array<double, 3>> half_cotan; ///< 1/2 cot at corner k, for the edge opposite
@@ -38,20 +38,26 @@ struct TriangleMetric
     std::vector<int> degenerate;                   ///< the floored triangles
 };
 
-TriangleMetric triangle_metric(const SurfaceMesh& mesh);
+/// An angle of about 1e-5: what one Laplacian still bears.
+constexpr double needle = 1e-5;
+
+/// `needle` for the k-th power of the Laplacian, whose condition grows as (1 / area)^k.
+double least_area_for_order(int order);
+
+TriangleMetric triangle_metric(const SurfaceMesh& mesh, double least_area = needle);
 
 /// A factor for one element (a triangle, or an edge of `uniform`), from its vertices.
 using ElementScale = std::function<double(std::span<const int> vertices)>;
 
 /// (n, n) L, each element scaled by `scale` where given (>= 0 keeps L semi-definite).
 SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretization,
-                              const ElementScale& scale = {});
+                              const ElementScale& scale = {}, double least_area = needle);
 
 /// (n) masses m_i; their sum is the surface's area for cotan_voronoi. Zero where no face is.
 VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization);
 
-/// `mass` with entries below 1e-6 of the mean raised to it, so that it can divide.
-VectorX invertible(const VectorX& mass);
+/// The mass for dividing: at least 1e-6 of the mean, and 1e-2 at degenerate triangles.
+VectorX divisible_mass(const SurfaceMesh& mesh, Discretization discretization, double least_area = needle);
 
 /// (n, n) the order-k operator in symmetric form, L (M^-1 L)^(k-1) (Eq. 18).
 /// \throw InvalidOption  order < 1.

@@ -17,6 +17,7 @@ extern "C" int openblas_get_parallel() __attribute__((weak));
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <mutex>
 #include <string>
 
@@ -146,7 +147,6 @@ public:
             return static_cast<const int*>(factor_->Perm)[std::min(factor_->minor, factor_->n - 1)];
         if (workspace.get()->status != CHOLMOD_OK)
             refuse(workspace.get()->status);
-        condition_ = cholmod_rcond(factor_, workspace.get());
         nonzeros_ = count_entries();
         return -1;
     }
@@ -169,7 +169,29 @@ public:
         cholmod_free_dense(&x, workspace.get());
     }
 
-    double reciprocal_condition() const override { return condition_; }
+    VectorX pivots() const override
+    {
+        const auto n = static_cast<int>(factor_->n);
+        const auto* order = static_cast<const int*>(factor_->Perm);
+        const auto* L = static_cast<const double*>(factor_->x);
+        VectorX pivots(n);
+        if (!factor_->is_super) {
+            const auto* columns = static_cast<const int*>(factor_->p);
+            for (int k = 0; k < n; ++k)
+                pivots[order[k]] = std::pow(L[columns[k]], 2);
+            return pivots;
+        }
+        const auto* first = static_cast<const int*>(factor_->super);
+        const auto* rows = static_cast<const int*>(factor_->pi);
+        const auto* blocks = static_cast<const int*>(factor_->px);
+        for (std::size_t s = 0; s < factor_->nsuper; ++s) {
+            const int height = rows[s + 1] - rows[s];
+            for (int k = first[s]; k < first[s + 1]; ++k)
+                pivots[order[k]] = std::pow(L[blocks[s] + (k - first[s]) * (height + 1)], 2);
+        }
+        return pivots;
+    }
+
     std::int64_t nonzeros() const override { return nonzeros_; }
 
 private:
@@ -204,7 +226,6 @@ private:
 
     bool supernodal_;
     cholmod_factor* factor_ = nullptr;
-    double condition_ = 0.0;
     std::int64_t nonzeros_ = 0;
 };
 

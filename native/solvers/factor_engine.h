@@ -25,8 +25,8 @@ public:
     /// X = A^-1 B, column by column. Safe from several threads at once.
     virtual void solve(const MatrixX& rhs, MatrixX& solution) const = 0;
 
-    /// Estimate of 1 / condition from the factor's diagonal.
-    virtual double reciprocal_condition() const = 0;
+    /// What was left of each unknown's diagonal entry when it was eliminated.
+    virtual VectorX pivots() const = 0;
 
     /// Entries of the factor.
     virtual std::int64_t nonzeros() const = 0;

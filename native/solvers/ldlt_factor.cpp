@@ -3,8 +3,6 @@
 
 #include <Eigen/SparseCholesky>
 
-#include <limits>
-
 namespace sinew {
 
 namespace {
@@ -26,13 +24,8 @@ public:
     {
         permute(matrix);
         ldlt_.factorize(permuted_);
-        const VectorX d = ldlt_.vectorD();
-        // The pivot of a singular matrix is rounding: about epsilon times the entry it
-        // was reduced from.
-        for (int i = 0; i < d.size(); ++i)
-            if (!(d[i] > 1e-15 * permuted_.coeff(i, i)))
-                return permutation_.inverse().eval().indices()[i];
-        condition_ = d.size() ? d.minCoeff() / d.maxCoeff() : 1.0;
+        if (ldlt_.info() != Eigen::Success)
+            return 0; // Eigen does not say where
         return -1;
     }
 
@@ -41,7 +34,7 @@ public:
         solution = permutation_.inverse() * ldlt_.solve(permutation_ * rhs);
     }
 
-    double reciprocal_condition() const override { return condition_; }
+    VectorX pivots() const override { return permutation_.inverse() * ldlt_.vectorD(); }
 
     std::int64_t nonzeros() const override
     {
@@ -57,7 +50,6 @@ private:
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation_;
     SparseMatrix permuted_;
     Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
-    double condition_ = 0.0;
 };
 
 } // namespace

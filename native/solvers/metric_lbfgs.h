@@ -7,7 +7,7 @@
 
 namespace sinew {
 
-/// A smooth function of (n, 3) unknowns whose Hessian is bounded by a fixed matrix L:
+/// A smooth function F >= 0 of (n, 3) unknowns whose Hessian is bounded by a fixed matrix L:
 /// the step x - L^-1 g never overshoots by more than the model's own hidden state does.
 class MetricProblem
 {

@@ -12,8 +12,10 @@ namespace sinew {
 
 namespace {
 
-/// Below this estimate a solution has no correct digit left.
-constexpr double singular = 1e-17;
+/// A pivot below this share of its diagonal entry is rounding: the matrix is singular, or a
+/// solution would have no correct digit. Honest pivots shrink with the order k of an operator as
+/// (edge length / size)^2k and reach 1e-12 for k = 2 at a million unknowns.
+constexpr double rounding = 2e-15;
 
 std::unique_ptr<FactorEngine> make_engine(FactorBackend backend, const SparseMatrix& matrix)
 {
@@ -28,6 +30,12 @@ std::unique_ptr<FactorEngine> make_engine(FactorBackend backend, const SparseMat
         return make_cholmod_factor(backend == FactorBackend::supernodal);
     const bool second_ring = matrix.nonZeros() >= 12 * matrix.cols();
     return make_cholmod_factor(second_ring || matrix.cols() > 60000);
+}
+
+[[noreturn]] void refuse(int unknown, const char* reason)
+{
+    throw FactorizationFailed(std::string("the matrix ") + reason + " at unknown " + std::to_string(unknown),
+                              Error::Element::vertex, {unknown});
 }
 
 } // namespace
@@ -63,11 +71,12 @@ void SpdFactor::factorize(const SparseMatrix& matrix)
     const int broken = engine_->factorize(matrix);
     ++factorizations_;
     if (broken >= 0)
-        throw FactorizationFailed("the matrix is not positive definite; it broke down at unknown " +
-                                      std::to_string(broken),
-                                  Error::Element::vertex, {broken});
-    if (!(engine_->reciprocal_condition() > singular))
-        throw FactorizationFailed("the matrix is singular to working precision");
+        refuse(broken, "is not positive definite; it broke down");
+    const VectorX pivots = engine_->pivots();
+    const VectorX diagonal = matrix.diagonal();
+    for (int i = 0; i < size_; ++i)
+        if (!(pivots[i] > rounding * diagonal[i]))
+            refuse(i, "is singular to working precision; it broke down");
 }
 
 MatrixX SpdFactor::solve(const MatrixX& rhs) const

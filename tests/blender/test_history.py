@@ -139,13 +139,17 @@ def test_without_the_add_on_a_file_shows_the_last_solution(plate: Rig, tmp_path:
         addon.register()
 
 
-def test_a_copy_gets_shapes_of_its_own(plate: Rig, room):
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_copy_gets_shapes_of_its_own(plate: Rig, room, linked: bool):
+    """``linked``: both objects show one mesh datablock, each in its own pose."""
     plate.bind().lift(0.5)
     make_active(plate.obj)
-    bpy.ops.object.duplicate()
+    bpy.ops.object.duplicate(linked=linked)
     copy = bpy.context.object
     assert copy != plate.obj
+    assert room("session").has_copies()
     assert room("handlers.deferred").catch_up() is False
+    assert not room("session").has_copies()
     assert copy.sinew.deformers[0].proxy != plate.deformer.proxy
     assert copy.sinew.deformers[0].uid != plate.deformer.uid
     before = evaluated_points(copy)
@@ -269,3 +273,18 @@ def test_control_deleted_as_a_user_does(plate: Rig):
     make_active(plate.obj)
     assert plate.deformer.handles[0].control_missing
     assert np.abs(plate.points() - before).max() < FLOAT32
+
+
+def test_operators_find_the_mesh_from_its_control(plate: Rig):
+    plate.bind().lift(0.5)
+    make_active(plate.control)
+    assert bpy.ops.sinew.unbind() == {"FINISHED"}
+    assert np.array_equal(plate.points(), plate.rest())
+
+
+def test_deleting_the_mesh_leaves_no_ghost(plate: Rig):
+    plate.bind()
+    make_active(plate.obj)
+    bpy.ops.object.delete()
+    update()
+    assert plate.name not in bpy.data.objects

@@ -120,6 +120,22 @@ def test_a_later_modifier_that_reorders_vertices_gets_displacements(plate: Rig):
     update()
 
 
+def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig, room):
+    """Build can shuffle the vertices of a complete mesh: the set of points must stay what it was."""
+    plate.bind().lift(0.5)
+    ordered = plate.points()
+    build = plate.obj.modifiers.new("Build", "BUILD")
+    build.frame_start, build.frame_duration = -100.0, 1.0
+    build.use_random_order, build.seed = True, 3
+    plate.lift(0.0)
+    shuffled = plate.points()
+    assert not np.array_equal(shuffled, ordered)
+    same_order = [points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)]
+    assert np.abs(same_order[0] - same_order[1]).max() < FLOAT32
+    notes = [line.text for line in room("core.status").notes(plate.deformer.uid)]
+    assert any("displacement" in text for text in notes)
+
+
 def second_deformer(plate: Rig, method: str = "thin_shell"):
     obj = plate.obj
     add_group(obj, "Corner", lambda point: point[0] > 0.75 and point[1] > 0.75)
@@ -199,6 +215,11 @@ def test_factor_and_mask(plate: Rig):
     assert np.abs(masked[others] - plate.rest()[others]).max() == 0.0
     plate.deformer.mask_group = ""
     assert np.array_equal(plate.points(), whole)
+    plate.deformer.mask_group = "Base"
+    plate.points()
+    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Base"])
+    plate.obj.update_tag()
+    assert np.array_equal(plate.points(), whole)  # as any modifier whose group is gone
 
 
 def test_live_off_keeps_the_last_shape(plate: Rig):

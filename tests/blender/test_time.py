@@ -299,7 +299,7 @@ def test_a_drag_shows_a_preview_and_settles_to_the_final_answer(dragged: Rig, ro
 
 def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
-    monkeypatch.setattr(room("session.bind"), "may_wait", lambda _count: True)
+    monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
     session = room("session")
     session.settle()
     update()
@@ -316,7 +316,7 @@ def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytes
 
 def test_a_newer_pose_drops_the_final_answer_under_way(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
-    monkeypatch.setattr(room("session.bind"), "may_wait", lambda _count: True)
+    monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
     session = room("session")
     session.settle()
     update()

@@ -8,7 +8,7 @@ from .places import BUILD, ROOT
 from .shell import Stamp, fingerprint, jobs, must
 
 
-def build_tree(preset: str) -> None:
+def build_tree(preset: str, target: str = "all") -> None:
     """Configures where the presets or the tools changed, then builds what changed."""
     debian.install(debian.BUILD)
     environments.build().make()
@@ -17,7 +17,7 @@ def build_tree(preset: str) -> None:
     if not stamp.is_fresh() or not (tree / "build.ninja").is_file():
         must(["cmake", "--preset", preset, "-Wno-dev"])
         stamp.write()
-    must(["cmake", "--build", "--preset", preset, "-j", str(jobs())])
+    must(["cmake", "--build", "--preset", preset, "--target", target, "-j", str(jobs())])
 
 
 def main() -> None:

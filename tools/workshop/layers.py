@@ -18,6 +18,8 @@ RESULTS = BUILD / "results"
 TESTS = ROOT / "tests"
 INSIDE = Path(__file__).parent / "inside"
 LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
+# A line for each of hundreds of tests that passed would hide the one that did not.
+CTEST = """ctest "$@" | grep -vE "^ *Start +[0-9]+:| Passed +[0-9.]+ sec" """
 OPTIONS = ("-p", "no:cacheprovider", "-q")
 
 
@@ -60,12 +62,12 @@ def sanitizers(timeout: float) -> Outcome:
 
 
 def bindings(timeout: float) -> Outcome:
-    build_tree("dev")
+    build_tree("dev", "sinew_native")
     return _pytest("bindings", timeout, {"PYTHONPATH": DEV_MODULE})
 
 
 def addon(timeout: float) -> Outcome:
-    build_tree("dev")
+    build_tree("dev", "sinew_native")
     return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE})
 
 
@@ -75,9 +77,7 @@ def blender_3_4(timeout: float) -> Outcome:
     junit = _junit("blender-3.4")
     script = TESTS / "blender" / "run_pytest.py"
     headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", script]
-    status = run(
-        [*headless, "--", *OPTIONS, f"--junitxml={junit}"], env=env, timeout=timeout
-    )
+    status = run([*headless, "--", *OPTIONS, f"--junitxml={junit}"], env=env, timeout=timeout)
     return outcome(junit, status)
 
 
@@ -145,9 +145,10 @@ def _pytest(name: str, timeout: float, env: Mapping[str, str | Path] | None = No
 
 def _ctest(name: str, tree: Path, timeout: float, env: Mapping[str, str | Path] | None = None) -> Outcome:
     junit = _junit(name)
-    command = ["ctest", "--output-on-failure", "--output-junit", junit, "-j", str(jobs()), "--timeout", "300"]
-    # A line for each of hundreds of tests hides the one that failed.
-    status = run([*command, "--progress"], env=env, cwd=tree, timeout=timeout)
+    options = ["--output-on-failure", "--output-junit", junit, "-j", str(jobs()), "--timeout", "300"]
+    status = run(
+        ["bash", "-o", "pipefail", "-c", CTEST, "ctest", *options], env=env, cwd=tree, timeout=timeout
+    )
     return outcome(junit, status)
 
 

@@ -99,17 +99,11 @@ struct ThinShell::Impl
     SurfaceMesh rest;
     ThinShellOptions options;
     Components parts;
-    SparseMatrix L;
-    VectorX inverse_mass;
-    int degenerate_faces;
     Binding bound;
     int factorizations = 0;
 
     Impl(const SurfaceMesh& mesh, const ThinShellOptions& given)
-        : rest(mesh), options(given), parts(connected_components(rest)),
-          L(laplacian_matrix(rest, given.laplacian)),
-          inverse_mass(invertible(mass_vector(rest, given.laplacian)).cwiseInverse()),
-          degenerate_faces(static_cast<int>(triangle_metric(rest).degenerate.size()))
+        : rest(mesh), options(given), parts(connected_components(rest))
     {
         bound.k = coefficients(given.stretching, given.bending, given.variation);
         bound.regions = Regions({}, parts);
@@ -127,30 +121,38 @@ struct ThinShell::Impl
         return k;
     }
 
+    /// The floor under triangle areas that the highest order present needs.
+    static double least_area(const Coefficients& k)
+    {
+        return least_area_for_order(!k.variation.empty() ? 3 : !k.bending.empty() ? 2 : 1);
+    }
+
     /// A of the header, without soft terms.
     SparseMatrix assemble(const Regions& regions, const Coefficients& k) const
     {
         const int n = rest.vertex_count();
-        VectorX C(n);
-        for (int i = 0; i < n; ++i)
-            C[i] = bending_continuity(regions, i);
-        const VectorX CM = C.cwiseProduct(inverse_mass);
-
+        const auto laplacian = [&](const ElementScale& scale) {
+            return laplacian_matrix(rest, options.laplacian, scale, least_area(k));
+        };
         SparseMatrix A(n, n);
         if (!k.stretching.empty())
-            A += laplacian_matrix(rest, options.laplacian, [&](std::span<const int> element) {
-                return mean_over(k.stretching, element);
-            });
+            A = laplacian([&](std::span<const int> element) { return mean_over(k.stretching, element); });
+        if (k.bending.empty() && k.variation.empty())
+            return A;
+
+        const SparseMatrix L = laplacian({});
+        VectorX CM = divisible_mass(rest, options.laplacian, least_area(k)).cwiseInverse();
+        for (int i = 0; i < n; ++i)
+            CM[i] *= bending_continuity(regions, i);
         if (!k.bending.empty()) {
             const VectorX D = CM.cwiseProduct(Eigen::Map<const VectorX>(k.bending.data(), n));
             A += SparseMatrix(L * D.asDiagonal()) * L;
         }
         if (!k.variation.empty()) {
             const SparseMatrix U = CM.asDiagonal() * L;
-            const SparseMatrix L_kv =
-                laplacian_matrix(rest, options.laplacian, [&](std::span<const int> element) {
-                    return mean_over(k.variation, element) * variation_continuity(regions, element);
-                });
+            const SparseMatrix L_kv = laplacian([&](std::span<const int> element) {
+                return mean_over(k.variation, element) * variation_continuity(regions, element);
+            });
             A += SparseMatrix(U.transpose()) * SparseMatrix(L_kv * U);
         }
         return A;
@@ -199,7 +201,8 @@ struct ThinShell::Impl
         }
 
         BindReport report = bound.regions.report();
-        report.degenerate_faces = degenerate_faces;
+        report.degenerate_faces =
+            static_cast<int>(triangle_metric(rest, least_area(bound.k)).degenerate.size());
         report.factorizations = factorizations;
         report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return report;

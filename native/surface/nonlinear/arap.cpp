@@ -116,6 +116,7 @@ ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
             }
         graph.offsets.push_back(static_cast<int>(graph.neighbours.size()));
     }
+    graph.set_metric();
     return graph;
 }
 
@@ -156,7 +157,7 @@ struct Arap::Impl
         for (const SoftConstraint& s : regions.soft()) {
             double diagonal = 0.0;
             for (int a = graph.offsets[s.vertex]; a < graph.offsets[s.vertex + 1]; ++a)
-                diagonal += graph.weights[a] * graph.edge_rigidity(s.vertex, graph.neighbours[a]);
+                diagonal += graph.metric[a];
             graph.pulls.push_back({s.vertex, s.handle, s.stiffness() * (diagonal > 0 ? diagonal : 1.0)});
         }
     }

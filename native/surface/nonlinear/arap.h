@@ -69,12 +69,12 @@ public:
 
     struct Request
     {
-        std::optional<PointsView> incoming;           ///< (n, 3), none for rest
+        std::optional<PointsView> incoming{};         ///< (n, 3), none for rest
         const std::vector<bool>* from_rest = nullptr; ///< (k), null for none
         /// (n, 3) warm start while a control is dragged; the result then depends on it.
-        std::optional<PointsView> start;
-        std::optional<int> max_iterations;
-        std::optional<double> tolerance;
+        std::optional<PointsView> start{};
+        std::optional<int> max_iterations{};
+        std::optional<double> tolerance{};
     };
 
     /// \param poses           (k) affine maps from each handle's rest frame, object space.

@@ -195,6 +195,7 @@ ArapLevel coarsen(const ArapGraph& fine, const Points& fine_rest, const Clusters
 
     const Points rest = level.restrict(view(fine_rest));
     set_edges(coarse, fine, fine_rest, rest, level.label);
+    coarse.set_metric();
     coarse.factorize(rest);
     set_up_weights(level, fine, fine_rest, clusters);
     return level;
@@ -220,7 +221,7 @@ void blend_handles(ArapProblem& problem, const ArapGraph& graph, const Poses& po
         for (int a = graph.offsets[i]; a < graph.offsets[i + 1]; ++a) {
             const int j = graph.neighbours[a];
             if (graph.hard[j] >= 0)
-                sides.row(f) += graph.weights[a] * graph.edge_rigidity(i, j) * q.row(graph.hard[j]);
+                sides.row(f) += graph.metric[a] * q.row(graph.hard[j]);
         }
     }
     for (const ArapPull& pull : graph.pulls)

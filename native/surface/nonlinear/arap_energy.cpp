@@ -13,11 +13,44 @@ namespace sinew {
 namespace {
 
 constexpr int grain = 512; ///< nodes a parallel chunk: some 50 us of work
+/// A cell whose edges lie on one line leaves its turn about that line open. This share of the
+/// rotation it had closes it; at the minimum, where rotations rest, it changes nothing.
+constexpr double tie = 1e-8;
+
+template <class Body>
+void for_nodes(int count, Body&& body)
+{
+    parallel_for(count, body, grain);
+}
 
 /// Axial vector of the skew part: vee(Q)_k = e_kij Q_ji.
 Vector3 vee(const Matrix3& Q) { return {Q(2, 1) - Q(1, 2), Q(0, 2) - Q(2, 0), Q(1, 0) - Q(0, 1)}; }
 
 } // namespace
+
+void ArapGraph::set_metric()
+{
+    metric.assign(weights.size(), 0.0);
+    if (!has_rims()) {
+        for (int i = 0; i < size; ++i)
+            for (int a = offsets[i]; a < offsets[i + 1]; ++a)
+                metric[a] = weights[a] * edge_rigidity(i, neighbours[a]);
+        return;
+    }
+    for (int i = 0; i < size; ++i) {
+        const auto first = neighbours.begin() + offsets[i];
+        const auto last = neighbours.begin() + offsets[i + 1];
+        const auto entry = [&](int j) -> double& {
+            return metric[std::lower_bound(first, last, j) - neighbours.begin()];
+        };
+        for (int k = wing_offsets[i]; k < wing_offsets[i + 1]; ++k) {
+            const ArapWing& t = wings[k];
+            const double mean = (rigidity[i] + rigidity[t.b] + rigidity[t.c]) / 3.0;
+            entry(t.b) += mean * t.to_b;
+            entry(t.c) += mean * t.to_c;
+        }
+    }
+}
 
 void ArapGraph::factorize(const Points& rest)
 {
@@ -31,31 +64,29 @@ void ArapGraph::factorize(const Points& rest)
 
     std::vector<Eigen::Triplet<double>> L, M;
     std::vector<double> moment(size, 0.0); // of each cell, 2/3 sum w |e|^2
+    const auto square = [&](int i, int j) { return (rest.row(i) - rest.row(j)).squaredNorm(); };
     for (int i = 0; i < size; ++i) {
-        double diagonal = 0.0;
+        double spread = 0.0;
         for (int a = offsets[i]; a < offsets[i + 1]; ++a) {
             const int j = neighbours[a];
-            const double w = weights[a] * edge_rigidity(i, j);
-            diagonal += w;
-            if (place[i] >= 0 && place[j] >= 0)
-                L.emplace_back(place[i], place[j], -w);
-            if (smoothing > 0)
-                M.emplace_back(i, j, -4 * smoothing * w);
+            if (place[i] >= 0) {
+                L.emplace_back(place[i], place[i], metric[a]);
+                if (place[j] >= 0)
+                    L.emplace_back(place[i], place[j], -metric[a]);
+            }
+            if (smoothing > 0) {
+                M.emplace_back(i, j, -4 * smoothing * weights[a] * edge_rigidity(i, j));
+                M.emplace_back(i, i, 4 * smoothing * weights[a] * edge_rigidity(i, j));
+            }
             if (!has_rims())
-                moment[i] += 2.0 / 3.0 * rigidity[i] * weights[a] * (rest.row(i) - rest.row(j)).squaredNorm();
+                spread += weights[a] * square(i, j);
         }
-        if (place[i] >= 0)
-            L.emplace_back(place[i], place[i], diagonal);
-        if (smoothing > 0)
-            M.emplace_back(i, i, 4 * smoothing * diagonal);
         if (has_rims())
             for (int k = wing_offsets[i]; k < wing_offsets[i + 1]; ++k) {
                 const ArapWing& t = wings[k];
-                moment[i] += 2.0 / 3.0 * rigidity[i] *
-                             (t.to_b * (rest.row(i) - rest.row(t.b)).squaredNorm() +
-                              t.to_c * (rest.row(i) - rest.row(t.c)).squaredNorm() +
-                              t.across * (rest.row(t.b) - rest.row(t.c)).squaredNorm());
+                spread += t.to_b * square(i, t.b) + t.to_c * square(i, t.c) + t.across * square(t.b, t.c);
             }
+        moment[i] = 2.0 / 3.0 * rigidity[i] * spread;
     }
     for (const ArapPull& pull : pulls)
         L.emplace_back(place[pull.node], place[pull.node], pull.stiffness);
@@ -139,34 +170,27 @@ Matrix3 ArapProblem::neighbour_rotations(int i, const std::vector<Matrix3>& from
 void ArapProblem::turn_rotation_field()
 {
     MatrixX torque(graph_.size, 3);
-    parallel_for(
-        graph_.size,
-        [&](int i) {
-            const Matrix3 pull = covariances_[i] + neighbour_rotations(i, rotations);
-            torque.row(i) = vee(pull * rotations[i].transpose()).transpose();
-        },
-        grain);
+    for_nodes(graph_.size, [&](int i) {
+        const Matrix3 pull = covariances_[i] + neighbour_rotations(i, rotations);
+        torque.row(i) = vee(pull * rotations[i].transpose()).transpose();
+    });
     const MatrixX omega = graph_.rotation_factor.solve(torque);
-    parallel_for(
-        graph_.size,
-        [&](int i) {
-            Vector3 turn = omega.row(i).transpose();
-            turn /= std::max(1.0, turn.norm());
-            rotations[i] = rotation_from_vector(turn) * rotations[i];
-        },
-        grain);
+    for_nodes(graph_.size, [&](int i) {
+        Vector3 turn = omega.row(i).transpose();
+        turn /= std::max(1.0, turn.norm());
+        rotations[i] = rotation_from_vector(turn) * rotations[i];
+    });
 }
 
 void ArapProblem::fit_rotations(const Points& x)
 {
     place(x);
-    parallel_for(
-        graph_.size,
-        [&](int i) {
-            if (!graph_.idle[i])
-                rotations[i] = fit_rotation(covariance(i));
-        },
-        grain);
+    for_nodes(graph_.size, [&](int i) {
+        if (graph_.idle[i])
+            return;
+        const Matrix3 S = covariance(i);
+        rotations[i] = fit_rotation(S + tie * S.norm() * rotations[i]);
+    });
 }
 
 double ArapProblem::energy_and_gradient(Points& gradient) const
@@ -227,16 +251,13 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
     if (graph_.smoothing > 0) {
         place(x);
         covariances_.resize(graph_.size);
-        parallel_for(graph_.size, [&](int i) { covariances_[i] = covariance(i); }, grain);
+        for_nodes(graph_.size, [&](int i) { covariances_[i] = covariance(i); });
         turn_rotation_field();
         previous_ = rotations;
-        parallel_for(
-            graph_.size,
-            [&](int i) {
-                if (!graph_.idle[i])
-                    rotations[i] = fit_rotation(covariances_[i] + neighbour_rotations(i, previous_));
-            },
-            grain);
+        for_nodes(graph_.size, [&](int i) {
+            if (!graph_.idle[i])
+                rotations[i] = fit_rotation(covariances_[i] + neighbour_rotations(i, previous_));
+        });
     } else {
         fit_rotations(x);
     }

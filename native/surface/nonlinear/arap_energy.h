@@ -32,7 +32,7 @@ struct ArapWing
 struct ArapGraph
 {
     int size = 0;
-    std::vector<int> offsets, neighbours; ///< directed edges of each node
+    std::vector<int> offsets, neighbours; ///< directed edges of each node, neighbours rising
     std::vector<double> weights;          ///< w_ij > 0, one a directed edge
     std::vector<int> wing_offsets;        ///< empty: spokes only
     std::vector<ArapWing> wings;
@@ -47,10 +47,16 @@ struct ArapGraph
     SpdFactor position_factor;            ///< L on free nodes, pulls on the diagonal
     SpdFactor rotation_factor;            ///< of the rotation field; empty without smoothing
 
+    /// Entries of L one a directed edge: weights times the rigidity of the cells they lie in.
+    std::vector<double> metric;
+
     bool has_rims() const { return !wing_offsets.empty(); }
     double edge_rigidity(int i, int j) const { return 0.5 * (rigidity[i] + rigidity[j]); }
     /// E of arap.h is this many times the function whose Hessian L bounds.
     double energy_factor() const { return has_rims() ? 6.0 : 4.0; }
+
+    /// Fills metric from weights, wings and rigidity.
+    void set_metric();
 
     /// Fills free_nodes, place and the factors from the rest.
     /// \param rest  (size, 3), for the rotation factor's edge lengths.

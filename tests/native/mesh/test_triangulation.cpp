@@ -171,19 +171,20 @@ TEST(Triangulation, polygons_without_an_ear_still_become_k_minus_2_triangles)
     expect_triangulation(cut(std::vector<Vector3>(4, Vector3::Zero())), 4);
 }
 
-TEST(Triangulation, covers_a_polygon_with_a_hole_joined_by_a_bridge)
+TEST(Triangulation, covers_a_ring_that_is_cut_open_along_a_narrow_slit)
 {
-    const Cut ring = cut({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0},
-                          {1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1, 1, 0}});
+    const double slit = 1e-6;
+    const Cut ring = cut({{slit, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, slit, 0},
+                          {1, 1 + slit, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1 + slit, 1, 0}});
     expect_cover(ring, 10);
-    EXPECT_NEAR(ring.area, 12, 1e-12); // 16 less the hole of 4
+    EXPECT_NEAR(ring.area, 12, 1e-5); // 16 less the hole of 4 and the slit
 }
 
 TEST(Triangulation, does_not_depend_on_the_scale)
 {
     const std::vector<Vector3> unit = comb(3);
     const Cut reference = cut(unit);
-    for (double scale : {1e-12, 1e-6, 1e6, 1e12}) {
+    for (double scale : {0x1p-40, 0x1p-20, 0x1p20, 0x1p40}) { // exact, so that ties stay ties
         std::vector<Vector3> p = unit;
         for (Vector3& x : p)
             x *= scale;

@@ -51,16 +51,19 @@ public:
     Quadratic(const MatrixX& A, const MatrixX& metric) : DenseProblem(metric), A_(A)
     {
         b_ = shapes::Random(4).dense(static_cast<int>(A.rows()), 3);
+        least_ = 0.5 * (b_.transpose() * minimum()).trace();
     }
     double value(const Points& x, Points& gradient) const override
     {
         gradient = A_ * x - b_;
-        return 0.5 * (x.transpose() * (A_ * x)).trace() - (b_.transpose() * x).trace();
+        // 1 at the minimum: stopping rules compare with F itself.
+        return 1 + least_ + 0.5 * (x.transpose() * (A_ * x)).trace() - (b_.transpose() * x).trace();
     }
     Points minimum() const { return A_.ldlt().solve(b_); }
 
 private:
     MatrixX A_, b_;
+    double least_ = 0.0;
 };
 
 /// A bowl full of dents; with a metric of `bound` times its true curvature bound.
@@ -71,7 +74,7 @@ public:
     double value(const Points& x, Points& gradient) const override
     {
         gradient = (x.array() + depth * rate * (rate * x.array() + 1).cos()).matrix();
-        return 0.5 * x.squaredNorm() + depth * (rate * x.array() + 1).sin().sum();
+        return 0.5 * x.squaredNorm() + depth * ((rate * x.array() + 1).sin() + 1).sum();
     }
 
 private:

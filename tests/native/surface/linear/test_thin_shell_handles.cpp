@@ -101,8 +101,9 @@ TEST(ThinShellHandles, hard_ones_are_met_to_the_bit_without_the_basis)
     ThinShell shell(mesh, {.affine_basis = false});
     shell.set_handles(shapes::ends(mesh, 1.5));
     const Points positions = solve(shell, bent);
+    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
     for (int h : {0, 1})
-        for (int v : shapes::ends(mesh, 1.5)[h].vertices)
+        for (int v : handles[h].vertices)
             EXPECT_LT((positions.row(v).transpose() - apply(bent[h], mesh.point(v))).norm(), 1e-14);
 }
 

@@ -41,8 +41,16 @@ public:
             mean += std::abs(weight) / static_cast<double>(weights_.size());
         const auto clamped = [&](double weight) { return std::clamp(weight, 1e-6 * mean, 1e4 * mean); };
         if (options.cells == ArapOptions::Cells::rims) {
-            for (Term& term : terms_)
+            for (auto& [pair, weight] : weights_)
+                weight = 0;
+            for (Term& term : terms_) {
                 term.weight = clamped(term.weight);
+                // Three cells have this term; the edge's own weight counts it once.
+                if (term.cell == term.a) {
+                    weights_[{term.a, term.b}] += term.weight;
+                    weights_[{term.b, term.a}] += term.weight;
+                }
+            }
         } else {
             for (auto& [pair, weight] : weights_) {
                 weight = clamped(weight);

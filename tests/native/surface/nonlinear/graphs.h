@@ -55,6 +55,7 @@ inline ArapGraph of(const SurfaceMesh& mesh, const std::vector<Handle>& handles,
     }
     for (const SoftConstraint& s : regions.soft())
         graph.pulls.push_back({s.vertex, s.handle, s.stiffness()});
+    graph.set_metric();
     graph.factorize(mesh.points());
     return graph;
 }

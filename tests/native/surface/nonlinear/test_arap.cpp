@@ -24,7 +24,7 @@ struct Solution
     SolveReport report;
 };
 
-Solution solve(const Arap& arap, const Poses& poses, Arap::Request request = {})
+Solution solve(const Arap& arap, const Poses& poses, const Arap::Request& request = {})
 {
     Solution solution;
     solution.report = arap.solve(poses, solution.positions, request);
@@ -164,8 +164,8 @@ TEST(Arap, reports_the_energy_of_the_shape_it_returns)
         for (int budget : {0, 3, 40, 400}) {
             const Solution s = solve(arap, bend(90), {.max_iterations = budget, .tolerance = 0.0});
             const double energy = arap.energy(view(s.positions));
-            // energy() settles the rotations, a solve may end before they have.
-            EXPECT_LE(energy, s.report.energy * (1 + 1e-12)) << name_of(options);
+            // energy() settles the rotations to 1e-9, a solve may end before they have.
+            EXPECT_LE(energy, s.report.energy * (1 + 1e-7)) << name_of(options);
             const double lag = options.smoothness == 0 ? 1e-12 : budget == 400 ? 1e-6 : 0.2;
             EXPECT_NEAR(energy, s.report.energy, lag * energy) << name_of(options) << ", budget " << budget;
         }
@@ -392,6 +392,33 @@ TEST(Arap, painted_rigidity_keeps_its_region_stiffer)
     EXPECT_GT(soft, even + 0.1);
     EXPECT_LT(stiff, even - 0.1);
     EXPECT_NEAR(stiff, 4.0, 0.2); // nearly as long as at rest
+}
+
+TEST(Arap, reaches_its_minimum_under_sharp_contrasts_of_rigidity)
+{
+    const SurfaceMesh mesh = shapes::sphere(2);
+    const std::vector<Handle> handles{{shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
+                                      {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
+    const Poses poses{shapes::still(), shapes::turn({1, 0, 0}, 30, {0, 0, 1}, {0.2, 0.4, 0.3})};
+    for (Cells cells : {Cells::spokes, Cells::rims}) {
+        ArapOptions options{.smoothness = 0, .cells = cells};
+        for (int v = 0; v < mesh.vertex_count(); ++v)
+            options.rigidity.push_back(v % 3 ? 1.0 : 300.0);
+        options.rigidity.erase(options.rigidity.begin()); // the default
+        const Arap arap = bound(mesh, options, handles);
+        const Solution s = solve(arap, poses, {.max_iterations = 3000, .tolerance = 1e-14});
+        const Solution rough = solve(arap, poses, {.max_iterations = 0});
+        const ArapOracle oracle(mesh, options);
+        double at_start = 0.0, at_end = 0.0;
+        for (int v = 0; v < mesh.vertex_count(); v += 7) {
+            if (std::abs(mesh.point(v).z()) > 0.8)
+                continue;
+            at_start += oracle.slope_at(rough.positions, v, 1e-5);
+            at_end += oracle.slope_at(s.positions, v, 1e-5);
+        }
+        // A contrast of 300 leaves two digits fewer than without.
+        EXPECT_LT(at_end, 1e-2 * at_start) << name_of(options);
+    }
 }
 
 TEST(Arap, a_mirrored_handle_leaves_rotations_and_energy_sound)

@@ -6,9 +6,9 @@ import time
 
 import bpy
 
-from ..backend import Factor, Progress, build_factor
+from ..backend import Factor, Progress, availability, build_factor
 from ..core import status
-from ..core.errors import CancelledError, SinewError
+from ..core.errors import BackendMissingError, CancelledError, SinewError
 from ..core.status import Level, Status
 from ..ids import Keys
 from ..mesh_io import read_rest
@@ -41,6 +41,13 @@ def _factor(request: BindInput, progress: Progress | None) -> Factor:
     )
 
 
+def require_backend() -> None:
+    """Without the native module nothing is bound, and the last solution stays."""
+    found = availability()
+    if found.module is None:
+        raise BackendMissingError(found.remedy)
+
+
 def ensure(
     session: Session,
     deformer: SinewDeformer,
@@ -56,6 +63,7 @@ def ensure(
     key = regions.bind_key(settings, token)
     if session.bound is not None and session.bound.key == key:
         return session.bound
+    require_backend()
     if session.failed == key:
         return None
     request = None

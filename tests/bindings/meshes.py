@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes, handles and poses that the tests of the Python module share."""
+
+import numpy as np
+import sinew_native as sn
+
+STILL = np.column_stack([np.eye(3), np.zeros(3)])
+
+
+def grid(n: int, jitter: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
+    """A hill over n x n cells of the plane, cut into triangles: points and faces."""
+    y, x = np.mgrid[: n + 1, : n + 1].astype(float)
+    inner = (x > 0) & (x < n) & (y > 0) & (y < n)
+    moves = np.random.default_rng(1).uniform(-jitter, jitter, (2, *x.shape)) * inner
+    x, y = x + moves[0], y + moves[1]
+    points = np.stack([x, y, 0.1 * n * np.sin(3 * x / n) * np.cos(2 * y / n)], -1).reshape(-1, 3)
+    v = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    a, b, c, d = (part.ravel() for part in (v[:-1, :-1], v[:-1, 1:], v[1:, 1:], v[1:, :-1]))
+    return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+
+def sphere(level: int) -> tuple[np.ndarray, np.ndarray]:
+    """An octahedron refined onto the unit sphere; no obtuse triangle, so all cotangents are positive."""
+    points = [np.array(p, float) for p in [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]]
+    faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
+    for _ in range(level):
+        middles: dict[tuple[int, int], int] = {}
+
+        def middle(i: int, j: int, middles=middles) -> int:
+            key = (min(i, j), max(i, j))
+            if key not in middles:
+                middles[key] = len(points)
+                points.append((points[i] + points[j]) / np.linalg.norm(points[i] + points[j]))
+            return middles[key]
+
+        finer = []
+        for i, j, k in faces:
+            a, b, c = middle(i, j), middle(j, k), middle(k, i)
+            finer += [(i, a, c), (a, j, b), (c, b, k), (a, b, c)]
+        faces = finer
+    return np.array(points), np.array(faces)
+
+
+def ends(points: np.ndarray, depth: float = 1.6) -> list[np.ndarray]:
+    """Vertices near the lowest and the highest x."""
+    x = points[:, 0]
+    return [np.flatnonzero(x <= x.min() + depth), np.flatnonzero(x >= x.max() - depth)]
+
+
+def shift(x: float, y: float, z: float) -> np.ndarray:
+    return np.column_stack([np.eye(3), (x, y, z)])
+
+
+def turn(axis: tuple[float, float, float], degrees: float, centre=(0.0, 0.0, 0.0), move=(0.0, 0.0, 0.0)) -> np.ndarray:
+    """(3, 4) rotation about an axis through `centre`, then a translation."""
+    x, y, z = np.asarray(axis, float) / np.linalg.norm(axis)
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    angle = np.radians(degrees)
+    rotation = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return np.column_stack([rotation, np.asarray(centre) - rotation @ centre + move])
+
+
+def moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
+    return points @ pose[:, :3].T + pose[:, 3]
+
+
+BENT = np.stack([STILL, turn((0, 1, 0), 40, (6, 0, 0), (-1, 0.5, 2))])
+
+METHODS = (sn.ThinShell, sn.Arap)
+
+
+def bound(method: type, n: int = 8, **options: object):
+    """A method on the hill, its two ends held: the object, the points and the handles."""
+    points, faces = grid(n)
+    surface = method(sn.SurfaceMesh(points, faces), **options)
+    handles = ends(points)
+    surface.set_handles(handles)
+    return surface, points, handles

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Long calls let other threads run, tell how far they are, and can be stopped; calls may overlap."""
+
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+import sinew_native as sn
+
+from .meshes import BENT, METHODS, bound, ends, grid
+
+
+@pytest.fixture(scope="module")
+def large() -> tuple[sn.SurfaceMesh, list[np.ndarray]]:
+    points, faces = grid(180)  # 33,000 vertices: binds of some tenths of a second
+    return sn.SurfaceMesh(points, faces), ends(points, 5)
+
+
+def longest_pause_of_another_thread(work: Callable[[], object]) -> tuple[float, float]:
+    """The longest time a ticking thread stood still while `work` ran, and how long `work` took."""
+    ticks = [time.perf_counter()]
+    stop = threading.Event()
+
+    def tick() -> None:
+        while not stop.is_set():
+            ticks.append(time.perf_counter())
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=tick)
+    thread.start()
+    begin = time.perf_counter()
+    work()
+    end = time.perf_counter()
+    stop.set()
+    thread.join()
+    inside = [begin, *(t for t in ticks if begin < t < end), end]
+    return max(np.diff(inside)), end - begin
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_other_python_threads_run_during_a_bind(method: type, large) -> None:
+    mesh, handles = large
+    surface = method(mesh)
+    pause, took = longest_pause_of_another_thread(lambda: surface.set_handles(handles))
+    assert took > 0.05, "too quick to tell"
+    assert pause < 0.5 * took  # holding the lock would make it the whole call
+
+
+def test_other_python_threads_run_during_a_solve(large) -> None:
+    mesh, handles = large
+    arap = sn.Arap(mesh, max_iterations=20, tolerance=0)
+    arap.set_handles(handles)
+    poses = BENT.copy()
+    poses[1, :, 3] += (20, 0, 30)
+    pause, took = longest_pause_of_another_thread(lambda: arap.solve(poses))
+    assert took > 0.05, "too quick to tell"
+    assert pause < 0.5 * took
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_solves_from_several_threads_give_the_same_bits(method: type) -> None:
+    surface, points, _ = bound(method, n=20)
+    inputs = [(BENT, None), (BENT, points + 1), (0.5 * (BENT + BENT[:1]), None)]
+    alone = [surface.solve(poses, incoming=incoming)[0] for poses, incoming in inputs]
+    wrong: list[int] = []
+
+    def work(which: int) -> None:
+        for _ in range(10):
+            poses, incoming = inputs[which]
+            if not np.array_equal(surface.solve(poses, incoming=incoming)[0], alone[which]):
+                wrong.append(which)
+
+    threads = [threading.Thread(target=work, args=(k % 3,)) for k in range(6)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert wrong == []
+
+
+@pytest.mark.parametrize("threads", [1, 2, 0])
+@pytest.mark.parametrize("method", METHODS)
+def test_the_number_of_threads_changes_no_bit(method: type, threads: int) -> None:
+    surface, _, _ = bound(method, n=60)
+    try:
+        sn.limit_threads(1)
+        expected, _ = surface.solve(BENT)
+        sn.limit_threads(threads)
+        np.testing.assert_array_equal(surface.solve(BENT)[0], expected)
+    finally:
+        sn.limit_threads(0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_progress_rises_to_one_and_names_its_stages(method: type) -> None:
+    surface, _, handles = bound(method)
+    seen: list[tuple[float, str]] = []
+    surface.set_handles(handles, progress=lambda fraction, stage: seen.append((fraction, stage)))
+    fractions = [fraction for fraction, _ in seen]
+    assert fractions == sorted(fractions)
+    assert fractions[0] >= 0
+    assert fractions[-1] == 1
+    assert all(isinstance(stage, str) and stage for _, stage in seen)
+
+
+@pytest.mark.parametrize("answer", [True, None, 1, np.True_])
+def test_progress_that_does_not_say_no_goes_on(answer: object) -> None:
+    surface, _, handles = bound(sn.ThinShell)
+    assert surface.set_handles(handles, progress=lambda *_: answer).handle_count == 2
+
+
+@pytest.mark.parametrize("answer", [False, 0, np.False_])
+@pytest.mark.parametrize("method", METHODS)
+def test_progress_that_says_no_cancels_and_nothing_is_lost(method: type, answer: object) -> None:
+    surface, _, handles = bound(method)
+    before, _ = surface.solve(BENT)
+    for stop in range(1, 4):
+        calls = []
+        with pytest.raises(sn.Cancelled):
+            surface.set_handles(handles[:1], progress=lambda *_: answer if calls.append(0) or len(calls) >= stop else None)
+        assert len(calls) == stop
+        np.testing.assert_array_equal(surface.solve(BENT)[0], before)
+
+
+def test_a_solve_can_be_cancelled_in_its_middle() -> None:
+    arap, _, _ = bound(sn.Arap, tolerance=0)
+    before, _ = arap.solve(BENT)
+    calls = []
+    with pytest.raises(sn.Cancelled):
+        arap.solve(BENT, progress=lambda *_: calls.append(0) or len(calls) < 4)
+    np.testing.assert_array_equal(arap.solve(BENT)[0], before)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_error_of_the_callback_comes_through_as_it_is(method: type) -> None:
+    surface, _, handles = bound(method)
+    before, _ = surface.solve(BENT)
+
+    class OurError(Exception):
+        pass
+
+    def fail(fraction: float, stage: str) -> None:
+        if fraction > 0:
+            raise OurError(stage)
+
+    with pytest.raises(OurError):
+        surface.set_handles(handles[:1], progress=fail)
+    np.testing.assert_array_equal(surface.solve(BENT)[0], before)
+
+
+def test_a_callback_may_use_the_module() -> None:
+    surface, points, handles = bound(sn.ThinShell)
+    other, _, _ = bound(sn.Arap)
+    shapes = []
+    surface.set_handles(handles, progress=lambda *_: shapes.append(other.solve(BENT)[0].shape))
+    assert set(shapes) == {points.shape}
+
+
+PROGRAM = """
+import os, signal, sys, threading, time
+import numpy as np
+import sinew_native as sn
+
+def grid(n):
+    y, x = np.mgrid[:n + 1, :n + 1].astype(float)
+    points = np.stack([x, y, np.sin(0.1 * x)], -1).reshape(-1, 3)
+    v = np.arange((n + 1) ** 2).reshape(n + 1, n + 1)
+    a, b, c, d = (p.ravel() for p in (v[:-1, :-1], v[:-1, 1:], v[1:, 1:], v[1:, :-1]))
+    return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
+
+points, faces = grid(SIZE)
+surface = sn.CLASS(sn.SurfaceMesh(points, faces) OPTIONS)
+x = points[:, 0]
+handles = [np.flatnonzero(x < 3), np.flatnonzero(x > x.max() - 3)]
+poses = np.zeros((2, 3, 4)); poses[:, :, :3] = np.eye(3); poses[1, 2, 3] = 0.3 * SIZE
+SETUP
+threading.Timer(DELAY, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+begin = time.perf_counter()
+try:
+    CALL
+    print("finished after", time.perf_counter() - begin)
+except KeyboardInterrupt:
+    print("interrupted after", time.perf_counter() - begin)
+CHECK
+print("usable")
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="os.kill cannot send Ctrl-C to a thread's own process there")
+@pytest.mark.parametrize(
+    ("name", "size", "options", "setup", "call", "check"),
+    [
+        ("ThinShell", 220, ", affine_basis=False", "surface.set_handles(handles[:1])", "surface.set_handles(handles)",
+         "assert len(surface.solve(poses[:1])[0]) == len(points)"),
+        ("Arap", 220, "", "surface.set_handles(handles[:1])", "surface.set_handles(handles)",
+         "assert len(surface.solve(poses[:1], max_iterations=1)[0]) == len(points)"),
+        ("Arap", 100, ", max_iterations=100000, tolerance=0", "surface.set_handles(handles)",
+         "while True: surface.solve(poses)", "assert len(surface.solve(poses, max_iterations=1)[0]) == len(points)"),
+    ],
+    ids=["bind of a thin shell", "bind of arap", "solve of arap"],
+)  # fmt: skip
+def test_ctrl_c_stops_a_long_call(name: str, size: int, options: str, setup: str, call: str, check: str) -> None:
+    program = PROGRAM
+    for mark, value in {"SIZE": str(size), "CLASS": name, "OPTIONS": options, "SETUP": setup, "CALL": call,
+                        "CHECK": check, "DELAY": "0.03"}.items():  # fmt: skip
+        program = program.replace(mark, value)
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert done.stdout.startswith("interrupted after"), done.stdout + done.stderr
+    assert "usable" in done.stdout, done.stderr

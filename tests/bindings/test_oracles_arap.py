@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""As-rigid-as-possible against NumPy, libigl and finite differences."""
+
+import igl
+import numpy as np
+import pytest
+import sinew_native as sn
+
+from .meshes import BENT, STILL, bound, ends, grid, moved, shift, sphere, turn
+
+POINTS, FACES = sphere(3)  # all cotangents positive: nothing is clamped on either side
+POLES = [np.flatnonzero(POINTS[:, 2] < -0.8), np.flatnonzero(POINTS[:, 2] > 0.8)]
+TURNED = np.stack([STILL, turn((1, 0, 0), 50, (0, 0, 1), (0.3, 0.4, 0.2))])
+
+
+def sphere_arap(**options: object) -> sn.Arap:
+    arap = sn.Arap(sn.SurfaceMesh(POINTS, FACES), **options)
+    arap.set_handles(POLES)
+    return arap
+
+
+def spokes_energy(p: np.ndarray, q: np.ndarray, faces: np.ndarray) -> float:
+    """The textbook energy over ordered pairs, by libigl's cotangents and NumPy's SVD."""
+    W = igl.cotmatrix(p, faces.astype(np.int64)).tocoo()
+    edges = W.row != W.col
+    i, j, w = W.row[edges], W.col[edges], W.data[edges]
+    e, f = p[i] - p[j], q[i] - q[j]
+    S = np.zeros((len(p), 3, 3))
+    np.add.at(S, i, w[:, None, None] * f[:, :, None] * e[:, None, :])
+    U, _, Vt = np.linalg.svd(S)
+    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
+    R = U @ Vt
+    return float(np.sum(w * np.sum((f - np.einsum("kab,kb->ka", R[i], e)) ** 2, 1)))
+
+
+def libigl_arap(points: np.ndarray, faces: np.ndarray, handles, poses: np.ndarray, iterations: int) -> np.ndarray:
+    held = np.concatenate(handles)
+    order = np.argsort(held)
+    target = np.concatenate([moved(pose, points[h]) for pose, h in zip(poses, handles)])
+    data = igl.ARAPData()
+    data.energy = igl.ARAP_ENERGY_TYPE_SPOKES
+    data.max_iter = iterations
+    igl.arap_precomputation(points, faces.astype(np.int64), 3, held[order].astype(np.int32), data)
+    return igl.arap_solve(np.ascontiguousarray(target[order]), data, points.copy())
+
+
+def test_energy_is_the_textbooks() -> None:
+    arap = sphere_arap(smoothness=0)
+    rng = np.random.default_rng(4)
+    for size in (0.01, 0.1, 1.0):
+        q = POINTS + size * rng.normal(size=POINTS.shape)
+        assert arap.energy(q) == pytest.approx(spokes_energy(POINTS, q, FACES), rel=1e-10)  # thousands of terms
+
+
+def test_reported_energy_is_that_of_the_returned_shape() -> None:
+    arap = sphere_arap(smoothness=0)
+    for budget in (0, 3, 40):
+        q, report = arap.solve(TURNED, max_iterations=budget)
+        assert report.energy == pytest.approx(spokes_energy(POINTS, q, FACES), rel=1e-10)
+
+
+def test_minimum_is_not_above_libigls() -> None:
+    arap = sphere_arap(smoothness=0)
+    q, report = arap.solve(TURNED, max_iterations=2000, tolerance=1e-12)
+    theirs = libigl_arap(POINTS, FACES, POLES, TURNED, 3000)
+    np.testing.assert_allclose(theirs[POLES[1]], moved(TURNED[1], POINTS[POLES[1]]), atol=1e-12)  # the same task
+    least = spokes_energy(POINTS, theirs, FACES)
+    assert report.energy <= least * (1 + 1e-6)  # its alternation still creeps after 3,000 iterations
+    assert report.energy == pytest.approx(least, rel=0.01)  # and is the same minimum
+    assert np.abs(q - theirs).max() < 0.05
+
+
+def test_minimum_is_a_stationary_point_of_the_textbooks_energy() -> None:
+    arap = sphere_arap(smoothness=0)
+    q, _ = arap.solve(TURNED, max_iterations=3000, tolerance=1e-14)
+    start, _ = arap.solve(TURNED, max_iterations=0)
+    free = np.setdiff1d(np.arange(len(POINTS)), np.concatenate(POLES))[::29]
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        found = []
+        for v in free:
+            for axis in range(3):
+                step = np.zeros_like(x)
+                step[v, axis] = 1e-5
+                found.append((spokes_energy(POINTS, x + step, FACES) - spokes_energy(POINTS, x - step, FACES)) / 2e-5)
+        return np.array(found)
+
+    # Differences of E = 1 over steps of 1e-5: 1e-11 of rounding each.
+    assert np.abs(slopes(q)).max() < 1e-4 * np.abs(slopes(start)).max()
+
+
+@pytest.mark.parametrize("cells", ["spokes", "rims"])
+@pytest.mark.parametrize("smoothness", [0.0, 5e-4])
+def test_energy_never_rises_along_the_iterations(cells: str, smoothness: float) -> None:
+    arap, _, _ = bound(sn.Arap, n=14, cells=cells, smoothness=smoothness)
+    energies = [arap.solve(BENT, max_iterations=k, tolerance=0)[1].energy for k in range(25)]
+    assert (np.diff(energies) <= 1e-12 * energies[0]).all()
+
+
+@pytest.mark.parametrize("cells", ["spokes", "rims"])
+@pytest.mark.parametrize("smoothness", [0.0, 5e-4])
+@pytest.mark.parametrize("angle", [30, 170, 180])
+def test_one_rigid_motion_of_all_handles_is_exact(cells: str, smoothness: float, angle: float) -> None:
+    arap, points, _ = bound(sn.Arap, n=20, cells=cells, smoothness=smoothness)
+    pose = turn((1, 2, -0.5), angle, (3, 7, 1), (30, -20, 10))
+    q, report = arap.solve([pose, pose], max_iterations=0)
+    np.testing.assert_allclose(q, moved(pose, points), rtol=0, atol=1e-10)  # rounding at size 50
+    assert report.energy < 1e-15
+
+
+def test_known_octahedron() -> None:
+    points, faces = sphere(0)
+    arap = sn.Arap(sn.SurfaceMesh(points, faces), smoothness=0, max_iterations=500, tolerance=1e-15)
+    arap.set_handles([[5], [4]])
+    q, report = arap.solve([STILL, shift(0, 0, 0.5)])
+    assert report.energy == pytest.approx(0.5773502692, abs=1e-10)
+    np.testing.assert_allclose(q[:4, 2], 0.25, atol=1e-7)
+    np.testing.assert_allclose(np.linalg.norm(q[:4, :2], axis=1), 1, atol=1e-7)
+
+
+def test_smooth_rotations_answer_alike_on_finer_meshes() -> None:
+    """What plain rotations do not: bending stiffness that does not fall with the edge length."""
+    energies = []
+    for n in (12, 24):
+        points, faces = grid(n, jitter=0.0)
+        points *= 12 / n
+        arap = sn.Arap(sn.SurfaceMesh(points, faces))
+        arap.set_handles(ends(points, 2.0))
+        energies.append(arap.solve(BENT, max_iterations=100)[1].energy)
+    assert energies[1] == pytest.approx(energies[0], rel=0.2)
+
+
+def test_same_poses_same_shape_whatever_came_before() -> None:
+    arap, points, _ = bound(sn.Arap, n=14)
+    first, _ = arap.solve(BENT)
+    warm, _ = arap.solve(0.5 * (BENT + BENT[:1]), start=first)
+    arap.solve(BENT, incoming=points + 3)
+    np.testing.assert_array_equal(arap.solve(BENT)[0], first)
+    assert not np.array_equal(warm, first)
+
+
+def test_converges_from_a_warm_start_to_the_same_shape() -> None:
+    arap, points, _ = bound(sn.Arap, n=14)
+    cold, _ = arap.solve(BENT, max_iterations=300, tolerance=1e-10)
+    warm, _ = arap.solve(BENT, start=points, max_iterations=600, tolerance=1e-10)
+    assert np.abs(cold - warm).max() < 1e-2  # flat minimum: E agrees to 1e-8
+
+
+@pytest.mark.parametrize("smoothness", [0.0, 5e-4])
+def test_rest_in_rest_out(smoothness: float) -> None:
+    arap, points, _ = bound(sn.Arap, n=14, smoothness=smoothness)
+    q, report = arap.solve([STILL, STILL])
+    np.testing.assert_allclose(q, points, rtol=0, atol=1e-12)
+    assert report.converged
