@@ -34,6 +34,7 @@ def main() -> None:
     studio = importlib.import_module("blend_samples.studio")
     denoise = importlib.import_module("blend_samples.denoise")
     scene = sample.make()
+    bpy.context.preferences.filepaths.save_version = 0  # no .blend1 beside it
     OUTPUT.mkdir(exist_ok=True)
     picture = OUTPUT / f"{wanted.sample}.png"
     scene.render.filepath = f"//{picture.name}"

@@ -94,7 +94,7 @@ void bind_core(py::module_& module)
             "free_vertices", [](const BindReport& r) { return to_numpy(r.free_vertices); },
             "(f,) vertices of those parts.")
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
-                      "Triangles of (nearly) no area, solved with a floored area.")
+                      "Faces with a triangle of (nearly) no area, solved with a floored area.")
         .def_readonly("factorizations", &BindReport::factorizations,
                       "Numeric factorisations since the constructor.")
         .def_readonly("seconds", &BindReport::seconds, "Wall clock of the call.")

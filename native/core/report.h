@@ -13,7 +13,7 @@ struct BindReport
     int soft_vertices = 0;
     int free_parts = 0;             ///< connected parts without any constraint; they stay at rest
     std::vector<int> free_vertices; ///< the vertices of those parts
-    int degenerate_faces = 0;       ///< faces of (nearly) no area, solved with a floored area
+    int degenerate_faces = 0;       ///< faces with a triangle of (nearly) no area, which is floored
     int factorizations = 0;         ///< numeric factorisations since the constructor
     double seconds = 0.0;           ///< wall clock of set_handles()
 };

@@ -84,6 +84,17 @@ TriangleMetric triangle_metric(const SurfaceMesh& mesh, double least_area)
     return metric;
 }
 
+int degenerate_face_count(const SurfaceMesh& mesh, double least_area)
+{
+    int count = 0;
+    int last = -1; // triangles of one face follow each other
+    for (int t : triangle_metric(mesh, least_area).degenerate) {
+        count += mesh.triangle_faces()[t] != last;
+        last = mesh.triangle_faces()[t];
+    }
+    return count;
+}
+
 SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretization,
                               const ElementScale& scale, double least_area)
 {

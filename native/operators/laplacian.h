@@ -46,6 +46,9 @@ double least_area_for_order(int order);
 
 TriangleMetric triangle_metric(const SurfaceMesh& mesh, double least_area = needle);
 
+/// Faces with a triangle that triangle_metric() floors.
+int degenerate_face_count(const SurfaceMesh& mesh, double least_area = needle);
+
 /// A factor for one element (a triangle, or an edge of `uniform`), from its vertices.
 using ElementScale = std::function<double(std::span<const int> vertices)>;
 

@@ -201,8 +201,7 @@ struct ThinShell::Impl
         }
 
         BindReport report = bound.regions.report();
-        report.degenerate_faces =
-            static_cast<int>(triangle_metric(rest, least_area(bound.k)).degenerate.size());
+        report.degenerate_faces = degenerate_face_count(rest, least_area(bound.k));
         report.factorizations = factorizations;
         report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return report;
@@ -271,8 +270,11 @@ ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
     // A holds the soft stiffness on its diagonal, so that
     // x^T A x - x^T b - b^T x + sum s c c^T is the elastic plus the soft energy, doubled.
     const MatrixX Ax = bound.A * x;
-    const MatrixX cross = x.transpose() * pull;
-    response.energy = x.transpose() * Ax - cross - cross.transpose() + soft_energy;
+    response.energy = x.transpose() * Ax + soft_energy;
+    if (!bound.soft_stiffness.empty()) {
+        const MatrixX cross = x.transpose() * pull;
+        response.energy -= cross + cross.transpose();
+    }
 
     const std::vector<int>& unknowns = bound.system.free_rows();
     MatrixX force(unknowns.size(), columns);

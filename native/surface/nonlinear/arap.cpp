@@ -135,7 +135,7 @@ struct Arap::Impl
 
     Impl(const SurfaceMesh& mesh, const ArapOptions& given)
         : rest(mesh), options(given), parts(connected_components(rest)),
-          degenerate_faces(static_cast<int>(triangle_metric(rest).degenerate.size()))
+          degenerate_faces(degenerate_face_count(rest))
     {
         require_range(options.smoothness, 0.0, "smoothness");
         require_range(options.tolerance, 0.0, "tolerance");

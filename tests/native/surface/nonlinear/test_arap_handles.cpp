@@ -220,6 +220,24 @@ TEST(ArapHandles, bind_and_solve_on_messy_meshes)
         }
 }
 
+TEST(ArapHandles, faces_of_one_corner_repeated_change_nothing)
+{
+    const SurfaceMesh clean = shapes::hill(6, 6);
+    shapes::Polygons faces = shapes::faces_of(clean);
+    for (int v : {0, 20, 48})
+        faces.push_back({v, v, v});
+    const SurfaceMesh folded = shapes::over(clean.points(), faces);
+    for (double smoothness : {0.0, 5e-4})
+        for (auto cells : {ArapOptions::Cells::spokes, ArapOptions::Cells::rims}) {
+            Arap plain(clean, {.smoothness = smoothness, .cells = cells});
+            Arap odd(folded, {.smoothness = smoothness, .cells = cells});
+            plain.set_handles(shapes::ends(clean, 1.5));
+            odd.set_handles(shapes::ends(clean, 1.5));
+            const Poses lifted{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {0, 0, 2})};
+            EXPECT_LT(shapes::distance(solve(odd, lifted), solve(plain, lifted)), 1e-9); // the same sums, other order
+        }
+}
+
 TEST(ArapHandles, meshes_without_any_area_still_solve)
 {
     for (double line : {0.0, 1.0}) {
