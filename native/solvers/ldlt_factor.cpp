@@ -3,6 +3,8 @@
 
 #include <Eigen/SparseCholesky>
 
+#include <algorithm>
+
 namespace sinew {
 
 namespace {
@@ -24,9 +26,12 @@ public:
     {
         permute(matrix);
         ldlt_.factorize(permuted_);
-        if (ldlt_.info() != Eigen::Success)
-            return 0; // Eigen does not say where
-        return -1;
+        if (ldlt_.info() == Eigen::Success)
+            return -1;
+        // Eigen stops at the first pivot that is exactly zero.
+        const VectorX d = ldlt_.vectorD();
+        const auto zero = std::find(d.begin(), d.end(), 0.0) - d.begin();
+        return permutation_.inverse().eval().indices()[zero];
     }
 
     void solve(const MatrixX& rhs, MatrixX& solution) const override

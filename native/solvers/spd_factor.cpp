@@ -15,7 +15,7 @@ namespace {
 /// A pivot below this share of its diagonal entry is rounding: the matrix is singular, or a
 /// solution would have no correct digit. Honest pivots shrink with the order k of an operator as
 /// (edge length / size)^2k and reach 1e-12 for k = 2 at a million unknowns.
-constexpr double rounding = 2e-15;
+constexpr double rounding = 1e-14;
 
 std::unique_ptr<FactorEngine> make_engine(FactorBackend backend, const SparseMatrix& matrix)
 {

@@ -5,7 +5,7 @@ Excess energy in per cent over a long run from the same start, after 0, 4, 10, 2
 to the figures of the study that the method builds on. Figures count iterations, so they are the same on
 every machine; the times beside them are not.
 
-    python tests/benchmarks/arap_convergence.py [--sizes small|all] [--meshes FOLDER] [--smoothness 0]
+    python tests/benchmarks/arap_convergence.py [--largest 200000] [--meshes FOLDER] [--smoothness 0]
 """
 
 import argparse
@@ -14,9 +14,10 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
-import sinew_native
 from cases import OWN_MODEL, Case, armadillo, bar, knight, own_model
 from record import RESULTS, store
+
+import sinew_native
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt

@@ -14,10 +14,11 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 import scipy.sparse as sparse
-import scipy.sparse.linalg
-import sinew_native
 from cases import bar
 from record import RESULTS, store
+from scipy.sparse.linalg import splu
+
+import sinew_native
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
@@ -47,7 +48,7 @@ def measure(vertices: int, repeat: int) -> list[dict[str, object]]:
     rows: list[dict[str, object]] = []
     for peer in PEERS:
         if peer == "scipy splu":
-            bind = lambda: sparse.linalg.splu(A, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})  # noqa: E731
+            bind = lambda: splu(A, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})  # noqa: E731
         else:
             bind = lambda peer=peer: sinew_native.SpdFactor(A, backend=peer)  # noqa: E731
         bind_seconds, factor = best_of(repeat, bind)
@@ -94,7 +95,7 @@ def plot(rows: list[dict[str, object]], path: Path) -> None:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--sizes", type=int, nargs="+", default=[10_000, 50_000])
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--store", action="store_true", help="keep the result and the plot")
@@ -106,7 +107,8 @@ def main() -> None:
         for row in measure(size, arguments.repeat):
             rows.append(row)
             print(
-                f"{row['vertices']:>9} {row['backend']:24} {1e3 * row['bind_s']:9.1f} {row['bind_ratio']:6.2f}"
+                f"{row['vertices']:>9} {row['backend']:24}"
+                f" {1e3 * row['bind_s']:9.1f} {row['bind_ratio']:6.2f}"
                 f" {1e3 * row['solve3_s']:9.2f} {row['solve3_ratio']:6.2f}",
                 flush=True,
             )

@@ -2,6 +2,7 @@
 """Meshes, handles and poses that the tests of the Python module share."""
 
 import numpy as np
+
 import sinew_native as sn
 
 STILL = np.column_stack([np.eye(3), np.zeros(3)])
@@ -21,7 +22,8 @@ def grid(n: int, jitter: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
 
 def sphere(level: int) -> tuple[np.ndarray, np.ndarray]:
     """An octahedron refined onto the unit sphere; no obtuse triangle, so all cotangents are positive."""
-    points = [np.array(p, float) for p in [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]]
+    corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    points = [np.array(corner, float) for corner in corners]
     faces = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1, 5), (0, 3, 5)]
     for _ in range(level):
         middles: dict[tuple[int, int], int] = {}
@@ -51,7 +53,7 @@ def shift(x: float, y: float, z: float) -> np.ndarray:
     return np.column_stack([np.eye(3), (x, y, z)])
 
 
-def turn(axis: tuple[float, float, float], degrees: float, centre=(0.0, 0.0, 0.0), move=(0.0, 0.0, 0.0)) -> np.ndarray:
+def turn(axis, degrees: float, centre=(0.0, 0.0, 0.0), move=(0.0, 0.0, 0.0)) -> np.ndarray:
     """(3, 4) rotation about an axis through `centre`, then a translation."""
     x, y, z = np.asarray(axis, float) / np.linalg.norm(axis)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bad input: each a typed error that names the elements, or a documented result; the object stays usable."""
 
+import contextlib
+
 import numpy as np
 import pytest
 import scipy.sparse as sparse
+
 import sinew_native as sn
 
 from .meshes import BENT, METHODS, STILL, bound, grid, shift
@@ -41,7 +44,7 @@ def with_value(array: np.ndarray, index: tuple[int, ...], value: float) -> np.nd
         (POINTS, FACES[None], "", []),
         (POINTS, [[0, 1, 2], [0, 1]], "", []),
     ],
-)  # fmt: skip
+)
 def test_bad_meshes_are_refused(points, faces, kind: str, elements: list[int]) -> None:
     with pytest.raises(sn.InvalidMesh) as caught:
         sn.SurfaceMesh(points, faces)
@@ -85,9 +88,17 @@ def test_bad_continuity_is_refused(continuity) -> None:
 
 @pytest.mark.parametrize(
     "poses",
-    [BENT[:1], np.concatenate([BENT, BENT]), BENT[0], BENT[:, :, :3], BENT.reshape(2, 12), with_value(BENT, (1, 0, 0), NAN),
-     with_value(BENT, (0, 2, 3), INF), []],
-)  # fmt: skip
+    [
+        BENT[:1],
+        np.concatenate([BENT, BENT]),
+        BENT[0],
+        BENT[:, :, :3],
+        BENT.reshape(2, 12),
+        with_value(BENT, (1, 0, 0), NAN),
+        with_value(BENT, (0, 2, 3), INF),
+        [],
+    ],
+)
 @pytest.mark.parametrize("method", METHODS)
 def test_bad_poses_are_refused(method: type, poses) -> None:
     surface, _, _ = bound(method)
@@ -113,15 +124,30 @@ def test_bad_options_are_refused() -> None:
     mesh = sn.SurfaceMesh(POINTS, FACES)
     paint = with_value(np.ones(25), (4,), -1)
     for options in (
-        {"stretching": -1}, {"bending": NAN}, {"variation": INF}, {"bending": 0}, {"bending": [1, 1]}, {"bending": []},
-        {"bending": np.ones((25, 1))}, {"laplacian": "cotangent"}, {"bending": paint},
-    ):  # fmt: skip
+        {"stretching": -1},
+        {"bending": NAN},
+        {"variation": INF},
+        {"bending": 0},
+        {"bending": [1, 1]},
+        {"bending": []},
+        {"bending": np.ones((25, 1))},
+        {"laplacian": "cotangent"},
+        {"bending": paint},
+    ):
         with pytest.raises(sn.InvalidOption):
             sn.ThinShell(mesh, **options)
     for options in (
-        {"smoothness": -1}, {"smoothness": NAN}, {"cells": "elements"}, {"rigidity": -1}, {"rigidity": [1.0]*3},
-        {"rigidity": paint}, {"max_iterations": 0}, {"max_iterations": -5}, {"tolerance": -1e-3}, {"tolerance": NAN},
-    ):  # fmt: skip
+        {"smoothness": -1},
+        {"smoothness": NAN},
+        {"cells": "elements"},
+        {"rigidity": -1},
+        {"rigidity": [1.0] * 3},
+        {"rigidity": paint},
+        {"max_iterations": 0},
+        {"max_iterations": -5},
+        {"tolerance": -1e-3},
+        {"tolerance": NAN},
+    ):
         with pytest.raises(sn.InvalidOption):
             sn.Arap(mesh, **options)
     with pytest.raises(sn.InvalidOption) as caught:
@@ -171,11 +197,8 @@ def test_a_factor_survives_a_refused_matrix(backend: str) -> None:
     factor = sn.SpdFactor(sparse.diags([1.0, 2.0, 4.0], format="csc"), backend=backend)
     with pytest.raises(sn.FactorizationFailed):
         factor.factorize(sparse.diags([1.0, -2.0, 4.0], format="csc"))
-    try:
-        solution = factor.solve(np.ones(3))
-        assert solution.shape == (3,)
-    except sn.Error:
-        pass  # either is an answer; a crash is none
+    with contextlib.suppress(sn.Error):  # a number or a refusal is an answer; a crash is none
+        assert factor.solve(np.ones(3)).shape == (3,)
     factor.factorize(sparse.diags([1.0, 2.0, 8.0], format="csc"))
     np.testing.assert_allclose(factor.solve(np.ones(3)), [1, 0.5, 0.125])
 
@@ -195,12 +218,10 @@ def test_no_handle_and_every_vertex_in_one_are_answers(method: type) -> None:
 @pytest.mark.parametrize("points", [np.zeros((25, 3)), POINTS * (1, 0, 0)], ids=["a point", "a line"])
 def test_a_mesh_without_area_is_solved_or_refused_by_type(method: type, points: np.ndarray) -> None:
     surface = method(sn.SurfaceMesh(points, FACES))
-    try:
+    with contextlib.suppress(sn.FactorizationFailed):
         surface.set_handles([[0, 1, 2], [24]])
         positions, _ = surface.solve([STILL, shift(0, 0, 1)])
         assert np.isfinite(positions).all()
-    except sn.FactorizationFailed as error:
-        assert str(error)
 
 
 def test_messages_tell_what_to_do() -> None:

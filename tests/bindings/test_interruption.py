@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+
 import sinew_native as sn
 
 from .meshes import BENT, METHODS, bound, ends, grid
@@ -95,6 +96,17 @@ def test_the_number_of_threads_changes_no_bit(method: type, threads: int) -> Non
         sn.limit_threads(0)
 
 
+class Stopper:
+    """A progress callback that says no when called for the n-th time."""
+
+    def __init__(self, stop: int, no: object) -> None:
+        self.stop, self.no, self.calls = stop, no, 0
+
+    def __call__(self, fraction: float, stage: str) -> object:
+        self.calls += 1
+        return self.no if self.calls >= self.stop else None
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_progress_rises_to_one_and_names_its_stages(method: type) -> None:
     surface, _, handles = bound(method)
@@ -119,19 +131,18 @@ def test_progress_that_says_no_cancels_and_nothing_is_lost(method: type, answer:
     surface, _, handles = bound(method)
     before, _ = surface.solve(BENT)
     for stop in range(1, 4):
-        calls = []
+        no = Stopper(stop, answer)
         with pytest.raises(sn.Cancelled):
-            surface.set_handles(handles[:1], progress=lambda *_: answer if calls.append(0) or len(calls) >= stop else None)
-        assert len(calls) == stop
+            surface.set_handles(handles[:1], progress=no)
+        assert no.calls == stop
         np.testing.assert_array_equal(surface.solve(BENT)[0], before)
 
 
 def test_a_solve_can_be_cancelled_in_its_middle() -> None:
     arap, _, _ = bound(sn.Arap, tolerance=0)
     before, _ = arap.solve(BENT)
-    calls = []
     with pytest.raises(sn.Cancelled):
-        arap.solve(BENT, progress=lambda *_: calls.append(0) or len(calls) < 4)
+        arap.solve(BENT, progress=Stopper(4, False))
     np.testing.assert_array_equal(arap.solve(BENT)[0], before)
 
 
@@ -190,24 +201,47 @@ print("usable")
 """
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="os.kill cannot send Ctrl-C to a thread's own process there")
-@pytest.mark.parametrize(
-    ("name", "size", "options", "setup", "call", "check"),
-    [
-        ("ThinShell", 220, ", affine_basis=False", "surface.set_handles(handles[:1])", "surface.set_handles(handles)",
-         "assert len(surface.solve(poses[:1])[0]) == len(points)"),
-        ("Arap", 220, "", "surface.set_handles(handles[:1])", "surface.set_handles(handles)",
-         "assert len(surface.solve(poses[:1], max_iterations=1)[0]) == len(points)"),
-        ("Arap", 100, ", max_iterations=100000, tolerance=0", "surface.set_handles(handles)",
-         "while True: surface.solve(poses)", "assert len(surface.solve(poses, max_iterations=1)[0]) == len(points)"),
-    ],
-    ids=["bind of a thin shell", "bind of arap", "solve of arap"],
-)  # fmt: skip
-def test_ctrl_c_stops_a_long_call(name: str, size: int, options: str, setup: str, call: str, check: str) -> None:
+BIND = "surface.set_handles(handles)"
+SOLVE = "surface.solve(poses{which}, max_iterations=1)"
+INTERRUPTIONS = {
+    # class, size, options, before, during, handles of the solve afterwards
+    "bind of a thin shell": (
+        "ThinShell",
+        220,
+        ", affine_basis=False",
+        "surface.set_handles(handles[:1])",
+        BIND,
+        "[:1]",
+    ),
+    "bind of arap": ("Arap", 220, "", "surface.set_handles(handles[:1])", BIND, "[:1]"),
+    "solve of arap": (
+        "Arap",
+        100,
+        ", max_iterations=100000, tolerance=0",
+        BIND,
+        "while True: surface.solve(poses)",
+        "",
+    ),
+}
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a process cannot send itself Ctrl-C there")
+@pytest.mark.parametrize("name", INTERRUPTIONS)
+def test_ctrl_c_stops_a_long_call(name: str) -> None:
+    method, size, options, setup, call, which = INTERRUPTIONS[name]
+    parts = {
+        "SIZE": str(size),
+        "CLASS": method,
+        "OPTIONS": options,
+        "SETUP": setup,
+        "CALL": call,
+        "CHECK": f"assert len({SOLVE.format(which=which)}[0]) == len(points)",
+        "DELAY": "0.03",
+    }
     program = PROGRAM
-    for mark, value in {"SIZE": str(size), "CLASS": name, "OPTIONS": options, "SETUP": setup, "CALL": call,
-                        "CHECK": check, "DELAY": "0.03"}.items():  # fmt: skip
+    for mark, value in parts.items():
         program = program.replace(mark, value)
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
     assert done.stdout.startswith("interrupted after"), done.stdout + done.stderr
     assert "usable" in done.stdout, done.stderr

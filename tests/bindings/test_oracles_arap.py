@@ -4,6 +4,7 @@
 import igl
 import numpy as np
 import pytest
+
 import sinew_native as sn
 
 from .meshes import BENT, STILL, bound, ends, grid, moved, shift, sphere, turn
@@ -33,7 +34,7 @@ def spokes_energy(p: np.ndarray, q: np.ndarray, faces: np.ndarray) -> float:
     return float(np.sum(w * np.sum((f - np.einsum("kab,kb->ka", R[i], e)) ** 2, 1)))
 
 
-def libigl_arap(points: np.ndarray, faces: np.ndarray, handles, poses: np.ndarray, iterations: int) -> np.ndarray:
+def libigl_arap(points, faces, handles, poses, iterations: int) -> np.ndarray:
     held = np.concatenate(handles)
     order = np.argsort(held)
     target = np.concatenate([moved(pose, points[h]) for pose, h in zip(poses, handles)])
@@ -49,7 +50,8 @@ def test_energy_is_the_textbooks() -> None:
     rng = np.random.default_rng(4)
     for size in (0.01, 0.1, 1.0):
         q = POINTS + size * rng.normal(size=POINTS.shape)
-        assert arap.energy(q) == pytest.approx(spokes_energy(POINTS, q, FACES), rel=1e-10)  # thousands of terms
+        # Thousands of terms round.
+        assert arap.energy(q) == pytest.approx(spokes_energy(POINTS, q, FACES), rel=1e-10)
 
 
 def test_reported_energy_is_that_of_the_returned_shape() -> None:
@@ -63,7 +65,8 @@ def test_minimum_is_not_above_libigls() -> None:
     arap = sphere_arap(smoothness=0)
     q, report = arap.solve(TURNED, max_iterations=2000, tolerance=1e-12)
     theirs = libigl_arap(POINTS, FACES, POLES, TURNED, 3000)
-    np.testing.assert_allclose(theirs[POLES[1]], moved(TURNED[1], POINTS[POLES[1]]), atol=1e-12)  # the same task
+    pole = POLES[1]
+    np.testing.assert_allclose(theirs[pole], moved(TURNED[1], POINTS[pole]), atol=1e-12)  # the same task
     least = spokes_energy(POINTS, theirs, FACES)
     assert report.energy <= least * (1 + 1e-6)  # its alternation still creeps after 3,000 iterations
     assert report.energy == pytest.approx(least, rel=0.01)  # and is the same minimum
@@ -82,7 +85,8 @@ def test_minimum_is_a_stationary_point_of_the_textbooks_energy() -> None:
             for axis in range(3):
                 step = np.zeros_like(x)
                 step[v, axis] = 1e-5
-                found.append((spokes_energy(POINTS, x + step, FACES) - spokes_energy(POINTS, x - step, FACES)) / 2e-5)
+                up, down = (spokes_energy(POINTS, y, FACES) for y in (x + step, x - step))
+                found.append((up - down) / 2e-5)
         return np.array(found)
 
     # Differences of E = 1 over steps of 1e-5: 1e-11 of rounding each.

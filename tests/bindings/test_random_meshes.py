@@ -4,10 +4,13 @@
 Examples are derived from the test's own code, so every run is the same.
 """
 
+import contextlib
+
 import numpy as np
-import sinew_native as sn
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
+import sinew_native as sn
 
 from .meshes import grid
 
@@ -17,6 +20,10 @@ EVERY_RUN = settings(
     max_examples=150,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much],
 )
+FLAWS = ("double", "turn over", "lose", "flatten", "line", "needle", "far")
+STIFFNESSES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 1, 0.1))
+KINDS = ("uniform", "cotan", "cotan_voronoi")
+NUMBERS = st.floats(-1e100, 1e100, allow_nan=False)
 SCALES = st.sampled_from([1.0, 1.0, 1.0, 1e-12, 1e-6, 1e6, 1e12])
 
 
@@ -36,7 +43,7 @@ def meshes(draw: st.DrawFn) -> tuple[np.ndarray, list[list[int]]]:
     n = len(points)
     for _ in range(draw(st.integers(0, 12))):  # n-gons, folded ones and such with a corner twice
         faces.append(rng.integers(0, n, rng.integers(3, 9)).tolist())
-    for what in draw(st.lists(st.sampled_from(["double", "turn over", "lose", "flatten", "line", "needle", "far"]), max_size=3)):
+    for what in draw(st.lists(st.sampled_from(FLAWS), max_size=3)):
         if what == "double" and faces:
             faces.append(list(faces[rng.integers(len(faces))]))
         elif what == "turn over" and faces:
@@ -70,14 +77,27 @@ def tasks(draw: st.DrawFn) -> dict[str, object]:
         weights.append(draw(st.sampled_from([None, 1.0, 0.5, 0.0, 1e-12, 1 - 1e-12])))
     scale = float(np.abs(points).max()) or 1.0
     poses = np.zeros((count, 3, 4))
+    motions = {
+        "still": np.eye(3),
+        "affine": rng.normal(size=(3, 3)),
+        "mirror": np.diag([1, 1, -1]),
+        "collapse": np.zeros((3, 3)),
+        "huge": 1e6 * np.eye(3),
+    }
     for h in range(count):
-        motion = draw(st.sampled_from(["still", "affine", "mirror", "collapse", "huge"]))
-        poses[h, :, :3] = {"affine": rng.normal(size=(3, 3)), "mirror": np.diag([1, 1, -1]), "collapse": np.zeros((3, 3)),
-                           "huge": 1e6 * np.eye(3)}.get(motion, np.eye(3))  # fmt: skip
+        motion = draw(st.sampled_from(sorted(motions)))
+        poses[h, :, :3] = motions[motion]
         if motion != "still":
             poses[h, :, 3] = scale * rng.normal(size=3)
-    return {"points": points, "faces": faces, "handles": handles, "weights": weights, "poses": poses,
-            "incoming": points + scale * rng.normal(size=points.shape) if draw(st.booleans()) else None}  # fmt: skip
+    incoming = points + scale * rng.normal(size=points.shape) if draw(st.booleans()) else None
+    return {
+        "points": points,
+        "faces": faces,
+        "handles": handles,
+        "weights": weights,
+        "poses": poses,
+        "incoming": incoming,
+    }
 
 
 def mesh_of(task: dict[str, object]) -> sn.SurfaceMesh:
@@ -89,8 +109,7 @@ def bind_and_solve(surface: sn.ThinShell | sn.Arap, task: dict[str, object], **o
     try:
         report = surface.set_handles(task["handles"], task["weights"])
         positions, solved = surface.solve(task["poses"], incoming=task["incoming"], **options)
-    except sn.Error as error:
-        assert str(error)
+    except sn.Error:
         return
     assert positions.shape == task["points"].shape
     assert np.isfinite(positions).all()
@@ -101,17 +120,21 @@ def bind_and_solve(surface: sn.ThinShell | sn.Arap, task: dict[str, object], **o
 
 
 @EVERY_RUN
-@given(tasks(), st.sampled_from([(1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 1, 0.1)]),
-       st.sampled_from(["uniform", "cotan", "cotan_voronoi"]), st.booleans(), st.sampled_from([None, 0, 1, 1.5]))  # fmt: skip
+@given(
+    tasks(),
+    st.sampled_from(STIFFNESSES),
+    st.sampled_from(KINDS),
+    st.booleans(),
+    st.sampled_from([None, 0, 1, 1.5]),
+)
 def test_thin_shell_answers_or_refuses(task, k, kind: str, basis: bool, continuity) -> None:
-    shell = sn.ThinShell(mesh_of(task), stretching=k[0], bending=k[1], variation=k[2], laplacian=kind, affine_basis=basis)
+    stiffness = dict(zip(("stretching", "bending", "variation"), k))
+    shell = sn.ThinShell(mesh_of(task), **stiffness, laplacian=kind, affine_basis=basis)
     bind_and_solve(shell, task)
     if continuity is not None:
-        try:
+        with contextlib.suppress(sn.Error):
             shell.set_handles(task["handles"], task["weights"], continuity)
             assert np.isfinite(shell.solve(task["poses"])[0]).all()
-        except sn.Error as error:
-            assert str(error)
 
 
 @EVERY_RUN
@@ -132,7 +155,7 @@ def test_operators_and_diagnosis_are_finite(mesh_data) -> None:
     found = mesh.diagnose()
     assert found.component_count == mesh.component_count == len(set(mesh.components))
     assert found.clean == (found.summary() == "clean")
-    for kind in ("uniform", "cotan", "cotan_voronoi"):
+    for kind in KINDS:
         L, mass = sn.laplacian(mesh, kind), sn.mass(mesh, kind)
         assert np.isfinite(L.data).all()
         assert np.isfinite(mass).all()
@@ -145,8 +168,7 @@ def test_operators_and_diagnosis_are_finite(mesh_data) -> None:
 
 
 @EVERY_RUN
-@given(st.lists(st.lists(st.floats(allow_nan=False, allow_infinity=False, width=64, min_value=-1e100, max_value=1e100),
-                         min_size=9, max_size=9), min_size=1, max_size=5))  # fmt: skip
+@given(st.lists(st.lists(NUMBERS, min_size=9, max_size=9), min_size=1, max_size=5))
 def test_rotation_fits_are_rotations(rows) -> None:
     R = sn.fit_rotations(np.array(rows).reshape(-1, 3, 3))
     np.testing.assert_allclose(np.linalg.det(R), 1, atol=1e-12)

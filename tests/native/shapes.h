@@ -102,10 +102,7 @@ inline Polygons faces_of(const SurfaceMesh& of)
 }
 
 /// The same faces over other points.
-inline SurfaceMesh moved(const SurfaceMesh& of, const Points& points)
-{
-    return over(points, faces_of(of));
-}
+inline SurfaceMesh moved(const SurfaceMesh& of, const Points& points) { return over(points, faces_of(of)); }
 
 /// +x -x +y -y +z -z, corners at distance 1.
 inline SurfaceMesh octahedron()
@@ -325,10 +322,7 @@ inline Points transformed(const Points& points, const Pose& pose)
 }
 
 /// Largest distance between corresponding points.
-inline double distance(const Points& a, const Points& b)
-{
-    return (a - b).rowwise().norm().maxCoeff();
-}
+inline double distance(const Points& a, const Points& b) { return (a - b).rowwise().norm().maxCoeff(); }
 
 /// Diagonal of the bounding box.
 inline double size(const Points& points)

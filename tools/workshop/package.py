@@ -4,7 +4,7 @@
 ``dist/sinew-<version>.zip``         extension for Blender 4.2 and later, wheels inside
 ``dist/sinew-legacy-<version>.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in ``sinew/_native``
 
-The same tree gives the same bytes, whenever and wherever it is packed.
+The same tree and wheels give the same bytes, whenever they are packed.
 """
 
 import argparse

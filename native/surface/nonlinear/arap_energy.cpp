@@ -46,8 +46,10 @@ void ArapGraph::set_metric()
         for (int k = wing_offsets[i]; k < wing_offsets[i + 1]; ++k) {
             const ArapWing& t = wings[k];
             const double mean = (rigidity[i] + rigidity[t.b] + rigidity[t.c]) / 3.0;
-            entry(t.b) += mean * t.to_b;
-            entry(t.c) += mean * t.to_c;
+            if (t.b != i) // a face may name a vertex twice
+                entry(t.b) += mean * t.to_b;
+            if (t.c != i)
+                entry(t.c) += mean * t.to_c;
         }
     }
 }

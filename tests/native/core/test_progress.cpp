@@ -7,10 +7,7 @@
 
 namespace sinew {
 
-TEST(Progress, without_a_callback_never_cancels)
-{
-    EXPECT_NO_THROW(Progress().tick(0.5, "anything"));
-}
+TEST(Progress, without_a_callback_never_cancels) { EXPECT_NO_THROW(Progress().tick(0.5, "anything")); }
 
 TEST(Progress, hands_share_and_stage_to_the_callback)
 {

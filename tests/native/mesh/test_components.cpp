@@ -18,8 +18,7 @@ TEST(Components, a_closed_surface_is_one_part)
 
 TEST(Components, are_numbered_by_their_lowest_vertex)
 {
-    const SurfaceMesh mesh = shapes::mesh(
-        std::vector<Vector3>(8, Vector3::Zero()), {{7, 2, 5}, {1, 6, 4}});
+    const SurfaceMesh mesh = shapes::mesh(std::vector<Vector3>(8, Vector3::Zero()), {{7, 2, 5}, {1, 6, 4}});
     const Components parts = connected_components(mesh);
     EXPECT_EQ(parts.count, 4);
     EXPECT_EQ(parts.labels, (std::vector{0, 1, 2, 3, 1, 2, 1, 2}));

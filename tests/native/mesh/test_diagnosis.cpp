@@ -20,7 +20,8 @@ const std::vector<Vector3> wing{{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0},
 
 TEST(Diagnosis, finds_nothing_on_a_closed_surface)
 {
-    for (const SurfaceMesh& mesh : {shapes::cube(), shapes::octahedron(), shapes::sphere(2), shapes::bar(4, 2)}) {
+    for (const SurfaceMesh& mesh :
+         {shapes::cube(), shapes::octahedron(), shapes::sphere(2), shapes::bar(4, 2)}) {
         const Diagnosis found = diagnose(mesh);
         EXPECT_EQ(summary(found), "clean");
         EXPECT_TRUE(found.boundary_loops.empty());
@@ -56,25 +57,27 @@ TEST(Diagnosis, finds_edges_of_three_faces)
 
 TEST(Diagnosis, finds_vertices_where_fans_of_faces_touch)
 {
-    const SurfaceMesh hourglass = shapes::mesh(
-        {{0, 0, 0}, {1, 1, 0}, {1, -1, 0}, {-1, 1, 0}, {-1, -1, 0}}, {{0, 2, 1}, {0, 3, 4}});
+    const SurfaceMesh hourglass =
+        shapes::mesh({{0, 0, 0}, {1, 1, 0}, {1, -1, 0}, {-1, 1, 0}, {-1, -1, 0}}, {{0, 2, 1}, {0, 3, 4}});
     EXPECT_EQ(diagnose(hourglass).non_manifold_vertices, std::vector{0});
     // A fin touches along a whole edge: one fan at each of its ends.
-    EXPECT_TRUE(diagnose(shapes::mesh(wing, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}})).non_manifold_vertices.empty());
+    EXPECT_TRUE(
+        diagnose(shapes::mesh(wing, {{0, 1, 2}, {1, 0, 3}, {0, 1, 4}})).non_manifold_vertices.empty());
 }
 
 TEST(Diagnosis, finds_faces_without_area)
 {
     const std::vector<Vector3> p{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1e6, 1e-6, 0}};
-    const Diagnosis found = diagnose(shapes::mesh(p, {{0, 1, 3}, {0, 1, 2}, {0, 0, 3}, {0, 1, 2, 3}, {0, 2, 4}}));
+    const Diagnosis found =
+        diagnose(shapes::mesh(p, {{0, 1, 3}, {0, 1, 2}, {0, 0, 3}, {0, 1, 2, 3}, {0, 2, 4}}));
     // Number 4 has an area of 1e-6 under a longest edge of 1e6: 1e-18 of its square.
     EXPECT_EQ(found.degenerate_faces, (std::vector{1, 2, 4}));
 }
 
 TEST(Diagnosis, finds_faces_over_the_same_vertices_in_any_order)
 {
-    const Diagnosis found = diagnose(
-        shapes::mesh(wing, {{0, 1, 2}, {1, 2, 0}, {1, 0, 3}, {2, 1, 0}, {0, 3, 1}}));
+    const Diagnosis found =
+        diagnose(shapes::mesh(wing, {{0, 1, 2}, {1, 2, 0}, {1, 0, 3}, {2, 1, 0}, {0, 3, 1}}));
     EXPECT_EQ(found.duplicate_faces, (std::vector{1, 3, 4}));
 }
 

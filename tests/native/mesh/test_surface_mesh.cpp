@@ -41,9 +41,8 @@ TEST(SurfaceMesh, keeps_points_and_faces_as_given)
 
 TEST(SurfaceMesh, cuts_a_face_of_k_corners_into_k_minus_2_triangles)
 {
-    const SurfaceMesh mesh = shapes::mesh(
-        {{0, 0, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}, {0, 2, 0}, {-1, 1, 0}},
-        {{0, 1, 2}, {0, 2, 3, 4}, {0, 1, 2, 3, 4, 5}});
+    const SurfaceMesh mesh = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}, {0, 2, 0}, {-1, 1, 0}},
+                                          {{0, 1, 2}, {0, 2, 3, 4}, {0, 1, 2, 3, 4, 5}});
     EXPECT_EQ(mesh.triangle_faces(), (std::vector{0, 1, 1, 2, 2, 2, 2}));
     EXPECT_EQ(mesh.triangles().size(), 7u);
     EXPECT_EQ(mesh.triangles()[0], (Triangle{0, 1, 2}));

@@ -83,9 +83,11 @@ std::vector<Vector3> spiral(int turns)
     std::vector<Vector3> p;
     const int steps = 12 * turns;
     for (int k = 0; k <= steps; ++k)
-        p.emplace_back((1 + 0.2 * k) * std::cos(k * shapes::pi / 6), (1 + 0.2 * k) * std::sin(k * shapes::pi / 6), 0);
+        p.emplace_back((1 + 0.2 * k) * std::cos(k * shapes::pi / 6),
+                       (1 + 0.2 * k) * std::sin(k * shapes::pi / 6), 0);
     for (int k = steps; k >= 0; --k)
-        p.emplace_back((2 + 0.2 * k) * std::cos(k * shapes::pi / 6), (2 + 0.2 * k) * std::sin(k * shapes::pi / 6), 0);
+        p.emplace_back((2 + 0.2 * k) * std::cos(k * shapes::pi / 6),
+                       (2 + 0.2 * k) * std::sin(k * shapes::pi / 6), 0);
     std::ranges::reverse(p);
     return p;
 }
@@ -174,8 +176,16 @@ TEST(Triangulation, polygons_without_an_ear_still_become_k_minus_2_triangles)
 TEST(Triangulation, covers_a_ring_that_is_cut_open_along_a_narrow_slit)
 {
     const double slit = 1e-6;
-    const Cut ring = cut({{slit, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, slit, 0},
-                          {1, 1 + slit, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1 + slit, 1, 0}});
+    const Cut ring = cut({{slit, 0, 0},
+                          {4, 0, 0},
+                          {4, 4, 0},
+                          {0, 4, 0},
+                          {0, slit, 0},
+                          {1, 1 + slit, 0},
+                          {1, 3, 0},
+                          {3, 3, 0},
+                          {3, 1, 0},
+                          {1 + slit, 1, 0}});
     expect_cover(ring, 10);
     EXPECT_NEAR(ring.area, 12, 1e-5); // 16 less the hole of 4 and the slit
 }

@@ -27,7 +27,8 @@ TEST(Gradient, of_a_linear_function_is_its_slope_within_each_triangle)
         for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
             const Vector3 n = normal(mesh, mesh.triangles()[t]);
             const Vector3 expected = slope - slope.dot(n) * n;
-            EXPECT_LT((gradient.segment<3>(3 * t) - expected).norm(), 1e-13); // values of some ten over edges of one
+            EXPECT_LT((gradient.segment<3>(3 * t) - expected).norm(),
+                      1e-13); // values of some ten over edges of one
         }
     }
 }
@@ -42,7 +43,8 @@ TEST(Gradient, lies_in_its_triangle_for_any_function)
 
 TEST(Gradient, is_zero_on_triangles_without_area)
 {
-    const SurfaceMesh mesh = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 3}});
+    const SurfaceMesh mesh =
+        shapes::mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 3}});
     const MatrixX G = gradient_matrix(mesh);
     EXPECT_EQ(G.topRows(3).cwiseAbs().maxCoeff(), 0.0);
     EXPECT_GT(G.bottomRows(3).cwiseAbs().maxCoeff(), 0.5);

@@ -102,8 +102,8 @@ TEST(RotationFit, is_optimal_where_singular_values_vanish_or_nearly_tie)
     for (double e : {0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2})
         for (const Vector3& sigma :
              {Vector3(1, e, e), Vector3(1, e, 0), Vector3(1, 1, e), Vector3(1, 1 + e, -1), Vector3(1, e, -e),
-              Vector3(1, 0.5, -0.5 - e), Vector3(1, 0.5 + e, -0.5), Vector3(1, 1, -1 + e), Vector3(1, 1 + e, 1),
-              Vector3(e, e, -e), Vector3(1, 0.3, e), Vector3(1, 0.3, -e)})
+              Vector3(1, 0.5, -0.5 - e), Vector3(1, 0.5 + e, -0.5), Vector3(1, 1, -1 + e),
+              Vector3(1, 1 + e, 1), Vector3(e, e, -e), Vector3(1, 0.3, e), Vector3(1, 0.3, -e)})
             for (int trial = 0; trial < 20; ++trial)
                 expect_best(with_singular_values(random, sigma));
 }

@@ -12,7 +12,8 @@ namespace sinew {
 namespace {
 
 /// The minimiser from the dense saddle-point system [A C^T; C 0].
-MatrixX dense_kkt(const SparseMatrix& A, const std::vector<bool>& free, const MatrixX& given, const MatrixX& b)
+MatrixX dense_kkt(const SparseMatrix& A, const std::vector<bool>& free, const MatrixX& given,
+                  const MatrixX& b)
 {
     const int n = static_cast<int>(A.rows());
     std::vector<int> fixed;
@@ -123,22 +124,30 @@ TEST(ConstrainedQuadratic, returns_the_right_side_that_was_solved_for)
     const MatrixX side = system.solve(x, &b);
     const std::vector<int>& rows = system.free_rows();
     ASSERT_EQ(side.rows(), static_cast<Eigen::Index>(rows.size()));
-    EXPECT_LT((side - [&] {
-        MatrixX own(rows.size(), 2);
-        for (std::size_t f = 0; f < rows.size(); ++f) {
-            own.row(f) = b.row(rows[f]);
-            for (int c = 0; c < 25; ++c)
-                if (!free[c])
-                    own.row(f) -= A.coeff(rows[f], c) * x.row(c);
-        }
-        return own;
-    }()).cwiseAbs().maxCoeff(), 1e-13); // the same products in another order
-    EXPECT_LT((system.solve_free(side) - [&] {
-        MatrixX own(rows.size(), 2);
-        for (std::size_t f = 0; f < rows.size(); ++f)
-            own.row(f) = x.row(rows[f]);
-        return own;
-    }()).cwiseAbs().maxCoeff(), 1e-15);
+    EXPECT_LT((side -
+               [&] {
+                   MatrixX own(rows.size(), 2);
+                   for (std::size_t f = 0; f < rows.size(); ++f) {
+                       own.row(f) = b.row(rows[f]);
+                       for (int c = 0; c < 25; ++c)
+                           if (!free[c])
+                               own.row(f) -= A.coeff(rows[f], c) * x.row(c);
+                   }
+                   return own;
+               }())
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-13); // the same products in another order
+    EXPECT_LT((system.solve_free(side) -
+               [&] {
+                   MatrixX own(rows.size(), 2);
+                   for (std::size_t f = 0; f < rows.size(); ++f)
+                       own.row(f) = x.row(rows[f]);
+                   return own;
+               }())
+                  .cwiseAbs()
+                  .maxCoeff(),
+              1e-15);
 }
 
 TEST(ConstrainedQuadratic, with_everything_given_solves_nothing)

@@ -84,10 +84,7 @@ private:
 
 Points start(int n) { return 3 * shapes::Random(9).dense(n, 3); }
 
-LbfgsOptions budget(int iterations)
-{
-    return {.max_iterations = iterations, .tolerance = 0.0};
-}
+LbfgsOptions budget(int iterations) { return {.max_iterations = iterations, .tolerance = 0.0}; }
 
 /// F after 0, 1, 2 ... iterations from the same start, each checked against the point returned.
 template <class Make>
@@ -129,7 +126,8 @@ TEST(MetricLbfgs, with_the_true_hessian_as_metric_needs_one_step)
 TEST(MetricLbfgs, finds_the_minimum_of_a_quadratic_under_a_bounding_metric)
 {
     const MatrixX A = random_spd(20, 2, 1.0);
-    Quadratic problem(A, 2 * A.diagonal().asDiagonal().toDenseMatrix() + A.trace() * MatrixX::Identity(20, 20));
+    Quadratic problem(A,
+                      2 * A.diagonal().asDiagonal().toDenseMatrix() + A.trace() * MatrixX::Identity(20, 20));
     Points x = start(20);
     const SolveReport report = minimize(problem, x, budget(400));
     // F stops falling when steps are of sqrt(epsilon): half the digits in x.

@@ -176,7 +176,8 @@ INSTANTIATE_TEST_SUITE_P(SpdFactor, EveryFactor,
                          testing::Combine(testing::Values(FactorBackend::automatic, FactorBackend::supernodal,
                                                           FactorBackend::simplicial, FactorBackend::ldlt),
                                           testing::Values(Ordering::natural, Ordering::reverse_cuthill_mckee,
-                                                          Ordering::minimum_degree, Ordering::nested_dissection)),
+                                                          Ordering::minimum_degree,
+                                                          Ordering::nested_dissection)),
                          name_of);
 
 TEST(SpdFactor, of_no_unknowns_solves_nothing)

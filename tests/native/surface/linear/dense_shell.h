@@ -27,7 +27,8 @@ public:
                     hard_[handles[h].vertices[k]] = h;
                     C[handles[h].vertices[k]] = std::min(handles[h].continuity, 1.0);
                 }
-        const VectorX ks = spread(options.stretching), kb = spread(options.bending), kv = spread(options.variation);
+        const VectorX ks = spread(options.stretching), kb = spread(options.bending),
+                      kv = spread(options.variation);
         const auto mean = [](const VectorX& k, const std::vector<int>& element) {
             double sum = 0;
             for (int v : element)
@@ -82,7 +83,8 @@ public:
         if (energy) {
             *energy = 0.5 * (d.transpose() * elastic_ * d).trace();
             for (const Pull& pull : pulls_)
-                *energy += 0.5 * pull.stiffness * (d.row(pull.vertex) - wanted(pull.vertex, pull.handle)).squaredNorm();
+                *energy += 0.5 * pull.stiffness *
+                           (d.row(pull.vertex) - wanted(pull.vertex, pull.handle)).squaredNorm();
         }
         return mesh_.points() + d;
     }

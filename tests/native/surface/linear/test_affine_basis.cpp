@@ -54,7 +54,8 @@ TEST(AffineBasis, gives_what_the_full_solve_gives)
     const SurfaceMesh mesh = shapes::hill(8, 8);
     for (const auto& [s, b] : {std::pair{1.0, 0.0}, {0.0, 1.0}, {0.3, 1.0}})
         for (Discretization kind : {Discretization::uniform, Discretization::cotan_voronoi}) {
-            const Pair pair = bind(mesh, {.stretching = {s}, .bending = {b}, .laplacian = kind}, three_handles(mesh));
+            const Pair pair =
+                bind(mesh, {.stretching = {s}, .bending = {b}, .laplacian = kind}, three_handles(mesh));
             ASSERT_NE(pair.with.affine_basis(), nullptr);
             ASSERT_EQ(pair.without.affine_basis(), nullptr);
             for (int seed = 0; seed < 5; ++seed) {

@@ -57,8 +57,9 @@ TEST(ThinShell, rest_in_rest_out)
             chosen.affine_basis = basis;
             const SurfaceMesh mesh = shapes::hill(8, 8);
             // Displacements of exactly zero: nothing may move, not by a bit.
-            EXPECT_EQ(bound_and_solved(mesh, chosen, shapes::ends(mesh, 1.5), {shapes::still(), shapes::still()}),
-                      mesh.points());
+            EXPECT_EQ(
+                bound_and_solved(mesh, chosen, shapes::ends(mesh, 1.5), {shapes::still(), shapes::still()}),
+                mesh.points());
         }
 }
 
@@ -83,15 +84,19 @@ TEST(ThinShell, any_affine_motion_of_a_framed_plane_is_exact)
     // L x = 0 inside a planar mesh, so affine displacements cost nothing where L sees no border:
     // a frame three rings deep hides it from every order.
     const SurfaceMesh plane = shapes::grid(12, 11, 0.5, 0.2);
-    const std::vector<Handle> frame{{shapes::where(plane, [](const Vector3& p) {
-        return p.x() < 1.2 || p.y() < 1.2 || p.x() > 4.8 || p.y() > 4.3;
-    }), {}}};
+    const std::vector<Handle> frame{{shapes::where(plane,
+                                                   [](const Vector3& p) {
+                                                       return p.x() < 1.2 || p.y() < 1.2 || p.x() > 4.8 ||
+                                                              p.y() > 4.3;
+                                                   }),
+                                     {}}};
     Matrix3 A;
     A << 1.2, 0.3, 0, -0.4, 0.8, 0.1, 0.5, 0.2, 2;
     const Pose pose = shapes::affine(A, {1, 2, 3});
     for (const ThinShellOptions& options : orders)
         EXPECT_LT(shapes::distance(bound_and_solved(plane, options, frame, {pose}),
-                                   shapes::transformed(plane.points(), pose)), solved);
+                                   shapes::transformed(plane.points(), pose)),
+                  solved);
 }
 
 TEST(ThinShell, solves_as_dense_matrices_built_from_angles_do)
@@ -127,7 +132,8 @@ TEST(ThinShell, solves_polygons_as_dense_matrices_do)
         ThinShellOptions options = stiffness(0.1, 1, 0);
         options.laplacian = kind;
         DenseShell oracle(mesh, options, handles);
-        EXPECT_LT(shapes::distance(bound_and_solved(mesh, options, handles, bent), oracle.solve(bent)), solved);
+        EXPECT_LT(shapes::distance(bound_and_solved(mesh, options, handles, bent), oracle.solve(bent)),
+                  solved);
     }
 }
 
@@ -145,7 +151,8 @@ TEST(ThinShell, painted_stiffness_scales_its_own_term)
             options.laplacian = kind;
             (term == 0 ? options.stretching : term == 1 ? options.bending : options.variation) = painted;
             DenseShell oracle(mesh, options, handles);
-            EXPECT_LT(shapes::distance(bound_and_solved(mesh, options, handles, bent), oracle.solve(bent)), solved)
+            EXPECT_LT(shapes::distance(bound_and_solved(mesh, options, handles, bent), oracle.solve(bent)),
+                      solved)
                 << "term " << term;
         }
 }
@@ -184,7 +191,8 @@ TEST(ThinShell, only_the_ratio_of_the_stiffnesses_counts)
     const Points one = bound_and_solved(mesh, stiffness(0.3, 1, 0.2), handles, bent);
     for (double scale : {1e-6, 1e6})
         EXPECT_LT(shapes::distance(
-            bound_and_solved(mesh, stiffness(0.3 * scale, scale, 0.2 * scale), handles, bent), one), solved);
+                      bound_and_solved(mesh, stiffness(0.3 * scale, scale, 0.2 * scale), handles, bent), one),
+                  solved);
 }
 
 TEST(ThinShell, is_linear_in_the_poses)
@@ -213,8 +221,9 @@ TEST(ThinShell, turns_with_the_coordinate_system)
     }
     const Points elsewhere =
         bound_and_solved(shapes::moved(mesh, shapes::transformed(mesh.points(), view)), {}, handles, seen);
-    EXPECT_LT(shapes::distance(elsewhere, shapes::transformed(bound_and_solved(mesh, {}, handles, bent), view)),
-              solved);
+    EXPECT_LT(
+        shapes::distance(elsewhere, shapes::transformed(bound_and_solved(mesh, {}, handles, bent), view)),
+        solved);
 }
 
 TEST(ThinShell, ten_solves_take_one_factorisation)

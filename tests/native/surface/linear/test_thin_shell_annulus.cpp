@@ -138,10 +138,7 @@ TEST(ThinShellAnnulus, membrane_is_logarithmic)
     EXPECT_LT(std::abs(fine - exact), 0.4 * std::abs(coarse - exact));
 }
 
-TEST(ThinShellAnnulus, thin_plate)
-{
-    expect_first_order(stiffness(0, 1), 1, 0.4584346, 1e-4);
-}
+TEST(ThinShellAnnulus, thin_plate) { expect_first_order(stiffness(0, 1), 1, 0.4584346, 1e-4); }
 
 TEST(ThinShellAnnulus, membrane_and_plate_together)
 {

@@ -143,7 +143,8 @@ TEST(ThinShellHandles, may_hold_every_vertex)
     for (bool basis : {true, false}) {
         ThinShell shell(mesh, {.affine_basis = basis});
         shell.set_handles({{shapes::where(mesh, [](const Vector3&) { return true; }), {}}});
-        EXPECT_LT(shapes::distance(solve(shell, {bent[1]}), shapes::transformed(mesh.points(), bent[1])), 1e-13);
+        EXPECT_LT(shapes::distance(solve(shell, {bent[1]}), shapes::transformed(mesh.points(), bent[1])),
+                  1e-13);
     }
 }
 
@@ -190,7 +191,8 @@ TEST(ThinShellHandles, displacements_are_added_to_the_incoming_pose)
         const Points incoming = shapes::transformed(mesh.points(), shapes::turn({1, 2, 0}, 30));
         // A translated handle displaces the incoming surface as it displaces the rest.
         const Poses lifted{shapes::still(), shapes::shift(0, 0, 2)};
-        EXPECT_LT(shapes::distance(solve(shell, lifted, view(incoming)) - incoming, solve(shell, lifted) - mesh.points()),
+        EXPECT_LT(shapes::distance(solve(shell, lifted, view(incoming)) - incoming,
+                                   solve(shell, lifted) - mesh.points()),
                   1e-10);
         // The rest as incoming pose is no incoming pose.
         EXPECT_LT(shapes::distance(solve(shell, bent, view(mesh.points())), solve(shell, bent)), 1e-10);
@@ -249,12 +251,12 @@ TEST(ThinShellHandles, progress_rises_to_one)
     ThinShell shell(mesh);
     double last = 0.0;
     shell.set_handles(shapes::ends(mesh, 1.5), Progress([&](double fraction, const char* stage) {
-        EXPECT_GE(fraction, last);
-        EXPECT_LE(fraction, 1.0);
-        EXPECT_STRNE(stage, "");
-        last = fraction;
-        return true;
-    }));
+                          EXPECT_GE(fraction, last);
+                          EXPECT_LE(fraction, 1.0);
+                          EXPECT_STRNE(stage, "");
+                          last = fraction;
+                          return true;
+                      }));
     EXPECT_EQ(last, 1.0);
 }
 
@@ -262,7 +264,8 @@ TEST(ThinShellHandles, bind_and_solve_on_messy_meshes)
 {
     const SurfaceMesh mesh = shapes::messy();
     for (Discretization kind : every)
-        for (const auto& [s, b, v] : {std::array{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 1.0, 1.0}}) {
+        for (const auto& [s, b, v] :
+             {std::array{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 1.0, 1.0}}) {
             ThinShell shell(mesh, {.stretching = {s}, .bending = {b}, .variation = {v}, .laplacian = kind});
             const std::vector<Handle> handles{{{0, 1, 9, 10}, {}}, {{79, 80, 70, 71}, {}}};
             const BindReport report = shell.set_handles(handles);

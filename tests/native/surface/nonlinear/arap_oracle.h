@@ -21,7 +21,8 @@ public:
     ArapOracle(const SurfaceMesh& mesh, const ArapOptions& options) : mesh_(mesh), options_(options)
     {
         const int n = mesh.vertex_count();
-        rigidity_ = options.rigidity.size() == 1 ? std::vector<double>(n, options.rigidity[0]) : options.rigidity;
+        rigidity_ =
+            options.rigidity.size() == 1 ? std::vector<double>(n, options.rigidity[0]) : options.rigidity;
         double area = 0;
         for (const Triangle& t : mesh.triangles())
             for (int k = 0; k < 3; ++k) {
@@ -74,7 +75,8 @@ public:
         for (int sweep = 0; smoothing_ > 0 && sweep < 5000; ++sweep) {
             for (int i = 0; i < n; ++i) {
                 Matrix3 pull = S[i];
-                for (auto at = weights_.lower_bound({i, 0}); at != weights_.end() && at->first.first == i; ++at)
+                for (auto at = weights_.lower_bound({i, 0}); at != weights_.end() && at->first.first == i;
+                     ++at)
                     pull += 2 * smoothing_ * pair_rigidity(at->first) * at->second * R[at->first.second];
                 R[i] = rotation(pull);
             }
@@ -124,7 +126,8 @@ private:
         double sum = 0;
         for (const Term& t : terms_) {
             const Vector3 after = (q.row(t.a) - q.row(t.b)).transpose();
-            sum += rigidity_[t.cell] * t.weight * (after - R[t.cell] * (mesh_.point(t.a) - mesh_.point(t.b))).squaredNorm();
+            sum += rigidity_[t.cell] * t.weight *
+                   (after - R[t.cell] * (mesh_.point(t.a) - mesh_.point(t.b))).squaredNorm();
         }
         for (const auto& [pair, weight] : weights_)
             sum += smoothing_ * pair_rigidity(pair) * weight * (R[pair.first] - R[pair.second]).squaredNorm();

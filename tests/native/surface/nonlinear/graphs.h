@@ -9,8 +9,8 @@
 namespace sinew::graphs {
 
 /// The graph of a mesh without obtuse angles, factorised; painted with random rigidity on request.
-inline ArapGraph of(const SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness, bool rims = false,
-                    bool painted = false)
+inline ArapGraph of(const SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness,
+                    bool rims = false, bool painted = false)
 {
     ArapGraph graph;
     graph.size = mesh.vertex_count();

@@ -107,7 +107,8 @@ TEST(ArapCascade, edges_are_symmetric_and_positive)
                 weights[{p, graph.neighbours[a]}] = graph.weights[a];
         for (const auto& [edge, weight] : weights) {
             EXPECT_GT(weight, 0.0);
-            EXPECT_NEAR((weights[{edge.second, edge.first}]), weight, 1e-13 * weight); // summed in another order
+            EXPECT_NEAR((weights[{edge.second, edge.first}]), weight,
+                        1e-13 * weight); // summed in another order
         }
     }
 }
@@ -151,9 +152,11 @@ TEST(ArapCascade, starts_a_rigid_motion_with_its_rotation)
             ArapProblem problem(setting.graph, view(setting.mesh.points()), goals.targets, goals.pulls);
             setting.cascade.start(problem, setting.graph, setting.mesh.points(), targets);
             for (int i = 0; i < setting.graph.size; ++i) {
-                // Idle nodes keep the identity. The coarse levels round at size 40.
-                const Matrix3 expected = setting.graph.idle[i] ? Matrix3::Identity() : Matrix3(pose.leftCols<3>());
-                EXPECT_LT((problem.rotations[i] - expected).norm(), 1e-9);
+                // Idle nodes keep the identity. Where all neighbours of a node are in line, its turn is
+                // settled by a pull of 1e-8 towards the one there was.
+                const Matrix3 expected =
+                    setting.graph.idle[i] ? Matrix3::Identity() : Matrix3(pose.leftCols<3>());
+                EXPECT_LT((problem.rotations[i] - expected).norm(), 1e-7);
             }
         }
 }
@@ -188,7 +191,8 @@ TEST(ArapCascade, can_be_cancelled_while_clustering)
 {
     const SurfaceMesh mesh = shapes::bar(24, 6);
     const ArapGraph graph = graphs::of(mesh, shapes::ends(mesh, 2), 5e-4);
-    EXPECT_THROW(ArapCascade(graph, mesh.points(), Progress([](double, const char*) { return false; })), Cancelled);
+    EXPECT_THROW(ArapCascade(graph, mesh.points(), Progress([](double, const char*) { return false; })),
+                 Cancelled);
 }
 
 } // namespace sinew

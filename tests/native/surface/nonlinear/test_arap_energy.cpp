@@ -18,9 +18,9 @@ struct Variant
     bool rims, painted, soft;
 };
 
-const std::vector<Variant> variants{{0, false, false, false}, {0, true, false, false}, {0, false, true, false},
-                                    {0, true, true, false},   {0, false, false, true}, {0.02, false, false, false},
-                                    {0.02, true, true, true}};
+const std::vector<Variant> variants{
+    {0, false, false, false}, {0, true, false, false},     {0, false, true, false}, {0, true, true, false},
+    {0, false, false, true},  {0.02, false, false, false}, {0.02, true, true, true}};
 
 const Poses bent{shapes::still(), shapes::turn({1, 0, 0}, 30, {0, 0, 1}, {0.2, 0.4, 0.3})};
 
@@ -175,7 +175,8 @@ TEST(ArapEnergy, a_rigid_motion_costs_nothing)
         problem.rotations.assign(setting.graph.size, pose.leftCols<3>());
         Points gradient;
         const Points moved = shapes::transformed(setting.mesh.points(), pose);
-        EXPECT_LT(problem.evaluate(problem.free_rows(view(moved)), gradient), 1e-25); // squares of rounding at size 8
+        EXPECT_LT(problem.evaluate(problem.free_rows(view(moved)), gradient),
+                  1e-25); // squares of rounding at size 8
         EXPECT_LT(gradient.cwiseAbs().maxCoeff(), 1e-12);
     }
 }

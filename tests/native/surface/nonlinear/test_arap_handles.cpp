@@ -53,7 +53,8 @@ TEST(ArapHandles, soft_ones_are_met_the_better_the_nearer_their_weight_is_to_one
         handles[1].weights.assign(handles[1].vertices.size(), weight);
         const BindReport report = arap.set_handles(handles);
         EXPECT_EQ(report.soft_vertices, static_cast<int>(handles[1].vertices.size()));
-        const double gap = worst_gap(mesh, solve(arap, bent, {.max_iterations = 100}), handles[1].vertices, bent[1]);
+        const double gap =
+            worst_gap(mesh, solve(arap, bent, {.max_iterations = 100}), handles[1].vertices, bent[1]);
         EXPECT_LT(gap, before);
         before = gap;
     }
@@ -106,7 +107,8 @@ TEST(ArapHandles, a_single_vertex_can_be_a_handle)
     // One vertex alone: the whole part follows as a rigid body.
     arap.set_handles({{{0}, {}}});
     EXPECT_LT(shapes::distance(solve(arap, {shapes::shift(1, 2, 3)}),
-                               shapes::transformed(mesh.points(), shapes::shift(1, 2, 3))), 1e-9);
+                               shapes::transformed(mesh.points(), shapes::shift(1, 2, 3))),
+              1e-9);
 }
 
 TEST(ArapHandles, before_any_the_shape_that_comes_in_goes_out)
@@ -177,11 +179,14 @@ TEST(ArapHandles, an_incoming_pose_passes_through_where_no_handle_moves)
         for (int i = 0; i < incoming.rows(); ++i)
             incoming.row(i) += 0.2 * random.vector().transpose();
         // Edges are taken from the incoming pose: nothing is strained, the answer is exact.
-        EXPECT_LT(shapes::distance(solve(arap, Poses(2, shapes::still()), {.incoming = view(incoming)}), incoming), 1e-11);
+        EXPECT_LT(
+            shapes::distance(solve(arap, Poses(2, shapes::still()), {.incoming = view(incoming)}), incoming),
+            1e-11);
         // And so is a rigid motion of it.
         const Pose pose = shapes::turn({1, 1, 0}, 150, {0, 3, 0}, {1, 2, 3});
         EXPECT_LT(shapes::distance(solve(arap, {pose, pose}, {.incoming = view(incoming)}),
-                                   shapes::transformed(incoming, pose)), 1e-10);
+                                   shapes::transformed(incoming, pose)),
+                  1e-10);
     }
 }
 
@@ -210,8 +215,9 @@ TEST(ArapHandles, bind_and_solve_on_messy_meshes)
             double before = std::numeric_limits<double>::infinity();
             for (int k : {0, 1, 2, 4, 8, 40}) {
                 Points q;
-                const SolveReport solved = arap.solve({shapes::still(), shapes::turn({0, 0, 1}, 40, {8, 8, 0}, {1, 2, 3})},
-                                                      q, {.max_iterations = k, .tolerance = 0.0});
+                const SolveReport solved =
+                    arap.solve({shapes::still(), shapes::turn({0, 0, 1}, 40, {8, 8, 0}, {1, 2, 3})}, q,
+                               {.max_iterations = k, .tolerance = 0.0});
                 EXPECT_TRUE(q.allFinite());
                 EXPECT_LT(shapes::distance(q, mesh.points()), 30.0); // nothing flies off
                 EXPECT_LE(solved.energy, before * (1 + 1e-12));
@@ -234,7 +240,8 @@ TEST(ArapHandles, faces_of_one_corner_repeated_change_nothing)
             plain.set_handles(shapes::ends(clean, 1.5));
             odd.set_handles(shapes::ends(clean, 1.5));
             const Poses lifted{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {0, 0, 2})};
-            EXPECT_LT(shapes::distance(solve(odd, lifted), solve(plain, lifted)), 1e-9); // the same sums, other order
+            EXPECT_LT(shapes::distance(solve(odd, lifted), solve(plain, lifted)),
+                      1e-9); // the same sums, other order
         }
 }
 
@@ -304,7 +311,8 @@ TEST(ArapHandles, a_cancelled_solve_leaves_the_object_usable)
     for (int stop : {1, 2, 5}) {
         int ticks = 0;
         Points q;
-        EXPECT_THROW(arap.solve(bent, q, {}, Progress([&](double, const char*) { return ++ticks < stop; })), Cancelled);
+        EXPECT_THROW(arap.solve(bent, q, {}, Progress([&](double, const char*) { return ++ticks < stop; })),
+                     Cancelled);
         EXPECT_EQ(ticks, stop);
         EXPECT_EQ(solve(arap, bent), before);
     }
@@ -316,11 +324,11 @@ TEST(ArapHandles, progress_of_a_bind_rises_to_one)
     Arap arap(mesh);
     double last = 0.0;
     arap.set_handles(shapes::ends(mesh, 2), Progress([&](double fraction, const char*) {
-        EXPECT_GE(fraction, last);
-        EXPECT_LE(fraction, 1.0);
-        last = fraction;
-        return true;
-    }));
+                         EXPECT_GE(fraction, last);
+                         EXPECT_LE(fraction, 1.0);
+                         last = fraction;
+                         return true;
+                     }));
     EXPECT_EQ(last, 1.0);
 }
 
