@@ -106,6 +106,20 @@ TEST_P(EveryFactor, keeps_the_symbolic_part_while_the_pattern_stays)
     EXPECT_LT(error_of(factor, other, random.dense(81, 1)), well_conditioned);
 }
 
+TEST_P(EveryFactor, sees_another_pattern_of_the_same_size)
+{
+    // Pairs 0-1 and 2-3, then 0-2 and 1-3: two entries a column in both.
+    SpdFactor factor = make();
+    for (const auto& [a, b, c, d] : {std::array{0, 1, 2, 3}, {0, 2, 1, 3}}) {
+        SparseMatrix A = matrices::diagonal({2, 3, 4, 5});
+        A.coeffRef(a, b) = A.coeffRef(b, a) = A.coeffRef(c, d) = A.coeffRef(d, c) = 1;
+        A.makeCompressed();
+        factor.factorize(A);
+        EXPECT_LT(error_of(factor, A, MatrixX::Identity(4, 4)), well_conditioned);
+    }
+    EXPECT_EQ(factor.analyses(), 2);
+}
+
 TEST_P(EveryFactor, names_the_unknown_where_an_indefinite_matrix_breaks_down)
 {
     SpdFactor factor = make();

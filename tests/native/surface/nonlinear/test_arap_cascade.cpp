@@ -180,6 +180,24 @@ TEST(ArapCascade, gives_rotations_between_those_of_the_handles)
     }
 }
 
+TEST(ArapCascade, blends_rotations_on_either_side_of_half_a_turn)
+{
+    // 170 and 190 degrees: their quaternions come with opposite signs.
+    const Setting setting;
+    const Poses poses{shapes::turn({1, 0, 0}, 170), shapes::turn({1, 0, 0}, 190)};
+    const Targets targets{poses, view(setting.mesh.points()), {}, nullptr};
+    const ArapGoals goals(setting.graph, targets);
+    ArapProblem problem(setting.graph, view(setting.mesh.points()), goals.targets, goals.pulls);
+    setting.cascade.start(problem, setting.graph, setting.mesh.points(), targets);
+    const Matrix3 half = shapes::rotation({1, 0, 0}, 180);
+    for (int i = 0; i < setting.graph.size; ++i) {
+        if (setting.graph.idle[i])
+            continue;
+        // 10 degrees to either side, and a little shear.
+        EXPECT_LT(Eigen::AngleAxisd(problem.rotations[i].transpose() * half).angle(), 0.3);
+    }
+}
+
 TEST(ArapCascade, a_small_mesh_needs_no_levels)
 {
     const SurfaceMesh mesh = shapes::bar(6, 2);
