@@ -189,7 +189,7 @@ METHODS: tuple[Method, ...] = (
         control=Control.HANDLES,
         native="Arap",
         section="6",
-        paper="Sorkine & Alexa 2007",
+        paper="Sorkine & Alexa 2007, Levi & Gotsman 2015",
         summary="Keeps details through large turns; best for limbs",
         parameters=(
             Float(
@@ -233,12 +233,12 @@ METHODS: tuple[Method, ...] = (
             ),
             Float(
                 "tolerance",
-                1e-4,
+                1e-5,
                 maximum=1.0,
-                soft_maximum=0.01,
+                soft_maximum=0.001,
                 precision=6,
                 label="Tolerance",
-                description="Stop when a step changes the shape by less than this share of its size",
+                description="Stop when two steps in a row lower the energy by less than this share of it",
             ),
         ),
     ),

@@ -17,8 +17,9 @@ namespace {
 /// (edge length / size)^2k and reach 1e-12 for k = 2 at a million unknowns.
 constexpr double rounding = 1e-14;
 
-std::unique_ptr<FactorEngine> make_engine(FactorBackend backend, const SparseMatrix& matrix)
+std::unique_ptr<FactorEngine> make_engine(const FactorOptions& options, const SparseMatrix& matrix)
 {
+    const FactorBackend backend = options.backend;
     if (backend == FactorBackend::ldlt)
         return make_ldlt_factor();
     if (!have_cholmod()) {
@@ -29,7 +30,7 @@ std::unique_ptr<FactorEngine> make_engine(FactorBackend backend, const SparseMat
     if (backend != FactorBackend::automatic)
         return make_cholmod_factor(backend == FactorBackend::supernodal);
     const bool second_ring = matrix.nonZeros() >= 12 * matrix.cols();
-    return make_cholmod_factor(second_ring || matrix.cols() > 60000);
+    return make_cholmod_factor(second_ring || matrix.cols() > (options.many_solves ? 250000 : 60000));
 }
 
 [[noreturn]] void refuse(int unknown, const char* reason)
@@ -61,7 +62,7 @@ void SpdFactor::factorize(const SparseMatrix& matrix)
         return;
     }
     if (!same_pattern(matrix)) {
-        engine_ = make_engine(options_.backend, matrix);
+        engine_ = make_engine(options_, matrix);
         engine_->analyze(matrix, elimination_order(matrix, options_.ordering));
         size_ = static_cast<int>(matrix.cols());
         offsets_.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + size_ + 1);

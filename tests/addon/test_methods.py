@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The registry: complete rows, stable numbers, and keywords the native module really takes."""
 
+import ast
 import re
+from pathlib import Path
 
 import pytest
 
@@ -70,3 +72,19 @@ def test_the_native_class_takes_the_parameters(method: methods.Method):
     positions, report = solver.solve(np.eye(4)[None, :3], incoming=None, from_rest=[False], **keywords)
     assert np.abs(positions - points).max() < 1e-9
     assert report.converged
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_the_defaults_are_those_of_the_native_class(method: methods.Method):
+    """An artist and a programmer who change nothing get the same shape."""
+    stub = Path(__file__).parents[2] / "native" / "bindings" / "sinew_native.pyi"
+    classes = [
+        node for node in ast.parse(stub.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef)
+    ]
+    (native,) = [node for node in classes if node.name == method.native]
+    (constructor,) = [node for node in native.body if getattr(node, "name", "") == "__init__"]
+    names = [argument.arg for argument in constructor.args.kwonlyargs]
+    defaults = dict(zip(names, map(ast.literal_eval, constructor.args.kw_defaults), strict=True))
+    assert {parameter.id: parameter.default for parameter in method.parameters} == {
+        parameter.id: defaults[parameter.id] for parameter in method.parameters
+    }

@@ -44,8 +44,8 @@ struct ArapGraph
 
     std::vector<int> free_nodes;
     std::vector<int> place;               ///< node -> index among the free ones, else -1
-    SpdFactor position_factor;            ///< L on free nodes, pulls on the diagonal
-    SpdFactor rotation_factor;            ///< of the rotation field; empty without smoothing
+    SpdFactor position_factor{{.many_solves = true}}; ///< L on free nodes, pulls on the diagonal
+    SpdFactor rotation_factor{{.many_solves = true}}; ///< of the rotation field; empty without smoothing
 
     /// Entries of L one a directed edge: weights times the rigidity of the cells they lie in.
     std::vector<double> metric;
