@@ -3,7 +3,8 @@
 
 Excess energy in per cent over a long run from the same start, after 0, 4, 10, 20 and 40 iterations, next
 to the figures of the study that the method builds on. Figures count iterations, so they are the same on
-every machine; the times beside them are not.
+every machine; the times beside them are not. "bend 179" is a saddle: a symmetric shape, at which the steps
+become tiny after 20 iterations and which a run of hundreds leaves sideways, to an energy 0.4 % lower.
 
     python tests/benchmarks/arap_convergence.py [--largest 200000] [--meshes FOLDER] [--smoothness 0]
 """
@@ -108,7 +109,7 @@ def line(row: dict[str, object]) -> str:
 
 
 def plot(rows: list[dict[str, object]], path: Path) -> None:
-    figure, axes = plt.subplots(figsize=(9, 5.5), layout="constrained")
+    figure, axes = plt.subplots(figsize=(10, 5.5), layout="constrained")
     for number, row in enumerate(rows):
         excess = np.maximum(row["excess_percent"], 1e-5)
         style = ("-", "--", ":")[number // 10]
@@ -117,9 +118,10 @@ def plot(rows: list[dict[str, object]], path: Path) -> None:
         )
     for budget, limit in LIMITS.items():
         axes.plot(budget, limit, "kv", markersize=9)
+        axes.annotate(f"{limit:g} %", (budget, limit), (6, 4), textcoords="offset points")
     axes.set(xlabel="iterations", ylabel="energy above the minimum, %", title="As-rigid-as-possible")
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=7, ncols=2)
+    figure.legend(fontsize=8, loc="outside right center")
     figure.savefig(path, dpi=110)
 
 
@@ -144,7 +146,7 @@ def main() -> None:
         print(line(rows[-1]), flush=True)
     if arguments.store:
         name = "arap_convergence" if arguments.smoothness > 0 else "arap_convergence_textbook"
-        print("stored in", store(name, rows).relative_to(Path.cwd()))
+        print("stored in", store(name, rows).name)
         plot(rows, RESULTS / f"{name}.png")
 
 

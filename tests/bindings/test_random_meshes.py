@@ -15,9 +15,9 @@ import sinew_native as sn
 from .meshes import grid
 
 EVERY_RUN = settings(
-    derandomize=False, database=None,
+    derandomize=True,
     deadline=None,
-    max_examples=4000,
+    max_examples=300,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much],
 )
 FLAWS = ("double", "turn over", "lose", "flatten", "line", "needle", "far")
