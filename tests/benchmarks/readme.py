@@ -53,8 +53,8 @@ def _arap() -> str:
             f"| {row['ms_per_iteration']:.3g} ms |"
         )
     text = (
-        "Energy of `arap` above the lowest that a long run from the same start found. The bend of 179 degrees\n"
-        "has two mirrored minima with a symmetric saddle between them, 0.4 % higher, where the default stops.\n\n"
+        "Energy of `arap` above the lowest that a long run from the same start found. The 179 degree bend\n"
+        "has two mirrored minima and, 0.4 % above them, a symmetric saddle, where the default stops.\n\n"
     )
     return text + _table(
         "| case | vertices | % after 0 / 4 / 10 / 20 / 40 | default stops at | iteration |", lines
