@@ -176,6 +176,9 @@ import os, signal, sys, threading, time
 import numpy as np
 import sinew_native as sn
 
+# A shell that runs tests in the background leaves its children deaf to Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
 def grid(n):
     y, x = np.mgrid[:n + 1, :n + 1].astype(float)
     points = np.stack([x, y, np.sin(0.1 * x)], -1).reshape(-1, 3)
