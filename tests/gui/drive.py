@@ -201,7 +201,7 @@ def journey():
 
 def heavy_bind():
     """A mesh that binds in a thread: the window lives on, Esc cancels, Bind starts again."""
-    bpy.ops.mesh.primitive_grid_add(x_subdivisions=160, y_subdivisions=160)
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=400, y_subdivisions=400)
     obj = bpy.context.object
     for name, side in (("Left", -1.0), ("Right", 1.0)):
         members = [vertex.index for vertex in obj.data.vertices if vertex.co.x * side > 0.8]

@@ -66,6 +66,6 @@ def test_the_picture_changed_and_came_back(seen: dict):
 
 def test_a_heavy_mesh_binds_in_a_thread_and_esc_cancels(seen: dict):
     assert seen["heavy_in_thread"]
-    assert "25,921 vertices, 2 regions, bound in" in seen["heavy_status"]
+    assert "160,801 vertices, 2 regions, bound in" in seen["heavy_status"]
     assert "cancelled" in seen["cancelled"]
     assert "bound in" in seen["bound_again"]
