@@ -21,7 +21,6 @@ constexpr double most_weight = 1e4;   ///< of the mean: keeps the factor well co
 constexpr double least_rigidity = 1e-3; ///< of the largest painted one
 /// F below this share of sum w |p|^2 is rounding: rigid poses would iterate on it.
 constexpr double rounding_floor = 1e-14;
-constexpr int history = 5; ///< correction pairs on the fine level
 
 void require_range(double value, double least, const char* name)
 {
