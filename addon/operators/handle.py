@@ -126,11 +126,16 @@ class SINEW_OT_handle_remove(Operator):
         obj = target_of(context)
         deformer = obj.sinew.active
         try:
+            index = handle_index(deformer, self.index)
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        try:
             with object_mode(context, obj):
-                session.remove_handle(obj, deformer, handle_index(deformer, self.index))
+                session.remove_handle(obj, deformer, index)
                 if deformer.handles:
                     session.bind(obj, deformer)
-        except SinewError as error:
+        except SinewError as error:  # the region is gone; the panel says what the rest needs
             self.report({"WARNING"}, str(error))
         return {"FINISHED"}
 

@@ -28,9 +28,6 @@ public:
     /// \return           (unknowns, k) the right-hand side b_f - A_fc x_c that was solved for.
     MatrixX solve(MatrixX& x, const MatrixX* rhs = nullptr) const;
 
-    /// A_ff^-1 b for a right side on the unknowns alone.
-    MatrixX solve_free(const MatrixX& rhs) const { return factor_.solve(rhs); }
-
     const std::vector<int>& free_rows() const { return free_rows_; }
     const SpdFactor& factor() const { return factor_; }
 

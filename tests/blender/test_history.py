@@ -209,6 +209,9 @@ def test_removing_a_deformer_leaves_nothing_behind(plate: Rig):
 def test_removing_a_handle_frees_its_region(plate: Rig):
     plate.bind().lift(0.5)
     make_active(plate.obj)
+    with pytest.raises(RuntimeError, match="there is no number 7"):
+        bpy.ops.sinew.handle_remove(index=7)
+    assert len(plate.deformer.handles) == 2
     bpy.ops.sinew.handle_remove(index=1)
     assert len(plate.deformer.handles) == 1
     assert np.abs(plate.points() - plate.rest() - (0.0, 0.0, 0.5)).max() < FLOAT32

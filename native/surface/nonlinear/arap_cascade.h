@@ -35,7 +35,7 @@ class ArapCascade
 {
 public:
     ArapCascade() = default;
-    /// \param fine  factorised; must outlive nothing, it is only read here.
+    /// \param fine  the mesh's own graph, factorised; read here and not kept.
     /// \param rest  (fine.size, 3)
     /// \throw FactorizationFailed, Cancelled
     ArapCascade(const ArapGraph& fine, const Points& rest, const Progress& progress);

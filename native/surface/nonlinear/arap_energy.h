@@ -90,7 +90,7 @@ public:
     const Points& place(const Points& x);
     /// (free, 3) of an (n, 3) array.
     Points free_rows(const PointsView& all) const;
-    /// F of the undeformed edges against themselves rotated away: the scale of rounding in F.
+    /// sum r_i w_ij |p_i - p_j|^2 of the base: rounding in F is relative to it.
     double scale() const { return scale_; }
 
 private:
