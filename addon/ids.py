@@ -13,9 +13,38 @@ class Operators:
     HANDLE_REMOVE = "sinew.handle_remove"
     BIND = "sinew.bind"
     UNBIND = "sinew.unbind"
+    CANCEL = "sinew.cancel"
+    WATCH = "sinew.watch"
     APPLY = "sinew.apply"
     SELECT_PROBLEMS = "sinew.select_problems"
+    SELECT_DISTORTED = "sinew.select_distorted"
     SELECT_HANDLE = "sinew.select_handle"
+    DEFORMER_MOVE = "sinew.deformer_move"
+    HANDLE_MOVE = "sinew.handle_move"
+    HANDLE_MIRROR = "sinew.handle_mirror"
+    REPAIR = "sinew.repair"
+    PART_REGIONS = "sinew.part_regions"
+    GRAB_REGION = "sinew.grab_region"
+    BAKE = "sinew.bake"
+    UNBAKE = "sinew.unbake"
+    HELP = "sinew.help"
+
+
+class Menus:
+    """``bl_idname`` of the menus that others call by name."""
+
+    EDIT_MESH = "SINEW_MT_edit_mesh"
+    OBJECT = "SINEW_MT_object"
+    PIE = "SINEW_MT_pie"
+    ADD_REGION = "SINEW_MT_add_region"
+    HANDLE = "SINEW_MT_handle"
+    DEFORMER = "SINEW_MT_deformer"
+    MANUAL = "SINEW_MT_manual"
+    OF_GROUPS = {  # by the kind of region that a vertex group becomes
+        "HANDLE": "SINEW_MT_handle_of_group",
+        "FIXED": "SINEW_MT_fixed_of_group",
+        "SUPPORT": "SINEW_MT_support_of_group",
+    }
 
 
 class Datablocks:
@@ -33,6 +62,7 @@ class Keys:
 
     GROUP_VERSION = "sinew_group_version"
     KEEP = "sinew_keep_evaluated"
+    SHAPE = "sinew_shape"
     REST_TOKEN = "sinew_token"
     REST_GROUPS = "sinew_groups"
 

@@ -2,6 +2,25 @@
 """The only door to the native module."""
 
 from .loader import Availability
-from .native import Factor, Progress, availability, build_factor
+from .native import (
+    Diagnosis,
+    Factor,
+    Progress,
+    availability,
+    build_factor,
+    diagnose,
+    limit_memory,
+    limit_threads,
+)
 
-__all__ = ("Availability", "Factor", "Progress", "availability", "build_factor")
+__all__ = (
+    "Availability",
+    "Diagnosis",
+    "Factor",
+    "Progress",
+    "availability",
+    "build_factor",
+    "diagnose",
+    "limit_memory",
+    "limit_threads",
+)

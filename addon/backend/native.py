@@ -3,37 +3,69 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from ..core import frames
 from ..core.errors import (
     BackendMissingError,
     CancelledError,
     ConstraintError,
     MeshError,
     OptionError,
+    OutOfMemoryError,
     SinewError,
     SolverError,
 )
 from ..core.methods import Method
+from ..core.status import Remedy
 from .loader import Availability, load
 
 Progress = Callable[[float, str], bool]
+
+_limits: dict[str, int] = {}  # wanted, by the native function that sets it
 
 _TRANSLATION = {
     "InvalidMesh": MeshError,
     "InvalidConstraint": ConstraintError,
     "InvalidOption": OptionError,
     "FactorizationFailed": SolverError,
+    "OutOfMemory": OutOfMemoryError,
     "Cancelled": CancelledError,
 }
+_REPAIRABLE = (MeshError, SolverError)  # where elements are named, the mesh itself is at fault
 
 
 @lru_cache(maxsize=1)
 def availability() -> Availability:
     """The native module or its remedy. A loaded module stays until Blender ends."""
-    return load()
+    found = load()
+    for function, value in _limits.items():
+        _apply_limit(found, function, value)
+    return found
+
+
+def limit_threads(count: int) -> None:
+    """At most ``count`` threads in native loops; 0 lifts the limit. Takes effect when the module is there."""
+    _limit("limit_threads", count)
+
+
+def limit_memory(size: int) -> None:
+    """Binds that need more than ``size`` bytes are refused; 0 lifts the limit. As with the threads."""
+    _limit("limit_memory", size)
+
+
+def _limit(function: str, value: int) -> None:
+    _limits[function] = value
+    if availability.cache_info().currsize:
+        _apply_limit(availability(), function, value)
+
+
+def _apply_limit(found: Availability, function: str, value: int) -> None:
+    if found.module is not None:
+        getattr(found.module, function)(value)
 
 
 def _module():
@@ -49,18 +81,32 @@ def _translated(native) -> Iterator[None]:
         yield
     except native.Error as error:
         kind = _TRANSLATION.get(type(error).__name__, SinewError)
-        raise kind(str(error), tuple(error.elements), error.element_kind) from error
+        remedy = Remedy.REPAIR if kind in _REPAIRABLE and error.elements else None
+        raise kind(str(error), tuple(error.elements), error.element_kind, remedy) from error
     except MemoryError as error:
-        raise SolverError("Not enough memory to bind this mesh - use fewer vertices") from error
+        raise OutOfMemoryError("Not enough memory to bind this mesh - use fewer vertices") from error
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What is unusual about a mesh, as index arrays; nothing of it but ``not_finite`` prevents a bind."""
+
+    not_finite: np.ndarray  # (k,) vertices with NaN or infinite coordinates
+    degenerate_faces: np.ndarray  # (k,) faces without area
+    duplicate_faces: np.ndarray  # (k,) faces with the vertices of an earlier one
+    coincident_vertices: np.ndarray  # (k,) vertices exactly where an earlier one is
+    loose_vertices: np.ndarray  # (k,) vertices in no face
+    non_manifold_edges: np.ndarray  # (k, 2) edges of three or more faces, by their vertices
 
 
 class Factor:
     """A bound method: solve as often as you like. Safe to use from several threads."""
 
-    def __init__(self, native, solver, report) -> None:
+    def __init__(self, native, solver, report, diagnosis: Diagnosis) -> None:
         self._native = native
         self._solver = solver
         self.report = report
+        self.diagnosis = diagnosis
 
     def solve(self, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
         """Positions (n, 3) float64 and a report for ``poses`` (k, 3, 4)."""
@@ -88,4 +134,29 @@ def build_factor(
         solver = getattr(native, method.native)(mesh, **options)
         boundary = {} if continuity is None else {"continuity": continuity}
         report = solver.set_handles(handles, weights=weights, progress=progress, **boundary)
-        return Factor(native, solver, report)
+        return Factor(native, solver, report, _diagnosis(mesh))
+
+
+def diagnose(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> Diagnosis:
+    """Look for what Repair can mend. ``points`` (n, 3) float64, ``faces`` (counts, corners).
+
+    Points that are not finite count as if they lay at the origin, and not as coincident.
+    """
+    bad = ~frames.is_place(points)
+    native = _module()
+    with _translated(native):
+        return _diagnosis(native.SurfaceMesh(np.where(bad[:, None], 0.0, points), faces), bad)
+
+
+def _diagnosis(mesh, bad: np.ndarray | None = None) -> Diagnosis:
+    """``bad`` (n,): the points that are not finite, none where not given."""
+    found = mesh.diagnose()
+    coincident = found.coincident_vertices
+    return Diagnosis(
+        not_finite=np.zeros(0, dtype=int) if bad is None else np.flatnonzero(bad),
+        degenerate_faces=found.degenerate_faces,
+        duplicate_faces=found.duplicate_faces,
+        coincident_vertices=coincident if bad is None else coincident[~bad[coincident]],
+        loose_vertices=found.loose_vertices,
+        non_manifold_edges=found.non_manifold_edges,
+    )

@@ -1,17 +1,43 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One function for each capability that differs between Blender versions."""
 
-from .interface import add_group_input, add_group_output, hide_in_modifier, modifier_input, set_modifier_input
+from .animation import action_curves, remove_action_curve
+from .bones import is_bone_selected, select_bone
+from .drawing import set_text_size, smooth_colour_shader
+from .interface import (
+    add_group_input,
+    add_group_output,
+    has_group_input,
+    hide_in_modifier,
+    modifier_input,
+    set_modifier_input,
+)
+from .layout import draw_keymap_item, draw_progress, text_width
 from .mesh import read_positions, write_positions
+from .modifiers import move_modifier
 from .nodes import enabled_socket
+from .shape_keys import read_key, write_key
 
 __all__ = (
+    "action_curves",
     "add_group_input",
     "add_group_output",
+    "draw_keymap_item",
+    "draw_progress",
     "enabled_socket",
+    "has_group_input",
     "hide_in_modifier",
+    "is_bone_selected",
     "modifier_input",
+    "move_modifier",
+    "read_key",
     "read_positions",
+    "remove_action_curve",
+    "select_bone",
     "set_modifier_input",
+    "set_text_size",
+    "smooth_colour_shader",
+    "text_width",
+    "write_key",
     "write_positions",
 )

@@ -39,6 +39,11 @@ def _identifier(group: NodeTree, name: str) -> str | None:
     return next((item.identifier for item in _inputs(group) if item.name == name), None)
 
 
+def has_group_input(group: NodeTree, name: str) -> bool:
+    """The group has an input of that name."""
+    return _identifier(group, name) is not None
+
+
 def modifier_input(modifier: NodesModifier, name: str) -> object:
     """The value of a node group input; None where the group has no such input."""
     identifier = _identifier(modifier.node_group, name) if modifier.node_group else None

@@ -5,6 +5,13 @@ import numpy as np
 
 from .errors import ConstraintError
 
+FARTHEST = 1e18  # Blender keeps an infinite coordinate as the largest float
+
+
+def is_place(points: np.ndarray) -> np.ndarray:
+    """Which points (n, 3) lie somewhere: not NaN, not infinite, not so far that squares overflow."""
+    return (np.abs(points) < FARTHEST).all(axis=1)
+
 
 def newell_normals(points: np.ndarray, counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
     """Twice the vector area of each polygon, (m, 3). ``counts`` (m,), ``corners`` (sum of counts,)."""

@@ -17,14 +17,26 @@ class Level(Enum):
     ERROR = "ERROR"
 
 
+class Remedy(Enum):
+    """What a button beside a line offers. ``ui`` knows the operator of each."""
+
+    NONE = "NONE"
+    BIND = "BIND"
+    REPAIR = "REPAIR"
+    PART_REGIONS = "PART_REGIONS"
+    OVERRIDE = "OVERRIDE"
+    PREFERENCES = "PREFERENCES"
+
+
 @dataclass(frozen=True)
 class Status:
-    """One line, and the elements that **Select** would show."""
+    """One line, the elements that **Select** would show, and the remedy that a button offers."""
 
     level: Level = Level.NONE
     text: str = ""
     elements: tuple[int, ...] = ()
     element_kind: str = ""
+    remedy: Remedy = Remedy.NONE
 
 
 EMPTY = Status()
@@ -56,7 +68,8 @@ def put_notes(key: str, lines: tuple[Status, ...]) -> None:
 def fail(key: str, error: Exception) -> None:
     """Show a refusal."""
     elements = tuple(getattr(error, "elements", ()))
-    _statuses[key] = Status(Level.ERROR, str(error), elements, getattr(error, "element_kind", ""))
+    kind, remedy = getattr(error, "element_kind", ""), getattr(error, "remedy", Remedy.NONE)
+    _statuses[key] = Status(Level.ERROR, str(error), elements, kind, remedy)
 
 
 def clear(key: str | None = None) -> None:

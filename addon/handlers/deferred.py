@@ -12,6 +12,7 @@ from .. import session
 
 PAUSE = 0.15  # seconds without an edit, after which a preview becomes final
 _POLL = 0.1
+_FRAME = 0.02  # while a drag waits for the shape of a thread
 
 _last_edit = 0.0
 
@@ -31,25 +32,42 @@ def stop() -> None:
 
 
 def catch_up() -> bool:
-    """Do all of it now: finished binds, copies, final answers. True while something is still under way."""
+    """Do all of it now: finished threads, copies, edits, final answers. True while a thread is at work."""
     session.collect()
     session.tidy()
+    session.refresh()
     session.settle()
     return session.busy()
 
 
 def _is_pending() -> bool:
-    return session.busy() or bool(session.unsettled()) or session.has_copies() or bool(session.rewired())
+    return session.busy() or session.has_pending()
 
 
 def _tick() -> float | None:
-    if time.monotonic() - _last_edit < PAUSE and not session.busy():
+    if bpy.app.is_job_running("RENDER"):
         return _POLL
-    busy = catch_up()
-    if busy:
-        _redraw()
-        return _POLL
-    return None
+    if time.monotonic() - _last_edit < PAUSE:
+        session.collect()
+        return _FRAME if session.busy() else _POLL
+    try:
+        if not catch_up():
+            return None
+    except AttributeError as refusal:
+        # While an engine starts in the render thread, Blender refuses all writes for a moment.
+        if "not allowed" not in str(refusal) and "blend data" not in str(refusal):
+            raise
+    _watch()
+    _redraw()
+    return _POLL
+
+
+def _watch() -> None:
+    """Binds that started by themselves get a progress in the status bar and heed Esc, like any other."""
+    windows = bpy.context.window_manager.windows
+    for uid in session.unwatched() if windows else ():
+        with bpy.context.temp_override(window=windows[0]):
+            bpy.ops.sinew.watch("INVOKE_DEFAULT", uid=uid)
 
 
 def _redraw() -> None:

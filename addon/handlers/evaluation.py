@@ -16,7 +16,7 @@ from . import deferred
 def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Something was edited. With a window, a drag shows previews; the final answer follows when it pauses."""
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
-    session.update(depsgraph, preview=interactive)
+    session.update(depsgraph, preview=interactive, edit=True)
     if interactive:
         deferred.schedule()
 

@@ -28,12 +28,15 @@ def on_load(*_args: object) -> None:
 
 @persistent
 def before_use(*_args: object) -> None:
-    """Before a save or a render, on the main thread: copies get shapes of their own."""
+    """Before a save or a render, on the main thread: copies get shapes of their own, edits take effect."""
     session.tidy()
+    if session.refresh():
+        bpy.context.view_layer.update()
 
 
 def _evaluate_again() -> None:
     for obj in session.owners():
         if obj.library is None:
+            session.edited(obj.name)  # the mesh may be another one now
             obj.update_tag()
     deferred.schedule()

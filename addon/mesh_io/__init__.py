@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Arrays in and out of Blender meshes. The only place where float32 is widened."""
 
-from .attributes import Incoming, read_incoming
-from .rest import RestShape, group_weights, read_rest
+from .attributes import Incoming, read_attributes, read_incoming
+from .rest import RestShape, group_names, group_weights, read_faces, read_rest, weights_attribute
 from .shape import read_shape, shape_mesh, write_shape
+from .triangles import read_edges, read_triangles
 
 __all__ = (
     "Incoming",
     "RestShape",
+    "group_names",
     "group_weights",
+    "read_attributes",
+    "read_edges",
+    "read_faces",
     "read_incoming",
     "read_rest",
     "read_shape",
+    "read_triangles",
     "shape_mesh",
+    "weights_attribute",
     "write_shape",
 )

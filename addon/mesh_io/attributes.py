@@ -28,3 +28,15 @@ def read_incoming(mesh: Mesh, position_name: str, index_name: str, expected: int
     flat = np.empty(len(positions.data) * 3, dtype=np.float32)
     positions.data.foreach_get("vector", flat)
     return Incoming(flat[: expected * 3].reshape(-1, 3), count)
+
+
+def read_attributes(mesh: Mesh, position_name: str, index_name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Both attributes of all final vertices: float32 (m, 3) and int32 (m,)."""
+    positions, indices = mesh.attributes[position_name], mesh.attributes[index_name]
+    flat, index = (
+        np.empty(len(positions.data) * 3, dtype=np.float32),
+        np.empty(len(indices.data), dtype=np.int32),
+    )
+    positions.data.foreach_get("vector", flat)
+    indices.data.foreach_get("value", index)
+    return flat.reshape(-1, 3), index

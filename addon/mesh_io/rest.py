@@ -8,6 +8,7 @@ import numpy as np
 from bpy.types import Mesh
 
 from ..compat import read_positions
+from ..core import frames
 from ..ids import Keys
 
 
@@ -16,7 +17,8 @@ class RestShape:
     """What entered the modifier at bind.
 
     ``points`` float64 (n, 3), ``counts`` (m,) corners per face, ``corners`` vertex indices face after face,
-    ``weights`` float32 (n,) by vertex group name, filled on demand.
+    ``weights`` float32 (n,) by vertex group name, filled on demand. ``not_finite`` (k,) vertices whose
+    coordinates are NaN or infinite in Blender; ``points`` holds finite places near their neighbours.
     """
 
     token: str
@@ -24,6 +26,7 @@ class RestShape:
     counts: np.ndarray
     corners: np.ndarray
     weights: dict[str, np.ndarray] = field(default_factory=dict)
+    not_finite: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
 
     @cached_property
     def compact(self) -> np.ndarray:
@@ -33,18 +36,67 @@ class RestShape:
 
 def read_rest(mesh: Mesh) -> RestShape:
     """The rest shape stored in a mesh datablock."""
+    counts, corners = read_faces(mesh)
+    points = read_positions(mesh).astype(np.float64)
+    not_finite = np.flatnonzero(~frames.is_place(points))
+    if len(not_finite):
+        points[not_finite] = _stand_ins(points, counts, corners, not_finite)
+    return RestShape(mesh.get(Keys.REST_TOKEN, ""), points, counts, corners, not_finite=not_finite)
+
+
+def _stand_ins(points: np.ndarray, counts: np.ndarray, corners: np.ndarray, lost: np.ndarray) -> np.ndarray:
+    """Finite places (k, 3) for the ``lost`` vertices: the mean of the finite corners around, else of all."""
+    finite = frames.is_place(points)
+    known = np.where(finite[:, None], points, 0.0)
+    everywhere = known.sum(axis=0) / max(int(finite.sum()), 1)
+    faces = np.repeat(np.arange(len(counts)), counts)
+    sums, numbers = np.zeros((len(counts), 3)), np.zeros(len(counts))
+    np.add.at(sums, faces, known[corners])
+    np.add.at(numbers, faces, finite[corners])
+    places = np.empty((len(lost), 3))
+    for row, vertex in enumerate(lost):
+        around = faces[corners == vertex]
+        number = numbers[around].sum()
+        places[row] = sums[around].sum(axis=0) / number if number else everywhere
+    return places
+
+
+def read_faces(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Corners per face int32 (m,), and the vertex of each corner, face after face."""
     counts = np.empty(len(mesh.polygons), dtype=np.int32)
     corners = np.empty(len(mesh.loops), dtype=np.int32)
     mesh.polygons.foreach_get("loop_total", counts)
     mesh.loops.foreach_get("vertex_index", corners)
-    points = read_positions(mesh).astype(np.float64)
-    return RestShape(mesh.get(Keys.REST_TOKEN, ""), points, counts, corners)
+    return counts, corners
+
+
+def group_names(mesh: Mesh) -> list[str]:
+    """The vertex groups that a rest mesh had, in their order."""
+    names = mesh.get(Keys.REST_GROUPS)
+    if not hasattr(names, "__iter__"):
+        return []
+    return [name if isinstance(name, str) else "" for name in names]
+
+
+def weights_attribute(index: int) -> str:
+    """Where a rest mesh keeps the weights of its ``index``-th vertex group for a quick read."""
+    return f".sinew_weight_{index}"
 
 
 def group_weights(mesh: Mesh, names: list[str], wanted: set[str]) -> dict[str, np.ndarray]:
-    """Weights float32 (n,) of the ``wanted`` groups, in one pass; ``names``: the mesh's groups in order."""
+    """Weights float32 (n,) of the ``wanted`` groups; ``names``: the mesh's groups in order.
+
+    Groups kept as attributes take a millisecond a million vertices; the others one slow pass together.
+    """
     found = {name: np.zeros(len(mesh.vertices), dtype=np.float32) for name in wanted if name in names}
-    rows = {names.index(name): weights for name, weights in found.items()}
+    rows = {}
+    for name, weights in found.items():
+        index = names.index(name)
+        attribute = mesh.attributes.get(weights_attribute(index))
+        if attribute is not None and len(attribute.data) == len(weights):
+            attribute.data.foreach_get("value", weights)
+        else:
+            rows[index] = weights
     if not rows:
         return found
     for index, vertex in enumerate(mesh.vertices):

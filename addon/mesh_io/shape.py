@@ -10,11 +10,13 @@ import numpy as np
 from bpy.types import Mesh
 
 from ..compat import read_positions, write_positions
+from ..ids import Keys
 
 
 def shape_mesh(name: str, vertex_count: int) -> Mesh:
     """A new shape mesh that shows the rest shape."""
     mesh = bpy.data.meshes.new(name)
+    mesh[Keys.SHAPE] = True
     mesh.vertices.add(vertex_count + 1)
     write_shape(mesh, np.zeros((vertex_count, 3), dtype=np.float32), 0.0, False)
     return mesh

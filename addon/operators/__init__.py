@@ -4,24 +4,44 @@
 from bpy.utils import register_classes_factory
 
 from .apply import SINEW_OT_apply
+from .bake import SINEW_OT_bake, SINEW_OT_unbake
 from .bind import SINEW_OT_bind, SINEW_OT_unbind
+from .cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
+from .grab_region import SINEW_OT_grab_region
 from .handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select_handle
+from .help import PAGES, SINEW_OT_help
+from .mirror import SINEW_OT_handle_mirror
+from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
+from .repair import SINEW_OT_part_regions, SINEW_OT_repair
+from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
 from .target import target_of
 
-__all__ = ("register", "target_of", "unregister")
+__all__ = ("PAGES", "register", "target_of", "unregister")
 
 register, unregister = register_classes_factory(
     (
         SINEW_OT_deformer_add,
         SINEW_OT_deformer_remove,
+        SINEW_OT_deformer_move,
         SINEW_OT_handle_add,
         SINEW_OT_handle_remove,
+        SINEW_OT_handle_mirror,
+        SINEW_OT_handle_move,
         SINEW_OT_select_handle,
         SINEW_OT_bind,
         SINEW_OT_unbind,
+        SINEW_OT_cancel,
+        SINEW_OT_watch,
         SINEW_OT_apply,
+        SINEW_OT_bake,
+        SINEW_OT_unbake,
         SINEW_OT_select_problems,
+        SINEW_OT_grab_region,
+        SINEW_OT_repair,
+        SINEW_OT_part_regions,
+        SINEW_OT_select_distorted,
+        SINEW_OT_help,
     )
 )

@@ -4,13 +4,13 @@
 from bpy.props import EnumProperty, IntProperty
 from bpy.types import Context, Operator
 
-from .. import session
+from .. import bake, session
 from ..core.errors import SinewError
 from ..core.methods import DEFAULT_METHOD
 from ..ids import Operators
 from ..preferences import preferences
 from ..properties import method_items
-from .target import deformer_index, has_deformer, has_target, target_of
+from .target import deformer_index, has_deformer, has_target, object_mode, target_of
 
 
 class SINEW_OT_deformer_add(Operator):
@@ -20,7 +20,12 @@ class SINEW_OT_deformer_add(Operator):
     bl_label = "Add Deformer"
     bl_options = {"REGISTER", "UNDO"}
 
-    method: EnumProperty(name="Method", items=method_items(), default=DEFAULT_METHOD)
+    method: EnumProperty(
+        name="Method",
+        items=method_items(),
+        default=DEFAULT_METHOD,
+        description="How the surface follows its handles. It can be changed later, and the handles stay",
+    )
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -56,7 +61,13 @@ class SINEW_OT_deformer_remove(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         try:
-            session.remove_deformer(obj, deformer_index(obj, self.index))
+            index = deformer_index(obj, self.index)
+            deformer = obj.sinew.deformers[index]
+            with object_mode(context, obj):
+                if deformer.bake.is_baked:
+                    for line in bake.unbake(obj, deformer):
+                        self.report({"WARNING"}, line)
+                session.remove_deformer(obj, index)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add, remove and select handles."""
 
-from bpy.props import EnumProperty, IntProperty, StringProperty
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Object, Operator
 
-from .. import session
+from .. import compat, session
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..preferences import preferences
@@ -16,19 +17,42 @@ _LABELS = {identifier: label for identifier, label, *_rest in HANDLE_KINDS}
 
 
 class SINEW_OT_handle_add(WaitsForBind, Operator):
-    """Make a region of the selected vertices, or of a vertex group"""
+    """Make a region of the selected vertices in Edit Mode, else of the active vertex group.
+
+    In Pose and Weight Paint Mode the active bone becomes its control, elsewhere a new empty
+    """
 
     bl_idname = Operators.HANDLE_ADD
     bl_label = "Add Handle"
     bl_options = {"REGISTER", "UNDO"}
 
-    kind: EnumProperty(name="Kind", items=HANDLE_KINDS, default="HANDLE")
+    kind: EnumProperty(
+        name="Kind",
+        items=HANDLE_KINDS,
+        default="HANDLE",
+        description="Whether the vertices follow a control, stay, or are the only ones that may move",
+    )
     vertex_group: StringProperty(
-        name="Vertex Group", description="An existing group; empty takes the selection in Edit Mode"
+        name="Vertex Group",
+        description="An existing group; empty takes the selection in Edit Mode, else the active group",
+    )
+    handle_name: StringProperty(
+        name="Name", description="Name of the handle; empty takes that of the group", options={"SKIP_SAVE"}
+    )
+    weight: FloatProperty(
+        name="Weight",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        options={"SKIP_SAVE"},
+        description="1 holds the region exactly, less lets it give way",
     )
     control: EnumProperty(
         name="Control",
+        description="What will move the region, for a handle",
         items=(
+            ("AUTO", "Automatic", "The active bone in Pose and Weight Paint Mode, else a new empty", 2),
             ("NEW", "New Empty", "An empty at the region, aligned with its mean normal", 0),
             (
                 "SELECTED",
@@ -37,6 +61,7 @@ class SINEW_OT_handle_add(WaitsForBind, Operator):
                 1,
             ),
         ),
+        default="AUTO",
         options={"SKIP_SAVE"},
     )
     control_object: StringProperty(
@@ -58,29 +83,37 @@ class SINEW_OT_handle_add(WaitsForBind, Operator):
 
     def _run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
-        was_editing = obj.mode == "EDIT"
+        mode = context.mode
         try:
             control, bone = self._chosen_control(context, obj)
-            group = self.vertex_group
+            group = self.vertex_group or _group_at_hand(obj, bone)
+            owns_group = not group
             if not group:
-                if not was_editing:
+                if obj.mode != "EDIT":
                     raise SinewError("Name a vertex group, or select vertices in Edit Mode")
-                group = session.group_from_selection(obj, _LABELS[self.kind])
+                group = session.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
             with object_mode(context, obj):
                 deformer = obj.sinew.active or session.add_deformer(obj, preferences(context).method)
-                handle = session.add_handle(
-                    obj, deformer, self.kind, group, control, bone, owns_group=not self.vertex_group
-                )
+                handle = session.add_handle(obj, deformer, self.kind, group, control, bone, owns_group)
+                self._settle(obj, deformer, handle)
                 bound = self._bind(obj, deformer, wait)
-                if handle.kind == "HANDLE":
+                if handle.kind == "HANDLE" and mode not in ("POSE", "PAINT_WEIGHT"):
                     context.view_layer.update()  # the new empty enters the view layer
-                    _select_only(context, obj, handle)
+                    _select(context, obj, handle)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if bound:
             self.report({"INFO"}, f"{handle.name}: {deformer.status}")
         return {"FINISHED"}
+
+    def _settle(self, obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
+        """What the options say of a new handle."""
+        handle.weight = self.weight
+        if self.handle_name:
+            handle.name = self.handle_name
+        if not self.control_object:
+            handle.from_rest = session.is_moved_by_control(obj, deformer, handle)
 
     def _bind(self, obj: Object, deformer: SinewDeformer, wait: bool) -> bool:
         """The region is kept when the bind is refused; the panel then says what to do."""
@@ -99,6 +132,8 @@ class SINEW_OT_handle_add(WaitsForBind, Operator):
             if control is None:
                 raise SinewError(f"There is no object '{self.control_object}' in the scene")
             return control, self.bone
+        if self.control == "AUTO":
+            return _bone_at_hand(obj, context.object)
         if self.control == "NEW":
             return None, ""
         others = [other for other in context.selected_objects if other != obj]
@@ -141,13 +176,17 @@ class SINEW_OT_handle_remove(Operator):
 
 
 class SINEW_OT_select_handle(Operator):
-    """Select the control in Object Mode, or the vertices of the region in Edit Mode"""
+    """Select what moves or makes the region: its vertices in Edit Mode, its group in Weight Paint Mode.
+
+    Elsewhere its control; a bone is selected in Pose Mode
+    """
 
     bl_idname = Operators.SELECT_HANDLE
     bl_label = "Select Handle"
     bl_options = {"REGISTER", "UNDO"}
 
     index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
+    extend: BoolProperty(name="Extend", description="Keep what is selected already", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -158,24 +197,70 @@ class SINEW_OT_select_handle(Operator):
         deformer = obj.sinew.active
         try:
             handle = deformer.handles[handle_index(deformer, self.index)]
+            if obj.vertex_groups.get(handle.vertex_group):
+                obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
             if obj.mode == "EDIT":
-                session.select_group(obj, handle.vertex_group)
-            else:
-                _select_only(context, obj, handle)
+                _select_vertices(obj, handle, self.extend)
+            elif obj.mode != "WEIGHT_PAINT":
+                _select(context, obj, handle, self.extend)
+                if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
+                    bpy.ops.object.mode_set(mode="POSE")
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
 
 
-def _select_only(context: Context, obj: Object, handle: SinewHandle) -> None:
-    """The control alone is selected, so G, R and S move it; the mesh stays active, and so does its panel."""
+def _group_at_hand(obj: Object, bone: str) -> str:
+    """The group a rigger means outside Edit Mode: the bone's, else the active one. Each once a deformer."""
+    if obj.mode == "EDIT":
+        return ""
+    active = obj.vertex_groups.active
+    group = bone if bone in obj.vertex_groups else active.name if active else ""
+    deformer = obj.sinew.active
+    used = {handle.vertex_group for handle in deformer.handles} if deformer else set()
+    if group in used:
+        raise SinewError(f"'{group}' is a region already - pick another vertex group, or name it")
+    return group
+
+
+def _bone_at_hand(obj: Object, active: Object) -> tuple[Object | None, str]:
+    """The armature in Pose Mode and its active, selected bone; while painting, that of the mesh."""
+    if active.type == "ARMATURE":
+        armatures = [active]
+    elif obj.mode == "WEIGHT_PAINT":
+        armatures = [modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"]
+    else:
+        armatures = []
+    for armature in armatures:
+        bone = armature.data.bones.active if armature and armature.mode == "POSE" else None
+        if bone is not None and compat.is_bone_selected(armature, bone.name):
+            return armature, bone.name
+    return None, ""
+
+
+def _select_vertices(obj: Object, handle: SinewHandle, extend: bool) -> None:
+    if extend and handle.vertex_group in obj.vertex_groups:
+        bpy.ops.object.vertex_group_select()
+    else:
+        session.select_group(obj, handle.vertex_group)
+
+
+def _select(context: Context, obj: Object, handle: SinewHandle, extend: bool = False) -> None:
+    """The control is selected, so G, R and S move it; the mesh stays active, and so does its panel."""
     control = handle.control
     if control is None or control.name not in context.view_layer.objects:
         raise SinewError(f"{handle.name} has no control to select here")
-    for other in context.selected_objects:
+    if handle.control_missing:
+        raise SinewError(
+            f"{control.name} has no bone '{handle.bone}' - pick the control of {handle.name} again"
+        )
+    for other in () if extend else context.selected_objects:
         other.select_set(False)
     control.select_set(True)
     if handle.bone:
+        for other in () if extend else control.pose.bones:
+            compat.select_bone(control, other.name, False)
+        compat.select_bone(control, handle.bone)
         control.data.bones.active = control.data.bones[handle.bone]
     context.view_layer.objects.active = control if control.type == "ARMATURE" else obj

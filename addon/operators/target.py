@@ -20,7 +20,15 @@ def target_of(context: Context) -> Object | None:
     is_mesh = obj.type == "MESH"
     if is_mesh and (obj.sinew.deformers or obj.mode == "EDIT"):
         return obj
-    return session.posed_by(obj) or (obj if is_mesh else None)
+    return session.posed_by(obj) or (obj if is_mesh else _posed_with(context, obj))
+
+
+def _posed_with(context: Context, armature: Object) -> Object | None:
+    """In Pose Mode: the one mesh that is selected with the armature."""
+    if armature.mode != "POSE":
+        return None
+    meshes = [other for other in context.selected_objects if other.type == "MESH"]
+    return meshes[0] if len(meshes) == 1 else None
 
 
 def has_target(operator: type, context: Context) -> bool:

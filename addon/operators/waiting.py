@@ -14,6 +14,7 @@ class WaitsForBind:
         if session.job(uid) is None:
             return result
         self._uid = uid
+        session.watch(uid)
         self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -31,6 +32,7 @@ class WaitsForBind:
         return {"PASS_THROUGH"}
 
     def _finish(self, context: Context) -> set[str]:
+        session.watch(self._uid, False)
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
         return {"FINISHED"}

@@ -4,31 +4,47 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import deformer, handle, parameters
+from . import bake, deformer, handle, parameters, scene
+from .bake import MAX_FRAME
+from .bake import TARGETS as BAKE_TARGETS
 from .deformer import SinewDeformer, SinewObject, method_items
 from .handle import KINDS as HANDLE_KINDS
 from .handle import SinewHandle
+from .scene import SinewScene
 
 __all__ = (
+    "BAKE_TARGETS",
     "HANDLE_KINDS",
+    "MAX_FRAME",
     "SinewDeformer",
     "SinewHandle",
     "SinewObject",
+    "SinewScene",
     "method_items",
     "register",
     "unregister",
 )
 
-_CLASSES = (*parameters.GROUPS.values(), handle.SinewHandle, deformer.SinewDeformer, deformer.SinewObject)
+_CLASSES = (
+    *parameters.GROUPS.values(),
+    bake.SinewBakedKey,
+    bake.SinewBake,
+    handle.SinewHandle,
+    deformer.SinewDeformer,
+    deformer.SinewObject,
+    scene.SinewScene,
+)
 
 
 def register() -> None:
     for cls in _CLASSES:
         bpy.utils.register_class(cls)
     bpy.types.Object.sinew = PointerProperty(type=SinewObject, override={"LIBRARY_OVERRIDABLE"})
+    bpy.types.Scene.sinew = PointerProperty(type=SinewScene)
 
 
 def unregister() -> None:
+    del bpy.types.Scene.sinew
     del bpy.types.Object.sinew
     for cls in reversed(_CLASSES):
         bpy.utils.unregister_class(cls)

@@ -14,6 +14,8 @@ from bpy.types import Context, Mesh, Object, PropertyGroup
 
 from ..core import status
 from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
+from ..ids import Keys
+from .bake import SinewBake
 from .handle import SinewHandle
 from .parameters import GROUPS
 
@@ -34,14 +36,19 @@ def method_items() -> tuple[tuple, ...]:
 
 
 def _changed(deformer: "SinewDeformer", _context: Context) -> None:
-    deformer.id_data.update_tag()
+    deformer.id_data.update_tag(refresh={"OBJECT"})
 
 
 class SinewDeformer(PropertyGroup):
     """Settings of one deformer"""
 
     uid: StringProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    name: StringProperty(name="Name", default="Sinew", override=_OVERRIDE)
+    name: StringProperty(
+        name="Name",
+        default="Sinew",
+        override=_OVERRIDE,
+        description="What the list calls the deformer; double-click there to rename it",
+    )
     method: EnumProperty(
         name="Method",
         items=method_items(),
@@ -75,9 +82,23 @@ class SinewDeformer(PropertyGroup):
         override=_OVERRIDE,
         description="Follow the controls; off, the last shape stays",
     )
+    auto_rebind: BoolProperty(
+        name="Automatic Rebind",
+        override=_OVERRIDE,
+        description="Bind again by itself when the mesh gains or loses vertices. "
+        "The regions are vertex groups, so they follow",
+    )
+    topology_changed: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
     proxy: PointerProperty(type=Object, options={"HIDDEN"}, override=_OVERRIDE)
     proxy_render: PointerProperty(type=Object, options={"HIDDEN"}, override=_OVERRIDE)
     rest: PointerProperty(type=Mesh, options={"HIDDEN"}, override=_OVERRIDE)
+    rest_render: PointerProperty(
+        type=Mesh,
+        options={"HIDDEN"},
+        override=_OVERRIDE,
+        description="What enters in renders, where modifiers before Sinew give other vertices there",
+    )
+    bake: PointerProperty(type=SinewBake, override=_OVERRIDE)
     status: StringProperty(
         name="Status",
         description="What the deformer is doing, or what to do about it",
@@ -93,18 +114,30 @@ class SinewDeformer(PropertyGroup):
 
     @property
     def definition(self) -> Method:
-        """The registry row of the method in use."""
-        return BY_ID[self.method]
+        """The registry row of the method in use; the default's where a file names an unknown one."""
+        return BY_ID.get(self.method, BY_ID[DEFAULT_METHOD])
 
     @property
     def parameters(self) -> PropertyGroup:
         """The parameters of the method in use, by name."""
-        return getattr(self, self.method)
+        return getattr(self, self.definition.id)
 
     @property
     def is_bound(self) -> bool:
         """The rest shape is stored; the factor is built from it when needed."""
-        return self.rest is not None
+        return self.rest_in("VIEWPORT") is not None
+
+    def shape(self, mode: str) -> Object | None:
+        """The hidden object that shows the deformation in VIEWPORT or RENDER, where Sinew made it."""
+        shape = self.proxy_render if mode == "RENDER" else self.proxy
+        if shape is None or shape.type != "MESH" or Keys.SHAPE not in shape.data or not shape.data.vertices:
+            return None
+        return None if mode == "RENDER" and shape == self.proxy else shape
+
+    def rest_in(self, mode: str) -> Mesh | None:
+        """What entered at bind, in VIEWPORT or RENDER."""
+        rest = self.rest_render if mode == "RENDER" and self.rest_render is not None else self.rest
+        return rest if isinstance(rest, Mesh) else None
 
 
 for _method in METHODS:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A region of the mesh and what moves it."""
 
+import bpy
 from bpy.props import (
     BoolProperty,
     EnumProperty,
@@ -28,22 +29,36 @@ KINDS = (
 
 def _control_changed(handle: "SinewHandle", _context: Context) -> None:
     handle.has_rest = False
-    handle.id_data.update_tag()
+    handle.id_data.update_tag(refresh={"OBJECT"})
 
 
 def _changed(handle: "SinewHandle", _context: Context) -> None:
-    handle.id_data.update_tag()
+    handle.id_data.update_tag(refresh={"OBJECT"})
 
 
 class SinewHandle(PropertyGroup):
     """A region of the mesh and what moves it"""
 
     uid: StringProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    name: StringProperty(name="Name", default="Handle", override=_OVERRIDE)
-    kind: EnumProperty(update=_changed, name="Kind", items=KINDS, default="HANDLE", override=_OVERRIDE)
+    name: StringProperty(
+        name="Name",
+        default="Handle",
+        override=_OVERRIDE,
+        description="What the list calls the region; ends in .L or .R where it has a mirror image",
+    )
+    kind: EnumProperty(
+        update=_changed,
+        name="Kind",
+        items=KINDS,
+        default="HANDLE",
+        override=_OVERRIDE,
+        description="Whether the vertices follow a control, stay, or are the only ones that may move",
+    )
     vertex_group: StringProperty(
         name="Vertex Group",
-        description="The vertices of this region; a new one takes effect with Rebind",
+        update=_changed,
+        description="The vertices of this region, by their weights: 1 holds a vertex exactly, "
+        "less lets it give way",
         override=_OVERRIDE,
     )
     control: PointerProperty(
@@ -107,7 +122,13 @@ class SinewHandle(PropertyGroup):
         "For a handle on the same bone that already moved the mesh",
     )
     colour: FloatVectorProperty(
-        name="Colour", subtype="COLOR", default=(0.9, 0.5, 0.1), min=0.0, max=1.0, override=_OVERRIDE
+        name="Colour",
+        subtype="COLOR",
+        default=(0.9, 0.5, 0.1),
+        min=0.0,
+        max=1.0,
+        override=_OVERRIDE,
+        description="How the region is shown in the list and in overlays; it changes no shape",
     )
     has_rest: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
     rest_matrix: FloatVectorProperty(
@@ -125,7 +146,7 @@ class SinewHandle(PropertyGroup):
         if self.kind != "HANDLE":
             return False
         control = self.control
-        if control is None or not control.users_scene:
+        if control is None or not any(control.name in scene.objects for scene in bpy.data.scenes):
             return True
         return bool(self.bone) and (control.pose is None or self.bone not in control.pose.bones)
 

@@ -10,7 +10,7 @@ _OVERRIDE = {"LIBRARY_OVERRIDABLE"}
 
 
 def _changed(values: PropertyGroup, _context: Context) -> None:
-    values.id_data.update_tag()
+    values.id_data.update_tag(refresh={"OBJECT"})
 
 
 def _declare(parameter: Parameter):

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
-from .binding import CANCELLED, HEAVY, busy, cancel, duration, job, may_wait
-from .census import forget_owners, has_copies, owners, posed_by
+from .apply import apply
+from .baked import find_cache
+from .binding import CANCELLED, HEAVY, busy, cancel, duration, job, may_wait, summary, unwatched, watch
+from .census import forget_owners, owners, posed_by
 from .edit import (
     add_deformer,
     add_handle,
-    apply,
     bind,
     group_from_selection,
     remove_deformer,
@@ -16,16 +17,30 @@ from .edit import (
     unbind,
 )
 from .evaluate import settle, update
-from .rig import find_modifier
-from .state import distrust, drop_all, find, is_suspended, rewired, unsettled
-from .upkeep import collect, copies, tidy
+from .grab import NOTHING_FREE, Grab
+from .mirror import Mirrored, MirrorOptions, handles_of_side, mirror, side_of_handle
+from .move import move_deformer, move_handle
+from .parting import part_regions
+from .picking import is_moved_by_control
+from .refresh import refresh
+from .repair import Cures, notes, repair
+from .repair import summary as repair_summary
+from .rig import attribute_names, find_modifier
+from .state import distrust, drop_all, edited, find, is_suspended, suspended, unsettled
+from .upkeep import collect, copies, has_pending, tidy
 
 __all__ = (
     "CANCELLED",
     "HEAVY",
+    "NOTHING_FREE",
+    "Cures",
+    "Grab",
+    "MirrorOptions",
+    "Mirrored",
     "add_deformer",
     "add_handle",
     "apply",
+    "attribute_names",
     "bind",
     "busy",
     "cancel",
@@ -34,24 +49,40 @@ __all__ = (
     "distrust",
     "drop_all",
     "duration",
+    "edited",
     "find",
+    "find_cache",
     "find_modifier",
     "forget_owners",
     "group_from_selection",
-    "has_copies",
+    "handles_of_side",
+    "has_pending",
+    "is_moved_by_control",
     "is_suspended",
     "job",
     "may_wait",
+    "mirror",
+    "move_deformer",
+    "move_handle",
+    "notes",
     "owners",
+    "part_regions",
     "posed_by",
+    "refresh",
     "remove_deformer",
     "remove_handle",
-    "rewired",
+    "repair",
+    "repair_summary",
     "select_elements",
     "select_group",
     "settle",
+    "side_of_handle",
+    "summary",
+    "suspended",
     "tidy",
     "unbind",
     "unsettled",
+    "unwatched",
     "update",
+    "watch",
 )

@@ -3,6 +3,7 @@
 
 import logging
 import time
+from dataclasses import replace
 
 import bpy
 
@@ -13,7 +14,7 @@ from ..core.status import Level, Status
 from ..ids import Keys
 from ..mesh_io import read_rest
 from ..properties import SinewDeformer
-from . import regions, state
+from . import regions, repair, state
 from .regions import BindInput
 from .state import Bound, Session
 from .work import Work
@@ -26,6 +27,7 @@ CANCELLED = "Binding was cancelled - press Bind to start again"
 
 
 _jobs: dict[str, Work] = {}  # by deformer key; the subject is a BindInput
+_watched: set[str] = set()
 
 
 def _factor(request: BindInput, progress: Progress | None) -> Factor:
@@ -54,12 +56,15 @@ def ensure(
     settings: SinewDeformer,
     wait: bool,
     progress: Progress | None = None,
+    mode: str = "VIEWPORT",
 ) -> Bound | None:
     """The factor for these settings; None while a thread builds it, or where an earlier refusal still stands.
 
-    ``deformer`` is the original settings, ``settings`` the evaluated ones (animated values).
+    ``deformer`` is the original settings, ``settings`` the evaluated ones (animated values); ``session`` is
+    that of the mode.
     """
-    token = deformer.rest.get(Keys.REST_TOKEN, "")
+    rest = deformer.rest_in(mode)
+    token = rest.get(Keys.REST_TOKEN, "")
     key = regions.bind_key(settings, token)
     if session.bound is not None and session.bound.key == key:
         return session.bound
@@ -69,12 +74,13 @@ def ensure(
     request = None
     try:
         if session.rest is None or session.rest.token != token:
-            session.rest = read_rest(deformer.rest)
+            session.rest = read_rest(rest)
         job = _jobs.get(deformer.uid)
         if job is not None and job.subject.key == key and not wait:
             return None
-        request = regions.gather(settings, deformer.rest, session.rest)
-        abandon(deformer.uid)
+        request = regions.gather(settings, rest, session.rest, len(deformer.id_data.data.vertices))
+        if rest == deformer.rest:
+            abandon(deformer.uid)
         if not wait and may_wait(len(request.rest.points)):
             _jobs[deformer.uid] = Work(lambda progress: _factor(request, progress), request)
             return None
@@ -83,7 +89,9 @@ def ensure(
     except SinewError as error:
         _refuse(session, deformer.uid, key, error, request)
         raise
-    return _install(session, deformer.uid, request, factor, time.perf_counter() - begin)
+    return _install(
+        session, deformer.uid, request, factor, time.perf_counter() - begin, rest == deformer.rest
+    )
 
 
 def _refuse(session: Session, uid: str, key: tuple, error: SinewError, request: BindInput | None) -> None:
@@ -96,14 +104,18 @@ def _refuse(session: Session, uid: str, key: tuple, error: SinewError, request: 
     status.fail(uid, error)
 
 
-def _install(session: Session, uid: str, request: BindInput, factor: Factor, seconds: float) -> Bound:
+def _install(
+    session: Session, uid: str, request: BindInput, factor: Factor, seconds: float, say: bool = True
+) -> Bound:
+    """Take a factor in; ``say`` so in the panel, which speaks of the viewport."""
     session.bound = Bound(
         request.key, factor, request.rest, request.handles, request.indices, seconds * 1000.0
     )
     session.failed = None
     session.shown.clear()
-    status.put(uid, Status(Level.INFO, summary(session.bound)))
-    status.put_notes(uid, _warnings(factor.report))
+    if say:
+        status.put(uid, Status(Level.INFO, summary(session.bound)))
+        status.put_notes(uid, _notes(factor, request))
     logger.info("bound %d vertices in %.1f ms", len(request.rest.points), session.bound.milliseconds)
     return session.bound
 
@@ -113,24 +125,24 @@ def summary(bound: Bound) -> str:
     handles = len(bound.handles)
     plural = "" if handles == 1 else "s"
     time_spent = duration(bound.milliseconds)
-    return f"{len(bound.rest.points):,} vertices, {handles} region{plural}, bound in {time_spent}"
+    return f"{len(bound.rest.points):,} vertices, {handles} handle{plural}, bound in {time_spent}"
 
 
 def duration(milliseconds: float) -> str:
     """As a person says it."""
-    return f"{milliseconds / 1000.0:.1f} s" if milliseconds >= 1000.0 else f"{milliseconds:.1f} ms"
+    if milliseconds >= 1000.0:
+        return f"{milliseconds / 1000.0:.1f} s"
+    return f"{milliseconds:.0f} ms" if milliseconds >= 10.0 else f"{milliseconds:.1f} ms"
 
 
-def _warnings(report: object) -> tuple[Status, ...]:
-    lines = []
-    if report.free_parts:
-        one = report.free_parts == 1
-        text = "1 free part stays at rest" if one else f"{report.free_parts} free parts stay at rest"
-        free = tuple(int(vertex) for vertex in report.free_vertices)
-        lines.append(Status(Level.WARNING, text, free, "vertex"))
-    if report.degenerate_faces:
-        lines.append(Status(Level.WARNING, f"{report.degenerate_faces} faces without area"))
-    return tuple(lines)
+def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
+    """What is unusual about the mesh. Elements count the vertices that enter: Select shows the base mesh."""
+    parts, free = factor.report.free_parts, tuple(int(vertex) for vertex in factor.report.free_vertices)
+    text = "1 free part stays at rest" if parts == 1 else f"{parts} free parts stay at rest"
+    elements = (free, "vertex") if request.on_base else ((), "")
+    warnings = (Status(Level.WARNING, text, *elements),) if parts else ()
+    diagnosis = replace(factor.diagnosis, not_finite=request.rest.not_finite)
+    return (*warnings, *repair.notes(diagnosis, request.on_base))
 
 
 def may_wait(vertex_count: int) -> bool:
@@ -141,6 +153,16 @@ def may_wait(vertex_count: int) -> bool:
 def job(uid: str) -> Work | None:
     """The bind under way for a deformer."""
     return _jobs.get(uid)
+
+
+def watch(uid: str, watched: bool = True) -> None:
+    """An operator waits for the bind of this deformer, or does so no more."""
+    (_watched.add if watched else _watched.discard)(uid)
+
+
+def unwatched() -> list[str]:
+    """Binds under way that nobody waits for: they started by themselves."""
+    return [uid for uid in _jobs if uid not in _watched]
 
 
 def abandon(uid: str) -> None:
@@ -176,4 +198,4 @@ def collect() -> list[str]:
 
 def busy() -> bool:
     """A thread is at work."""
-    return bool(_jobs) or state.has_final()
+    return bool(_jobs) or state.has_work()

@@ -9,22 +9,25 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import bpy
-from bpy.types import Mesh, Object
+import numpy as np
+from bpy.types import Mesh, Modifier, Object
 
 from ..core.errors import MeshError
 from ..ids import Datablocks, Keys
+from ..mesh_io import read_faces, weights_attribute
 from ..properties import SinewDeformer
-from . import rig, state
+from . import node_group, regions, rig, state
 
 
 @contextmanager
 def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
-    """A copy of the object with its first ``last_modifier`` modifiers, evaluated; gone afterwards."""
+    """A copy of the object with its first ``last_modifier`` modifiers; gone afterwards."""
     with state.suspended():
         copy = obj.copy()
         own_mesh = None
         try:
             copy.sinew.deformers.clear()
+            _still(copy)
             if obj.mode == "EDIT":
                 obj.update_from_editmode()
                 own_mesh = copy.data = obj.data.copy()
@@ -32,8 +35,7 @@ def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
                 copy.modifiers.remove(modifier)
             copy.hide_viewport = False
             bpy.context.scene.collection.objects.link(copy)
-            bpy.context.view_layer.update()
-            yield copy.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            yield copy
         finally:
             bpy.data.objects.remove(copy)
             if own_mesh is not None:
@@ -41,24 +43,109 @@ def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
             bpy.context.view_layer.update()
 
 
+def _still(copy: Object) -> None:
+    """Nothing drives or animates the settings that the copy has lost."""
+    if copy.animation_data is None:
+        return
+    for curve in list(copy.animation_data.drivers):
+        if curve.data_path.startswith("sinew."):
+            copy.animation_data.drivers.remove(curve)
+
+
 def evaluated_mesh(obj: Object, last_modifier: int) -> Mesh:
     """A new mesh: the object after its first ``last_modifier`` modifiers."""
-    with _stand_in(obj, last_modifier) as evaluated:
-        return bpy.data.meshes.new_from_object(
-            evaluated, preserve_all_data_layers=True, depsgraph=bpy.context.evaluated_depsgraph_get()
-        )
+    with _stand_in(obj, last_modifier) as copy:
+        return _new_mesh(copy)
+
+
+def _new_mesh(obj: Object) -> Mesh:
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return bpy.data.meshes.new_from_object(
+        obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
+    )
 
 
 def rest_mesh(obj: Object, deformer: SinewDeformer) -> Mesh:
     """A new mesh: what enters the deformer's modifier now, or would enter one at the end of the stack."""
+    with _stand_in(obj, _position(obj, deformer)) as copy:
+        return _rest_mesh(obj, deformer, copy)
+
+
+def rest_meshes(obj: Object, deformer: SinewDeformer) -> tuple[Mesh, Mesh | None]:
+    """New meshes: the rest mesh for viewports, and the one for renders, None where it is the same."""
+    with _stand_in(obj, _position(obj, deformer)) as copy:
+        shown = _rest_mesh(obj, deformer, copy)
+        if not _differs_in_renders(copy):
+            return shown, None
+        try:
+            with _as_rendered(copy):
+                rendered = _rest_mesh(obj, deformer, copy)
+        except MeshError:
+            bpy.data.meshes.remove(shown)
+            raise
+    if same_topology(shown, rendered):
+        bpy.data.meshes.remove(rendered)
+        return shown, None
+    return shown, rendered
+
+
+def _subdivided(obj: Object) -> list[Modifier]:
+    return [modifier for modifier in obj.modifiers if hasattr(modifier, "render_levels")]
+
+
+def _differs_in_renders(obj: Object) -> bool:
+    """Some modifier may give other vertices in renders."""
+    render = bpy.context.scene.render
+    simplified = render.use_simplify and render.simplify_subdivision != render.simplify_subdivision_render
+    return any(modifier.show_viewport != modifier.show_render for modifier in obj.modifiers) or any(
+        simplified or modifier.levels != modifier.render_levels for modifier in _subdivided(obj)
+    )
+
+
+@contextmanager
+def _as_rendered(copy: Object) -> Iterator[None]:
+    """The copy's modifiers do in the viewport what they do in renders."""
+    render = bpy.context.scene.render
+    simplify = render.use_simplify
+    for modifier in copy.modifiers:
+        modifier.show_viewport = modifier.show_render
+    for modifier in _subdivided(copy):
+        most = render.simplify_subdivision_render if simplify else modifier.render_levels
+        modifier.levels = min(modifier.render_levels, most)
+    if simplify:
+        render.use_simplify = False
+    try:
+        yield
+    finally:
+        if simplify:
+            render.use_simplify = True
+
+
+def same_topology(a: Mesh, b: Mesh) -> bool:
+    """Equal numbers of vertices, and the same faces."""
+    if len(a.vertices) != len(b.vertices):
+        return False
+    return all(np.array_equal(x, y) for x, y in zip(read_faces(a), read_faces(b), strict=True))
+
+
+def _position(obj: Object, deformer: SinewDeformer) -> int:
     modifier = rig.find_modifier(obj, deformer)
-    position = len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
-    mesh = evaluated_mesh(obj, position)
+    return len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
+
+
+def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
+    names = [group.name for group in obj.vertex_groups]
+    painted = {
+        weights_attribute(names.index(name)): name for name in regions.groups_of(deformer) & set(names)
+    }
+    with node_group.keeping_weights(copy, painted):
+        mesh = _new_mesh(copy)
     if len(mesh.vertices) == 0:
         bpy.data.meshes.remove(mesh)
         raise MeshError("The mesh has no vertices - add some, or check the modifiers before Sinew")
     mesh.name = Datablocks.REST
     mesh.materials.clear()
     mesh[Keys.REST_TOKEN] = rig.new_key()
-    mesh[Keys.REST_GROUPS] = [group.name for group in obj.vertex_groups]
+    mesh[Keys.REST_GROUPS] = names
     return mesh

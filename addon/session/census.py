@@ -59,6 +59,8 @@ def _take() -> None:
     _census.has_copies = False
     for obj in bpy.data.objects:
         uids = [deformer.uid for deformer in obj.sinew.deformers]
+        if len(set(uids)) < len(uids):
+            _census.has_copies = True
         if any(uid in seen for uid in uids):
             _census.has_copies = True
         elif uids:

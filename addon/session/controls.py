@@ -76,7 +76,7 @@ def complete_rest_frames(obj: Object, deformer: SinewDeformer) -> None:
 def release(handle: SinewHandle) -> None:
     """Remove the empty made for a handle, unless another handle uses it."""
     control, handle.control = handle.control, None
-    if control is None or not handle.owns_control or control.library is not None:
+    if control is None or not handle.owns_control or control.library is not None or control.sinew.deformers:
         return
     used = any(
         other.control == control

@@ -9,15 +9,14 @@ import numpy as np
 from bpy.types import Mesh, Object
 
 from ..backend import Progress
-from ..compat import write_positions
 from ..core import frames, status
 from ..core.errors import ConstraintError, SinewError
 from ..core.methods import BY_ID
 from ..core.status import Level, Status
-from ..ids import Keys
-from ..mesh_io import RestShape, group_weights, read_rest
+from ..mesh_io import RestShape, group_names, group_weights, read_rest
+from ..preferences import preferences
 from ..properties import SinewDeformer, SinewHandle
-from . import binding, capture, census, controls, poses, regions, rig, state
+from . import binding, capture, census, controls, curves, poses, regions, rig, state
 
 NO_HANDLES = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
 
@@ -33,6 +32,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
         BY_ID[method].label, [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
     )
     deformer.method = method
+    deformer.auto_rebind = preferences(bpy.context).auto_rebind
     obj.sinew.active_deformer = len(obj.sinew.deformers) - 1
     rig.ensure(obj, deformer, len(obj.data.vertices))
     census.forget_owners()
@@ -61,7 +61,9 @@ def _forget(obj: Object, index: int) -> None:
     binding.abandon(deformer.uid)
     state.drop(deformer.uid)
     rig.remove(obj, deformer)
+    order = curves.removed(len(obj.sinew.deformers), index)
     obj.sinew.deformers.remove(index)
+    curves.deformers_reordered(obj, order)
     obj.sinew.active_deformer = max(0, min(obj.sinew.active_deformer, len(obj.sinew.deformers) - 1))
     rig.keep_evaluated(obj)
     census.forget_owners()
@@ -163,7 +165,7 @@ def _give_control(
 
 
 def _members(mesh: Mesh, handle: SinewHandle) -> np.ndarray:
-    groups = group_weights(mesh, list(mesh[Keys.REST_GROUPS]), {handle.vertex_group})
+    groups = group_weights(mesh, group_names(mesh), {handle.vertex_group})
     members = np.flatnonzero(groups[handle.vertex_group] > 0.0)
     if len(members) == 0:
         raise ConstraintError(f"Vertex group '{handle.vertex_group}' has no vertices - assign some first")
@@ -187,7 +189,9 @@ def remove_handle(obj: Object, deformer: SinewDeformer, index: int) -> None:
     handle = deformer.handles[index]
     controls.release(handle)
     _release_group(obj, deformer, handle)
+    order = curves.removed(len(deformer.handles), index)
     deformer.handles.remove(index)
+    curves.handles_reordered(obj, deformer, order)
     deformer.active_handle = max(0, min(deformer.active_handle, len(deformer.handles) - 1))
     rig.keep_evaluated(obj)
     obj.update_tag()
@@ -221,14 +225,18 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
     except SinewError as error:
         status.fail(deformer.uid, error)
         raise
+    if deformer.bake.is_baked:
+        raise SinewError(f"{deformer.name} is baked - Unbake it first")
     try:
         if not regions.has_constraints(deformer):
             raise ConstraintError(NO_HANDLES)
-        mesh = capture.rest_mesh(obj, deformer)
+        regions.follow_renamed_groups(obj, deformer)
+        meshes = capture.rest_meshes(obj, deformer)
         rig.release_rest(deformer)
-        deformer.rest = mesh
+        deformer.rest, deformer.rest_render = meshes
+        deformer.topology_changed = False
         controls.complete_rest_frames(obj, deformer)
-        rig.ensure(obj, deformer, len(mesh.vertices))
+        rig.ensure(obj, deformer, *(len(mesh.vertices) for mesh in meshes if mesh is not None))
         rig.keep_evaluated(obj)
         bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
         census.forget_owners()
@@ -240,6 +248,8 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
         raise
     finally:
         obj.update_tag()
+        bpy.context.view_layer.update()  # new shapes enter
+        state.forget_edit(obj.name)  # which was no edit of the user's
 
 
 def _let_go(deformer: SinewDeformer) -> None:
@@ -259,30 +269,3 @@ def unbind(obj: Object, deformer: SinewDeformer) -> None:
         handle.has_rest = False
     status.put(deformer.uid, Status(Level.INFO, "Not bound - press Bind"))
     obj.update_tag()
-
-
-@state.suspended()
-def apply(obj: Object, index: int) -> None:
-    """Make the shape of now the shape of the mesh, and take the deformer off."""
-    deformer = obj.sinew.deformers[index]
-    modifier = rig.find_modifier(obj, deformer)
-    before = [other.name for other in obj.modifiers if other.show_viewport]
-    before = before[: before.index(modifier.name)] if modifier is not None and modifier.name in before else []
-    if before:
-        raise SinewError(
-            f"Other modifiers come first ({', '.join(before)}) - apply or switch them off before"
-        )
-    if obj.data.shape_keys is not None:
-        raise SinewError("The mesh has shape keys - remove them first, or keep the deformer")
-    if obj.data.users > 1:
-        raise SinewError("Other objects share this mesh - make it single-user first (Object > Relations)")
-    position = list(obj.modifiers).index(modifier) + 1
-    mesh = capture.evaluated_mesh(obj, position)
-    try:
-        shape = read_rest(mesh).compact
-    finally:
-        bpy.data.meshes.remove(mesh)
-    if len(shape) != len(obj.data.vertices):
-        raise SinewError("Topology changed - Rebind before you apply")
-    write_positions(obj.data, shape)
-    remove_deformer(obj, index)

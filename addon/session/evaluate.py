@@ -10,50 +10,111 @@ from bpy.types import Depsgraph, Object
 
 from .. import compat
 from ..core import status
-from ..core.errors import BackendMissingError, SinewError, TopologyChangedError
-from ..core.status import Level, Status
+from ..core.errors import BackendMissingError, OptionError, SinewError, TopologyChangedError
+from ..core.methods import BY_ID
+from ..core.status import Level, Remedy, Status
 from ..ids import Inputs
 from ..properties import SinewDeformer
-from . import binding, incoming, regions, rig, solving, state
+from . import baked, binding, incoming, regions, rig, solving, state
 from .census import owners
+from .news import News
 from .turn import Chain, Turn, is_shown
 
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
 
 
-def update(depsgraph: Depsgraph, preview: bool = False) -> None:
-    """Solve every deformer whose inputs changed. ``preview`` spends a budget; see ``settle``."""
-    if state.is_suspended():
-        return
-    for obj in owners():
+def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> None:
+    """Solve every deformer whose inputs changed. ``preview`` spends a budget; see ``settle``.
+
+    After an ``edit``, not a change of the frame, meshes with new geometry are looked at later (``refresh``).
+
+    Costs some microseconds a control where nothing of ours changed, however large the meshes are.
+    """
+    found = owners()
+    news = News(depsgraph) if found else None
+    for obj in found:
+        if edit and news.has_edited_mesh(obj):
+            state.edited(obj.name)
+        if state.is_suspended():
+            state.miss(obj.name)
+            continue
         evaluated = obj.evaluated_get(depsgraph)
-        if evaluated.is_evaluated:
-            _update_object(obj, evaluated, depsgraph, preview)
+        if evaluated.is_evaluated and not news.leaves_alone(obj, evaluated):
+            new_geometry = state.take_missed(obj.name) or news.has_new_geometry(obj)
+            _update_object(obj, evaluated, depsgraph, preview, new_geometry)
+            news.note(obj, evaluated)
 
 
-def _update_object(obj: Object, evaluated: Object, depsgraph: Depsgraph, preview: bool) -> None:
-    by_proxy = {deformer.proxy: index for index, deformer in enumerate(obj.sinew.deformers) if deformer.proxy}
+def _update_object(
+    obj: Object, evaluated: Object, depsgraph: Depsgraph, preview: bool, new_geometry: bool
+) -> None:
+    by_proxy = _by_shape(obj)
+    if depsgraph.mode == "VIEWPORT" and rig.tell_copies_apart(obj):
+        new_geometry = False  # what was read was not what entered
     chain = Chain()
     for modifier in obj.modifiers:
         if not is_shown(modifier, depsgraph.mode):
             continue
         is_nodes = modifier.type == "NODES"
-        index = by_proxy.get(compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT)) if is_nodes else None
+        index = (
+            by_proxy.pop(compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT), None) if is_nodes else None
+        )
         if index is None:
-            chain = chain.after_other_modifier()
+            chain = Chain() if baked.overwrites(modifier) else chain.after_other_modifier()
             continue
         deformer = obj.sinew.deformers[index]
         settings = _evaluated_settings(evaluated, index, deformer)
-        session = state.of(deformer.uid)
-        turn = Turn(obj, evaluated, depsgraph, modifier, deformer, settings, session, chain, preview)
-        if turn.in_viewport and rig.connect_mask(obj, modifier, deformer):
-            obj.update_tag()
+        session = rig.session_of(deformer, depsgraph.mode)
+        turn = Turn(
+            obj, evaluated, depsgraph, modifier, deformer, settings, session, chain, preview, new_geometry
+        )
+        if turn.in_viewport:
+            if regions.follow_renamed_groups(obj, deformer):
+                session.rest = None  # its weights go by the old names
+            if rig.connect_mask(obj, modifier, deformer):
+                obj.update_tag()
         try:
             with session.lock:
                 chain = _take(turn)
         except SinewError as error:
             chain = chain.unknown()
             _refuse(turn, error)
+    if depsgraph.mode == "VIEWPORT":
+        _report_lost(obj)
+        baked.report(obj)
+
+
+def _by_shape(obj: Object) -> dict[Object, int]:
+    """Deformers that have both shapes, by the viewport's. One that shares its key with an earlier one waits
+    for its own.
+    """
+    found, keys = {}, set()
+    for index, deformer in enumerate(obj.sinew.deformers):
+        shape = deformer.shape("VIEWPORT")
+        whole = shape is not None and deformer.shape("RENDER") is not None
+        if whole and shape not in found and deformer.uid not in keys:
+            found[shape] = index
+        keys.add(deformer.uid)
+    return found
+
+
+def _report_lost(obj: Object) -> None:
+    """Hidden data that somebody deleted is made anew by Bind."""
+    for deformer in obj.sinew.deformers:
+        session = state.find(deformer.uid)
+        was_bound = deformer.is_bound or (session is not None and session.bound is not None)
+        if not was_bound or binding.job(deformer.uid) is not None:
+            continue
+        if not deformer.is_bound:
+            lost = "rest shape"
+        elif deformer.shape("VIEWPORT") is None or deformer.shape("RENDER") is None:
+            lost = "hidden shape"
+        elif rig.find_modifier(obj, deformer) is None:
+            lost = "modifier"
+        else:
+            continue
+        text = f"The {lost} was deleted - Rebind"
+        status.put(deformer.uid, Status(Level.ERROR, text, remedy=Remedy.BIND))
 
 
 def _evaluated_settings(evaluated: Object, index: int, deformer: SinewDeformer) -> SinewDeformer:
@@ -76,7 +137,11 @@ def _take(turn: Turn) -> Chain:
         rig.show_rest(deformer, turn.mode)
         return turn.chain.unknown()
     wait = bpy.app.background or not turn.in_viewport
-    bound = binding.ensure(session, deformer, turn.settings, wait)
+    if deformer.method not in BY_ID:
+        raise OptionError("The method is unknown here - choose one in the menu")
+    if deformer.topology_changed:
+        raise TopologyChangedError(incoming.TOPOLOGY_CHANGED)
+    bound = binding.ensure(session, deformer, turn.settings, wait, mode=turn.mode)
     if bound is None:
         if session.failed is not None:
             rig.show_rest(deformer, turn.mode)
@@ -86,9 +151,7 @@ def _take(turn: Turn) -> Chain:
 
 
 def _refuse(turn: Turn, error: SinewError) -> None:
-    if isinstance(error, TopologyChangedError):
-        turn.shown.signature = ()  # the node group shows rest already, as its counts differ
-    elif not isinstance(error, BackendMissingError):  # then the last solution stays
+    if not isinstance(error, BackendMissingError):  # then the last solution stays
         rig.show_rest(turn.deformer, turn.mode)
     if turn.in_viewport:
         status.fail(turn.deformer.uid, error)
@@ -102,9 +165,9 @@ def settle() -> bool:
     for obj in owners():
         for deformer in obj.sinew.deformers:
             session = state.find(deformer.uid)
-            if session is None or (session.final is not None and not session.final.done):
+            if session is None or session.work is not None:
                 continue
             if any(not shown.converged for shown in session.shown.values()):
                 session.settle = asked = True
-                obj.update_tag()
+                obj.update_tag(refresh={"OBJECT"})
     return asked

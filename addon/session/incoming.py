@@ -1,14 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What enters a deformer now, and what leaves it for the next one in the stack."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..core.errors import TopologyChangedError
 from ..mesh_io import read_incoming
-from . import rig
+from . import node_group, rig
 from .state import Bound
 from .turn import Chain, Turn, is_shown
 
+_DEFORMING = {  # Blender's modifiers that keep the vertices they get
+    "ARMATURE",
+    "CAST",
+    "CORRECTIVE_SMOOTH",
+    "CURVE",
+    "DISPLACE",
+    "HOOK",
+    "LAPLACIANDEFORM",
+    "LAPLACIANSMOOTH",
+    "LATTICE",
+    "MESH_CACHE",
+    "MESH_DEFORM",
+    "SHRINKWRAP",
+    "SIMPLE_DEFORM",
+    "SMOOTH",
+    "SURFACE_DEFORM",
+    "WARP",
+    "WAVE",
+}
 TOPOLOGY_CHANGED = "Topology changed - Rebind"
 
 
@@ -22,16 +43,40 @@ def find(turn: Turn, bound: Bound) -> tuple[np.ndarray | None, bool]:
         if len(turn.chain.points) != expected:
             raise TopologyChangedError(TOPOLOGY_CHANGED)
         return turn.chain.points, False
+    if not turn.new_geometry and turn.shown.positions is not None:
+        return turn.shown.incoming, turn.shown.displacement
     found = read_incoming(turn.evaluated.data, *rig.attribute_names(turn.deformer.uid), expected)
+    if found.points is not None and len(bound.rest.not_finite):
+        points = found.points.copy()
+        points[bound.rest.not_finite] = bound.rest.compact[bound.rest.not_finite]
+        found = replace(found, points=points)
     if found.points is not None:
         turn.note("")
         return (None if np.array_equal(found.points, bound.rest.compact) else found.points), False
     if found.count < 0 and turn.obj.mode == "EDIT":
         return turn.shown.incoming, False
-    if found.count > expected or (0 <= found.count < expected and _is_last(turn)):
+    if found.count > expected or _entering(turn) not in (None, expected):
+        raise TopologyChangedError(TOPOLOGY_CHANGED)
+    if 0 <= found.count < expected and _is_last(turn):
         raise TopologyChangedError(TOPOLOGY_CHANGED)
     turn.note("A later modifier reorders vertices: the deformation is added as displacement")
     return None, True
+
+
+def _entering(turn: Turn) -> int | None:
+    """How many vertices enter, where nothing before this deformer can change their number."""
+    if turn.obj.mode == "EDIT":
+        return None
+    for modifier in turn.obj.modifiers:
+        if modifier == turn.modifier:
+            return len(turn.obj.data.vertices)
+        if (
+            is_shown(modifier, turn.mode)
+            and modifier.type not in _DEFORMING
+            and not node_group.is_ours(modifier)
+        ):
+            return None
+    return None
 
 
 def _is_last(turn: Turn) -> bool:

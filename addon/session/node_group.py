@@ -7,8 +7,11 @@
 Factor and the kind of shape ride in the last vertex of the shape mesh (``mesh_io/shape.py``).
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import bpy
-from bpy.types import GeometryNodeTree, NodeSocket
+from bpy.types import GeometryNodeTree, Modifier, NodesModifier, NodeSocket, Object
 
 from .. import compat
 from ..ids import Datablocks, Inputs, Keys
@@ -54,6 +57,17 @@ class _Builder:
             node.inputs[2].default_value = 0.5
         return node.outputs[0]
 
+    def store(self, geometry: NodeSocket, kind: str, name: object, value: NodeSocket) -> NodeSocket:
+        """The geometry with a point attribute more."""
+        node = self.add(
+            "GeometryNodeStoreNamedAttribute",
+            {"data_type": kind, "domain": "POINT"},
+            Geometry=geometry,
+            Name=name,
+            Value=value,
+        )
+        return self.out(node, "Geometry")
+
     def switch(self, kind: str, choose: NodeSocket, no: object, yes: object) -> NodeSocket:
         """``yes`` where ``choose``, else ``no``."""
         sides = {"Switch": choose, "False": no, "True": yes}
@@ -63,13 +77,38 @@ class _Builder:
 def ensure() -> GeometryNodeTree:
     """The file's group, made when missing. Recognised by a custom property, never by name."""
     for group in bpy.data.node_groups:
-        if group.get(Keys.GROUP_VERSION) == _VERSION and group.library is None:
+        if group.get(Keys.GROUP_VERSION) == _VERSION and group.library is None and _is_whole(group):
             return group
     group = bpy.data.node_groups.new(Datablocks.NODE_GROUP, "GeometryNodeTree")
     group[Keys.GROUP_VERSION] = _VERSION
     _interface(group)
     _nodes(group)
     return group
+
+
+def _is_whole(group: GeometryNodeTree) -> bool:
+    """Nobody took an input away."""
+    names = (Inputs.PROXY_VIEWPORT, Inputs.PROXY_RENDER, Inputs.MASK, Inputs.INCOMING, Inputs.INDEX)
+    return group.bl_idname == "GeometryNodeTree" and all(
+        compat.has_group_input(group, name) for name in names
+    )
+
+
+def is_ours(modifier: Modifier) -> bool:
+    """The modifier shows a deformer."""
+    return (
+        modifier.type == "NODES"
+        and modifier.node_group is not None
+        and Keys.GROUP_VERSION in modifier.node_group
+    )
+
+
+def attach(modifier: NodesModifier, group: GeometryNodeTree) -> None:
+    """Set a new modifier's group. Blender 3.x gives it an empty group of its own, which goes."""
+    empty = modifier.node_group
+    modifier.node_group = group
+    if empty is not None:
+        bpy.data.node_groups.remove(empty)
 
 
 def _interface(group: GeometryNodeTree) -> None:
@@ -95,14 +134,7 @@ def _nodes(group: GeometryNodeTree) -> None:
 
     kept = entry.outputs["Geometry"]
     for name, kind, value in ((Inputs.INCOMING, "FLOAT_VECTOR", position), (Inputs.INDEX, "INT", index)):
-        store = build.add(
-            "GeometryNodeStoreNamedAttribute",
-            {"data_type": kind, "domain": "POINT"},
-            Geometry=kept,
-            Name=entry.outputs[name],
-            Value=value,
-        )
-        kept = build.out(store, "Geometry")
+        kept = build.store(kept, kind, entry.outputs[name], value)
 
     shapes = [
         build.add("GeometryNodeObjectInfo", {"transform_space": "ORIGINAL"}, Object=entry.outputs[name])
@@ -154,3 +186,29 @@ def _nodes(group: GeometryNodeTree) -> None:
     )
     leave = build.add("NodeGroupOutput")
     build.feed(leave.inputs["Geometry"], build.out(shown, "Geometry"))
+
+
+@contextmanager
+def keeping_weights(obj: Object, groups: dict[str, str]) -> Iterator[None]:
+    """For a while, the object's last modifier stores vertex groups as attributes.
+
+    ``groups``: attribute name -> vertex group. Attributes are read a hundred times faster than the groups of
+    each vertex.
+    """
+    if not groups:
+        yield
+        return
+    group = bpy.data.node_groups.new(Datablocks.NODE_GROUP, "GeometryNodeTree")
+    try:
+        compat.add_group_input(group, "NodeSocketGeometry", "Geometry")
+        compat.add_group_output(group, "NodeSocketGeometry", "Geometry")
+        build = _Builder(group)
+        kept = build.add("NodeGroupInput").outputs["Geometry"]
+        for attribute, name in groups.items():
+            weights = build.add("GeometryNodeInputNamedAttribute", {"data_type": "FLOAT"}, Name=name)
+            kept = build.store(kept, "FLOAT", attribute, build.out(weights, "Attribute"))
+        build.feed(build.add("NodeGroupOutput").inputs["Geometry"], kept)
+        attach(obj.modifiers.new(Datablocks.MODIFIER, "NODES"), group)
+        yield
+    finally:
+        bpy.data.node_groups.remove(group)

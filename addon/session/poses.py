@@ -3,10 +3,12 @@
 
 import numpy as np
 from bpy.types import Depsgraph
+from mathutils import Matrix
 
 from ..core import frames
 from ..mesh_io import read_shape
 from ..properties import SinewDeformer, SinewHandle
+from . import rig
 from .state import Bound
 from .turn import Turn
 
@@ -24,6 +26,24 @@ def control_matrix(handle: SinewHandle, depsgraph: Depsgraph | None = None) -> n
         return matrix
     bone = evaluated.pose.bones.get(handle.bone) if evaluated.pose else None
     return None if bone is None else matrix @ np.array(bone.matrix, dtype=np.float64)
+
+
+def placement(handle: SinewHandle, depsgraph: Depsgraph) -> tuple | None:
+    """Where the control is, as plain numbers to compare: the quick form of ``control_matrix``."""
+    control = handle.control
+    if control is None:
+        return None
+    evaluated = control.evaluated_get(depsgraph)
+    placed = rows(evaluated.matrix_world)
+    if not handle.bone:
+        return placed
+    bone = evaluated.pose.bones.get(handle.bone) if evaluated.pose else None
+    return None if bone is None else placed + rows(bone.matrix)
+
+
+def rows(matrix: Matrix) -> tuple:
+    """A matrix as plain numbers to compare."""
+    return tuple(map(tuple, matrix))
 
 
 def rest_of(handle: SinewHandle) -> np.ndarray:
@@ -64,6 +84,8 @@ def gather(turn: Turn, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
             continue
         from_rest[row] = handle.from_rest
         control = control_matrix(handle, depsgraph)
+        if control is None and handle.bone and turn.in_viewport and rig.follow_renamed_bones(turn.obj):
+            control = control_matrix(handle, depsgraph)
         if control is not None and not handle.has_rest and turn.in_viewport:
             last = session.poses.get(key)
             capture_rest(handle, world, control, _last_pose(deformer, bound, row) if last is None else last)
@@ -81,8 +103,9 @@ def gather(turn: Turn, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
 def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
     """Where the saved shape shows a region whose control is gone."""
     rest = bound.rest.points
-    shape = read_shape(deformer.proxy.data) if deformer.proxy is not None else None
-    if shape is None or len(shape) != len(rest):
-        return IDENTITY
     members = bound.indices[row]
-    return frames.fit(rest[members], shape[members])
+    for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):
+        shape = read_shape(proxy.data) if proxy is not None else None
+        if shape is not None and len(shape) == len(rest):
+            return frames.fit(rest[members], shape[members])
+    return IDENTITY

@@ -7,12 +7,13 @@ No bpy calls but reads.
 from dataclasses import dataclass
 
 import numpy as np
-from bpy.types import Mesh
+from bpy.types import Mesh, Object
 
 from ..core.errors import ConstraintError, OptionError
 from ..core.methods import Method, group_property
+from ..core.status import Remedy
 from ..ids import Keys
-from ..mesh_io import RestShape, group_weights
+from ..mesh_io import RestShape, group_names, group_weights
 from ..properties import SinewDeformer
 
 _IMPLIED = "support"  # the key of the fixed region around a support
@@ -30,6 +31,7 @@ class BindInput:
     indices: tuple[np.ndarray, ...]
     weights: tuple[object, ...]
     continuity: tuple[float, ...] | None
+    on_base: bool  # the vertices that enter are those of the base mesh
 
 
 def bind_key(settings: SinewDeformer, token: str) -> tuple:
@@ -42,9 +44,11 @@ def bind_key(settings: SinewDeformer, token: str) -> tuple:
         if parameter.rebinds
     )
     handles = tuple(
-        (handle.uid, handle.kind, handle.vertex_group, handle.weight, handle.continuity)
-        for handle in settings.handles
-        if handle.enabled
+        sorted(  # their order in the list has no meaning
+            (handle.uid, handle.kind, handle.vertex_group, handle.weight, handle.continuity)
+            for handle in settings.handles
+            if handle.enabled
+        )
     )
     return token, method.id, options, handles
 
@@ -54,19 +58,55 @@ def has_constraints(settings: SinewDeformer) -> bool:
     return any(handle.enabled for handle in settings.handles)
 
 
-def _weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
-    """Read the vertex groups in use, once a rest mesh."""
-    method = settings.definition
+def groups_of(settings: SinewDeformer) -> set[str]:
+    """Names of the vertex groups in use."""
     wanted = {handle.vertex_group for handle in settings.handles}
-    wanted |= {getattr(settings.parameters, group_property(parameter)) for parameter in method.paintable}
-    wanted = {name for name in wanted if name and name not in rest.weights}
+    paintable = settings.definition.paintable
+    wanted |= {getattr(settings.parameters, group_property(parameter)) for parameter in paintable}
+    return wanted - {""}
+
+
+def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
+    """Take over the new names of vertex groups in use; True where there were any.
+
+    Blender renames groups in its own modifiers only. A group is the one that stands where the old name stood
+    at bind.
+    """
+    rest = deformer.rest_in("VIEWPORT")
+    known = group_names(rest) if rest is not None else []
+    used = groups_of(deformer) | ({deformer.mask_group} - {""})
+    gone = [name for name in used if name not in obj.vertex_groups and name in known]
+    if not gone or len(known) != len(obj.vertex_groups) or rest.library is not None:
+        return False
+    renamed = {name: new for name in gone if (new := obj.vertex_groups[known.index(name)].name) not in known}
+    if not renamed:
+        return False
+    for mesh in {rest, deformer.rest_in("RENDER")}:
+        if mesh is not None:
+            mesh[Keys.REST_GROUPS] = [group.name for group in obj.vertex_groups]
+    for handle in deformer.handles:
+        handle.vertex_group = renamed.get(handle.vertex_group, handle.vertex_group)
+    for parameter in deformer.definition.paintable:
+        name = group_property(parameter)
+        painted = getattr(deformer.parameters, name)
+        setattr(deformer.parameters, name, renamed.get(painted, painted))
+    deformer.mask_group = renamed.get(deformer.mask_group, deformer.mask_group)
+    return True
+
+
+def read_weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
+    """Read the vertex groups in use, once a rest mesh."""
+    wanted = groups_of(settings) - rest.weights.keys()
     if wanted:
-        rest.weights.update(group_weights(mesh, list(mesh.get(Keys.REST_GROUPS, ())), wanted))
+        rest.weights.update(group_weights(mesh, group_names(mesh), wanted))
 
 
-def gather(settings: SinewDeformer, mesh: Mesh, rest: RestShape) -> BindInput:
-    """Arrays for the native module, or the reason why there are none."""
-    _weights(rest, mesh, settings)
+def gather(settings: SinewDeformer, mesh: Mesh, rest: RestShape, base_count: int) -> BindInput:
+    """Arrays for the native module, or the reason why there are none.
+
+    ``base_count``: how many vertices the base mesh has.
+    """
+    read_weights(rest, mesh, settings)
     method = settings.definition
     count = len(rest.points)
     names, indices, weights, continuity = [], [], [], []
@@ -119,6 +159,7 @@ def gather(settings: SinewDeformer, mesh: Mesh, rest: RestShape) -> BindInput:
         indices=tuple(indices),
         weights=tuple(weights),
         continuity=tuple(continuity) if method.continuity else None,
+        on_base=count == base_count,
     )
 
 
@@ -132,6 +173,7 @@ def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: lis
             f"{other} and {name} share {vertices} - take them out of one of the two groups, then Rebind",
             tuple(shared),
             "vertex",
+            Remedy.PART_REGIONS,
         )
     holder[hard] = len(labels)
     labels.append(name)

@@ -5,6 +5,7 @@ Only operators, scripts and timers on the main thread may call this. The tie bet
 is the shape object, never a name.
 """
 
+import hashlib
 import uuid
 
 import bpy
@@ -17,54 +18,64 @@ from ..mesh_io import shape_mesh, write_shape
 from ..properties import SinewDeformer
 from . import node_group, state
 
+_KEY_LENGTH = 16
 _REST = ("rest",)
+_KEEP = f'["{Keys.KEEP}"]'
 
 
 def new_key() -> str:
     """A key that no other deformer has, also in other files."""
-    return uuid.uuid4().hex[:16]
+    return uuid.uuid4().hex[:_KEY_LENGTH]
 
 
 def find_modifier(obj: Object, deformer: SinewDeformer) -> NodesModifier | None:
-    """The modifier that shows this deformer."""
-    if deformer.proxy is None:
-        return None
-    for modifier in obj.modifiers:
-        if (
-            modifier.type == "NODES"
-            and compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT) == deformer.proxy
-        ):
+    """The modifier that shows this deformer, or did before somebody deleted its hidden shape."""
+    nodes = [modifier for modifier in obj.modifiers if modifier.type == "NODES"]
+    shape = deformer.shape("VIEWPORT")
+    if shape is not None:
+        for modifier in nodes:
+            if compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT) == shape:
+                return modifier
+    incoming, _index = attribute_names(deformer.uid)
+    for modifier in nodes:
+        if compat.modifier_input(modifier, Inputs.INCOMING) == incoming:
             return modifier
     return None
 
 
+def _restore_names(obj: Object, deformer: SinewDeformer) -> bool:
+    """Of a copied modifier that outlived the first one; True where it had others."""
+    modifier = find_modifier(obj, deformer)
+    incoming, index = attribute_names(deformer.uid)
+    if modifier is None or compat.modifier_input(modifier, Inputs.INCOMING) == incoming:
+        return False
+    compat.set_modifier_input(modifier, Inputs.INCOMING, incoming)
+    compat.set_modifier_input(modifier, Inputs.INDEX, index)
+    return True
+
+
 def attribute_names(key: str) -> tuple[str, str]:
     """Where the node group keeps incoming positions and indices of this deformer."""
+    key = key if len(key) <= _KEY_LENGTH else hashlib.sha1(key.encode()).hexdigest()[:_KEY_LENGTH]
     return f".sinew_in_{key}", f".sinew_index_{key}"
 
 
-def ensure(obj: Object, deformer: SinewDeformer, vertex_count: int) -> NodesModifier:
+def ensure(
+    obj: Object, deformer: SinewDeformer, vertex_count: int, render_count: int | None = None
+) -> NodesModifier:
     """Shape meshes of the right size, in a modifier with the right inputs.
 
-    Changes nothing that is right already.
+    Changes nothing that is right already. ``render_count``: where renders have another number of vertices.
     """
     modifier = find_modifier(obj, deformer)
-    deformer.proxy = _shape_object(deformer.proxy, Datablocks.PROXY_VIEWPORT, vertex_count)
-    deformer.proxy_render = _shape_object(deformer.proxy_render, Datablocks.PROXY_RENDER, vertex_count)
+    deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
+    render_count = vertex_count if render_count is None else render_count
+    deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
     if modifier is None:
         modifier = obj.modifiers.new(Datablocks.MODIFIER, "NODES")
-        _discard_default_group(modifier)
-        modifier.node_group = node_group.ensure()
+        node_group.attach(modifier, node_group.ensure())
     connect(modifier, deformer)
     return modifier
-
-
-def _discard_default_group(modifier: NodesModifier) -> None:
-    """Blender 3.x gives a new modifier an empty group of its own."""
-    group = modifier.node_group
-    if group is not None:
-        modifier.node_group = None
-        bpy.data.node_groups.remove(group)
 
 
 def connect(modifier: NodesModifier, deformer: SinewDeformer) -> None:
@@ -80,6 +91,27 @@ def connect(modifier: NodesModifier, deformer: SinewDeformer) -> None:
             compat.set_modifier_input(modifier, name, value)
 
 
+def tell_copies_apart(obj: Object) -> bool:
+    """A modifier copied by Blender's own button shows the same shape, and must not overwrite what entered.
+
+    True where a copy got names of its own.
+    """
+    restored = [_restore_names(obj, deformer) for deformer in obj.sinew.deformers]
+    renamed, seen = any(restored), set()
+    for modifier in obj.modifiers:
+        if modifier.type != "NODES":
+            continue
+        name = compat.modifier_input(modifier, Inputs.INCOMING)
+        if name is not None and name in seen:
+            compat.set_modifier_input(modifier, Inputs.INCOMING, f"{name}_copy")
+            compat.set_modifier_input(modifier, Inputs.INDEX, f"{name}_copy_index")
+            renamed = True
+        seen.add(name)
+    if renamed:
+        obj.update_tag()
+    return renamed
+
+
 def connect_mask(obj: Object, modifier: NodesModifier, deformer: SinewDeformer) -> bool:
     """Pass the mask on to the modifier; True where it changed. A group that is gone masks nothing."""
     mask = deformer.mask_group if deformer.mask_group in obj.vertex_groups else ""
@@ -91,7 +123,9 @@ def connect_mask(obj: Object, modifier: NodesModifier, deformer: SinewDeformer) 
 
 def is_linked(proxy: Object | None) -> bool:
     """Blender ignores writes to this shape: it, or its mesh, comes from a library."""
-    return proxy is not None and (proxy.library is not None or proxy.data.library is not None)
+    return proxy is not None and (
+        proxy.library is not None or (proxy.data is not None and proxy.data.library is not None)
+    )
 
 
 def _shape_object(proxy: Object | None, name: str, vertex_count: int) -> Object:
@@ -105,10 +139,18 @@ def _shape_object(proxy: Object | None, name: str, vertex_count: int) -> Object:
     return proxy
 
 
+def session_of(deformer: SinewDeformer, mode: str) -> state.Session:
+    """The session of a deformer. Renders have one of their own where other vertices enter there."""
+    session = state.of(deformer.uid)
+    if mode == "RENDER" and deformer.rest_render is not None:
+        return state.in_renders(deformer.uid)
+    return session
+
+
 def show_rest(deformer: SinewDeformer, mode: str) -> None:
     """Let the incoming shape through. An array write only, so handlers may call it."""
-    proxy = deformer.proxy_render if mode == "RENDER" else deformer.proxy
-    shown = state.of(deformer.uid).view(mode)
+    proxy = deformer.shape(mode)
+    shown = session_of(deformer, mode).view(mode)
     if proxy is None or shown.signature == _REST:
         return
     zeros = np.zeros((len(proxy.data.vertices) - 1, 3), dtype=np.float32)
@@ -116,27 +158,62 @@ def show_rest(deformer: SinewDeformer, mode: str) -> None:
     shown.signature, shown.positions, shown.converged = _REST, None, True
 
 
+def _kept_controls(obj: Object) -> list[tuple[Object, str]]:
+    """Controls and bones of the object's handles, each once, in the order of the driver's variables."""
+    return list(
+        dict.fromkeys(
+            (handle.control, handle.bone)
+            for deformer in obj.sinew.deformers
+            for handle in deformer.handles
+            if handle.kind == "HANDLE" and handle.control is not None
+        )
+    )
+
+
+def follow_renamed_bones(obj: Object) -> bool:
+    """Blender renames bones in drivers, not in our settings: take the new names from there."""
+    curve = obj.animation_data.drivers.find(_KEEP) if obj.animation_data is not None else None
+    kept = _kept_controls(obj)
+    if curve is None or len(curve.driver.variables) != len(kept):
+        return False
+    renamed = False
+    for (control, bone), variable in zip(kept, curve.driver.variables, strict=True):
+        target = variable.targets[0]
+        bones = control.pose.bones if control.pose is not None else ()
+        if target.id != control or not bone or bone in bones or target.bone_target not in bones:
+            continue
+        for deformer in obj.sinew.deformers:
+            for handle in deformer.handles:
+                if handle.control == control and handle.bone == bone:
+                    had_rest = handle.has_rest
+                    handle.bone = target.bone_target
+                    handle.has_rest = had_rest
+                    renamed = True
+    return renamed
+
+
+def is_kept(obj: Object) -> bool:
+    """The driver that keeps the controls evaluated is there, where it is needed."""
+    if Keys.KEEP not in obj:
+        return True
+    return obj.animation_data is not None and obj.animation_data.drivers.find(_KEEP) is not None
+
+
 def keep_evaluated(obj: Object) -> None:
     """One SUM driver, one variable a control: Blender then evaluates hidden and unlinked controls too.
 
     It has no Python expression, so it also works in files that are not trusted.
     """
-    path = f'["{Keys.KEEP}"]'
     if obj.animation_data is not None:
-        for curve in [curve for curve in obj.animation_data.drivers if curve.data_path == path]:
+        for curve in [curve for curve in obj.animation_data.drivers if curve.data_path == _KEEP]:
             obj.animation_data.drivers.remove(curve)
-    controls = dict.fromkeys(
-        (handle.control, handle.bone)
-        for deformer in obj.sinew.deformers
-        for handle in deformer.handles
-        if handle.kind == "HANDLE" and handle.control is not None
-    )
+    controls = _kept_controls(obj)
     if not controls:
         if Keys.KEEP in obj:
             del obj[Keys.KEEP]
         return
     obj[Keys.KEEP] = 0.0
-    driver = obj.driver_add(path).driver
+    driver = obj.driver_add(_KEEP).driver
     driver.type = "SUM"
     for control, bone in controls:
         variable = driver.variables.new()
@@ -153,15 +230,13 @@ def remove(obj: Object, deformer: SinewDeformer) -> None:
     if modifier is not None:
         obj.modifiers.remove(modifier)
     release_rest(deformer)
-    for proxy in (deformer.proxy, deformer.proxy_render):
+    for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):
         free_shape(proxy)
 
 
 def free_shape(proxy: Object | None) -> None:
-    """Remove a shape object unless a copy of the target still shows it."""
-    if proxy is None or is_linked(proxy):
-        return
-    if _shape_owners(proxy) > 1:
+    """Remove a shape object unless a copy of the target still shows it, or somebody put it into a scene."""
+    if proxy is None or is_linked(proxy) or _shape_owners(proxy) > 1 or proxy.users_scene:
         return
     mesh = proxy.data
     bpy.data.objects.remove(proxy)
@@ -178,7 +253,8 @@ def _shape_owners(proxy: Object) -> int:
 
 
 def release_rest(deformer: SinewDeformer) -> None:
-    """Forget the rest mesh; a copy of the target may still hold it."""
-    mesh, deformer.rest = deformer.rest, None
-    if mesh is not None and mesh.library is None and mesh.users == 0:
-        bpy.data.meshes.remove(mesh)
+    """Forget the rest meshes; a copy of the target may still hold them."""
+    meshes, deformer.rest, deformer.rest_render = (deformer.rest, deformer.rest_render), None, None
+    for mesh in meshes:
+        if isinstance(mesh, Mesh) and mesh.library is None and mesh.users == 0:
+            bpy.data.meshes.remove(mesh)

@@ -1,101 +1,180 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solve when the signature of the inputs changed, and write the shape mesh.
 
-A drag in a window shows previews: a few steps, started from the shape before. When it pauses, the answer
-that depends on the poses alone replaces them; for a heavy mesh it comes from a thread.
+A drag in a window shows previews: as many steps as the drag budget allows, started from the shape before.
+Where one step is dearer than the budget, a thread solves and the shape follows the controls a little later.
+When the drag pauses, the answer that depends on the poses alone replaces the preview.
 """
 
+import math
 import time
+from dataclasses import dataclass
 
+import bpy
 import numpy as np
 
 from ..core import status
-from ..core.errors import SolverError, TopologyChangedError
+from ..core.errors import OptionError, SolverError, TopologyChangedError
 from ..core.status import Level, Status
 from ..mesh_io import write_shape
+from ..preferences import preferences
 from . import binding, poses, regions
 from .incoming import TOPOLOGY_CHANGED
-from .state import Bound, Session
+from .state import Bound, Session, Shown
 from .turn import Turn
 from .work import Work
 
-PREVIEW_ITERATIONS = 4  # what a drag may spend a step
+PREVIEW_ITERATIONS = 4  # while the price of a step is unknown
+_MOST_ITERATIONS = 10  # more would not show within a drag
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a shape depends on. ``early`` is content with a preview, ``final`` replaces one."""
+
+    signature: tuple
+    incoming: np.ndarray | None  # float32 (n, 3), None for rest
+    displacement: bool
+    affine: np.ndarray
+    options: dict[str, object]
+    early: bool
+    final: bool
+
+    def matches(self, other: "Question | Shown") -> bool:
+        """The same shape is asked for, or shown."""
+        return self.signature == other.signature and _same(self.incoming, other.incoming)
 
 
 def solve(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacement: bool) -> None:
     """Bring the shape mesh up to date. ``incoming`` float32 (n, 3), None for rest."""
-    shown, session, settings = turn.shown, turn.session, turn.settings
-    affine, from_rest = poses.gather(turn, bound)
-    options = regions.solve_options(settings)
-    signature = (bound.key, affine.tobytes(), from_rest.tobytes(), tuple(options.items()), displacement)
-    same = shown.signature == signature and _same(shown.incoming, incoming)
-    final = session.settle and same and turn.in_viewport
-    early = turn.preview and settings.definition.iterative and not final
-    if same and (shown.converged or early):
-        if shown.factor == settings.factor:
+    shown = turn.shown
+    question = _question(turn, bound, incoming, displacement)
+    if question.matches(shown) and (shown.converged or question.early):
+        if shown.factor != _factor(turn):
+            _show(turn, bound, question, shown.positions, shown.converged)
+        return
+    if turn.in_viewport and _may_be_late(turn, bound, question):
+        answer = _from_thread(turn.session, bound, question)
+        if answer is None:
             return
-        positions = shown.positions
+        question, solved = answer
     else:
-        options["from_rest"] = from_rest
-        options["incoming"] = None if incoming is None else incoming.astype(np.float64)
-        if final and binding.may_wait(len(bound.rest.points)):
-            solved = _from_thread(session, bound, affine, options)
-            if solved is None:
-                return
-        else:
-            if turn.in_viewport:
-                _drop_final(session)
-            if early:
-                _spare(options, turn)
-            begin = time.perf_counter()
-            solved, _report = bound.factor.solve(affine, **options)
-            session.solve_milliseconds = (time.perf_counter() - begin) * 1000.0
-        if not np.isfinite(solved).all():
-            raise SolverError("The solution is not finite - check the scale of the controls")
-        positions = (solved - bound.rest.points if displacement else solved).astype(np.float32)
-        shown.converged = not early
-    if turn.proxy is None or not write_shape(turn.proxy.data, positions, settings.factor, displacement):
-        raise TopologyChangedError(TOPOLOGY_CHANGED)
-    shown.signature, shown.incoming, shown.positions = signature, incoming, positions
-    shown.displacement, shown.factor = displacement, settings.factor
-    if turn.in_viewport and status.of(turn.deformer.uid).level is not Level.INFO:
-        status.put(turn.deformer.uid, Status(Level.INFO, binding.summary(bound)))
+        if turn.in_viewport:
+            drop_work(turn.session)
+        solved = _solve_here(turn, bound, question)
+    if not np.isfinite(solved).all():
+        raise SolverError("The solution is not finite - check the scale of the controls")
+    positions = (solved - bound.rest.points if question.displacement else solved).astype(np.float32)
+    _show(turn, bound, question, positions, converged=not question.early)
+
+
+def _factor(turn: Turn) -> float:
+    """How much is shown; files may hold anything."""
+    factor = turn.settings.factor
+    if not math.isfinite(factor):
+        raise OptionError("Factor is not a number - set it between 0 and 1")
+    return min(max(factor, 0.0), 1.0)
+
+
+def _question(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacement: bool) -> Question:
+    affine, from_rest = poses.gather(turn, bound)
+    options = regions.solve_options(turn.settings)
+    signature = (bound.key, affine.tobytes(), from_rest.tobytes(), tuple(options.items()), displacement)
+    options["from_rest"] = from_rest
+    options["incoming"] = None if incoming is None else incoming.astype(np.float64)
+    shown = turn.shown
+    same = shown.signature == signature and _same(shown.incoming, incoming)
+    final = turn.session.settle and same and turn.in_viewport
+    early = turn.preview and turn.settings.definition.iterative and not final
+    if early:
+        options["max_iterations"] = min(turn.session.steps, options["max_iterations"])
+        if shown.positions is not None and not shown.displacement:
+            options["start"] = shown.positions.astype(np.float64)
+    return Question(signature, incoming, displacement, affine, options, early, final)
 
 
 def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
     return a is b or (a is not None and b is not None and np.array_equal(a, b))
 
 
-def _spare(options: dict[str, object], turn: Turn) -> None:
-    """A few steps from the shape of the moment before."""
-    options["max_iterations"] = min(PREVIEW_ITERATIONS, options.get("max_iterations", PREVIEW_ITERATIONS))
-    if turn.shown.positions is not None and not turn.shown.displacement:
-        options["start"] = turn.shown.positions.astype(np.float64)
+def _show(turn: Turn, bound: Bound, question: Question, positions: np.ndarray, converged: bool) -> None:
+    shown, factor = turn.shown, _factor(turn)
+    if turn.proxy is None or not write_shape(turn.proxy.data, positions, factor, question.displacement):
+        raise TopologyChangedError(TOPOLOGY_CHANGED)
+    shown.signature, shown.incoming, shown.positions = question.signature, question.incoming, positions
+    shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged
+    if turn.in_viewport and status.of(turn.deformer.uid).level is not Level.INFO:
+        status.put(turn.deformer.uid, Status(Level.INFO, binding.summary(bound)))
 
 
-def _from_thread(
-    session: Session, bound: Bound, affine: np.ndarray, options: dict[str, object]
-) -> np.ndarray | None:
-    """The final answer for what is shown as a preview; None until the thread has it.
+def _solve_here(turn: Turn, bound: Bound, question: Question) -> np.ndarray:
+    begin = time.perf_counter()
+    solved, _report = bound.factor.solve(question.affine, **question.options)
+    _learn_price(turn.session, question, time.perf_counter() - begin)
+    return solved
 
-    Any other input in between is a signature of its own, which drops the thread's answer.
-    """
-    work = session.final
+
+def _learn_price(session: Session, question: Question, seconds: float) -> None:
+    """What the next step of a drag will cost, and how many of them its budget allows."""
+    session.solve_milliseconds = seconds * 1000.0
+    if not question.early:
+        session.step_milliseconds = session.solve_milliseconds
+    elif "start" in question.options:  # without one, the first answer is dearer than its steps
+        session.step_milliseconds = session.solve_milliseconds / question.options["max_iterations"]
+        affordable = int(_budget() / max(session.step_milliseconds, 1e-3))
+        session.steps = min(max(affordable, 1), _MOST_ITERATIONS)
+
+
+def _budget() -> float:
+    """Milliseconds that a drag may spend on a redraw."""
+    return preferences(bpy.context).drag_budget
+
+
+def _may_be_late(turn: Turn, bound: Bound, question: Question) -> bool:
+    """A thread may answer: nobody waits for a final shape, nor for a preview that is over the budget."""
+    if not binding.may_wait(len(bound.rest.points)):
+        return False
+    session = turn.session
+    iterative = turn.settings.definition.iterative
+    dear = session.step_milliseconds > _budget() and (question.early or not iterative)
+    return question.final or (turn.preview and dear)
+
+
+def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Question, np.ndarray] | None:
+    """What a thread has found, perhaps for an earlier question; None until there is something."""
+    work = session.work
+    if work is not None and not work.done:
+        if question.matches(work.subject) or not work.subject.final:
+            return None
+        work.cancel()
+        work = None
     if work is None:
-        session.final = Work(lambda progress: bound.factor.solve(affine, progress=progress, **options))
+        _ask(session, bound, question)
         return None
-    if not work.done:
-        return None
-    session.settle, session.final = False, None
+    session.work = None
     if work.error is not None:
+        session.settle = False
         raise work.error
-    session.solve_milliseconds = work.seconds * 1000.0
-    return work.result[0]
+    answered = work.subject
+    _learn_price(session, answered, work.seconds)
+    if answered.final:
+        session.settle = False
+    if not question.matches(answered):
+        _ask(session, bound, question)
+        if answered.final:
+            return None
+    return answered, work.result[0]
 
 
-def _drop_final(session: Session) -> None:
+def _ask(session: Session, bound: Bound, question: Question) -> None:
+    session.work = Work(
+        lambda progress: bound.factor.solve(question.affine, progress=progress, **question.options), question
+    )
+
+
+def drop_work(session: Session) -> None:
     """Something newer is asked for."""
     session.settle = False
-    if session.final is not None:
-        session.final.cancel()
-        session.final = None
+    if session.work is not None:
+        session.work.cancel()
+        session.work = None

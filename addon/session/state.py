@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
+import bpy
 import numpy as np
 
 from ..backend import Factor
@@ -51,11 +52,13 @@ class Session:
     shown: dict[str, Shown] = field(default_factory=dict)
     poses: dict[str, np.ndarray] = field(default_factory=dict)
     settle: bool = False  # the final answer of the shown preview is wanted
-    final: Work | None = None  # it is under way in a thread
+    work: Work | None = None  # a thread looks for an answer; the subject is its question
     rewire: bool = (
         False  # a control was exchanged: the driver that keeps controls evaluated names the old one
     )
     solve_milliseconds: float = 0.0
+    step_milliseconds: float = 0.0  # of a drag: one iteration, or one solve of a method without them
+    steps: int = 4  # iterations that a drag may spend
     lock: threading.RLock = field(default_factory=threading.RLock)
 
     def view(self, mode: str) -> Shown:
@@ -64,12 +67,25 @@ class Session:
 
 
 _sessions: dict[str, Session] = {}
+_RENDER = " in renders"
+_seen: dict[
+    str, tuple
+] = {}  # by object: where the target and its controls were when it was last brought up to date
+_edited: set[str] = set()
+_missed: set[str] = set()
 _suspended = 0
 
 
 def of(key: str) -> Session:
     """The session of a deformer, made when first asked for."""
     return _sessions.setdefault(key, Session())
+
+
+def in_renders(key: str) -> Session:
+    """The session of a deformer for renders, where other vertices enter than in viewports."""
+    session = of(key + _RENDER)
+    session.poses = of(key).poses
+    return session
 
 
 def find(key: str) -> Session | None:
@@ -80,12 +96,17 @@ def find(key: str) -> Session | None:
 def drop(key: str) -> None:
     """Forget a deformer."""
     _sessions.pop(key, None)
+    _sessions.pop(key + _RENDER, None)
+    _seen.clear()
     status.clear(key)
 
 
 def drop_all() -> None:
     """Forget everything, as another file is opened."""
     _sessions.clear()
+    _seen.clear()
+    _edited.clear()
+    _missed.clear()
     status.clear()
 
 
@@ -94,9 +115,42 @@ def distrust() -> None:
 
     Factors are kept, their keys tell.
     """
+    _seen.clear()
     for session in _sessions.values():
         session.shown.clear()
         session.failed = None
+
+
+def edited(name: str) -> None:
+    """An object's mesh, or what stands before Sinew in its stack, was edited."""
+    _edited.add(name)
+
+
+def forget_edit(name: str) -> None:
+    """The mesh was looked at just now."""
+    _edited.discard(name)
+
+
+def take_edited() -> list[str]:
+    """The objects that were edited since the last call."""
+    names = sorted(_edited)
+    _edited.clear()
+    return names
+
+
+def has_edited() -> bool:
+    """Some object was edited."""
+    return bool(_edited)
+
+
+def seen(name: str) -> tuple | None:
+    """What ``see`` noted of an object."""
+    return _seen.get(name)
+
+
+def see(name: str, placed: tuple) -> None:
+    """Note where an object and its controls are, now that its deformers are up to date."""
+    _seen[name] = placed
 
 
 def rewired() -> list[str]:
@@ -104,9 +158,15 @@ def rewired() -> list[str]:
     return [key for key, session in _sessions.items() if session.rewire]
 
 
-def has_final() -> bool:
-    """A final answer is under way, or waits to be shown."""
-    return any(session.final is not None for session in _sessions.values())
+def has_work() -> bool:
+    """A shape is looked for in a thread, or waits to be shown."""
+    return any(session.work is not None for session in _sessions.values())
+
+
+def has_answer(key: str) -> bool:
+    """A thread has found a shape that is not shown yet."""
+    session = _sessions.get(key)
+    return session is not None and session.work is not None and session.work.done
 
 
 def unsettled() -> list[str]:
@@ -120,13 +180,30 @@ def unsettled() -> list[str]:
 
 @contextmanager
 def suspended() -> Iterator[None]:
-    """The handlers rest while Sinew itself changes the scene."""
+    """The handlers rest while Sinew itself changes the scene; what they miss they see afterwards."""
     global _suspended
     _suspended += 1
     try:
         yield
     finally:
         _suspended -= 1
+        if not _suspended:
+            for name in _missed:
+                obj = bpy.data.objects.get(name)
+                if obj is not None:
+                    obj.update_tag(refresh={"OBJECT"})
+
+
+def miss(name: str) -> None:
+    """An object was evaluated while the handlers rested."""
+    _missed.add(name)
+
+
+def take_missed(name: str) -> bool:
+    """An evaluation of the object was missed since the last call."""
+    missed = name in _missed
+    _missed.discard(name)
+    return missed
 
 
 def is_suspended() -> bool:

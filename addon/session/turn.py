@@ -45,6 +45,7 @@ class Turn:
     session: Session
     chain: Chain
     preview: bool
+    new_geometry: bool  # what enters the modifiers may differ from the last evaluation
 
     @property
     def mode(self) -> str:
@@ -64,7 +65,7 @@ class Turn:
     @property
     def proxy(self) -> Object | None:
         """The shape object of this mode."""
-        return self.deformer.proxy if self.in_viewport else self.deformer.proxy_render
+        return self.deformer.shape(self.mode)
 
     def note(self, text: str) -> None:
         """Keep one line about how incoming motion is followed, or none."""

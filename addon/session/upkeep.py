@@ -14,7 +14,7 @@ from . import binding, census, rig, state
 
 
 def copies() -> list[Object]:
-    """Objects that share a deformer's key with another object, or show shapes linked from a library."""
+    """Objects with a deformer that shares its key with another, or shows shapes linked from a library."""
     seen: set[str] = set()
     found = []
     for obj in bpy.data.objects:
@@ -22,7 +22,7 @@ def copies() -> list[Object]:
         linked = obj.library is None and any(
             rig.is_linked(deformer.proxy) for deformer in obj.sinew.deformers
         )
-        if linked or any(key in seen for key in keys):
+        if linked or len(set(keys)) < len(keys) or any(key in seen for key in keys):
             found.append(obj)
         seen.update(keys)
     return found
@@ -33,10 +33,11 @@ def separate(obj: Object) -> None:
     for deformer in obj.sinew.deformers:
         modifier = rig.find_modifier(obj, deformer)
         deformer.uid = rig.new_key()
-        for name, proxy in ((Datablocks.PROXY_VIEWPORT, "proxy"), (Datablocks.PROXY_RENDER, "proxy_render")):
-            shared = getattr(deformer, proxy)
-            if shared is not None:
-                setattr(deformer, proxy, bpy.data.objects.new(name, shared.data.copy()))
+        shared = deformer.shape("VIEWPORT"), deformer.shape("RENDER")
+        if shared[0] is not None:
+            deformer.proxy = bpy.data.objects.new(Datablocks.PROXY_VIEWPORT, shared[0].data.copy())
+        if shared[1] is not None:
+            deformer.proxy_render = bpy.data.objects.new(Datablocks.PROXY_RENDER, shared[1].data.copy())
         if modifier is not None:
             rig.connect(modifier, deformer)
     rig.keep_evaluated(obj)
@@ -44,24 +45,30 @@ def separate(obj: Object) -> None:
 
 
 def collect() -> None:
-    """Take finished binds in; their deformers solve in the next evaluation."""
+    """Take in what threads have finished: the next evaluation solves with it, or shows it."""
     ready = binding.collect()
-    for obj in census.owners() if ready else ():
-        if any(deformer.uid in ready for deformer in obj.sinew.deformers):
-            obj.update_tag()
+    for obj in census.owners() if ready or state.has_work() else ():
+        if any(deformer.uid in ready or state.has_answer(deformer.uid) for deformer in obj.sinew.deformers):
+            obj.update_tag(refresh={"OBJECT"})
 
 
 def tidy() -> None:
-    """What handlers had to leave: shapes for copies, drivers for controls that were exchanged."""
+    """What handlers had to leave: shapes for copies, drivers that are gone or keep the wrong control."""
     found = copies()
     for obj in found:
         separate(obj)
     if found:
         census.forget_owners()
     exchanged = set(state.rewired())
-    for obj in census.owners() if exchanged else ():
+    for obj in census.owners():
         uids = exchanged.intersection(deformer.uid for deformer in obj.sinew.deformers)
-        if uids:
+        if (uids or not rig.is_kept(obj)) and obj.library is None:
             rig.keep_evaluated(obj)
         for uid in uids:
             state.of(uid).rewire = False
+
+
+def has_pending() -> bool:
+    """Something waits for ``tidy``, ``refresh`` or ``settle``."""
+    waits = state.unsettled() or state.rewired() or state.has_edited()
+    return bool(waits) or census.has_copies() or not all(rig.is_kept(obj) for obj in census.owners())

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels, lists and menus: they draw, and never solve."""
 
-from . import lists, menus, panel
+from . import bake, data_tab, keymap, lists, menus, overlay, panel, pie
 
-_MODULES = (lists, panel, menus)
+_MODULES = (lists, menus, pie, panel, overlay, bake, data_tab, keymap)
 
 
 def register() -> None:

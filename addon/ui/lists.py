@@ -4,6 +4,7 @@
 from bpy.types import Context, UILayout, UIList
 from bpy.utils import register_classes_factory
 
+from .. import session
 from ..core import status
 from ..core.status import Level
 from ..ids import Operators
@@ -11,29 +12,38 @@ from ..properties import HANDLE_KINDS, SinewDeformer, SinewHandle, SinewObject
 from .text import columns
 
 _ICONS = {identifier: icon for identifier, _label, _description, icon, _number in HANDLE_KINDS}
+# Characters that the region holds, from which on a column is shown.
+_RENDER_FROM = 26
+_WEIGHT_FROM = 28
+_CONTROL_FROM = 44
 
 
 class SINEW_UL_deformers(UIList):
-    """Deformers of the mesh, with whether they follow their controls"""
+    """Deformers of the mesh: name, whether they follow their controls, and where they are shown"""
 
     def draw_item(
         self,
-        _context: Context,
+        context: Context,
         layout: UILayout,
-        _owner: SinewObject,
+        owner: SinewObject,
         deformer: SinewDeformer,
         _icon: int,
         _active_owner: SinewObject,
         _active_property: str,
     ) -> None:
         failing = status.of(deformer.uid).level is Level.ERROR
-        layout.prop(deformer, "name", text="", emboss=False, icon="ERROR" if failing else "MOD_MESHDEFORM")
-        icon = "RADIOBUT_ON" if deformer.live else "RADIOBUT_OFF"
-        layout.prop(deformer, "live", text="", emboss=False, icon=icon)
+        layout.prop(deformer, "name", text="", emboss=False, icon="ERROR" if failing else "NONE")
+        row = layout.row(align=True)
+        row.prop(deformer, "live", text="", emboss=False, icon="PLAY" if deformer.live else "FREEZE")
+        modifier = session.find_modifier(owner.id_data, deformer)
+        if modifier is not None:
+            row.prop(modifier, "show_viewport", text="", emboss=False)
+            if columns(context) > _RENDER_FROM:
+                row.prop(modifier, "show_render", text="", emboss=False)
 
 
 class SINEW_UL_handles(UIList):
-    """Regions of a deformer: name, control, weight, select, use"""
+    """Regions of a deformer: colour, name, control, weight, select, use"""
 
     def draw_item(
         self,
@@ -55,13 +65,15 @@ class SINEW_UL_handles(UIList):
         if handle.control_missing:
             picker = row.row()
             picker.alert = True
+            picker.ui_units_x = 2.4 if columns(context) < _CONTROL_FROM else 0.0
             picker.prop(handle, "control", text="")
-        elif columns(context) > 40:
-            row.label(text=handle.control_label)
-        if columns(context) > 28:
-            weight = row.row()
-            weight.ui_units_x = 2.2
-            weight.prop(handle, "weight", text="", emboss=False)
+        else:
+            if columns(context) > _CONTROL_FROM:
+                row.label(text=handle.control_label)
+            if columns(context) > _WEIGHT_FROM:
+                weight = row.row()
+                weight.ui_units_x = 2.2
+                weight.prop(handle, "weight", text="", emboss=False)
             select = row.operator(Operators.SELECT_HANDLE, text="", icon="RESTRICT_SELECT_OFF", emboss=False)
             select.index = index
         row.prop(handle, "enabled", text="", emboss=False, icon="HIDE_OFF" if handle.enabled else "HIDE_ON")

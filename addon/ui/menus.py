@@ -1,50 +1,230 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Menu entries of Edit Mode: in the header, and under the right mouse button."""
+"""Menus: in the header of Edit Mode, in Object > Sinew, under the right mouse button, beside the lists.
+
+Blender's search looks through menus, so each operator stands in one that is shown where it works.
+"""
 
 import bpy
 from bpy.types import Context, Menu, UILayout
 
-from ..ids import Operators
+from ..ids import Menus, Operators
+from ..operators import PAGES, target_of
 
 
 class SINEW_MT_edit_mesh(Menu):
-    """Make regions of the selected vertices"""
+    """Make regions of the selected vertices, and tend the deformer"""
 
+    bl_idname = Menus.EDIT_MESH
     bl_label = "Sinew"
 
     def draw(self, _context: Context) -> None:
-        layout = self.layout
-        _entry(layout, "HANDLE", "Add Handle", "EMPTY_AXIS")
-        _entry(layout, "HANDLE", "Add Handle to Selected Object or Bone", "HOOK", control="SELECTED")
-        _entry(layout, "FIXED", "Add Fixed", "PINNED")
-        _entry(layout, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
+        layout = _invoking(self.layout)
+        add_entry(layout, "HANDLE", "Add Handle", "ADD")
+        add_entry(layout, "HANDLE", "Add Handle to Selected Object or Bone", "HOOK", control="SELECTED")
+        add_entry(layout, "FIXED", "Add Fixed", "PINNED")
+        add_entry(layout, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
         layout.separator()
-        layout.operator(Operators.BIND, icon="FILE_REFRESH")
-        layout.operator(Operators.SELECT_PROBLEMS, text="Select Problems")
+        _draw_common(layout)
 
 
-def _entry(layout: UILayout, kind: str, text: str, icon: str, control: str = "NEW") -> None:
+class SINEW_MT_object(Menu):
+    """Deformers of the mesh, and their handles"""
+
+    bl_idname = Menus.OBJECT
+    bl_label = "Sinew"
+
+    def draw(self, _context: Context) -> None:
+        layout = _invoking(self.layout)
+        for kind, name in Menus.OF_GROUPS.items():
+            layout.menu(name, icon=_ADDING[kind][1])
+        layout.separator()
+        _draw_common(layout)
+
+
+class SINEW_MT_add_region(Menu):
+    """Add a region to the deformer"""
+
+    bl_idname = Menus.ADD_REGION
+    bl_label = "Add Region"
+
+    def draw(self, context: Context) -> None:
+        layout = _invoking(self.layout)
+        obj = target_of(context)
+        if obj is not None and obj.mode == "EDIT":
+            add_entry(layout, "HANDLE", "Handle", "ADD")
+            add_entry(layout, "HANDLE", "Handle to Selected Object or Bone", "HOOK", control="SELECTED")
+            add_entry(layout, "FIXED", "Fixed", "PINNED")
+            add_entry(layout, "SUPPORT", "Support", "MOD_MESHDEFORM")
+            layout.separator()
+        for kind, name in Menus.OF_GROUPS.items():
+            layout.menu(name, icon=_ADDING[kind][1])
+
+
+class SINEW_MT_handle(Menu):
+    """What can be done with the active handle"""
+
+    bl_idname = Menus.HANDLE
+    bl_label = "Handle"
+
+    def draw(self, _context: Context) -> None:
+        layout = _invoking(self.layout)
+        layout.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
+        layout.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
+        _draw_move(layout, Operators.HANDLE_MOVE)
+        layout.separator()
+        layout.operator(Operators.HANDLE_REMOVE, icon="REMOVE")
+
+
+class SINEW_MT_deformer(Menu):
+    """What can be done with the active deformer"""
+
+    bl_idname = Menus.DEFORMER
+    bl_label = "Deformer"
+
+    def draw(self, _context: Context) -> None:
+        layout = _invoking(self.layout)
+        layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="ADD")
+        _draw_move(layout, Operators.DEFORMER_MOVE)
+        layout.separator()
+        layout.operator(Operators.APPLY, icon="CHECKMARK")
+        layout.operator(Operators.APPLY, text="Apply as Shape Key", icon="SHAPEKEY_DATA").as_shape_key = True
+        layout.operator(Operators.BAKE, icon="RENDER_ANIMATION")
+        layout.operator(Operators.UNBAKE, icon="LOOP_BACK")
+        layout.separator()
+        layout.operator(Operators.DEFORMER_REMOVE, icon="REMOVE")
+
+
+class SINEW_MT_manual(Menu):
+    """Pages of the manual that came with the add-on"""
+
+    bl_idname = Menus.MANUAL
+    bl_label = "Sinew Manual"
+
+    def draw(self, _context: Context) -> None:
+        for page, label, _description in PAGES:
+            self.layout.operator(Operators.HELP, text=label).page = page
+
+
+_ADDING = {
+    "HANDLE": ("Handle from Vertex Group", "ADD"),
+    "FIXED": ("Fixed from Vertex Group", "PINNED"),
+    "SUPPORT": ("Support from Vertex Group", "MOD_MESHDEFORM"),
+}
+
+
+class _GroupsMenu:
+    """Vertex groups of the mesh; one becomes a region of ``kind``."""
+
+    kind = ""
+
+    def draw(self, context: Context) -> None:
+        layout = _invoking(self.layout)
+        obj = target_of(context)
+        groups = [] if obj is None else [group.name for group in obj.vertex_groups]
+        if not groups:
+            layout.label(text="No vertex groups - select vertices in Edit Mode", icon="INFO")
+        for name in groups:
+            settings = layout.operator(Operators.HANDLE_ADD, text=name, icon="GROUP_VERTEX")
+            settings.kind, settings.vertex_group = self.kind, name
+
+
+_GROUP_MENUS = tuple(
+    type(
+        name,
+        (_GroupsMenu, Menu),
+        {
+            "__doc__": "Make a region of one of the mesh's vertex groups",
+            "__module__": __name__,
+            "bl_idname": name,
+            "bl_label": _ADDING[kind][0],
+            "kind": kind,
+        },
+    )
+    for kind, name in Menus.OF_GROUPS.items()
+)
+
+
+def add_entry(layout: UILayout, kind: str, text: str, icon: str, control: str = "NEW") -> None:
+    """Make a region of the selection."""
     settings = layout.operator(Operators.HANDLE_ADD, text=text, icon=icon)
     settings.kind, settings.control = kind, control
 
 
+def _invoking(layout: UILayout) -> UILayout:
+    """Entries run with the mouse over the viewport, from whichever editor the menu was opened."""
+    layout.operator_context = "INVOKE_REGION_WIN"
+    return layout
+
+
+def _draw_common(layout: UILayout) -> None:
+    layout.operator(Operators.GRAB_REGION, icon="VIEW_PAN")
+    layout.separator()
+    layout.operator(Operators.BIND, icon="FILE_REFRESH")
+    layout.operator(Operators.UNBIND, icon="X")
+    layout.operator(Operators.CANCEL, icon="CANCEL")
+    layout.separator()
+    layout.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
+    layout.operator(Operators.SELECT_DISTORTED, icon="MOD_CLOTH")
+    layout.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
+    layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
+    layout.separator()
+    layout.menu(Menus.HANDLE, icon="EMPTY_AXIS")
+    layout.menu(Menus.DEFORMER, icon="MODIFIER")
+    layout.menu(Menus.MANUAL, icon="QUESTION")
+
+
+def _draw_move(layout: UILayout, operator: str) -> None:
+    layout.operator(operator, text="Move Up", icon="TRIA_UP").direction = "UP"
+    layout.operator(operator, text="Move Down", icon="TRIA_DOWN").direction = "DOWN"
+
+
 def _in_header(menu: Menu, context: Context) -> None:
     if context.mode == "EDIT_MESH":
-        menu.layout.menu(SINEW_MT_edit_mesh.__name__)
+        menu.layout.menu(Menus.EDIT_MESH)
 
 
-def _in_context_menu(menu: Menu, _context: Context) -> None:
+def _at_the_end(menu: Menu, context: Context) -> None:
     menu.layout.separator()
-    menu.layout.menu(SINEW_MT_edit_mesh.__name__)
+    menu.layout.menu(Menus.EDIT_MESH if context.mode == "EDIT_MESH" else Menus.OBJECT)
+
+
+def _in_object_context_menu(menu: Menu, context: Context) -> None:
+    """Only for meshes that have a deformer, and for controls: the menu is long already."""
+    obj = target_of(context)
+    if obj is not None and obj.sinew.deformers:
+        _at_the_end(menu, context)
+
+
+_CLASSES = (
+    *_GROUP_MENUS,
+    SINEW_MT_manual,
+    SINEW_MT_add_region,
+    SINEW_MT_handle,
+    SINEW_MT_deformer,
+    SINEW_MT_edit_mesh,
+    SINEW_MT_object,
+)
+# Blender's menus, and what draws our entry at their end.
+_PLACES = (
+    ("VIEW3D_MT_editor_menus", _in_header),
+    ("VIEW3D_MT_edit_mesh_context_menu", _at_the_end),
+    ("VIEW3D_MT_object", _at_the_end),
+    ("VIEW3D_MT_pose", _at_the_end),
+    ("VIEW3D_MT_paint_weight", _at_the_end),
+    ("VIEW3D_MT_object_context_menu", _in_object_context_menu),
+    ("VIEW3D_MT_pose_context_menu", _in_object_context_menu),
+)
 
 
 def register() -> None:
-    bpy.utils.register_class(SINEW_MT_edit_mesh)
-    bpy.types.VIEW3D_MT_editor_menus.append(_in_header)
-    bpy.types.VIEW3D_MT_edit_mesh_context_menu.append(_in_context_menu)
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    for place, draw in _PLACES:
+        getattr(bpy.types, place).append(draw)
 
 
 def unregister() -> None:
-    bpy.types.VIEW3D_MT_edit_mesh_context_menu.remove(_in_context_menu)
-    bpy.types.VIEW3D_MT_editor_menus.remove(_in_header)
-    bpy.utils.unregister_class(SINEW_MT_edit_mesh)
+    for place, draw in reversed(_PLACES):
+        getattr(bpy.types, place).remove(draw)
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,32 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Sinew tab of the sidebar."""
+"""The Sinew panel: deformers, method, handles, influence, status; and its sub-panels."""
 
 from bpy.types import Context, Object, Panel, UILayout
 from bpy.utils import register_classes_factory
 
-from .. import session
 from ..backend import availability
-from ..core import status
-from ..core.methods import group_property
-from ..core.status import Level, Status
-from ..ids import Operators
+from ..core.methods import Parameter, group_property
+from ..core.status import Level, Remedy, Status
+from ..ids import Menus, Operators
 from ..operators import target_of
 from ..properties import SinewDeformer
-from .text import draw_text
+from .places import ROOT, SidebarPanel
+from .status_box import NATIVE_MISSING, draw_error, draw_message, draw_status
+from .text import columns, draw_text
 
-_ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}
-
-
-class _Sidebar(Panel):
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Sinew"
+LINKED = "This object is linked from another file - make a library override to pose it here"
+_WIDE_MENUS = 36  # characters, from which on two menu buttons fit beside each other
 
 
-class SINEW_PT_sinew(_Sidebar):
+class SINEW_PT_sinew(SidebarPanel, Panel):
     """Deformers of the active mesh"""
 
     bl_label = "Sinew"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        """The sidebar's tab is always there and says what to do; elsewhere there must be a mesh."""
+        return cls.bl_space_type == "VIEW_3D" or target_of(context) is not None
 
     def draw(self, context: Context) -> None:
         layout = self.layout
@@ -35,42 +35,45 @@ class SINEW_PT_sinew(_Sidebar):
             layout.label(text="Select a mesh object", icon="INFO")
             return
         if obj.library is not None:
-            draw_text(context, layout, "This object is linked - make a library override to pose it", "INFO")
+            draw_message(context, layout, Status(Level.INFO, LINKED, remedy=Remedy.OVERRIDE))
             return
-        _draw_deformers(layout, obj)
         deformer = obj.sinew.active
         if deformer is None:
-            if availability().module is None:
-                draw_text(context, layout, availability().remedy, "ERROR")
-            draw_text(context, layout, "Select vertices in Edit Mode, then", "INFO")
-            _draw_add_buttons(layout)
+            _draw_start(context, layout, obj)
             return
-        _draw_method(context, layout, obj, deformer)
-        _draw_handles(layout, deformer)
-        _draw_add_buttons(layout)
+        _draw_deformers(layout, obj)
+        draw_error(context, layout, deformer)
+        _draw_method(layout, obj, deformer)
+        _draw_handles(context, layout, obj, deformer)
         _draw_influence(layout, obj, deformer)
         draw_status(context, layout, deformer)
 
 
-class SINEW_PT_handle(_Sidebar):
-    """Settings of the active region"""
-
-    bl_label = "Region"
-    bl_parent_id = "SINEW_PT_sinew"
+class _ActiveDeformerPanel(SidebarPanel):
+    bl_parent_id = ROOT
+    bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        obj = target_of(context)
-        deformer = obj.sinew.active if obj is not None else None
+        return _active_deformer(context) is not None
+
+
+class SINEW_PT_region(_ActiveDeformerPanel, Panel):
+    """Settings of the active region"""
+
+    bl_label = "Region"
+    bl_order = 10
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        deformer = _active_deformer(context)
         return deformer is not None and 0 <= deformer.active_handle < len(deformer.handles)
 
     def draw(self, context: Context) -> None:
         obj = target_of(context)
         deformer = obj.sinew.active
         handle = deformer.handles[deformer.active_handle]
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = _split(self.layout)
         layout.prop(handle, "kind")
         layout.prop_search(handle, "vertex_group", obj, "vertex_groups")
         if handle.kind == "HANDLE":
@@ -83,90 +86,128 @@ class SINEW_PT_handle(_Sidebar):
         layout.prop(handle, "weight", slider=True)
         if deformer.definition.continuity:
             layout.prop(handle, "continuity", slider=True)
+        layout.prop(handle, "colour")
+
+
+class SINEW_PT_advanced(_ActiveDeformerPanel, Panel):
+    """What is seldom changed"""
+
+    bl_label = "Advanced"
+    bl_order = 40
+
+    def draw(self, context: Context) -> None:
+        deformer = _active_deformer(context)
+        layout = _split(self.layout)
+        layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
+        for parameter in deformer.definition.parameters:
+            if _is_budget(deformer, parameter):
+                layout.prop(deformer.parameters, parameter.id)
+        layout.column(heading="Render").prop(context.scene.render, "use_lock_interface")
+
+
+def _active_deformer(context: Context) -> SinewDeformer | None:
+    obj = target_of(context)
+    return obj.sinew.active if obj is not None and obj.library is None else None
+
+
+def _split(layout: UILayout) -> UILayout:
+    """Labels to the left, as in Blender's own panels; without the dots of animation, as in its sidebar."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout
+
+
+def _is_budget(deformer: SinewDeformer, parameter: Parameter) -> bool:
+    """How far an iterative method goes, not which shape it seeks."""
+    return deformer.definition.iterative and not parameter.rebinds
+
+
+def _draw_start(context: Context, layout: UILayout, obj: Object) -> None:
+    """A mesh without a deformer: the first step."""
+    if availability().module is None:
+        draw_message(context, layout, NATIVE_MISSING)
+    if obj.mode == "EDIT":
+        hint = "Select the vertices to move, then Add Handle; those to keep, then Add Fixed"
+    else:
+        hint = "Enter Edit Mode and select vertices, or choose a vertex group here"
+    draw_text(context, layout, hint, "INFO")
+    _draw_add_buttons(context, layout, obj)
+    layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="MOD_MESHDEFORM")
 
 
 def _draw_deformers(layout: UILayout, obj: Object) -> None:
+    several = len(obj.sinew.deformers) > 1
     row = layout.row()
-    row.template_list("SINEW_UL_deformers", "", obj.sinew, "deformers", obj.sinew, "active_deformer", rows=2)
-    column = row.column(align=True)
-    column.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="", icon="ADD")
-    column.operator(Operators.DEFORMER_REMOVE, text="", icon="REMOVE")
+    rows = 5 if several else 3
+    row.template_list(
+        "SINEW_UL_deformers", "", obj.sinew, "deformers", obj.sinew, "active_deformer", rows=rows
+    )
+    side = row.column(align=True)
+    side.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="", icon="ADD")
+    side.operator(Operators.DEFORMER_REMOVE, text="", icon="REMOVE")
+    side.separator()
+    side.menu(Menus.DEFORMER, text="", icon="DOWNARROW_HLT")
+    if several:
+        _draw_move(side, Operators.DEFORMER_MOVE)
 
 
-def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    column = layout.column()
-    column.prop(deformer, "method", text="")
-    hint = column.column(align=True)
-    hint.active = False
-    draw_text(context, hint, deformer.definition.summary)
-    settings = layout.column()
-    settings.use_property_split = True
-    settings.use_property_decorate = False
+def _draw_move(side: UILayout, operator: str) -> None:
+    side.separator()
+    side.operator(operator, text="", icon="TRIA_UP").direction = "UP"
+    side.operator(operator, text="", icon="TRIA_DOWN").direction = "DOWN"
+
+
+def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    layout.prop(deformer, "method", text="")
+    settings = _split(layout.column())
     for parameter in deformer.definition.parameters:
+        if _is_budget(deformer, parameter):
+            continue
         row = settings.row(align=True)
         row.prop(deformer.parameters, parameter.id)
         if getattr(parameter, "paintable", False):
-            group = group_property(parameter)
-            painted = settings.row()
-            painted.prop_search(deformer.parameters, group, obj, "vertex_groups", text="Group")
+            row.prop_search(deformer.parameters, group_property(parameter), obj, "vertex_groups", text="")
 
 
-def _draw_handles(layout: UILayout, deformer: SinewDeformer) -> None:
+def _draw_handles(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    layout.label(text="Handles")
     row = layout.row()
-    row.template_list("SINEW_UL_handles", "", deformer, "handles", deformer, "active_handle", rows=3)
-    column = row.column(align=True)
-    column.operator(Operators.HANDLE_REMOVE, text="", icon="REMOVE")
-    column.operator(Operators.SELECT_HANDLE, text="", icon="RESTRICT_SELECT_OFF")
+    several = len(deformer.handles) > 1
+    rows = 5 if several else 3
+    row.template_list("SINEW_UL_handles", "", deformer, "handles", deformer, "active_handle", rows=rows)
+    side = row.column(align=True)
+    side.menu(Menus.ADD_REGION, text="", icon="ADD")
+    side.operator(Operators.HANDLE_REMOVE, text="", icon="REMOVE")
+    side.separator()
+    side.menu(Menus.HANDLE, text="", icon="DOWNARROW_HLT")
+    if several:
+        _draw_move(side, Operators.HANDLE_MOVE)
+    _draw_add_buttons(context, layout, obj)
 
 
-def _draw_add_buttons(layout: UILayout) -> None:
+def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:
+    """In Edit Mode they take the selection, else a vertex group from a menu."""
     column = layout.column(align=True)
-    column.operator(Operators.HANDLE_ADD, text="Add Handle", icon="ADD").kind = "HANDLE"
-    row = column.row(align=True)
-    row.operator(Operators.HANDLE_ADD, text="Add Fixed").kind = "FIXED"
-    row.operator(Operators.HANDLE_ADD, text="Set Support").kind = "SUPPORT"
+    _draw_add(column, obj, "HANDLE", "Add Handle", "ADD")
+    beside = obj.mode == "EDIT" or columns(context) >= _WIDE_MENUS
+    others = column.row(align=True) if beside else column
+    _draw_add(others, obj, "FIXED", "Add Fixed", "PINNED")
+    _draw_add(others, obj, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
+
+
+def _draw_add(layout: UILayout, obj: Object, kind: str, text: str, icon: str) -> None:
+    if obj.mode == "EDIT":
+        layout.operator(Operators.HANDLE_ADD, text=text, icon=icon).kind = kind
+    else:
+        layout.menu(Menus.OF_GROUPS[kind], text=text, icon=icon)
 
 
 def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    column = layout.column()
-    column.use_property_split = True
+    column = _split(layout.column())
     column.prop(deformer, "factor", slider=True)
-    column.use_property_decorate = False
     column.prop_search(deformer, "mask_group", obj, "vertex_groups")
 
 
-def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
-    """What the deformer is doing, what is wrong, and the buttons that help."""
-    box = layout.box()
-    under_way = session.job(deformer.uid)
-    if under_way is not None:
-        box.label(text=f"Binding {under_way.fraction:.0%} {under_way.stage}", icon="SORTTIME")
-        return
-    main = status.of(deformer.uid)
-    known = session.find(deformer.uid)
-    text = main.text or ("Bound" if deformer.is_bound else "Not bound - press Bind")
-    if main.level is Level.INFO and known is not None and known.solve_milliseconds:
-        text = f"{text}, solve {session.duration(known.solve_milliseconds)}"
-    lines = [Status(main.level, text, main.elements, main.element_kind), *status.notes(deformer.uid)]
-    number = 0
-    for line in lines:
-        row = box.row()
-        draw_text(context, row.column(), line.text, _ICONS[line.level], beside=30 if line.elements else 0)
-        if line.elements:
-            row.operator(Operators.SELECT_PROBLEMS, text="", icon="RESTRICT_SELECT_OFF").line = number
-            number += 1
-    for handle in deformer.handles:
-        if handle.control_missing:
-            text = f"{handle.name} has lost its control and stays where it was - pick another"
-            draw_text(context, box, text, _ICONS[Level.WARNING])
-    render = context.scene.render
-    if deformer.is_bound and not render.use_lock_interface:
-        draw_text(context, box, "Renders from this window are safe only with", _ICONS[Level.WARNING])
-        box.prop(render, "use_lock_interface")
-    row = box.row(align=True)
-    row.operator(Operators.BIND, text="Rebind" if deformer.is_bound else "Bind")
-    row.operator(Operators.UNBIND, text="Unbind")
-    row.operator(Operators.APPLY, text="Apply")
+PANELS = (SINEW_PT_sinew, SINEW_PT_region, SINEW_PT_advanced)
 
-
-register, unregister = register_classes_factory((SINEW_PT_sinew, SINEW_PT_handle))
+register, unregister = register_classes_factory(PANELS)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 #include "native/core/errors.h"
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/report.h"
 
@@ -71,7 +72,10 @@ void bind_core(py::module_& module)
                            "Handles, weights, poses or incoming points do not fit.", base);
     add<InvalidOption>(module, "InvalidOption", "An option is outside its documented range.", base);
     add<FactorizationFailed>(module, "FactorizationFailed",
-                             "The system has no unique solution, or memory ran out.", base);
+                             "The system has no unique solution, or its factor no room.", base);
+    add<OutOfMemory>(module, "OutOfMemory",
+                     "The factor would take more than limit_memory() allows, or than the machine has.",
+                     module.attr("FactorizationFailed"));
     add<Cancelled>(module, "Cancelled", "The progress callback returned False.", base);
 
     py::register_exception_translator([](std::exception_ptr pointer) {
@@ -97,6 +101,7 @@ void bind_core(py::module_& module)
                       "Faces with a triangle of (nearly) no area, solved with a floored area.")
         .def_readonly("factorizations", &BindReport::factorizations,
                       "Numeric factorisations since the constructor.")
+        .def_readonly("factor_bytes", &BindReport::factor_bytes, "Memory of the factors.")
         .def_readonly("seconds", &BindReport::seconds, "Wall clock of the call.")
         .def("__repr__", [](const BindReport& r) {
             return "<BindReport: " + std::to_string(r.handle_count) + " handles, " +
@@ -118,6 +123,9 @@ void bind_core(py::module_& module)
 
     module.def("limit_threads", &limit_threads, py::arg("count"),
                "At most `count` threads in the library's own loops; 0 lifts the limit.");
+    module.def("limit_memory", &limit_memory, py::arg("bytes"),
+               "No factor may take more than `bytes`; 0 lifts the limit. A bind that would is refused by\n"
+               "OutOfMemory, which names both sizes, before the memory is taken.");
 }
 
 } // namespace sinew::bindings

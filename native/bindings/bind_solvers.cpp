@@ -54,7 +54,7 @@ matrix    (n, n) SciPy sparse, symmetric positive definite.
 ordering  'natural', 'reverse_cuthill_mckee', 'minimum_degree' or 'nested_dissection'.
 backend   'automatic', 'supernodal', 'simplicial' (CHOLMOD) or 'ldlt' (Eigen).
 
-Raises FactorizationFailed where the matrix is singular or indefinite.)")
+Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemory above limit_memory().)")
         .def(
             "solve",
             [](const SpdFactor& factor, const py::object& rhs) {
@@ -83,6 +83,7 @@ Raises FactorizationFailed where the matrix is singular or indefinite.)")
             py::arg("matrix"), "Other values; the symbolic part is kept while the pattern is the same.")
         .def_property_readonly("size", &SpdFactor::size)
         .def_property_readonly("nonzeros", &SpdFactor::nonzeros, "Entries of the factor.")
+        .def_property_readonly("bytes", &SpdFactor::bytes, "Memory of the factor.")
         .def_property_readonly("factorizations", &SpdFactor::factorizations, "Numeric factorisations so far.")
         .def_property_readonly("analyses", &SpdFactor::analyses, "Symbolic factorisations so far.");
 }

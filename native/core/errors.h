@@ -42,10 +42,16 @@ class InvalidOption : public Error
     using Error::Error;
 };
 
-/// The system has no unique solution, or memory ran out while factorising.
+/// The system has no unique solution, or its factor no room.
 class FactorizationFailed : public Error
 {
     using Error::Error;
+};
+
+/// A factor would take more than limit_memory() allows, or than the machine has.
+class OutOfMemory : public FactorizationFailed
+{
+    using FactorizationFailed::FactorizationFailed;
 };
 
 /// The caller asked to stop; the object is as it was before the call.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 namespace sinew {
@@ -15,6 +16,7 @@ struct BindReport
     std::vector<int> free_vertices; ///< the vertices of those parts
     int degenerate_faces = 0;       ///< faces with a triangle of (nearly) no area, which is floored
     int factorizations = 0;         ///< numeric factorisations since the constructor
+    std::int64_t factor_bytes = 0;  ///< memory of the factors, without what solving them needs
     double seconds = 0.0;           ///< wall clock of set_handles()
 };
 

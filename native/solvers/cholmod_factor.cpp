@@ -19,6 +19,8 @@ extern "C" int openblas_get_parallel() __attribute__((weak));
 #include <array>
 #include <cmath>
 #include <mutex>
+#include <new>
+#include <numeric>
 #include <string>
 
 namespace sinew {
@@ -192,16 +194,28 @@ public:
         return pivots;
     }
 
+    std::int64_t bytes() const override
+    {
+        const auto n = static_cast<std::int64_t>(factor_->n);
+        if (factor_->is_super)
+            return static_cast<std::int64_t>(factor_->xsize * sizeof(double) +
+                                             (factor_->ssize + 3 * factor_->nsuper) * sizeof(int)) +
+                   2 * n * static_cast<std::int64_t>(sizeof(int));
+        const auto* counts = static_cast<const int*>(factor_->ColCount);
+        const std::int64_t entries = std::accumulate(counts, counts + n, std::int64_t{0});
+        return entries * static_cast<std::int64_t>(sizeof(double) + sizeof(int)) +
+               6 * n * static_cast<std::int64_t>(sizeof(int));
+    }
+
     std::int64_t nonzeros() const override { return nonzeros_; }
 
 private:
     [[noreturn]] void refuse(int status) const
     {
         if (status == CHOLMOD_OUT_OF_MEMORY)
-            throw FactorizationFailed("out of memory while factorising; use a coarser mesh");
+            throw std::bad_alloc();
         if (status == CHOLMOD_TOO_LARGE)
-            throw FactorizationFailed(
-                "the factor has more entries than can be addressed; use a coarser mesh");
+            throw OutOfMemory("the factor has more entries than can be addressed: use fewer vertices");
         throw FactorizationFailed("CHOLMOD failed with status " + std::to_string(status));
     }
 

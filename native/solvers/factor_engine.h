@@ -28,6 +28,9 @@ public:
     /// What was left of each unknown's diagonal entry when it was eliminated.
     virtual VectorX pivots() const = 0;
 
+    /// Memory of the factor, in bytes; known from analyze() on.
+    virtual std::int64_t bytes() const = 0;
+
     /// Entries of the factor.
     virtual std::int64_t nonzeros() const = 0;
 };

@@ -41,6 +41,12 @@ public:
 
     VectorX pivots() const override { return permutation_.inverse() * ldlt_.vectorD(); }
 
+    std::int64_t bytes() const override
+    {
+        const Eigen::Index entries = ldlt_.matrixL().nestedExpression().outerIndexPtr()[permuted_.cols()];
+        return entries * (sizeof(double) + sizeof(int)) + permuted_.cols() * (sizeof(double) + sizeof(int));
+    }
+
     std::int64_t nonzeros() const override
     {
         return ldlt_.matrixL().nestedExpression().nonZeros() + permuted_.cols();

@@ -2,11 +2,14 @@
 #include "native/solvers/spd_factor.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
 #include "native/solvers/cholmod_factor.h"
 #include "native/solvers/ldlt_factor.h"
 
 #include <algorithm>
+#include <new>
 #include <string>
+#include <utility>
 
 namespace sinew {
 
@@ -54,6 +57,22 @@ bool SpdFactor::same_pattern(const SparseMatrix& matrix) const
            std::equal(rows_.begin(), rows_.end(), matrix.innerIndexPtr());
 }
 
+void SpdFactor::analyze(const SparseMatrix& matrix)
+{
+    std::unique_ptr<FactorEngine> engine = make_engine(options_, matrix);
+    try {
+        engine->analyze(matrix, elimination_order(matrix, options_.ordering));
+    } catch (const std::bad_alloc&) {
+        throw OutOfMemory("memory ran out before the size of the factor was known: use fewer vertices");
+    }
+    require_memory(engine->bytes());
+    engine_ = std::move(engine);
+    size_ = static_cast<int>(matrix.cols());
+    offsets_.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + size_ + 1);
+    rows_.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
+    ++analyses_;
+}
+
 void SpdFactor::factorize(const SparseMatrix& matrix)
 {
     if (matrix.cols() == 0) {
@@ -61,15 +80,18 @@ void SpdFactor::factorize(const SparseMatrix& matrix)
         size_ = 0;
         return;
     }
-    if (!same_pattern(matrix)) {
-        engine_ = make_engine(options_, matrix);
-        engine_->analyze(matrix, elimination_order(matrix, options_.ordering));
-        size_ = static_cast<int>(matrix.cols());
-        offsets_.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + size_ + 1);
-        rows_.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
-        ++analyses_;
+    if (!same_pattern(matrix))
+        analyze(matrix);
+    stands_ = false;
+    int broken = -1;
+    try {
+        broken = engine_->factorize(matrix);
+    } catch (const std::bad_alloc&) {
+        const std::string needed = in_words(engine_->bytes());
+        engine_.reset();
+        throw OutOfMemory("the factor needs " + needed +
+                          ", more than is left on this machine: close other programs or use fewer vertices");
     }
-    const int broken = engine_->factorize(matrix);
     ++factorizations_;
     if (broken >= 0)
         refuse(broken, "is not positive definite; it broke down");
@@ -78,6 +100,7 @@ void SpdFactor::factorize(const SparseMatrix& matrix)
     for (int i = 0; i < size_; ++i)
         if (!(pivots[i] > rounding * diagonal[i]))
             refuse(i, "is singular to working precision; it broke down");
+    stands_ = true;
 }
 
 MatrixX SpdFactor::solve(const MatrixX& rhs) const
@@ -86,11 +109,16 @@ MatrixX SpdFactor::solve(const MatrixX& rhs) const
         throw InvalidConstraint("right side: " + std::to_string(rhs.rows()) + " rows for " +
                                 std::to_string(size_) + " unknowns");
     MatrixX solution(rhs.rows(), rhs.cols());
-    if (rhs.size() > 0)
-        engine_->solve(rhs, solution);
+    if (rhs.size() == 0)
+        return solution;
+    if (!stands_)
+        throw FactorizationFailed("there is no factor: the last matrix was refused");
+    engine_->solve(rhs, solution);
     return solution;
 }
 
 std::int64_t SpdFactor::nonzeros() const { return engine_ ? engine_->nonzeros() : 0; }
+
+std::int64_t SpdFactor::bytes() const { return engine_ ? engine_->bytes() : 0; }
 
 } // namespace sinew

@@ -37,25 +37,31 @@ public:
     SpdFactor& operator=(SpdFactor&&) noexcept;
 
     /// \param matrix  (n, n) symmetric, both triangles or the lower one stored.
-    /// \throw FactorizationFailed  not positive definite or nearly singular (naming an unknown
-    ///   as element `vertex`), or out of memory.
+    /// \throw FactorizationFailed  not positive definite or nearly singular; names an unknown as
+    ///   element `vertex`.
+    /// \throw OutOfMemory  above limit_memory(), told before the factor is computed and with what
+    ///   stood here untouched; or above what the machine has.
     void factorize(const SparseMatrix& matrix);
 
     /// \param rhs  (n, k), any number of columns; x, y and z together cost 1.3-1.7 times one.
+    /// \throw FactorizationFailed  the last matrix was refused.
     MatrixX solve(const MatrixX& rhs) const;
 
     int size() const { return size_; }
     std::int64_t nonzeros() const;
+    std::int64_t bytes() const;                            ///< memory of the factor
     int factorizations() const { return factorizations_; } ///< numeric ones, so far
     int analyses() const { return analyses_; }             ///< symbolic ones, so far
 
 private:
     bool same_pattern(const SparseMatrix& matrix) const;
+    void analyze(const SparseMatrix& matrix);
 
     FactorOptions options_;
     std::unique_ptr<FactorEngine> engine_;
     std::vector<int> offsets_, rows_; ///< the analysed pattern
     int size_ = 0;
+    bool stands_ = false; ///< the last factorisation succeeded
     int factorizations_ = 0;
     int analyses_ = 0;
 };

@@ -91,3 +91,18 @@ def test_native_refusals_name_the_elements(backend):
 def test_cancel(backend):
     with pytest.raises(errors.CancelledError):
         build(backend, progress=lambda _fraction, _stage: False)
+
+
+def test_errors_bring_their_remedy_to_the_panel():
+    expected = {
+        errors.BackendMissingError: status.Remedy.PREFERENCES,
+        errors.CancelledError: status.Remedy.BIND,
+        errors.TopologyChangedError: status.Remedy.BIND,
+        errors.ConstraintError: status.Remedy.NONE,
+    }
+    for kind, remedy in expected.items():
+        status.fail("remedies", kind("message"))
+        assert status.of("remedies").remedy is remedy
+    status.fail("remedies", errors.ConstraintError("message", remedy=status.Remedy.PART_REGIONS))
+    assert status.of("remedies").remedy is status.Remedy.PART_REGIONS
+    status.clear()

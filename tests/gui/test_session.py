@@ -40,7 +40,7 @@ def test_the_menu_makes_a_handle_of_the_selection(seen: dict):
 def test_back_in_object_mode_the_control_alone_is_selected(seen: dict):
     assert seen["mode"] == "OBJECT"
     assert seen["selected"] == ["Statue Handle"]
-    assert "vertices, 2 regions, bound in" in seen["status"]
+    assert "vertices, 2 handles, bound in" in seen["status"]
 
 
 def test_the_surface_follows_the_drag(seen: dict):
@@ -66,6 +66,6 @@ def test_the_picture_changed_and_came_back(seen: dict):
 
 def test_a_heavy_mesh_binds_in_a_thread_and_esc_cancels(seen: dict):
     assert seen["heavy_in_thread"]
-    assert "160,801 vertices, 2 regions, bound in" in seen["heavy_status"]
+    assert "160,801 vertices, 2 handles, bound in" in seen["heavy_status"]
     assert "cancelled" in seen["cancelled"]
     assert "bound in" in seen["bound_again"]

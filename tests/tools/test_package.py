@@ -51,8 +51,9 @@ def test_legacy_zip_holds_the_unpacked_wheel_inside_the_addon(
         archive.writestr("sinew_native.so", b"1")
         archive.writestr("sinew_native.libs/libx.so", b"2")
     monkeypatch.setattr(package, "ADDON", tmp_path)
-    files = package.legacy_files(wheel)
+    files = package.legacy_files(wheel, {"manual/index.html": b"3"})
     assert files["sinew/_native/sinew_native.so"] == b"1"
     assert files["sinew/_native/sinew_native.libs/libx.so"] == b"2"
+    assert files["sinew/manual/index.html"] == b"3"
     assert b'"""' in files["sinew/_native/__init__.py"]
     assert all(name.startswith("sinew/") for name in files)

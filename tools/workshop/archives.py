@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 
 FIRST_DAY = (1980, 1, 1, 0, 0, 0)
-PACKED_ALREADY = (".whl", ".png", ".blend")
+PACKED_ALREADY = (".whl", ".png", ".jpg", ".blend")
 
 
 def read_zip(source: Path) -> dict[str, bytes]:

@@ -22,7 +22,7 @@ BUILD = (
 )
 # Blender does not pull NumPy although its add-ons need it; without libegl1 Workbench aborts.
 BLENDER = ("blender", "python3-numpy", "libegl1", "libgl1")
-BLENDER_TESTS = (*BLENDER, "python3-pytest")
+BLENDER_TESTS = (*BLENDER, "python3-pytest", "python3-hypothesis")
 GUI = (*BLENDER_TESTS, "xvfb", "xauth", "xdotool", "imagemagick")
 # What Blender as a Python module opens on a bare machine.
 BPY = (

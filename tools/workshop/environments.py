@@ -12,6 +12,7 @@ from .places import BUILD, PYTHON311, ROOT
 from .shell import Stamp, fingerprint, must, say
 
 REQUIREMENTS = ROOT / "tools" / "requirements"
+LONG_TERM_BLENDERS = ("4.2.23", "4.5.15")  # what studios stay on, beside Debian's 3.4.1 and the newest
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Environment:
         """Sets the environment up unless it stands already."""
         debian.install(self.packages)
         files = [REQUIREMENTS / f"{name}.txt" for name in self.requirements]
-        pins = fingerprint([*files, *([REQUIREMENTS / "build.txt"] if "dev" in self.requirements else [])])
+        pins = fingerprint(included(files))
         stamp = Stamp(self.folder / "made-from", f"{self.folder} {self.interpreter} {pins}")
         if stamp.is_fresh() and _runs(self.python):
             return self
@@ -55,6 +56,13 @@ class Environment:
         must([*pip, "install", "--no-cache-dir", *chosen])
         stamp.write()
         return self
+
+
+def included(files: list[Path]) -> list[Path]:
+    """Requirement files with those that they take in by ``-r``."""
+    lines = [(file, line) for file in files for line in file.read_text(encoding="utf-8").splitlines()]
+    further = [file.parent / line.removeprefix("-r ") for file, line in lines if line.startswith("-r ")]
+    return [*files, *included(further)] if further else files
 
 
 def _runs(python: Path) -> bool:
@@ -96,9 +104,15 @@ def dev() -> Environment:
     return Environment("dev", PYTHON311, ("dev",))
 
 
+def blender(version: str) -> Environment | None:
+    """Blender as a Python module; None where its Python (3.13 from Blender 5.1 on) is missing."""
+    major, minor = (int(part) for part in version.split(".")[:2])
+    interpreter = python313() if (major, minor) >= (5, 1) else PYTHON311
+    if interpreter is None:
+        return None
+    return Environment(f"bpy-{version}", interpreter, (f"bpy-{version}",), debian.BPY)
+
+
 def newest_blender() -> Environment:
-    """Blender as a Python module: 5.2 where there is a Python 3.13 to run it, else 5.0."""
-    interpreter = python313()
-    if interpreter:
-        return Environment("bpy-5.2.3", interpreter, ("bpy-5.2.3",), debian.BPY)
-    return Environment("bpy-5.0.1", PYTHON311, ("bpy-5.0.1",), debian.BPY)
+    """5.2 where there is a Python 3.13 to run it, else 5.0."""
+    return blender("5.2.3") or blender("5.0.1")

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layers of the tests, from fast to slow: each sets up what it needs, runs, and counts."""
 
+import os
 import shutil
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from . import debian, environments
 from .dev import build_tree
+from .environments import Environment
 from .format import checks
 from .package import package, validate
 from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT, SANITIZE_TREE
@@ -21,6 +25,7 @@ LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
 # A line for each of hundreds of tests that passed would hide the one that did not.
 CTEST = """ctest "$@" | grep -vE "^ *Start +[0-9]+:| Passed +[0-9.]+ sec" """
 OPTIONS = ("-p", "no:cacheprovider", "-q")
+RANDOM_SEQUENCES = 50  # in each of four releases: 200 a run
 
 
 @dataclass(frozen=True)
@@ -77,17 +82,37 @@ def blender_3_4(timeout: float) -> Outcome:
     junit = _junit("blender-3.4")
     script = TESTS / "blender" / "run_pytest.py"
     headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", script]
-    status = run([*headless, "--", *OPTIONS, f"--junitxml={junit}"], env=env, timeout=timeout)
+    status = run(
+        [*headless, "--", *OPTIONS, f"--junitxml={junit}"], env=env | _random("blender-3.4"), timeout=timeout
+    )
     return outcome(junit, status)
 
 
-def blender_5(timeout: float) -> Outcome:
-    newest = environments.newest_blender().make()
-    env = install_extension(newest.python, "blender-5")
-    junit = _junit("blender-5")
+def blender_module(name: str, blender: Environment, timeout: float) -> Outcome:
+    """The same tests on the extension, in a Blender that is a Python module."""
+    env = install_extension(blender.make(), name)
+    junit = _junit(name)
     script = TESTS / "blender" / "run_pytest.py"
-    command = [newest.python, script, "--", *OPTIONS, f"--junitxml={junit}"]
-    found = outcome(junit, run(command, env=env, timeout=timeout))
+    command = [blender.python, script, "--", *OPTIONS, f"--junitxml={junit}"]
+    return outcome(junit, run(command, env=env | _random(name), timeout=timeout))
+
+
+def _random(name: str) -> dict[str, str]:
+    """How many random sequences a layer plays, and which: other ones in each."""
+    seed = str(zlib.crc32(name.encode()))
+    wanted = {"SINEW_RANDOM_SEQUENCES": str(RANDOM_SEQUENCES), "SINEW_RANDOM_SEED": seed}
+    return {key: os.environ.get(key, value) for key, value in wanted.items()}
+
+
+def blender_layer(version: str) -> Layer:
+    """That layer, named after the series of a release."""
+    name = f"blender-{version.rpartition('.')[0]}"
+    return Layer(name, 600, partial(blender_module, name, environments.blender(version)))
+
+
+def blender_5(timeout: float) -> Outcome:
+    newest = environments.newest_blender()
+    found = blender_module("blender-5", newest, timeout)
     if newest.name != "bpy-5.2.3":
         found += Outcome(note="Blender 5.0.1 stands in: without a Python 3.13, 5.2 was not run")
     return found
@@ -117,16 +142,17 @@ def install_legacy(name: str) -> dict[str, str | Path]:
     return env
 
 
-def install_extension(python: Path, name: str) -> dict[str, str | Path]:
+def install_extension(blender: Environment, name: str) -> dict[str, str | Path]:
     """Installs the extension in Blender as a Python module, likewise."""
     zip_file, _ = package()
-    validate(zip_file)
+    validate(zip_file, blender)
     env = {
         "BLENDER_USER_RESOURCES": _emptied(BUILD / "blender-users" / name),
         "SINEW_ADDON_MODULE": "bl_ext.user_default.sinew",
         "SINEW_TEST_OUTPUT": _emptied(RESULTS / name),
     }
-    must([python, INSIDE / "install_zip.py", "--", zip_file], env=env, timeout=120, quiet=True)
+    command = [blender.python, INSIDE / "install_zip.py", "--", zip_file]
+    must(command, env=env, timeout=120, quiet=True)
     return env
 
 
@@ -174,6 +200,7 @@ LAYERS = (
     Layer("bindings", 420, bindings),
     Layer("addon", 120, addon),
     Layer("blender-3.4", 600, blender_3_4),
+    *(blender_layer(version) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 600, blender_5),
     Layer("gui", 420, gui),
 )

@@ -4,23 +4,28 @@
 ``dist/sinew-<version>.zip``         extension for Blender 4.2 and later, wheels inside
 ``dist/sinew-legacy-<version>.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in ``sinew/_native``
 
+Both hold the pages of ``docs/`` as HTML in ``manual/``.
+
 The same tree and wheels give the same bytes, whenever they are packed.
 """
 
 import argparse
 import functools
 import re
+import tempfile
 import tomllib
 from pathlib import Path
 
 from . import environments
 from .archives import read_zip, write_zip
-from .places import ADDON, DIST, ROOT, version
+from .environments import Environment
+from .places import ADDON, DIST, DOCS, ROOT, version
 from .shell import must, say
 from .wheels import build_wheels
 
 MANIFEST = "blender_manifest.toml"
 NATIVE_FOLDER = "_native"
+RENDER = Path(__file__).parent / "inside" / "render_manual.py"
 EXCLUDED_NAMES = ("__pycache__", ".DS_Store")
 EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
 PLATFORMS = {
@@ -50,14 +55,22 @@ def addon_files() -> dict[str, bytes]:
     return found
 
 
-def extension_files(wheels: list[Path]) -> dict[str, bytes]:
-    files = addon_files()
+def manual_files() -> dict[str, bytes]:
+    """Path inside the add-on -> content, of the manual that its ``?`` buttons open."""
+    with tempfile.TemporaryDirectory() as folder:
+        must([environments.build().make().python, RENDER, DOCS, folder])
+        pages = sorted(path for path in Path(folder).rglob("*") if path.is_file())
+        return {f"manual/{path.relative_to(folder).as_posix()}": path.read_bytes() for path in pages}
+
+
+def extension_files(wheels: list[Path], manual: dict[str, bytes]) -> dict[str, bytes]:
+    files = addon_files() | manual
     files[MANIFEST] = filled_manifest(files[MANIFEST].decode(), [wheel.name for wheel in wheels]).encode()
     return files | {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
 
 
-def legacy_files(wheel: Path) -> dict[str, bytes]:
-    files = addon_files()
+def legacy_files(wheel: Path, manual: dict[str, bytes]) -> dict[str, bytes]:
+    files = addon_files() | manual
     note = '# SPDX-License-Identifier: GPL-3.0-or-later\n"""The unpacked wheel of sinew_native."""\n'
     files[f"{NATIVE_FOLDER}/__init__.py"] = note.encode()
     files |= {f"{NATIVE_FOLDER}/{name}": content for name, content in read_zip(wheel).items()}
@@ -99,30 +112,29 @@ def pack(target: Path, files: dict[str, bytes]) -> Path:
     return target
 
 
-def validate(extension: Path) -> None:
-    """Blender's own check of an extension, if a Blender that brings it is set up (``tools/setup tests``)."""
-    newest = environments.newest_blender()
+def validate(extension: Path, blender: Environment) -> None:
+    """A Blender's own check of an extension, if that Blender is set up (``tools/setup tests``)."""
     tools = sorted(
-        newest.folder.glob("lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+        blender.folder.glob("lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
     )
     if not tools:
-        say(f"{extension.name} was not validated: {newest.folder.relative_to(ROOT)} is not set up")
+        say(f"{extension.name} was not validated: {blender.folder.relative_to(ROOT)} is not set up")
         return
-    must([newest.python, tools[0], "validate", extension], quiet=True)
-    say(f"{extension.name} passes Blender's extension validation")
+    must([blender.python, tools[0], "validate", extension], quiet=True)
+    say(f"{extension.name} passes the validation of {blender.name}")
 
 
 @functools.cache
 def package() -> tuple[Path, Path]:
     """The extension and the legacy zip; packed once in a run."""
-    wheels = build_wheels()
+    wheels, manual = build_wheels(), manual_files()
     DIST.mkdir(exist_ok=True)
     for old in DIST.glob("sinew-*.zip"):
         old.unlink()
-    extension = pack(DIST / f"sinew-{version()}.zip", extension_files(wheels))
-    validate(extension)
+    extension = pack(DIST / f"sinew-{version()}.zip", extension_files(wheels, manual))
+    validate(extension, environments.newest_blender())
     oldest = next(wheel for wheel in wheels if "-cp311-" in wheel.name)
-    legacy = pack(DIST / f"sinew-legacy-{version()}.zip", legacy_files(oldest))
+    legacy = pack(DIST / f"sinew-legacy-{version()}.zip", legacy_files(oldest, manual))
     return extension, legacy
 
 

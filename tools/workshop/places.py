@@ -8,6 +8,7 @@ ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / ".build"
 DIST = ROOT / "dist"
 ADDON = ROOT / "addon"
+DOCS = ROOT / "docs"
 NATIVE_TREE = BUILD / "native"
 SANITIZE_TREE = BUILD / "sanitize"
 DEV_MODULE = BUILD / "dev"

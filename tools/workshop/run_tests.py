@@ -7,6 +7,7 @@ One layer's failure does not stop the next. The last line counts all tests; the 
 import argparse
 import sys
 import time
+from collections.abc import Iterable
 
 from .layers import LAYERS, Layer
 from .results import Outcome, closing_line
@@ -22,6 +23,22 @@ def run_layer(layer: Layer) -> Outcome:
         return Outcome(failed=1, note="could not be set up")
 
 
+def run_layers(layers: Iterable[Layer]) -> int:
+    """Runs one layer after the other and prints the table; how many tests failed."""
+    rows = []
+    for layer in layers:
+        start = time.monotonic()
+        rows.append((layer.name, run_layer(layer), time.monotonic() - start))
+
+    say(f"\n{'layer':<14}{'passed':>8}{'failed':>8}{'skipped':>9}{'seconds':>9}")
+    for name, found, seconds in rows:
+        line = f"{name:<14}{found.passed:>8}{found.failed:>8}{found.skipped:>9}{seconds:>9.0f}  {found.note}"
+        say(line.rstrip())
+    total = sum((found for _, found, _ in rows), Outcome())
+    say("\n" + closing_line(total))
+    return total.failed
+
+
 def main() -> None:
     names = [layer.name for layer in LAYERS]
     parser = argparse.ArgumentParser(prog="tests/run", description=__doc__)
@@ -34,21 +51,8 @@ def main() -> None:
     unknown = sorted(set(options.layers) - set(names))
     if unknown:
         parser.error(f"no layer {', '.join(unknown)}; the layers are {', '.join(names)}")
-
-    rows = []
-    for layer in LAYERS:
-        if options.layers and layer.name not in options.layers:
-            continue
-        start = time.monotonic()
-        rows.append((layer.name, run_layer(layer), time.monotonic() - start))
-
-    say(f"\n{'layer':<14}{'passed':>8}{'failed':>8}{'skipped':>9}{'seconds':>9}")
-    for name, found, seconds in rows:
-        line = f"{name:<14}{found.passed:>8}{found.failed:>8}{found.skipped:>9}{seconds:>9.0f}  {found.note}"
-        say(line.rstrip())
-    total = sum((found for _, found, _ in rows), Outcome())
-    say("\n" + closing_line(total))
-    sys.exit(1 if total.failed else 0)
+    chosen = [layer for layer in LAYERS if not options.layers or layer.name in options.layers]
+    sys.exit(1 if run_layers(chosen) else 0)
 
 
 if __name__ == "__main__":

@@ -24,6 +24,8 @@ def set_up_tests() -> None:
     debian.install(debian.BUILD, debian.GUI, debian.BPY)
     set_up_build()
     environments.dev().make()
+    for version in environments.LONG_TERM_BLENDERS:
+        environments.blender(version).make()
     newest = environments.newest_blender().make()
     if newest.name == "bpy-5.0.1":
         say("No Python 3.13 here: Blender 5.0.1 stands in, 5.2 is not run.")

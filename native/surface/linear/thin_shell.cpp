@@ -203,6 +203,7 @@ struct ThinShell::Impl
         BindReport report = bound.regions.report();
         report.degenerate_faces = degenerate_face_count(rest, least_area(bound.k));
         report.factorizations = factorizations;
+        report.factor_bytes = bound.system.factor().bytes();
         report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return report;
     }

@@ -200,6 +200,9 @@ BindReport Arap::set_handles(const std::vector<Handle>& handles, const Progress&
     BindReport report = regions.report();
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
+    report.factor_bytes = self.graph.factor_bytes();
+    for (const ArapLevel& level : self.cascade.levels())
+        report.factor_bytes += level.graph.factor_bytes();
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
 }

@@ -54,6 +54,7 @@ struct ArapGraph
     double edge_rigidity(int i, int j) const { return 0.5 * (rigidity[i] + rigidity[j]); }
     /// E of arap.h is this many times the function whose Hessian L bounds.
     double energy_factor() const { return has_rims() ? 6.0 : 4.0; }
+    std::int64_t factor_bytes() const { return position_factor.bytes() + rotation_factor.bytes(); }
 
     /// Fills metric from weights, wings and rigidity.
     void set_metric();

@@ -2,6 +2,7 @@
 #include "native/solvers/spd_factor.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
 #include "native/solvers/cholmod_factor.h"
 #include "tests/native/solvers/matrices.h"
 
@@ -48,6 +49,13 @@ double error_of(const SpdFactor& factor, const SparseMatrix& A, const MatrixX& b
     const MatrixX expected = MatrixX(A).fullPivLu().solve(b);
     return (factor.solve(b) - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
 }
+
+/// Lifts the limit again, however the test ends.
+struct MemoryLimit
+{
+    explicit MemoryLimit(std::int64_t bytes) { limit_memory(bytes); }
+    ~MemoryLimit() { limit_memory(0); }
+};
 
 FactorizationFailed failure(SpdFactor& factor, const SparseMatrix& A)
 {
@@ -153,6 +161,44 @@ TEST_P(EveryFactor, factorises_again_after_a_refusal)
     const SparseMatrix good = matrices::diagonal({1, 2, 4});
     factor.factorize(good);
     EXPECT_LT(error_of(factor, good, MatrixX::Ones(3, 1)), well_conditioned);
+}
+
+TEST_P(EveryFactor, tells_its_memory_before_it_takes_it)
+{
+    const SparseMatrix A = matrices::shuffled_grid(30);
+    SpdFactor factor = make();
+    factor.factorize(A);
+    // Eight bytes an entry, four more for its row where no block shares them, and a few integers
+    // an unknown.
+    EXPECT_GE(factor.bytes(), 8 * factor.nonzeros());
+    EXPECT_LE(factor.bytes(), 12 * factor.nonzeros() + 100 * factor.size());
+}
+
+TEST_P(EveryFactor, above_the_memory_limit_is_refused_and_the_old_one_stays)
+{
+    const SparseMatrix small = matrices::shuffled_grid(5), large = matrices::shuffled_grid(40);
+    const MatrixX b = MatrixX::Ones(25, 1);
+    SpdFactor factor = make();
+    factor.factorize(small);
+    const MatrixX before = factor.solve(b);
+    const MemoryLimit limit(100'000);
+    const std::string text = failure(factor, large).what();
+    EXPECT_NE(text.find("the memory limit is 0.1 MB"), std::string::npos) << text;
+    EXPECT_EQ(factor.size(), 25);
+    EXPECT_EQ(factor.factorizations(), 1);
+    EXPECT_EQ(factor.solve(b), before);
+    limit_memory(0);
+    factor.factorize(large);
+    const MatrixX ones = MatrixX::Ones(1600, 1);
+    EXPECT_LT((large * factor.solve(ones) - ones).cwiseAbs().maxCoeff(), 1e-10); // condition 1e3
+    EXPECT_GT(factor.bytes(), 100'000);
+}
+
+TEST_P(EveryFactor, does_not_solve_after_a_refusal)
+{
+    SpdFactor factor = make();
+    failure(factor, matrices::diagonal({1, -1, 1}));
+    EXPECT_THROW(factor.solve(MatrixX::Ones(3, 1)), FactorizationFailed);
 }
 
 TEST_P(EveryFactor, does_not_mind_the_scale)

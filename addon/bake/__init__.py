@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Turns a live deformer into shapes that play without the add-on, and back."""
+
+from .alembic import export as export_alembic
+from .alembic import is_available as can_write_alembic
+from .job import Baking, Request
+from .paths import absolute as absolute_path
+from .paths import choose as choose_path
+from .paths import offered as offered_path
+from .unbake import unbake
+
+__all__ = (
+    "Baking",
+    "Request",
+    "absolute_path",
+    "can_write_alembic",
+    "choose_path",
+    "export_alembic",
+    "offered_path",
+    "unbake",
+)

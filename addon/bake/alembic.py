@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Alembic, written by Blender itself: the whole result as renders show it, all modifiers included."""
+
+import contextlib
+from collections.abc import Iterator
+
+import bpy
+from bpy.types import Context, Object
+
+from ..core.errors import SinewError
+from . import files, paths
+
+
+def is_available() -> bool:
+    """This Blender can write Alembic files; some Linux distributions leave it out."""
+    return bool(bpy.app.build_options.alembic)
+
+
+def export(context: Context, objects: list[Object], frames: range, chosen: str) -> str:
+    """Write the objects into one file; its path."""
+    if not is_available():
+        raise SinewError("This Blender was built without Alembic - bake to PC2 or MDD instead")
+    if frames.step != 1:
+        raise SinewError("Alembic files hold every frame - set Step to 1")
+    for obj in objects:
+        if not obj.visible_get():
+            raise SinewError(f"{obj.name} is hidden - show the object and its collection to export it")
+        if obj.hide_render or obj.hide_select:
+            raise SinewError(
+                f"{obj.name} is hidden in renders, or cannot be selected - allow both to export it"
+            )
+    path = paths.absolute(paths.choose(objects[0], objects[0].sinew.active, "ALEMBIC", chosen))
+    files.prepare_folder(path)
+    part = files.partial(path)
+    try:
+        with _only_selected(context, objects):
+            bpy.ops.wm.alembic_export(
+                filepath=str(part),
+                start=frames[0],
+                end=frames[-1],
+                selected=True,
+                apply_subdiv=True,
+                as_background_job=False,
+                check_existing=False,
+            )
+        if not part.is_file():
+            raise SinewError(f"Blender could not write {path} - choose another place, or make room")
+        files.exchange(path, part)
+    except RuntimeError as error:
+        raise SinewError(f"Blender could not write {path}: {error}") from error
+    finally:
+        part.unlink(missing_ok=True)
+    return str(path)
+
+
+@contextlib.contextmanager
+def _only_selected(context: Context, objects: list[Object]) -> Iterator[None]:
+    """The exporter takes what is selected; the user's selection and frame come back."""
+    scene, layer = context.scene, context.view_layer
+    before = {obj.name: obj.select_get() for obj in layer.objects}
+    frame, subframe = scene.frame_current, scene.frame_subframe
+    try:
+        for obj in layer.objects:
+            obj.select_set(obj in objects)
+        yield
+    finally:
+        for obj in layer.objects:
+            obj.select_set(before.get(obj.name, False))
+        scene.frame_set(frame, subframe=subframe)

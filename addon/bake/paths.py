@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a bake may write: beside the .blend on its own, elsewhere only where the user said so."""
+
+import os
+from pathlib import Path
+
+import bpy
+from bpy.types import Object
+
+from ..core.errors import SinewError
+from ..properties import SinewDeformer
+from .files import SUFFIXES
+
+FOLDER = "sinew_cache"
+_LONGEST = 120  # characters of a file name that come from names in Blender
+UNSAVED = "Save the file first, or choose a path - caches are written beside the .blend"
+
+
+def absolute(filepath: str) -> Path:
+    """A path as Blender writes it (``//`` is the folder of the .blend) for the operating system."""
+    return Path(os.path.abspath(bpy.path.abspath(filepath)))
+
+
+def is_beside(filepath: str) -> bool:
+    """The path lies in the folder of the .blend, links followed."""
+    home = Path(os.path.realpath(bpy.path.abspath("//")))
+    return Path(os.path.realpath(absolute(filepath))).is_relative_to(home)
+
+
+def default(obj: Object, deformer: SinewDeformer, target: str) -> str:
+    """``//sinew_cache/<file>/<object>-<deformer>.pc2``; a folder a .blend, as versions lie side by side."""
+    file = bpy.path.clean_name(Path(bpy.data.filepath).stem)
+    name = bpy.path.clean_name(obj.name if target == "ALEMBIC" else f"{obj.name}-{deformer.name}")[:_LONGEST]
+    path = f"//{FOLDER}/{file}/{name}{SUFFIXES[target]}"
+    return path if is_free(path, deformer) else f"//{FOLDER}/{file}/{name}-{deformer.uid}{SUFFIXES[target]}"
+
+
+def is_free(path: str, deformer: SinewDeformer) -> bool:
+    """No other baked deformer plays this file."""
+    return not any(
+        other.uid != deformer.uid and other.bake.is_baked and _same(other.bake.filepath, path)
+        for obj in bpy.data.objects
+        if obj.library is None
+        for other in obj.sinew.deformers
+    )
+
+
+def _same(a: str, b: str) -> bool:
+    return bool(a) and os.path.normcase(absolute(a)) == os.path.normcase(absolute(b))
+
+
+def choose(obj: Object, deformer: SinewDeformer, target: str, chosen: str) -> str:
+    """The path of a bake, as it is stored: ``chosen`` by the user, that of the last bake, or the default.
+
+    What a .blend itself names is trusted only beside it.
+    """
+    last = deformer.bake.filepath
+    if chosen:
+        if chosen.startswith("//") and not bpy.data.filepath:
+            raise SinewError(UNSAVED)
+        return _stored(_with_suffix(chosen, target))
+    if not bpy.data.filepath:
+        raise SinewError(UNSAVED)
+    if last and last.lower().endswith(SUFFIXES[target]) and is_free(last, deformer):
+        if not is_beside(last):
+            raise SinewError(
+                f"The last bake was written to {last}, outside of the file's folder - choose the path"
+            )
+        return last
+    path = default(obj, deformer, target)
+    if not is_beside(path):
+        raise SinewError(f"{FOLDER} leads outside of the file's folder - choose the path")
+    return path
+
+
+def offered(obj: Object, deformer: SinewDeformer, target: str) -> str:
+    """What a file browser starts with: nothing is written without the user's word."""
+    last = deformer.bake.filepath
+    if last.lower().endswith(SUFFIXES[target]):
+        return str(absolute(last))
+    if not bpy.data.filepath:
+        return f"{bpy.path.clean_name(obj.name)}{SUFFIXES[target]}"
+    return str(absolute(default(obj, deformer, target)))
+
+
+def _with_suffix(path: str, target: str) -> str:
+    """A bake never replaces a file of another kind."""
+    stem, suffix = os.path.splitext(path)
+    if suffix.lower() == SUFFIXES[target]:
+        return path
+    return (stem if suffix.lower() in SUFFIXES.values() else path) + SUFFIXES[target]
+
+
+def _stored(path: str) -> str:
+    """Relative to the .blend where it lies beside it, so that both can be moved together."""
+    if path.startswith("//") or not bpy.data.filepath:
+        return path if path.startswith("//") else str(absolute(path))
+    return bpy.path.relpath(str(absolute(path))) if is_beside(path) else str(absolute(path))

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a deformer remembers of its bake, and how it comes back to life."""
+
+from bpy.types import Object
+
+from .. import session
+from ..core import status
+from ..core.status import Level, Status
+from ..properties import SinewDeformer
+from . import cache, shape_keys
+
+
+def note(obj: Object, deformer: SinewDeformer, target: str, frames: range, filepath: str) -> None:
+    """The deformer is baked: its modifier rests, and what made it shown is remembered."""
+    bake, modifier = deformer.bake, session.find_modifier(obj, deformer)
+    bake.result, bake.first, bake.last = target, frames[0], frames[-1]
+    bake.filepath = filepath or bake.filepath
+    bake.show_viewport, bake.show_render = modifier.show_viewport, modifier.show_render
+    modifier.show_viewport = modifier.show_render = False
+    status.put(deformer.uid, Status(Level.INFO, bake.summary))
+    obj.update_tag()
+
+
+def remove(obj: Object, deformer: SinewDeformer) -> list[str]:
+    """Make a deformer live again and take away what its bake made; what the user should know about it."""
+    bake, said = deformer.bake, []
+    if not bake.is_baked:
+        return said
+    if bake.result == "SHAPE_KEYS":
+        lost = shape_keys.remove(obj, deformer)
+        if lost:
+            said = [f"{lost} baked shape keys were renamed or removed: what was renamed stays"]
+    else:
+        cache.remove(obj, deformer)
+    _show(obj, deformer)
+    bake.result = "NONE"
+    known = session.find(deformer.uid)
+    bound = known.bound if known is not None else None
+    status.put(deformer.uid, Status(Level.INFO, session.summary(bound)) if bound else status.EMPTY)
+    obj.update_tag()
+    return said
+
+
+def remove_keys(obj: Object, deformer: SinewDeformer) -> list[str]:
+    """As ``remove``, where it was baked to shape keys."""
+    return remove(obj, deformer) if deformer.bake.result == "SHAPE_KEYS" else []
+
+
+def suspend(obj: Object, deformer: SinewDeformer) -> None:
+    """Make a baked deformer live for the moment: what it baked is hidden."""
+    if deformer.bake.is_baked:
+        _show(obj, deformer)
+        _hide_baked(obj, deformer, True)
+        status.put(deformer.uid, status.EMPTY)
+
+
+def resume(obj: Object, deformer: SinewDeformer) -> None:
+    """Undo ``suspend``."""
+    modifier = session.find_modifier(obj, deformer)
+    if deformer.bake.is_baked and modifier is not None:
+        modifier.show_viewport = modifier.show_render = False
+        _hide_baked(obj, deformer, False)
+
+
+def _show(obj: Object, deformer: SinewDeformer) -> None:
+    modifier = session.find_modifier(obj, deformer)
+    if modifier is not None:
+        modifier.show_viewport, modifier.show_render = deformer.bake.show_viewport, deformer.bake.show_render
+
+
+def _hide_baked(obj: Object, deformer: SinewDeformer, hidden: bool) -> None:
+    if deformer.bake.result == "SHAPE_KEYS":
+        shape_keys.mute(obj, deformer, hidden)
+        return
+    playing = session.find_cache(obj, deformer)
+    if playing is not None:
+        playing.show_viewport = deformer.bake.show_viewport and not hidden
+        playing.show_render = deformer.bake.show_render and not hidden

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Widgets that some versions lack, or have elsewhere."""
+
+import blf
+import bpy
+import rna_keymap_ui
+from bpy.types import KeyConfig, KeyMap, KeyMapItem, UILayout
+
+
+def draw_progress(layout: UILayout, fraction: float, text: str) -> None:
+    """A bar of ``fraction`` from 0 to 1; Blender before 4.0 has none, then the percentage is written."""
+    if hasattr(layout, "progress"):
+        layout.progress(factor=fraction, text=f"{fraction:.0%} {text}")
+    else:
+        layout.label(text=f"{fraction:.0%} {text}", icon="SORTTIME")
+
+
+def text_width(text: str, points: float) -> float:
+    """The width of a label in the interface font of ``points``, in pixels at scale 1."""
+    if bpy.app.version >= (4, 0, 0):
+        blf.size(0, points)
+    else:
+        blf.size(0, points, 72)
+    return blf.dimensions(0, text)[0]
+
+
+def draw_keymap_item(layout: UILayout, keyconfig: KeyConfig, keymap: KeyMap, item: KeyMapItem) -> None:
+    """An item of the user's keymap, editable as on Blender's own page."""
+    column = layout.column()
+    column.context_pointer_set("keymap", keymap)
+    rna_keymap_ui.draw_kmi([], keyconfig, keymap, item, column, 0)

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The order of the modifier stack."""
+
+import bpy
+from bpy.types import Object
+
+
+def move_modifier(obj: Object, name: str, index: int) -> bool:
+    """Put a modifier at a place in the stack; False where Blender does not let it go there.
+
+    Before 4.0 only an operator does it.
+    """
+    modifiers = obj.modifiers
+    at = modifiers.find(name)
+    if at == index:
+        return True
+    if hasattr(modifiers, "move"):
+        modifiers.move(at, index)
+    else:
+        with bpy.context.temp_override(object=obj):
+            bpy.ops.object.modifier_move_to_index(modifier=name, index=index)
+    return modifiers.find(name) == index

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A move, a turn or a scaling about a pivot, as a matrix."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+
+
+class Mode(Enum):
+    """Which motion."""
+
+    TRANSLATE = "TRANSLATE"
+    ROTATE = "ROTATE"
+    RESIZE = "RESIZE"
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion, along the world's axes or along local ones: only what ``mode`` names counts."""
+
+    mode: Mode = Mode.TRANSLATE
+    local: bool = False
+    move: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    angle: float = 0.0
+    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+    @property
+    def rounded(self) -> "Motion":
+        """With float32 numbers, as Blender's properties keep them: what is shown is what a repeat will do."""
+
+        def stored(values: tuple[float, ...]) -> tuple[float, ...]:
+            return tuple(np.float32(values).astype(float).tolist())
+
+        return Motion(
+            self.mode,
+            self.local,
+            stored(self.move),
+            stored((self.angle,))[0],
+            stored(self.axis),
+            stored(self.scale),
+        )
+
+    def matrix(self, axes: np.ndarray, pivot: np.ndarray) -> np.ndarray:
+        """The motion of world points, (4, 4). ``axes`` (3, 3): local axes as unit columns; ``pivot`` (3,)."""
+        frame = axes if self.local else np.eye(3)
+        linear, offset = np.eye(3), np.zeros(3)
+        if self.mode is Mode.TRANSLATE:
+            offset = frame @ self.move
+        elif self.mode is Mode.RESIZE:
+            linear = frame @ np.diag(self.scale) @ frame.T
+        else:
+            linear = rotation(frame @ self.axis, self.angle)
+        whole = np.eye(4)
+        whole[:3, :3] = linear
+        whole[:3, 3] = pivot + offset - linear @ pivot
+        return whole
+
+
+def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
+    """Rodrigues' formula, (3, 3); the identity for an axis without length."""
+    length = np.linalg.norm(axis)
+    if length == 0.0:
+        return np.eye(3)
+    x, y, z = axis / length
+    K = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+    with np.errstate(invalid="ignore"):  # an infinite angle is no rotation, and shows as NaN
+        return np.eye(3) + np.sin(angle) * K + 2.0 * np.sin(0.5 * angle) ** 2 * (K @ K)

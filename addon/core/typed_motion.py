@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What mouse and keys of a modal transform mean: constraints, typed numbers, snapping, precision -> a motion.
+
+Signs, increments and the order of constraints are those of Blender's own Move, Rotate and Scale. Lengths are
+world units, angles radians, mouse positions pixels.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import atan2, copysign, degrees, hypot, pi, radians, remainder, sin
+
+import numpy as np
+
+from .motion import Mode, Motion
+from .typed_numbers import TypedNumbers
+
+PRECISION = 0.1  # of the mouse motion, while Shift is held
+_EDGE_ON = sin(radians(5.0))  # an axis this near to the line of sight cannot follow the mouse on the screen
+_LETTERS = ("X", "Y", "Z")
+
+
+_MODE_KEYS = {"G": Mode.TRANSLATE, "R": Mode.ROTATE, "S": Mode.RESIZE}
+_INCREMENTS = {Mode.TRANSLATE: 1.0, Mode.ROTATE: radians(5.0), Mode.RESIZE: 0.1}
+_FINE = {Mode.TRANSLATE: 0.1, Mode.ROTATE: 0.2, Mode.RESIZE: 0.1}  # of the increment, with Shift
+
+
+@dataclass(frozen=True)
+class View:
+    """How the screen sees the pivot: directions (3,) in the world, and the world length of a pixel there.
+
+    ``centre`` is the pivot on the screen; ``eye`` the position of the viewer relative to the pivot, None for
+    an orthographic view.
+    """
+
+    right: np.ndarray
+    up: np.ndarray
+    toward: np.ndarray
+    pixel: float
+    centre: tuple[float, float]
+    eye: np.ndarray | None = None
+
+    def same_as(self, other: "View") -> bool:
+        """Nobody turned, shifted or zoomed the view."""
+        return self.centre == other.centre and self.pixel == other.pixel and np.array_equal(self.up, other.up)
+
+
+@dataclass(frozen=True)
+class _Constraint:
+    """``letter`` is the axis that moves, or with ``plane`` the one that is locked; none: free."""
+
+    letter: str = ""
+    plane: bool = False
+    local: bool = False
+
+    @property
+    def rows(self) -> list[int]:
+        """The axes that move, by number."""
+        if not self.letter:
+            return [0, 1, 2]
+        chosen = _LETTERS.index(self.letter)
+        return [row for row in range(3) if (row == chosen) != self.plane]
+
+    def after(self, letter: str, plane: bool) -> "_Constraint":
+        """The same axis again goes on from global to local to free; another one starts at global."""
+        if letter != self.letter:
+            return _Constraint(letter, plane)
+        return _Constraint() if self.local else _Constraint(letter, plane, local=True)
+
+    @property
+    def text(self) -> str:
+        """As the header says it."""
+        if not self.letter:
+            return ""
+        return f" {'locking' if self.plane else 'along'} {'local' if self.local else 'global'} {self.letter}"
+
+
+class TypedMotion:
+    """The state of a modal transform. Feed it ``press``, ``drag`` and ``look``; read ``motion``.
+
+    ``axes`` (3, 3): the local axes as unit columns. ``grid``: what Ctrl snaps moves to. ``unit``: world units
+    of a typed 1; ``turn``: radians of a typed 1.
+    """
+
+    def __init__(
+        self,
+        mode: Mode,
+        view: View,
+        axes: np.ndarray,
+        mouse: tuple[float, float],
+        grid: float = 1.0,
+        unit: float = 1.0,
+        turn: float = pi / 180.0,
+    ) -> None:
+        self.mode = mode
+        self.view = view
+        self.snaps = self.precise = False
+        self.numbers = TypedNumbers()
+        self._axes, self._grid, self._unit, self._turn = axes, grid, unit, turn
+        self._constraint = _Constraint()
+        self._begun = mouse
+        self._start()
+
+    def _start(self) -> None:
+        """From rest, and from where the mouse was when the tool began."""
+        self._mouse = self._begun
+        self._base, self._dragged = np.zeros(3), np.zeros(3)
+        self._turned = 0.0  # counterclockwise on the screen
+        self._factor = 1.0
+        self._grip = self._hand = self._mouse  # where scaling began, and where Shift lets the mouse be
+        self.numbers = TypedNumbers(self._components)
+
+    @property
+    def _components(self) -> int:
+        return 1 if self.mode is Mode.ROTATE else len(self._constraint.rows)
+
+    # What happens
+
+    def hold(self, shift: bool, ctrl: bool) -> None:
+        """The modifier keys that are down."""
+        self.precise, self.snaps = shift, ctrl
+
+    def press(self, key: str, character: str = "", shift: bool = False, ctrl: bool = False) -> bool:
+        """Take a key, by Blender's name of it and the character it types; False where it means nothing."""
+        if key in _MODE_KEYS and not ctrl:
+            if self.mode is not _MODE_KEYS[key]:
+                self.mode, mouse = _MODE_KEYS[key], self._mouse
+                self._start()
+                self.drag(*mouse)
+        elif key in _LETTERS and not ctrl:
+            self._constraint = self._constraint.after(key, shift)
+            self.numbers.resize(self._components)
+        elif key == "TAB":
+            self.numbers.step(-1 if ctrl else 1)
+        elif key == "BACK_SPACE":
+            self.numbers.erase(everything=ctrl)
+        else:
+            return not ctrl and self.numbers.type(character)
+        return True
+
+    def drag(self, x: float, y: float) -> None:
+        """The mouse went there."""
+        view, (cx, cy) = self.view, self.view.centre
+        slow = PRECISION if self.precise else 1.0
+        right, up = (x - self._mouse[0]) * slow, (y - self._mouse[1]) * slow
+        self._dragged = self._dragged + (right * view.right + up * view.up) * view.pixel
+        self._hand = (self._hand[0] + right, self._hand[1] + up)
+        before = atan2(self._mouse[1] - cy, self._mouse[0] - cx)
+        self._turned += remainder(atan2(y - cy, x - cx) - before, 2.0 * pi) * slow
+        self._mouse = (x, y)
+
+    def look(self, view: View, x: float, y: float) -> None:
+        """The view changed: what was done so far stays, and the mouse goes on from here."""
+        self._base = self._moved()
+        self._dragged = np.zeros(3)
+        self._factor = self._resized()
+        self._begun = self._mouse = self._grip = self._hand = (x, y)
+        self.view = view
+
+    # What it means
+
+    @property
+    def motion(self) -> Motion:
+        """The motion that mouse, keys and numbers ask for now."""
+        local, values = self._constraint.local, self._values()
+        if self.mode is Mode.ROTATE:
+            axis = self._turning_axis()
+            return Motion(self.mode, local, angle=values[0], axis=tuple(axis.tolist()))
+        whole = [0.0 if self.mode is Mode.TRANSLATE else 1.0] * 3
+        for row, value in zip(self._constraint.rows, values, strict=True):
+            whole[row] = value
+        if self.mode is Mode.TRANSLATE:
+            return Motion(self.mode, local, move=tuple(whole))
+        return Motion(self.mode, local, scale=tuple(whole))
+
+    def header(self, length: Callable[[float], str]) -> str:
+        """One line for the header; ``length`` writes a length in the scene's units."""
+        values, where = self._values(), self._constraint.text
+        if self.mode is Mode.ROTATE:
+            return f"Rotation: {self.numbers.shown(0, f'{degrees(values[0]):.2f}°')}{where}"
+        write = length if self.mode is Mode.TRANSLATE else "{:.4f}".format
+        texts = [self.numbers.shown(component, write(value)) for component, value in enumerate(values)]
+        if self.mode is Mode.RESIZE:
+            if where:
+                return f"Scale: {' : '.join(texts)}{where}"
+            return "Scale " + "   ".join(
+                f"{name}: {text}" for name, text in zip(_LETTERS, texts, strict=True)
+            )
+        names = ("D",) * len(texts) if where else ("Dx", "Dy", "Dz")
+        each = "   ".join(f"{name}: {text}" for name, text in zip(names, texts, strict=True))
+        return f"{each} ({length(float(np.linalg.norm(values)))}){where}"
+
+    def _values(self) -> list[float]:
+        """One number a component: typed ones, else those of the mouse, snapped."""
+        if self.numbers:
+            return self._typed()
+        values = self._from_mouse()
+        if not self.snaps:
+            return values
+        step = _INCREMENTS[self.mode] * (self._grid if self.mode is Mode.TRANSLATE else 1.0)
+        step *= _FINE[self.mode] if self.precise else 1.0
+        return [round(value / step) * step for value in values]
+
+    def _typed(self) -> list[float]:
+        """What is typed; a single factor scales all axes."""
+        numbers = [self.numbers.value(component) for component in range(self._components)]
+        if self.mode is Mode.RESIZE:
+            other = 1.0 if numbers[0] is None else numbers[0]
+            return [other if number is None else number for number in numbers]
+        size = self._unit if self.mode is Mode.TRANSLATE else self._turn
+        return [(number or 0.0) * size for number in numbers]
+
+    def _from_mouse(self) -> list[float]:
+        if self.mode is Mode.TRANSLATE:
+            along = self._frame.T @ self._moved()
+            return [float(along[row]) for row in self._constraint.rows]
+        if self.mode is Mode.RESIZE:
+            return [self._resized()] * self._components
+        axis = self._frame @ self._turning_axis()
+        return [-self._turned if axis @ self.view.toward < -1e-6 else self._turned]
+
+    @property
+    def _frame(self) -> np.ndarray:
+        return self._axes if self._constraint.local else np.eye(3)
+
+    def _turning_axis(self) -> np.ndarray:
+        """Along the constraint; else away from the viewer, which makes a clockwise turn positive."""
+        if not self._constraint.letter:
+            return -self.view.toward
+        return np.eye(3)[_LETTERS.index(self._constraint.letter)]
+
+    def _resized(self) -> float:
+        """Mouse distances from the centre, now against then; negative on the other side of it."""
+        cx, cy = self.view.centre
+        then = (self._grip[0] - cx, self._grip[1] - cy)
+        now = (self._hand[0] - cx, self._hand[1] - cy)
+        side = copysign(1.0, then[0] * now[0] + then[1] * now[1])
+        return self._factor * side * hypot(*now) / max(hypot(*then), 1.0)
+
+    def _moved(self) -> np.ndarray:
+        """The unsnapped move in the world, (3,): on the constraint, under the mouse."""
+        letter, frame = self._constraint.letter, self._frame
+        if not letter:
+            return self._base + self._dragged
+        axis = frame[:, _LETTERS.index(letter)]
+        kept = axis * (axis @ self._base)
+        if self._constraint.plane:
+            return self._base - kept + self._on_plane(axis)
+        return kept + axis * self._along(axis)
+
+    def _sight(self, point: np.ndarray) -> np.ndarray:
+        """The direction (3,) in which one looks at a point (3,), given relative to the pivot."""
+        if self.view.eye is None:
+            return -self.view.toward
+        sight = point - self.view.eye
+        return sight / np.linalg.norm(sight)
+
+    def _along(self, axis: np.ndarray) -> float:
+        """How far along an axis through the pivot the point is that the mouse covers."""
+        dragged, sight = self._dragged, self._sight(np.zeros(3))
+        aside = np.cross(sight, axis)
+        if aside @ aside < _EDGE_ON**2:  # as Blender: up and down, slow at first
+            lift = 2.0 * float(dragged @ self.view.up)
+            return -copysign(lift * lift, lift)
+        dragged = dragged - aside * (aside @ dragged) / (aside @ aside)
+        sight = self._sight(dragged)
+        across = axis - sight * (sight @ axis)
+        return float(dragged @ across / max(across @ across, 1e-12))
+
+    def _on_plane(self, normal: np.ndarray) -> np.ndarray:
+        """The point under the mouse of a plane through the pivot, (3,)."""
+        sight = self._sight(self._dragged)
+        slope = float(sight @ normal)
+        height = float(self._dragged @ normal)
+        if abs(slope) < _EDGE_ON:
+            return self._dragged - normal * height
+        return self._dragged - sight * (height / slope)

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Numbers typed while a tool runs, one a component, as in Blender's own transforms."""
+
+_LONGEST = 24  # characters; more than a float can tell apart, and far from overflow
+
+
+class TypedNumbers:
+    """One text a component; the ``active`` one takes the keys. Nothing typed leaves the mouse in charge."""
+
+    def __init__(self, count: int = 3) -> None:
+        self.texts = [""] * count
+        self.active = 0
+
+    def __bool__(self) -> bool:
+        return any(self.texts)
+
+    def resize(self, count: int) -> None:
+        """Another number of components, of which as many as fit keep their text."""
+        self.texts = (self.texts + [""] * count)[:count]
+        self.active = min(self.active, count - 1)
+
+    def clear(self) -> None:
+        """Give the mouse the lead again."""
+        self.texts = [""] * len(self.texts)
+        self.active = 0
+
+    def type(self, character: str) -> bool:
+        """Take a digit, a decimal sign, or the minus that turns the sign; False for any other key."""
+        text = self.texts[self.active]
+        if character == "-":
+            text = text[1:] if text.startswith("-") else "-" + text
+        elif character and character in ".,":
+            text += "" if "." in text else "."
+        elif character in ("0", "1", "2", "3", "4", "5", "6", "7", "8", "9"):
+            text += character
+        else:
+            return False
+        self.texts[self.active] = text[:_LONGEST]
+        return True
+
+    def erase(self, everything: bool = False) -> None:
+        """Take the last character back; from an empty component go to the one before."""
+        if everything:
+            self.clear()
+        elif self.texts[self.active]:
+            self.texts[self.active] = self.texts[self.active][:-1]
+        elif self.active:
+            self.active -= 1
+
+    def step(self, by: int) -> None:
+        """Go to another component."""
+        self.active = (self.active + by) % len(self.texts)
+
+    def value(self, component: int) -> float | None:
+        """The number of a component; None where nothing was typed."""
+        text = self.texts[component]
+        if not text:
+            return None
+        return float(text) if any(character.isdigit() for character in text) else 0.0
+
+    def shown(self, component: int, value: str) -> str:
+        """A component for the header: the text with its cursor where it is being typed."""
+        if component == self.active and self.texts[component]:
+            return f"[{self.texts[component]}|] = {value}"
+        return value

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Open a page of the manual that came with the add-on."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty
+from bpy.types import Context, Operator
+
+from ..core.errors import SinewError
+from ..ids import Operators
+
+# (identifier, label, description): the identifier is the name of the page's file.
+PAGES = (
+    ("surface", "Pose a Surface", "From a selection to a pose: handles, fixed regions, support, methods"),
+    ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
+    ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
+    ("baking", "Bake and Apply", "Hand a shape over to shape keys, caches, or the mesh itself"),
+    ("overlays", "Overlays", "Colours of regions, of influence, and of distortion"),
+    ("grab-region", "Grab Region", "Move vertices once, without a handle that stays"),
+    ("scripting", "Scripting", "Operators, properties, and the Python module"),
+)
+
+_ADDON = Path(__file__).resolve().parents[1]
+
+
+def manual_page(page: str) -> Path:
+    """The file of a page: as packaged with the add-on, or as written, beside a source checkout."""
+    for path in (_ADDON / "manual" / f"{page}.html", _ADDON.parent / "docs" / f"{page}.md"):
+        if path.is_file():
+            return path
+    raise SinewError(
+        f"The manual has no page '{page}' here - install the Sinew zip again, it holds the pages"
+    )
+
+
+class SINEW_OT_help(Operator):
+    """Open the manual that came with the add-on, at the page about this, in the web browser.
+
+    Needs no network
+    """
+
+    bl_idname = Operators.HELP
+    bl_label = "Sinew Manual"
+
+    page: EnumProperty(
+        name="Page", description="What to read about", items=PAGES, default="surface", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:
+        """The tooltip names the page."""
+        _identifier, label, about = next(item for item in PAGES if item[0] == properties.page)
+        return f"{label}. {about}.\nOpens the manual that came with the add-on in the web browser"
+
+    def execute(self, _context: Context) -> set[str]:
+        try:
+            path = manual_page(self.page)
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if bpy.app.background:
+            self.report({"INFO"}, str(path))
+        else:
+            bpy.ops.wm.url_open(url=path.as_uri())
+        return {"FINISHED"}

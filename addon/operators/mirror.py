@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirror handles and their weights to the other side."""
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.types import Context, Event, Object, Operator
+
+from .. import session
+from ..core.errors import SinewError
+from ..core.sides import Side
+from ..ids import Operators
+from ..properties import SinewDeformer
+from .target import handle_index, has_deformer, object_mode, target_of
+from .waiting import WaitsForBind
+
+
+class SINEW_OT_handle_mirror(WaitsForBind, Operator):
+    """Mirror handles across the local X of the mesh: Hand.L to Hand.R, with weights, control and pose.
+
+    Finds the other side by name, or makes it. A handle without a side in its name is evened out
+    """
+
+    bl_idname = Operators.HANDLE_MIRROR
+    bl_label = "Mirror Handle"
+    bl_options = {"REGISTER", "UNDO"}
+
+    side: EnumProperty(
+        name="Side",
+        description="Which handles are mirrored, and to where",
+        items=(
+            ("ACTIVE", "Active Handle", "The active handle to its other side", 0),
+            ("LEFT_TO_RIGHT", "Left to Right", "Every handle of the left side, +X, and the even ones", 1),
+            ("RIGHT_TO_LEFT", "Right to Left", "Every handle of the right side, -X, and the even ones", 2),
+        ),
+    )
+    weights_only: BoolProperty(
+        name="Weights Only", description="Leave controls and settings of the other side as they are"
+    )
+    painted_groups: BoolProperty(
+        name="Painted Groups", description="Also even out the mask and the groups of painted parameters"
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        default=0.001,
+        min=0.0,
+        soft_max=0.1,
+        precision=5,
+        subtype="DISTANCE",
+        description="How far a vertex may lie from the mirror image of another",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context):
+            return False
+        if not target_of(context).sinew.active.handles:
+            cls.poll_message_set("Add a handle first")
+            return False
+        return True
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        uid = target_of(context).sinew.active.uid
+        return self.wait_for(context, uid, self._run(context, wait=False))
+
+    def execute(self, context: Context) -> set[str]:
+        return self._run(context, wait=True)
+
+    def _run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        try:
+            active = deformer.handles[handle_index(deformer, -1)]
+            if self.side == "ACTIVE":
+                keys, source = [active.uid], session.side_of_handle(active) or Side.LEFT
+            else:
+                source = Side.LEFT if self.side == "LEFT_TO_RIGHT" else Side.RIGHT
+                keys = session.handles_of_side(deformer, source)
+            options = session.MirrorOptions(source, self.tolerance, self.weights_only, self.painted_groups)
+            with object_mode(context, obj):
+                done = session.mirror(obj, deformer, keys, options)
+                context.view_layer.update()  # new empties enter the view layer
+                self._bind(obj, deformer, wait)
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._say(done)
+        return {"FINISHED"}
+
+    def _bind(self, obj: Object, deformer: SinewDeformer, wait: bool) -> None:
+        """The mirrored handles are kept when the bind is refused; the panel then says what to do."""
+        try:
+            session.bind(obj, deformer, wait)
+        except SinewError as error:
+            self.report({"WARNING"}, str(error))
+
+    def _say(self, done: session.Mirrored) -> None:
+        pairs = [f"{source} to {target}" for source, target in done.pairs]
+        if pairs:
+            self.report({"INFO"}, f"Mirrored {', '.join(pairs)}")
+        if done.evened:
+            self.report({"INFO"}, f"Evened out {', '.join(done.evened)}")
+        if done.centre:
+            vertices = "1 vertex" if done.centre == 1 else f"{done.centre:,} vertices"
+            self.report({"INFO"}, f"{vertices} on the centre stay with the side they came from")
+        if done.unmatched:
+            vertices = "1 vertex has" if done.unmatched == 1 else f"{done.unmatched:,} vertices have"
+            self.report(
+                {"WARNING"}, f"{vertices} no mirror image across X - raise the tolerance if it is near"
+            )

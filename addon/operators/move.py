@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Move deformers and handles up and down in their lists."""
+
+from bpy.props import EnumProperty, IntProperty
+from bpy.types import Context, Operator
+
+from .. import session
+from ..core.errors import SinewError
+from ..ids import Operators
+from .target import deformer_index, handle_index, has_deformer, target_of
+
+DIRECTIONS = (
+    ("UP", "Up", "Towards the top of the list", "TRIA_UP", 0),
+    ("DOWN", "Down", "Towards the bottom of the list", "TRIA_DOWN", 1),
+)
+
+
+def _neighbour(index: int, direction: str, count: int) -> int:
+    """The row above or below; -1 where the list ends."""
+    target = index - 1 if direction == "UP" else index + 1
+    return target if 0 <= target < count else -1
+
+
+class SINEW_OT_deformer_move(Operator):
+    """Move the deformer in the list, and its modifier in the stack: the upper one comes first.
+
+    Modifiers of others keep their place, keyframes and drivers go with their deformer
+    """
+
+    bl_idname = Operators.DEFORMER_MOVE
+    bl_label = "Move Deformer"
+    bl_options = {"REGISTER", "UNDO"}
+
+    direction: EnumProperty(
+        name="Direction", items=DIRECTIONS, description="Up is nearer to the top of the list"
+    )
+    index: IntProperty(name="Index", default=-1, min=-1, description="Which deformer; -1 is the active one")
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        try:
+            index = deformer_index(obj, self.index)
+            target = _neighbour(index, self.direction, len(obj.sinew.deformers))
+            if target < 0:
+                return {"CANCELLED"}
+            session.move_deformer(obj, index, target)
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class SINEW_OT_handle_move(Operator):
+    """Move the handle in the list. The order has no effect on the shape"""
+
+    bl_idname = Operators.HANDLE_MOVE
+    bl_label = "Move Handle"
+    bl_options = {"REGISTER", "UNDO"}
+
+    direction: EnumProperty(
+        name="Direction", items=DIRECTIONS, description="Up is nearer to the top of the list"
+    )
+    index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context)
+
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        try:
+            index = handle_index(deformer, self.index)
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        target = _neighbour(index, self.direction, len(deformer.handles))
+        if target < 0:
+            return {"CANCELLED"}
+        session.move_handle(obj, deformer, index, target)
+        return {"FINISHED"}

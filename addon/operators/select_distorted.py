@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Show where the surface was distorted most."""
+
+import bpy
+from bpy.props import EnumProperty
+from bpy.types import Context, Operator
+
+from .. import session
+from ..core.distortion import Measure
+from ..ids import Operators
+from ..properties.scene import MEASURES
+from ..session import result
+from .target import has_deformer, target_of
+
+
+class SINEW_OT_select_distorted(Operator):
+    """Select, in Edit Mode, the vertex around which the surface was distorted most.
+
+    Add a handle there, or let more of the surface move
+    """
+
+    bl_idname = Operators.SELECT_DISTORTED
+    bl_label = "Select Most Distorted"
+    bl_options = {"REGISTER", "UNDO"}
+
+    measure: EnumProperty(name="Measure", description="Which kind of distortion", items=MEASURES)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context):
+            return False
+        if not target_of(context).sinew.active.is_bound:
+            cls.poll_message_set("Bind the deformer first")
+            return False
+        return True
+
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        result.repainted(deformer)
+        found = result.measure(obj, deformer, Measure(self.measure))
+        if found is None:
+            self.report({"ERROR"}, "There is no shape to measure - press Bind")
+            return {"CANCELLED"}
+        if len(obj.data.vertices) != len(found.values):
+            self.report({"ERROR"}, "A modifier before Sinew adds or removes vertices: none to select here")
+            return {"CANCELLED"}
+        if obj.mode != "EDIT":
+            context.view_layer.objects.active = obj
+            bpy.ops.object.mode_set(mode="EDIT")
+        session.select_elements(obj, (found.worst,), "vertex")
+        label = next(label for identifier, label, *_rest in MEASURES if identifier == self.measure)
+        self.report({"INFO"}, f"{label} {found.largest:.3g} at vertex {found.worst}")
+        return {"FINISHED"}

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The add-on's page in Blender's Preferences."""
+
+import bpy
+
+from .page import DEFAULTS, PACKAGE, SinewPreferences, apply_limits, preferences
+from .shortcuts import KEYMAP, SHORTCUTS, SPACE, Shortcut, find_item, find_items
+
+__all__ = (
+    "DEFAULTS",
+    "KEYMAP",
+    "PACKAGE",
+    "SHORTCUTS",
+    "SPACE",
+    "Shortcut",
+    "SinewPreferences",
+    "apply_limits",
+    "find_item",
+    "find_items",
+    "preferences",
+    "register",
+    "unregister",
+)
+
+
+def register() -> None:
+    bpy.utils.register_class(SinewPreferences)
+    apply_limits(preferences(bpy.context))
+
+
+def unregister() -> None:
+    bpy.utils.unregister_class(SinewPreferences)

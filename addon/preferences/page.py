@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What new deformers start with, limits, colours, keys, and whether the native module works."""
+
+import textwrap
+from types import SimpleNamespace
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.types import AddonPreferences, Context, UILayout
+
+from .. import compat
+from ..backend import availability, limit_memory, limit_threads
+from ..core.methods import DEFAULT_METHOD, METHODS
+from .shortcuts import find_items
+
+PACKAGE = __package__.rpartition(".")[0]
+_GIGABYTE = 1024**3
+
+DEFAULTS = SimpleNamespace(
+    method=DEFAULT_METHOD,
+    auto_rebind=False,
+    drag_budget=40.0,
+    threads=0,
+    memory_limit=0.0,
+    overlay_fixed=(0.17, 0.24, 0.34),
+    overlay_compressed=(0.010, 0.112, 0.604),
+    overlay_stretched=(0.604, 0.015, 0.010),
+    overlay_opacity=0.75,
+)
+
+
+def _limits_changed(values: "SinewPreferences", _context: Context) -> None:
+    apply_limits(values)
+
+
+def apply_limits(values: "SinewPreferences | SimpleNamespace") -> None:
+    """Tell the native module how much of the machine it may use."""
+    limit_threads(values.threads)
+    limit_memory(round(values.memory_limit * _GIGABYTE))
+
+
+def _overlay_colour(name: str, default: tuple[float, float, float], description: str):
+    return FloatVectorProperty(
+        name=name, default=default, description=description, subtype="COLOR", size=3, min=0.0, max=1.0
+    )
+
+
+class SinewPreferences(AddonPreferences):
+    """What new deformers start with, limits, colours, keys, and whether the native module works"""
+
+    bl_idname = PACKAGE
+
+    section: EnumProperty(
+        name="Section",
+        description="Which of the settings below are shown",
+        items=(
+            ("GENERAL", "General", "What new deformers start with, and how much of the machine they use", 0),
+            ("OVERLAYS", "Overlays", "Colours of regions and of distortion in the viewport", 1),
+            ("KEYMAP", "Keymap", "Keys of the add-on in the 3D Viewport", 2),
+        ),
+        default="GENERAL",
+        options={"SKIP_SAVE"},
+    )
+    method: EnumProperty(
+        name="Method",
+        description="The method that Add Handle and Add Deformer start with; each deformer can change it",
+        items=tuple((method.id, method.label, method.summary, "NONE", method.number) for method in METHODS),
+        default=DEFAULTS.method,
+    )
+    auto_rebind: BoolProperty(
+        name="Automatic Rebind",
+        description="New deformers bind again on their own when the vertices of their mesh change. "
+        "Turn it on where you model and pose in turns",
+        default=DEFAULTS.auto_rebind,
+    )
+    drag_budget: FloatProperty(
+        name="Drag Budget",
+        description="Milliseconds that a method which solves in steps may spend on each redraw of a drag. "
+        "The exact shape follows when you stop. Lower is smoother, higher is closer to that shape",
+        default=DEFAULTS.drag_budget,
+        min=1.0,
+        max=10000.0,
+        soft_min=5.0,
+        soft_max=200.0,
+        step=100,
+        precision=0,
+    )
+    threads: IntProperty(
+        name="Threads",
+        description="At most this many processor threads for binding and solving; 0 uses all of them. "
+        "Lower it to leave some to a render",
+        default=DEFAULTS.threads,
+        min=0,
+        max=1024,
+        soft_max=64,
+        update=_limits_changed,
+    )
+    memory_limit: FloatProperty(
+        name="Memory Limit",
+        description="Refuse to bind a mesh that needs more memory than this, in gigabytes; 0 sets no limit. "
+        "Set it where a bind that is too large must not slow down the machine",
+        default=DEFAULTS.memory_limit,
+        min=0.0,
+        max=100000.0,
+        soft_max=256.0,
+        step=100,
+        precision=1,
+        update=_limits_changed,
+    )
+    overlay_fixed: _overlay_colour(
+        "Fixed", DEFAULTS.overlay_fixed, "Colour of regions that stay where they are; handles have their own"
+    )
+    overlay_compressed: _overlay_colour(
+        "Compressed", DEFAULTS.overlay_compressed, "Colour of parts that became smaller than at rest"
+    )
+    overlay_stretched: _overlay_colour(
+        "Stretched", DEFAULTS.overlay_stretched, "Colour of parts that became larger than at rest"
+    )
+    overlay_opacity: FloatProperty(
+        name="Opacity",
+        description="How much of the mesh an overlay covers; lower it to keep the shading visible",
+        default=DEFAULTS.overlay_opacity,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+    )
+
+    def draw(self, context: Context) -> None:
+        layout = self.layout
+        _draw_native(layout)
+        layout.row().prop(self, "section", expand=True)
+        {"GENERAL": self._draw_general, "OVERLAYS": self._draw_overlays, "KEYMAP": self._draw_keymap}[
+            self.section
+        ](context, layout.column())
+
+    def _draw_general(self, _context: Context, layout: UILayout) -> None:
+        layout.use_property_split = True
+        column = layout.column()
+        column.prop(self, "method", text="New Deformers")
+        column.prop(self, "auto_rebind")
+        layout.separator()
+        column = layout.column()
+        column.prop(self, "drag_budget", text="Drag Budget (ms)")
+        column.prop(self, "threads", text="Threads (0 for All)")
+        column.prop(self, "memory_limit", text="Memory Limit (GB, 0 for None)")
+
+    def _draw_overlays(self, _context: Context, layout: UILayout) -> None:
+        layout.use_property_split = True
+        for name in ("overlay_fixed", "overlay_compressed", "overlay_stretched"):
+            layout.prop(self, name)
+        layout.prop(self, "overlay_opacity", slider=True)
+
+    def _draw_keymap(self, context: Context, layout: UILayout) -> None:
+        keyconfig = context.window_manager.keyconfigs.user
+        found = find_items(keyconfig)
+        for keymap, item in found:
+            compat.draw_keymap_item(layout, keyconfig, keymap, item)
+        if not found:
+            layout.label(text="No keys: another keymap took them off, or there is no window", icon="INFO")
+
+
+def _draw_native(layout: UILayout) -> None:
+    found = availability()
+    if found.module is None:
+        for number, line in enumerate(textwrap.wrap(found.remedy, 90)):
+            layout.label(text=line, icon="BLANK1" if number else "ERROR")
+    else:
+        layout.label(text=f"Native module {found.module.__version__} is ready", icon="CHECKMARK")
+
+
+def preferences(context: Context) -> "SinewPreferences | SimpleNamespace":
+    """Our preferences, also where Blender loaded us without an entry in its Preferences."""
+    entry = context.preferences.addons.get(PACKAGE)
+    return entry.preferences if entry is not None and entry.preferences is not None else DEFAULTS

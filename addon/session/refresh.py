@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""After an edit of the mesh: painted weights take effect, and lost or new vertices are noticed.
+
+Main thread only: this makes datablocks. It runs when the edits pause, never while one is under way.
+"""
+
+from contextlib import suppress
+
+import bpy
+import numpy as np
+from bpy.types import Mesh, Object
+
+from ..compat import read_positions, write_positions
+from ..core.errors import SinewError
+from ..mesh_io import read_rest
+from ..properties import SinewDeformer
+from . import capture, edit, regions, rig, state
+
+_BUSY_MODES = ("EDIT", "SCULPT")  # meshes under the knife: looked at when the user leaves
+
+
+def refresh() -> bool:
+    """Look at the meshes that were edited; True where one needs another solve."""
+    waiting, changed = [], False
+    for name in state.take_edited():
+        obj = bpy.data.objects.get(name)
+        if obj is None or obj.library is not None:
+            continue
+        if obj.mode in _BUSY_MODES:
+            waiting.append(name)
+            continue
+        for deformer in obj.sinew.deformers:
+            if deformer.is_bound and not deformer.bake.is_baked and not rig.is_linked(deformer.proxy):
+                changed |= _refresh(obj, deformer)
+        state.forget_edit(name)  # looking at it counts as an edit for Blender
+    for name in waiting:
+        state.edited(name)
+    return changed
+
+
+@state.suspended()
+def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
+    regions.follow_renamed_groups(obj, deformer)
+    try:
+        meshes = capture.rest_meshes(obj, deformer)
+    except SinewError:  # no vertices: the evaluation says so
+        return False
+    held = (deformer.rest_in("VIEWPORT"), deformer.rest_render and deformer.rest_in("RENDER"))
+    if not capture.same_topology(held[0], meshes[0]):
+        _discard(meshes)
+        _change_topology(obj, deformer)
+        return True
+    fits = _fits(held[1], meshes[1])
+    same = fits and all(_same_weights(old, new, deformer) for old, new in zip(held, meshes, strict=True))
+    if same and not deformer.topology_changed:
+        _discard(meshes)
+        return False
+    write_positions(meshes[0], read_positions(held[0]))
+    if fits and held[1] is not None:
+        write_positions(meshes[1], read_positions(held[1]))
+    rig.release_rest(deformer)
+    deformer.rest, deformer.rest_render = meshes
+    rig.ensure(obj, deformer, *(len(mesh.vertices) for mesh in meshes if mesh is not None))
+    deformer.topology_changed = False
+    obj.update_tag(refresh={"OBJECT"})
+    return True
+
+
+def _fits(old: Mesh | None, new: Mesh | None) -> bool:
+    """Renders get the vertices that they had at bind. Else what enters there now is their rest shape."""
+    if old is None or new is None:
+        return old is new
+    return capture.same_topology(old, new)
+
+
+def _same_weights(old: Mesh | None, new: Mesh | None, deformer: SinewDeformer) -> bool:
+    if old is None:
+        return True
+    before, after = read_rest(old), read_rest(new)
+    regions.read_weights(before, old, deformer)
+    regions.read_weights(after, new, deformer)
+    return before.weights.keys() == after.weights.keys() and all(
+        np.array_equal(before.weights[name], after.weights[name]) for name in before.weights
+    )
+
+
+def _discard(meshes: tuple[Mesh | None, ...]) -> None:
+    for mesh in meshes:
+        if mesh is not None:
+            bpy.data.meshes.remove(mesh)
+
+
+def _change_topology(obj: Object, deformer: SinewDeformer) -> None:
+    if deformer.auto_rebind:
+        with suppress(SinewError):  # the status says why
+            edit.bind(obj, deformer, wait=False)
+    elif not deformer.topology_changed:
+        deformer.topology_changed = True
+        obj.update_tag(refresh={"OBJECT"})

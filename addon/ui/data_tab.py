@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Our panels once more, in the Modifiers tab of the Properties editor, where a rigger looks for deformers."""
+
+from bpy.utils import register_classes_factory
+
+from . import bake, overlay, panel
+from .places import in_properties
+
+_ORIGINALS = (*panel.PANELS, *overlay.PANELS, *bake.PANELS)
+
+register, unregister = register_classes_factory(tuple(in_properties(original) for original in _ORIGINALS))

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an overlay shows on one mesh: points, triangles, a colour a vertex, and the legend.
+
+A picture is kept until the shape, the regions or the settings are others; asking for it again costs some
+microseconds. No graphics card is needed, so all of it runs in background too.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from bpy.types import Context, Depsgraph, Object
+
+from ..core.distortion import Measure
+from ..core.methods import Parameter, group_property
+from ..preferences import preferences
+from ..properties import SinewDeformer, SinewHandle
+from ..properties.scene import MEASURES
+from ..session import result, surface
+from ..session.result import Result
+from . import overlay_colours as colours
+from .overlay_colours import Colour, Legend
+
+_SUPPORT = "support"  # the bound region around a support, see ``session.regions``
+_MOST_ROWS = 12
+_MEASURE_LABELS = {identifier: label for identifier, label, *_rest in MEASURES}
+_ENDS = {
+    Measure.STRETCH: ("compressed", "stretched"),
+    Measure.AREA: ("smaller", "larger"),
+    Measure.ANGLE: ("unchanged", "sheared"),
+    Measure.DIRICHLET: ("unchanged", "distorted"),
+}
+
+
+@dataclass(frozen=True)
+class Look:
+    """The settings, as plain values."""
+
+    overlay: str
+    parameter: str
+    measure: Measure
+    distortion_range: float
+    opacity: float
+    fixed: Colour
+    compressed: Colour
+    stretched: Colour
+
+
+@dataclass(frozen=True)
+class Picture:
+    """``points`` float32 (m, 3) object space, ``triangles`` int32 (t, 3).
+
+    ``colours`` float32 (m, 4) as drawn: not premultiplied.
+    """
+
+    key: tuple
+    source: tuple
+    points: np.ndarray
+    triangles: np.ndarray
+    colours: np.ndarray
+    legend: Legend
+
+
+class Gallery:
+    """The pictures of all deformers, by key; ``painted`` counts how many were made."""
+
+    def __init__(self) -> None:
+        self.painted = 0
+        self._pictures: dict[str, Picture] = {}
+        self._revisions: dict[str, int] = {}
+
+    def outdate(self, obj: Object) -> None:
+        """The mesh that Blender shows of this object may be another."""
+        self._revisions[obj.name_full] = self._revisions.get(obj.name_full, 0) + 1
+
+    def clear(self) -> None:
+        """Forget everything."""
+        self._pictures.clear()
+        self._revisions.clear()
+
+    def picture(
+        self, obj: Object, deformer: SinewDeformer, look: Look, depsgraph: Depsgraph
+    ) -> Picture | None:
+        """What to draw over this object now; None where nothing is bound, or another mesh was."""
+        source = result.source(obj, deformer)
+        if source is None or not surface.is_current(obj, deformer):
+            return None
+        key = (look, obj.mode == "EDIT", self._revisions.get(obj.name_full, 0), _subject(deformer, look))
+        known = self._pictures.get(deformer.uid)
+        if known is not None and known.key == key and result.same(known.source, source):
+            return known
+        shape = result.of(obj, deformer)
+        painted, legend = _paint(obj, deformer, look, shape)
+        drawn = surface.find(obj, depsgraph, deformer, shape)
+        if drawn.origin is not None:
+            painted = colours.spread(painted, drawn.origin, drawn.edges)
+        painted = colours.straight(painted, drawn.triangles)
+        self._pictures[deformer.uid] = Picture(key, source, drawn.points, drawn.triangles, painted, legend)
+        self.painted += 1
+        return self._pictures[deformer.uid]
+
+
+def look_of(context: Context) -> Look:
+    """The settings of the scene and of the preferences."""
+    settings, chosen = context.scene.sinew, preferences(context)
+    return Look(
+        overlay=settings.overlay,
+        parameter=settings.parameter,
+        measure=Measure(settings.measure),
+        distortion_range=settings.distortion_range,
+        opacity=settings.opacity * chosen.overlay_opacity,
+        fixed=colours.on_screen(chosen.overlay_fixed),
+        compressed=colours.on_screen(chosen.overlay_compressed),
+        stretched=colours.on_screen(chosen.overlay_stretched),
+    )
+
+
+def shown_parameter(deformer: SinewDeformer, chosen: str) -> Parameter | None:
+    """The chosen parameter, or another that the method has, where it has not that one."""
+    paintable = deformer.definition.paintable
+    return next((parameter for parameter in paintable if parameter.id == chosen), next(iter(paintable), None))
+
+
+def _subject(deformer: SinewDeformer, look: Look) -> tuple:
+    """What the colours depend on besides the settings and the shape: names, colours and numbers."""
+    if look.overlay == "REGIONS":
+        return tuple((handle.uid, handle.name, tuple(handle.colour)) for handle in deformer.handles)
+    if look.overlay == "WEIGHT":
+        handle = _active(deformer)
+        return () if handle is None else (handle.uid, handle.name, handle.weight)
+    if look.overlay == "PARAMETER":
+        parameter = shown_parameter(deformer, look.parameter)
+        return () if parameter is None else (parameter.id, *_painted_by(deformer, parameter))
+    return ()
+
+
+def _active(deformer: SinewDeformer) -> SinewHandle | None:
+    return (
+        deformer.handles[deformer.active_handle]
+        if 0 <= deformer.active_handle < len(deformer.handles)
+        else None
+    )
+
+
+def _painted_by(deformer: SinewDeformer, parameter: Parameter) -> tuple[float, str]:
+    values = deformer.parameters
+    return getattr(values, parameter.id), getattr(values, group_property(parameter))
+
+
+def _paint(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+    return {
+        "REGIONS": _regions,
+        "WEIGHT": _weight,
+        "PARAMETER": _parameter,
+        "MASK": _mask,
+        "DISTORTION": _distortion,
+    }[look.overlay](obj, deformer, look, shape)
+
+
+def _regions(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+    by_key = {handle.uid: handle for handle in deformer.handles}
+    parts, rows = [], {}
+    for key, members in zip(shape.handles, shape.indices):
+        handle = by_key.get(key)
+        if handle is None and key != _SUPPORT:
+            continue
+        strength, name, colour = 1.0, "Fixed", look.fixed
+        if handle is not None:
+            strength = _strength(shape, handle, members)
+            if handle.kind == "HANDLE":
+                name, colour = handle.name, colours.on_screen(handle.colour)
+        parts.append((members, strength, colour))
+        rows[name] = colour
+    rows = {**{name: colour for name, colour in rows.items() if name != "Fixed"}, **_only(rows, "Fixed")}
+    mask = result.weights(obj, deformer, deformer.mask_group)
+    if mask is not None:
+        rows["Masked out"] = colours.HIDDEN
+    shown = tuple(rows.items())[:_MOST_ROWS]
+    note = f"and {len(rows) - len(shown)} more" if len(rows) > len(shown) else ""
+    painted = colours.regions(len(shape.points), parts, look.opacity, mask)
+    return painted, Legend("Regions", rows=shown, note=note)
+
+
+def _only(rows: dict[str, Colour], name: str) -> dict[str, Colour]:
+    return {name: rows[name]} if name in rows else {}
+
+
+def _strength(shape: Result, handle: SinewHandle, members: np.ndarray) -> np.ndarray | float:
+    """How firmly a region holds its members, as bound."""
+    painted = shape.rest.weights.get(handle.vertex_group)
+    return handle.weight if painted is None else painted[members] * np.float32(handle.weight)
+
+
+def _weight(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+    handle, values = _active(deformer), np.zeros(len(shape.points), dtype=np.float32)
+    if handle is None:
+        return colours.field(values, look.opacity), Legend("Handle Weight", note="No handle")
+    painted = result.weights(obj, deformer, handle.vertex_group)
+    if painted is not None:
+        values = painted * np.float32(handle.weight)
+    return colours.field(values, look.opacity), colours.field_legend(f"Weight of {handle.name}")
+
+
+def _parameter(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+    count, parameter = len(shape.points), shown_parameter(deformer, look.parameter)
+    if parameter is None:
+        nothing = np.zeros((count, 4), dtype=np.float32)
+        return nothing, Legend("Parameter", note=f"{deformer.definition.label} has none to paint")
+    value, group = _painted_by(deformer, parameter)
+    painted = result.weights(obj, deformer, group)
+    note = f"Painted by {group}" if painted is not None else "The same everywhere"
+    values = np.ones(count, dtype=np.float32) if painted is None else painted
+    if value <= 0.0:  # nothing to scale: 0 everywhere
+        value, values = 1.0, np.zeros(count, dtype=np.float32)
+    return colours.field(values, look.opacity), colours.field_legend(parameter.label, value, note)
+
+
+def _mask(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+    mask = result.weights(obj, deformer, deformer.mask_group)
+    note = f"Painted by {deformer.mask_group}" if mask is not None else "No mask: shown everywhere"
+    values = np.ones(len(shape.points), dtype=np.float32) if mask is None else mask
+    return colours.field(values, look.opacity), colours.field_legend("Mask", note=note)
+
+
+def _distortion(
+    obj: Object, deformer: SinewDeformer, look: Look, _shape: Result
+) -> tuple[np.ndarray, Legend]:
+    values = result.measure(obj, deformer, look.measure).values
+    ends = look.compressed, look.stretched
+    painted = colours.ratios(values, look.distortion_range, look.opacity, *ends)
+    label = _MEASURE_LABELS[look.measure.value]
+    legend = colours.ratio_legend(
+        label, _ENDS[look.measure], look.distortion_range, look.measure.two_sided, *ends, values
+    )
+    return painted, legend

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pie menu: what is used again and again, by one key and a flick."""
+
+from bpy.types import Context, Menu, UILayout
+from bpy.utils import register_classes_factory
+
+from ..ids import Menus, Operators
+from ..operators import target_of
+from .menus import add_entry
+
+
+class SINEW_MT_pie(Menu):
+    """Regions in Edit Mode, controls in the other modes, and what both need"""
+
+    bl_idname = Menus.PIE
+    bl_label = "Sinew"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return target_of(context) is not None
+
+    def draw(self, context: Context) -> None:
+        pie = self.layout.menu_pie()
+        if context.mode == "EDIT_MESH":
+            _draw_edit_mode(pie)
+        else:
+            _draw_other_modes(pie)
+
+
+def _draw_edit_mode(pie: UILayout) -> None:
+    """West, east, south, north, then the corners from the upper left on."""
+    add_entry(pie, "HANDLE", "Add Handle", "ADD")
+    add_entry(pie, "FIXED", "Add Fixed", "PINNED")
+    pie.operator(Operators.BIND, icon="FILE_REFRESH")
+    pie.operator(Operators.GRAB_REGION, icon="VIEW_PAN")
+    add_entry(pie, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
+    add_entry(pie, "HANDLE", "Add Handle to Selected Object or Bone", "HOOK", control="SELECTED")
+    pie.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
+    pie.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
+
+
+def _draw_other_modes(pie: UILayout) -> None:
+    pie.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
+    pie.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
+    pie.operator(Operators.BIND, icon="FILE_REFRESH")
+    pie.operator(Operators.BAKE, icon="RENDER_ANIMATION")
+    pie.operator(Operators.UNBIND, icon="X")
+    pie.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
+    pie.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
+    pie.operator(Operators.HELP, icon="QUESTION")
+
+
+register, unregister = register_classes_factory((SINEW_MT_pie,))

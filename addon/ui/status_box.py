@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a deformer is doing, what is wrong, and the buttons that help."""
+
+from dataclasses import dataclass
+
+from bpy.types import Context, UILayout
+
+from .. import compat, session
+from ..backend import availability
+from ..core import status
+from ..core.status import Level, Remedy, Status
+from ..ids import Operators
+from ..preferences import PACKAGE
+from ..properties import SinewDeformer
+from .text import columns, draw_text
+
+_ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}
+_WIDE = 44  # characters; from there on, buttons stand beside their line instead of below it
+_BUTTON = 72  # pixels at scale 1
+
+
+NATIVE_MISSING = Status(
+    Level.ERROR,
+    "The native module does not work here - the preferences say what to install",
+    remedy=Remedy.PREFERENCES,
+)
+
+
+@dataclass(frozen=True)
+class Button:
+    """An operator, and how the button that calls it looks."""
+
+    operator: str
+    text: str
+    icon: str
+    properties: tuple[tuple[str, str], ...] = ()
+
+
+REMEDIES: dict[Remedy, Button] = {
+    Remedy.BIND: Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
+    Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
+    Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
+    Remedy.OVERRIDE: Button("object.make_override_library", "Make Library Override", "LIBRARY_DATA_OVERRIDE"),
+    Remedy.PREFERENCES: Button(
+        "preferences.addon_show", "Preferences", "PREFERENCES", (("module", PACKAGE),)
+    ),
+}
+
+
+def draw_remedy(layout: UILayout, remedy: Remedy) -> None:
+    """The button of a remedy."""
+    button = REMEDIES[remedy]
+    settings = layout.operator(button.operator, text=button.text, icon=button.icon)
+    for name, value in button.properties:
+        setattr(settings, name, value)
+
+
+def draw_message(context: Context, layout: UILayout, line: Status, problem: int = -1) -> None:
+    """One line with its buttons; ``problem`` is its number among the lines that **Select** can show."""
+    count = (problem >= 0) + (line.remedy in REMEDIES)
+    wide = columns(context) >= _WIDE
+    group = layout.row() if wide else layout.column(align=True)
+    draw_text(context, group.column(), line.text, _ICONS[line.level], beside=_BUTTON * count if wide else 0)
+    if not count:
+        return
+    buttons = group.row(align=True)
+    if wide:
+        buttons.alignment = "RIGHT"
+    if problem >= 0:
+        select = buttons.operator(Operators.SELECT_PROBLEMS, text="Select", icon="RESTRICT_SELECT_OFF")
+        select.line = problem
+    if line.remedy in REMEDIES:
+        draw_remedy(buttons, line.remedy)
+
+
+def draw_error(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
+    """Why the deformer does not work, at the top of the panel, where nobody has to scroll for it."""
+    line = headline(deformer)
+    if line.level is Level.ERROR and session.job(deformer.uid) is None:
+        draw_message(context, layout.box().column(), line, 0 if line.elements else -1)
+
+
+def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
+    """The box at the end of the panel, and Bind below it."""
+    under_way = session.job(deformer.uid)
+    if under_way is not None:
+        _draw_progress(layout.box().column(), under_way)
+        return
+    line = headline(deformer)
+    problem = int(bool(line.elements))
+    lines = [(line, problem - 1)] if line.level is not Level.ERROR else []
+    for line in (*status.notes(deformer.uid), *_lost_controls(deformer)):
+        lines.append((line, problem if line.elements else -1))
+        problem += bool(line.elements)
+    unlocked = deformer.is_bound and not context.scene.render.use_lock_interface
+    if lines or unlocked:
+        box = layout.box().column()
+        for line, number in lines:
+            draw_message(context, box, line, number)
+        if unlocked:
+            draw_text(context, box, "Rendering from this window needs a locked interface", "ERROR")
+            box.prop(context.scene.render, "use_lock_interface")
+    row = layout.row(align=True)
+    row.operator(Operators.BIND, text="Rebind" if deformer.is_bound else "Bind", icon="FILE_REFRESH")
+    row.operator(Operators.UNBIND, text="Unbind", icon="X")
+    if unlocked or any(line.level in (Level.WARNING, Level.ERROR) for line, _number in lines):
+        row.operator(Operators.HELP, text="", icon="QUESTION").page = "troubles"
+
+
+def headline(deformer: SinewDeformer) -> Status:
+    """The main line: what the session says, with the time of the last solve where all is well."""
+    if availability().module is None:
+        return NATIVE_MISSING
+    main = status.of(deformer.uid)
+    if not main.text:
+        return Status(Level.INFO, "Bound" if deformer.is_bound else "Not bound - press Bind")
+    known = session.find(deformer.uid)
+    if deformer.bake.is_baked:
+        return main
+    if main.level is Level.INFO and deformer.is_bound and known is not None and known.solve_milliseconds:
+        text = f"{main.text}, solve {session.duration(known.solve_milliseconds)}"
+        return Status(main.level, text, main.elements, main.element_kind, main.remedy)
+    return main
+
+
+def _lost_controls(deformer: SinewDeformer) -> tuple[Status, ...]:
+    return tuple(
+        Status(Level.WARNING, f"{handle.name} has lost its control and stays where it was - pick another")
+        for handle in deformer.handles
+        if handle.control_missing
+    )
+
+
+def _draw_progress(layout: UILayout, work: object) -> None:
+    row = layout.row(align=True)
+    compat.draw_progress(row, work.fraction, work.stage or "binding")
+    row.operator(Operators.CANCEL, text="", icon="X")
+    hint = layout.row()
+    hint.active = False
+    hint.label(text="Esc cancels", icon="BLANK1")

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distortion against maps whose singular values are known, and against NumPy's SVD."""
+
+import numpy as np
+import pytest
+
+from sinew.core import distortion
+from sinew.core.distortion import COLLAPSED, Measure
+
+RANDOM = np.random.default_rng(11)
+
+
+def some_triangles(count: int = 50) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles in space that share no vertex, none of them thin."""
+    points = RANDOM.normal(size=(count, 3))[:, None] + np.array(((0, 0, 0), (1, 0.1, 0), (0.2, 0.9, 0.3)))
+    return points.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
+
+
+def rotation() -> np.ndarray:
+    turn, upper = np.linalg.qr(RANDOM.normal(size=(3, 3)))
+    turn = turn * np.sign(np.diag(upper))
+    return turn * np.sign(np.linalg.det(turn))
+
+
+def flat_fan() -> tuple[np.ndarray, np.ndarray]:
+    """A square in the plane z = 0 around its centre, vertex 4."""
+    points = np.array(((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (1, 1, 0)), dtype=float)
+    return points, np.array(((0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)))
+
+
+def plane_map(matrix: tuple, turn: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Singular values of the fan under a linear map of its plane, then turned in space and moved."""
+    points, triangles = flat_fan()
+    turned = np.eye(3) if turn is None else turn
+    moved = points.copy()
+    moved[:, :2] = points[:, :2] @ np.array(matrix, dtype=float).T
+    return distortion.singular_values(
+        distortion.rest_metric(points, triangles), moved @ turned.T + (3.0, -1.0, 0.5)
+    )
+
+
+def test_an_isometry_has_ones():
+    points, triangles = some_triangles()
+    rest = distortion.rest_metric(points, triangles)
+    largest, smallest = distortion.singular_values(rest, points @ rotation().T + (1.0, 2.0, 3.0))
+    assert np.abs(largest - 1.0).max() < 1e-13
+    assert np.abs(smallest - 1.0).max() < 1e-13
+
+
+def test_a_mirror_image_is_an_isometry_of_the_surface():
+    points, triangles = some_triangles()
+    largest, smallest = distortion.singular_values(
+        distortion.rest_metric(points, triangles), points * (-1.0, 1.0, 1.0)
+    )
+    assert np.allclose((largest, smallest), 1.0)
+
+
+def test_bending_a_sheet_along_its_edges_is_an_isometry():
+    points = np.array(((0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)), dtype=float)
+    triangles = np.array(((0, 1, 2), (1, 3, 2)))
+    folded = points.copy()
+    across = points[3] - 0.5 * (points[1] + points[2])
+    folded[3] = 0.5 * (points[1] + points[2]) + np.linalg.norm(across) * np.array((0.0, 0.0, 1.0))
+    values = distortion.singular_values(distortion.rest_metric(points, triangles), folded)
+    assert np.allclose(values, 1.0)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 0.5, 1.0, 3.0, 1e4])
+def test_uniform_scale_is_both_singular_values(factor: float):
+    points, triangles = some_triangles()
+    largest, smallest = distortion.singular_values(
+        distortion.rest_metric(points, triangles), factor * points @ rotation().T
+    )
+    assert np.allclose(largest, factor)
+    assert np.allclose(smallest, factor)
+
+
+def test_unequal_scale():
+    largest, smallest = plane_map(((3.0, 0.0), (0.0, 0.5)), rotation())
+    assert np.allclose(largest, 3.0)
+    assert np.allclose(smallest, 0.5)
+
+
+@pytest.mark.parametrize("shear", [0.1, 1.0, 4.0])
+def test_shear_has_the_closed_form(shear: float):
+    """(x, y) -> (x + k y, y): s = (sqrt(k^2 + 4) +- k) / 2, whose product is 1."""
+    largest, smallest = plane_map(((1.0, shear), (0.0, 1.0)), rotation())
+    root = np.sqrt(shear**2 + 4.0)
+    assert np.allclose(largest, 0.5 * (root + shear))
+    assert np.allclose(smallest, 0.5 * (root - shear))
+    assert np.allclose(distortion.ratio(Measure.AREA, largest, smallest), 1.0)
+    assert np.allclose(distortion.ratio(Measure.ANGLE, largest, smallest), (0.5 * (root + shear)) ** 2)
+
+
+def test_any_map_agrees_with_the_singular_value_decomposition():
+    points, triangles = some_triangles()
+    shown = RANDOM.normal(size=points.shape)
+    largest, smallest = distortion.singular_values(distortion.rest_metric(points, triangles), shown)
+    for row, corners in enumerate(triangles):
+        edges = (points[corners[1:]] - points[corners[0]]).T
+        moved = (shown[corners[1:]] - shown[corners[0]]).T
+        expected = np.linalg.svd(moved @ np.linalg.pinv(edges), compute_uv=False)
+        assert np.allclose((largest[row], smallest[row]), expected[:2])
+
+
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_the_corner_one_starts_at_does_not_matter(first: int):
+    points, triangles = some_triangles()
+    shown = RANDOM.normal(size=points.shape)
+    expected = distortion.singular_values(distortion.rest_metric(points, triangles), shown)
+    turned = np.roll(triangles, first, axis=1)
+    assert np.allclose(distortion.singular_values(distortion.rest_metric(points, turned), shown), expected)
+
+
+def test_measures_of_known_singular_values():
+    largest, smallest = np.array((2.0, 0.5, 1.0)), np.array((0.25, 0.5, 1.0))
+    expected = {
+        Measure.AREA: (0.5, 0.25, 1.0),
+        Measure.ANGLE: (8.0, 1.0, 1.0),
+        Measure.STRETCH: (2.0, 0.5, 1.0),
+        Measure.DIRICHLET: ((4.0 + 0.0625 + 0.25 + 16.0) / 4.0, (0.5 + 8.0) / 4.0, 1.0),
+    }
+    for measure in Measure:
+        assert np.allclose(distortion.ratio(measure, largest, smallest), expected[measure])
+
+
+def test_one_sided_measures_never_fall_below_one():
+    largest = np.exp(RANDOM.normal(size=500))
+    smallest = largest * RANDOM.uniform(0.01, 1.0, size=500)
+    for measure in Measure:
+        found = distortion.ratio(measure, largest, smallest)
+        assert measure.two_sided == bool((found < 1.0 - 1e-12).any())
+
+
+def degenerate_rest() -> np.ndarray:
+    """Corners in one place, two in one place, in a line, not a number, and a sound triangle."""
+    nan = float("nan")
+    return np.array(
+        (
+            ((1, 1, 1), (1, 1, 1), (1, 1, 1)),
+            ((0, 0, 0), (0, 0, 0), (1, 0, 0)),
+            ((0, 0, 0), (1, 0, 0), (0, 0, 0)),
+            ((0, 0, 0), (1, 1, 0), (3, 3, 0)),
+            ((0, 0, 0), (nan, 1, 0), (3, 3, 0)),
+            ((0, 0, 0), (1, 0, 0), (0, 1, 0)),
+        ),
+        dtype=float,
+    ).reshape(-1, 3)
+
+
+def test_triangles_without_a_shape_at_rest_count_as_unchanged():
+    points = degenerate_rest()
+    triangles = np.arange(len(points)).reshape(-1, 3)
+    rest = distortion.rest_metric(points, triangles)
+    largest, smallest = distortion.singular_values(rest, RANDOM.normal(size=points.shape))
+    assert np.array_equal(largest[:-1], np.ones(5))
+    assert np.array_equal(smallest[:-1], np.ones(5))
+    assert np.array_equal(rest.area > 0.0, (False,) * 5 + (True,))
+    for measure in Measure:
+        values = distortion.at_vertices(rest, distortion.ratio(measure, largest, smallest))
+        assert np.isfinite(values).all()
+        assert np.array_equal(values[:15], np.ones(15))
+
+
+def test_collapsed_triangles_are_finite():
+    """A sound rest triangle crushed into a line, an edge, a point: never NaN, never infinite."""
+    shapes = degenerate_rest().reshape(-1, 3, 3)
+    points = np.concatenate([shapes[-1]] * len(shapes))
+    rest = distortion.rest_metric(points, np.arange(len(points)).reshape(-1, 3))
+    largest, smallest = distortion.singular_values(rest, shapes.reshape(-1, 3))
+    assert np.allclose(largest[[0, 1, 2, 5]], (0.0, 1.0, 1.0, 1.0))
+    assert np.allclose(smallest, (0.0, 0.0, 0.0, 0.0, 1.0, 1.0))
+    for measure in Measure:
+        found = distortion.ratio(measure, largest, smallest)
+        assert np.isfinite(distortion.at_vertices(rest, found)).all()
+    assert distortion.ratio(Measure.STRETCH, largest, smallest)[0] == COLLAPSED
+
+
+def test_vertices_take_the_mean_by_area():
+    """Two triangles of areas 1 and 3 at one edge, of ratios 2 and 8: 2^(1/4) 8^(3/4) on the edge."""
+    points = np.array(((0, 0, 0), (0, 2, 0), (1, 0, 0), (-3, 0, 0)), dtype=float)
+    rest = distortion.rest_metric(points, np.array(((0, 2, 1), (0, 1, 3))))
+    assert np.allclose(rest.area, (1.0, 3.0))
+    values = distortion.at_vertices(rest, np.array((2.0, 8.0)))
+    edge = 2.0**0.25 * 8.0**0.75
+    assert np.allclose(values, (edge, edge, 2.0, 8.0))
+
+
+def test_vertices_without_triangles_are_unchanged():
+    points = np.vstack((np.eye(3), (9.0, 9.0, 9.0)))
+    rest = distortion.rest_metric(points, np.array(((0, 1, 2),)))
+    assert distortion.at_vertices(rest, np.array((5.0,)))[3] == 1.0
+    alone = distortion.rest_metric(points, np.zeros((0, 3), dtype=int))
+    assert np.array_equal(distortion.at_vertices(alone, np.zeros(0)), np.ones(4))
+
+
+def test_the_worst_is_the_farthest_from_one_either_way():
+    assert distortion.worst(np.array((1.0, 1.9, 0.5))) == 2
+    assert distortion.worst(np.array((1.0, 2.1, 0.5))) == 1

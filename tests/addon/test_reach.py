@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far a surface reaches, against closed forms and a Dijkstra over edges."""
+
+import heapq
+
+import numpy as np
+import pytest
+
+from sinew.core import reach
+
+SIZE = 41
+
+
+def grid(size: int = SIZE) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A square from -1 to 1 of quads: points (n, 3), counts, corners."""
+    line = np.linspace(-1.0, 1.0, size)
+    points = np.array([(x, y, 0.0) for y in line for x in line])
+    index = np.arange(size * size).reshape(size, size)
+    quads = np.stack((index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]), axis=-1).reshape(-1, 4)
+    return points, np.full(len(quads), 4), quads.ravel()
+
+
+def mask(size: int, members) -> np.ndarray:
+    chosen = np.zeros(size, dtype=bool)
+    chosen[members] = True
+    return chosen
+
+
+def by_edges(points: np.ndarray, triangles: np.ndarray, sources: list[int]) -> np.ndarray:
+    """Dijkstra over the edges of the triangles: never shorter than the way over the surface."""
+    near: dict[int, set[int]] = {}
+    for triangle in triangles:
+        for a in triangle:
+            near.setdefault(int(a), set()).update(int(b) for b in triangle if b != a)
+    lengths = np.full(len(points), np.inf)
+    queue = [(0.0, source) for source in sources]
+    while queue:
+        length, vertex = heapq.heappop(queue)
+        if length < lengths[vertex]:
+            lengths[vertex] = length
+            for other in near.get(vertex, ()):
+                heapq.heappush(queue, (length + np.linalg.norm(points[other] - points[vertex]), other))
+    return lengths
+
+
+def test_a_fan_of_each_polygon():
+    triangles = reach.triangulated(np.array([3, 5, 4]), np.array([0, 1, 2, 5, 6, 7, 8, 9, 3, 2, 1, 0]))
+    assert triangles.tolist() == [[0, 1, 2], [5, 6, 7], [5, 7, 8], [5, 8, 9], [3, 2, 1], [3, 1, 0]]
+    none = np.zeros(0, dtype=int)
+    assert reach.triangulated(none, none).shape == (0, 3)
+
+
+def test_lengths_in_a_plane_are_straight():
+    points, counts, corners = grid()
+    surface = reach.Surface(len(points), counts, corners)
+    middle = len(points) // 2
+    nobody = np.zeros(len(points), dtype=bool)
+    found = surface.lengths(points, mask(len(points), middle), nobody, 10.0)
+    assert np.abs(found - np.linalg.norm(points, axis=1)).max() < 2e-3  # a share of 1e-3 of the way is let go
+
+
+def test_lengths_go_around_what_is_barred():
+    points, counts, corners = grid()
+    surface = reach.Surface(len(points), counts, corners)
+    start = int(np.argmin(np.linalg.norm(points - (0.0, -0.5, 0.0), axis=1)))
+    wall = (np.abs(points[:, 1]) < 0.01) & (points[:, 0] < 0.51)
+    found = surface.lengths(points, mask(len(points), start), wall, 10.0)
+    goal = int(np.argmin(np.linalg.norm(points - (0.0, 0.5, 0.0), axis=1)))
+    gap = points[(np.abs(points[:, 1]) < 0.01) & ~wall][0]
+    around = np.linalg.norm(gap - points[start]) + np.linalg.norm(points[goal] - gap)
+    assert found[goal] == pytest.approx(around, rel=0.05)  # a corner is a new source, whose first rings err
+    assert np.isinf(found[wall]).all()
+
+
+def test_lengths_end_at_the_limit():
+    points, counts, corners = grid()
+    surface = reach.Surface(len(points), counts, corners)
+    nobody = np.zeros(len(points), dtype=bool)
+    found = surface.lengths(points, mask(len(points), len(points) // 2), nobody, 0.3)
+    distance = np.linalg.norm(points, axis=1)
+    assert np.isfinite(found[distance < 0.299]).all()
+    assert np.isinf(found[distance > 0.301]).all()
+
+
+def test_lengths_on_a_bent_irregular_surface_lie_between_the_chord_and_the_edges():
+    random = np.random.default_rng(3)
+    points, counts, corners = grid(21)
+    points[:, :2] += random.uniform(-0.02, 0.02, (len(points), 2))
+    points[:, 2] = 0.4 * np.sin(3.0 * points[:, 0]) * points[:, 1]
+    surface = reach.Surface(len(points), counts, corners)
+    nobody = np.zeros(len(points), dtype=bool)
+    found = surface.lengths(points, mask(len(points), 30), nobody, 10.0)
+    edges = by_edges(points, reach.triangulated(counts, corners), [30])
+    assert (found <= edges * (1.0 + 1e-9)).all()
+    assert (found >= np.linalg.norm(points - points[30], axis=1) * 0.99).all()
+
+
+def test_other_parts_are_out_of_reach_and_numbers_that_are_none_too():
+    points, counts, corners = grid(5)
+    points = np.concatenate((points, points + (5.0, 0.0, 0.0)))
+    counts, corners = np.concatenate((counts, counts)), np.concatenate((corners, corners + 25))
+    points[24] = np.nan
+    surface = reach.Surface(len(points), counts, corners)
+    nobody = np.zeros(len(points), dtype=bool)
+    found = surface.lengths(points, mask(len(points), 0), nobody, 100.0)
+    assert np.isfinite(found[:24]).all()
+    assert np.isinf(found[24:]).all()
+    reached = surface.connected(mask(len(points), 0), nobody)
+    assert reached.tolist() == [True] * 25 + [False] * 25
+
+
+def test_connected_stops_at_what_is_barred():
+    points, counts, corners = grid(5)
+    surface = reach.Surface(len(points), counts, corners)
+    reached = surface.connected(mask(25, 0), points[:, 0] == 0.0)
+    assert reached.tolist() == (points[:, 0] < 0.0).tolist()
+
+
+def test_rings_and_the_part_between_them():
+    points, counts, corners = grid(9)
+    inside = reach.surrounded(counts, corners, mask(81, 40), 2)
+    assert inside.tolist() == (np.abs(points).max(axis=1) < 0.51).tolist()
+    members, (part_counts, part_corners) = reach.part(counts, corners, inside)
+    assert len(members) == 25
+    assert len(part_counts) == 16
+    original = {tuple(quad) for quad in corners.reshape(-1, 4).tolist()}
+    assert {tuple(quad) for quad in members[part_corners].reshape(-1, 4).tolist()} <= original
+
+
+def test_a_mesh_without_faces():
+    none = np.zeros(0, dtype=int)
+    surface = reach.Surface(3, none, none)
+    nobody = np.zeros(3, dtype=bool)
+    found = surface.lengths(np.zeros((3, 3)), mask(3, 1), nobody, 1.0)
+    assert found.tolist() == [np.inf, 0.0, np.inf]
+    assert surface.connected(mask(3, 1), nobody).tolist() == [False, True, False]
+    assert reach.surrounded(none, none, mask(3, 1), 3).tolist() == [False, True, False]
+    members, faces = reach.part(none, none, mask(3, 1))
+    assert members.tolist() == [1]
+    assert len(faces[0]) == 0

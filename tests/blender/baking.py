@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Animate, bake and look, for the tests of bakes."""
+
+import math
+from pathlib import Path
+
+import bpy
+import numpy as np
+from rig import Rig, evaluated_points, make_active
+
+FRAMES = range(1, 9)
+TARGETS = ("SHAPE_KEYS", "PC2", "MDD")
+CACHES = ("PC2", "MDD")
+
+
+def animate(control: bpy.types.Object, last: int = 8, angle: float = 80.0) -> None:
+    """A bend with a turn that grows until the frame ``last``; no coordinate stays simple."""
+    control.rotation_mode = "XYZ"
+    for frame, part in ((1, 0.0), (last, 1.0)):
+        control.rotation_euler = (math.radians(angle) * part, 0.11 * part, -0.07 * part)
+        control.location = (0.013 * part, -0.8 * part, 0.9 * part)
+        control.keyframe_insert("rotation_euler", frame=frame)
+        control.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = FRAMES[0], FRAMES[-1]
+
+
+def played(obj: bpy.types.Object, frames=FRAMES) -> dict[float, np.ndarray]:
+    """What Blender shows at each frame."""
+    found = {}
+    for frame in frames:
+        bpy.context.scene.frame_set(math.floor(frame), subframe=frame % 1)
+        found[frame] = evaluated_points(obj)
+    return found
+
+
+def assert_same(now: dict, before: dict) -> None:
+    for frame, points in before.items():
+        assert np.array_equal(now[frame], points), f"frame {frame}: {np.abs(now[frame] - points).max()}"
+
+
+def bake(plate: Rig, target: str, path: Path | None = None, **keywords) -> None:
+    make_active(plate.obj)
+    if target != "SHAPE_KEYS" and path is not None:
+        keywords["filepath"] = str(path)
+    assert bpy.ops.sinew.bake(target=target, **keywords) == {"FINISHED"}
+
+
+def footprint(plate: Rig) -> dict:
+    """Everything a bake could leave behind."""
+    obj = plate.obj
+    keys = obj.data.shape_keys
+    return {
+        "modifiers": [(m.name, m.type, m.show_viewport, m.show_render) for m in obj.modifiers],
+        "keys": []
+        if keys is None
+        else [(k.name, k.value, k.mute, k.relative_key.name) for k in keys.key_blocks],
+        "objects": sorted(bpy.data.objects.keys()),
+        "meshes": sorted(bpy.data.meshes.keys()),
+        "actions": sorted(bpy.data.actions.keys()),
+        "frame": bpy.context.scene.frame_current,
+        "base": plate.rest().tobytes(),
+        "baked": [d.bake.result for d in obj.sinew.deformers],
+    }
+
+
+def moving_plate(plate: Rig) -> Rig:
+    """A thin shell that bends over the frames 1 to 8."""
+    plate.bind("thin_shell")
+    animate(plate.control)
+    return plate
+
+
+def save(folder: Path) -> None:
+    """Store the scene in a folder of its own."""
+    (folder / "shot").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "shot" / "scene.blend"))

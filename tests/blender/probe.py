@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A render engine that draws nothing and notes the shapes it is given: what any engine gets to see."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+
+class Probe(bpy.types.RenderEngine):
+    """Notes the points of every mesh object, at the frame itself or at ``subframes`` as motion blur does"""
+
+    bl_idname = "SINEW_TEST_PROBE"
+    bl_label = "Probe"
+    subframes: tuple[float, ...] = (0.0,)
+    seen: list[dict[str, np.ndarray]] = []
+    frames: list[int] = []
+
+    def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+        frame = depsgraph.scene.frame_current
+        for subframe in self.subframes:
+            if self.subframes != (0.0,):
+                self.frame_set(frame, subframe)
+            self.frames.append(frame)
+            self.seen.append({obj.name: _points(obj) for obj in depsgraph.objects if obj.type == "MESH"})
+        if self.subframes != (0.0,):
+            self.frame_set(frame, 0.0)  # an engine leaves the scene where it was
+        self.end_result(self.begin_result(0, 0, *_size(depsgraph.scene)))
+
+
+def _points(obj: bpy.types.Object) -> np.ndarray:
+    flat = np.empty(len(obj.data.vertices) * 3, dtype=np.float32)
+    obj.data.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3).astype(float)
+
+
+def _size(scene: bpy.types.Scene) -> tuple[int, int]:
+    share = scene.render.resolution_percentage / 100.0
+    return int(scene.render.resolution_x * share), int(scene.render.resolution_y * share)
+
+
+def render(
+    scene: bpy.types.Scene | None = None,
+    layer: str = "",
+    subframes: tuple[float, ...] = (0.0,),
+    animation: bool = False,
+) -> list[dict[str, np.ndarray]]:
+    """Render; points by object name, object space, one dictionary a (sub)frame."""
+    scene = scene or bpy.context.scene
+    if scene.camera is None:
+        scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        scene.collection.objects.link(scene.camera)
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.render.resolution_percentage = 100
+    scene.render.filepath = bpy.app.tempdir + "probe"
+    engine, scene.render.engine = scene.render.engine, Probe.bl_idname
+    Probe.seen, Probe.frames, Probe.subframes = [], [], subframes
+    try:
+        bpy.ops.render.render(animation=animation, scene=scene.name, layer=layer)
+    finally:
+        scene.render.engine = engine
+    return Probe.seen
+
+
+def render_points(obj: bpy.types.Object) -> np.ndarray:
+    """What a render of this frame shows of the object, object space, (n, 3)."""
+    return render()[-1][obj.name]
+
+
+bpy.utils.register_class(Probe)

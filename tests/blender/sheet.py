@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draw panels and menus without a window, into a layout that writes down what it is asked for."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+
+NARROW, WIDE = 229, 450  # pixels: the sidebar as Blender opens it, and as a rigger drags it
+
+
+class Sheet:
+    """A layout that records calls, in order, with all its sub-layouts: ``calls`` are (method, arguments)."""
+
+    def __init__(self, calls: list | None = None) -> None:
+        self.calls = [] if calls is None else calls
+
+    def __getattr__(self, name: str):
+        def record(*args, **keywords):
+            settings = SimpleNamespace()
+            self.calls.append((name, args, keywords, settings))
+            return settings if name == "operator" else Sheet(self.calls)
+
+        return record
+
+    def operators(self) -> list[tuple[str, SimpleNamespace]]:
+        """Operators on buttons, with the properties set."""
+        names = ("operator", "operator_menu_enum")
+        return [(args[0], settings) for name, args, _keywords, settings in self.calls if name in names]
+
+    def operator_names(self) -> list[str]:
+        return [name for name, _settings in self.operators()]
+
+    def menus(self) -> list[str]:
+        return [args[0] for name, args, _keywords, _settings in self.calls if name == "menu"]
+
+    def texts(self) -> str:
+        return " ".join(keywords["text"] for name, _a, keywords, _s in self.calls if name == "label")
+
+    def properties(self) -> list[str]:
+        return [args[1] for name, args, *_rest in self.calls if name in ("prop", "prop_search")]
+
+
+class DrawContext:
+    """The context of a region that is being drawn."""
+
+    def __init__(self, width: int = NARROW, region_type: str = "UI") -> None:
+        self.region = SimpleNamespace(width=width, type=region_type)
+        style = SimpleNamespace(widget=SimpleNamespace(points=11.0))
+        self.preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), ui_styles=[style])
+
+    def __getattr__(self, name: str):
+        return getattr(bpy.context, name)
+
+
+def draw(cls: type, context: DrawContext | None = None) -> Sheet:
+    sheet = Sheet()
+    cls.draw(SimpleNamespace(layout=sheet, kind=getattr(cls, "kind", "")), context or DrawContext())
+    return sheet

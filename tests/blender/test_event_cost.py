@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an update costs when nothing of ours changed: counted in calls, which are the same on every machine.
+
+``tests/benchmarks/handler_cost.py`` has the time.
+"""
+
+import sys
+from collections import Counter
+from collections.abc import Callable
+
+import bpy
+import pytest
+from rig import Rig, make_active, update
+
+WORK = {
+    "solve",
+    "read_incoming",
+    "read_rest",
+    "read_shape",
+    "write_shape",
+    "write_positions",
+    "read_positions",
+}
+UNRELATED = 1000
+
+
+def calls_of(addon_name: str, action: Callable[[], object]) -> Counter:
+    """Python functions of ours that ran during the action, by name."""
+    found: Counter = Counter()
+
+    def note(frame, event: str, _argument: object) -> None:
+        if event == "call" and frame.f_globals.get("__name__", "").startswith(f"{addon_name}."):
+            found[frame.f_code.co_name] += 1
+
+    sys.setprofile(note)
+    try:
+        action()
+    finally:
+        sys.setprofile(None)
+    return found
+
+
+def crowd(count: int) -> list[bpy.types.Object]:
+    """Empties and meshes that have nothing to do with us."""
+    mesh = bpy.data.meshes.new("Point")
+    mesh.vertices.add(1)
+    made = []
+    for number in range(count):
+        obj = bpy.data.objects.new(f"Unrelated {number}", mesh if number % 2 else None)
+        bpy.context.scene.collection.objects.link(obj)
+        made.append(obj)
+    update()
+    return made
+
+
+def nudge(obj: bpy.types.Object) -> None:
+    obj.location.x += 0.1
+    update()
+
+
+@pytest.fixture
+def crowded(plate: Rig) -> tuple[Rig, list[bpy.types.Object]]:
+    """One bound and posed plate among a thousand objects; two updates have passed."""
+    plate.bind().lift(0.5)
+    others = crowd(UNRELATED)
+    make_active(others[0])
+    for _ in range(2):
+        nudge(others[0])
+    return plate, others
+
+
+def test_moving_something_else_does_no_work_of_ours(crowded, addon_name: str):
+    _plate, others = crowded
+    for obj in others[:4]:
+        found = calls_of(addon_name, lambda obj=obj: nudge(obj))
+        assert found["on_depsgraph_update"] == 1, found
+        assert not WORK & found.keys(), found
+        assert "_update_object" not in found, found
+
+
+def test_what_an_update_calls_does_not_grow_with_the_scene_or_the_mesh(addon_name: str):
+    counts = []
+    for unrelated, cells in ((4, 6), (UNRELATED, 30)):
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        Rig.plate(cells=cells).bind().lift(0.5)
+        others = crowd(unrelated)
+        for _ in range(2):
+            nudge(others[0])
+        counts.append(calls_of(addon_name, lambda others=others: nudge(others[1])).total())
+    assert counts[0] == counts[1]
+    assert counts[0] < 60
+
+
+def test_without_a_deformer_an_update_calls_next_to_nothing(addon_name: str):
+    others = crowd(8)
+    nudge(others[0])
+    assert calls_of(addon_name, lambda: nudge(others[0])).total() <= 6
+
+
+def test_changing_the_frame_solves_nothing_when_nothing_of_ours_moves(crowded, addon_name: str):
+    plate, others = crowded
+    others[0].keyframe_insert("location", frame=1)
+    others[0].location.x += 1.0
+    others[0].keyframe_insert("location", frame=11)
+    scene = bpy.context.scene
+    for frame in (1, 11):
+        scene.frame_set(frame)
+    found = calls_of(addon_name, lambda: scene.frame_set(5))
+    assert found["on_frame_change"] == 1, found
+    assert not {"solve", "write_shape", "write_positions", "read_rest"} & found.keys(), found
+    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=1e-6)
+
+
+def test_moving_the_control_solves_once(crowded, addon_name: str):
+    """So that the counts above count something."""
+    plate, _others = crowded
+    found = calls_of(addon_name, lambda: plate.lift(0.1))
+    assert found["write_shape"] == 1, found
+    assert plate.points()[plate.top, 2] == pytest.approx(0.6, abs=1e-6)
+    found = calls_of(addon_name, update)
+    assert not WORK & found.keys(), found

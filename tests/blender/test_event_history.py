@@ -1,0 +1,489 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Undo and redo of every operator, of settings and of control moves, also across binds and topology edits."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from events import Expected, close, push
+from mathutils import Matrix
+from probe import render_points
+from rig import Rig, add_group, grid_object, make_active, move_world, update
+
+LIFT = Matrix.Translation((0.0, 0.0, 0.5))
+
+
+def run(operator: str, **keywords: object) -> None:
+    """As a button does: with its own undo step."""
+    assert getattr(bpy.ops.sinew, operator)("EXEC_DEFAULT", True, **keywords) == {"FINISHED"}
+
+
+def structure(plate: Rig) -> str:
+    """Everything that undo has to bring back, but the shape; as text, for undo makes new Python objects."""
+    obj = plate.obj
+    found = {
+        "objects": sorted(other.name for other in bpy.data.objects),
+        "meshes": sorted(mesh.name for mesh in bpy.data.meshes),
+        "modifiers": [modifier.name for modifier in obj.modifiers],
+        "groups": [group.name for group in obj.vertex_groups],
+        "drivers": len(obj.animation_data.drivers) if obj.animation_data else 0,
+        "mode": obj.mode,
+        "base": plate.rest().tolist(),
+        "deformers": [
+            (
+                deformer.uid,
+                deformer.name,
+                deformer.method,
+                deformer.is_bound,
+                deformer.factor,
+                [
+                    (handle.uid, handle.name, handle.kind, handle.vertex_group, handle.weight, handle.control)
+                    for handle in deformer.handles
+                ],
+            )
+            for deformer in obj.sinew.deformers
+        ],
+    }
+    return repr(found)
+
+
+def everything_moved(plate: Rig, _expected: Expected) -> np.ndarray:
+    return plate.rest() + (0.0, 0.0, 0.5)
+
+
+def at_rest(plate: Rig, _expected: Expected) -> np.ndarray:
+    return plate.rest()
+
+
+def unchanged(_plate: Rig, expected: Expected) -> np.ndarray:
+    return expected.shape(LIFT)
+
+
+def bound_anew(plate: Rig, *fixed: str) -> np.ndarray:
+    """A fresh solve on the mesh and the groups of now, lifted by a half."""
+    at_rest = plate.control.copy()  # an object in no scene keeps the matrix it is given
+    at_rest.parent = None
+    at_rest.matrix_world = LIFT.inverted() @ plate.control.matrix_world
+    expected = Expected(plate.obj, at_rest, fixed=("Base", *fixed))
+    bpy.data.objects.remove(at_rest)
+    return expected.shape(LIFT)
+
+
+def with_a_fixed_middle(plate: Rig, _expected: Expected) -> np.ndarray:
+    return bound_anew(plate, "Middle")
+
+
+def with_both_sides(plate: Rig, _expected: Expected) -> np.ndarray:
+    return bound_anew(plate, "Side.L", "Side.R")
+
+
+def with_left_side(plate: Rig, _expected: Expected) -> np.ndarray:
+    return bound_anew(plate, "Side.L")
+
+
+def anew(plate: Rig, _expected: Expected) -> np.ndarray:
+    return bound_anew(plate)
+
+
+def nothing(_plate: Rig) -> None:
+    pass
+
+
+def add_middle(plate: Rig) -> None:
+    add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.15)
+
+
+def add_left_side(plate: Rig) -> None:
+    add_group(plate.obj, "Side.L", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
+    run("handle_add", kind="FIXED", vertex_group="Side.L")
+
+
+def add_empty_deformer(plate: Rig) -> None:
+    run("deformer_add", method="thin_shell")
+    plate.obj.sinew.active_deformer = 0
+
+
+def add_loose_vertex(plate: Rig) -> None:
+    plate.obj.data.vertices.add(1)
+    run("bind")
+
+
+def let_regions_overlap(plate: Rig) -> None:
+    """Base takes a vertex of Top, which refuses the bind."""
+    plate.obj.vertex_groups["Base"].add([int(plate.top[0])], 1.0, "REPLACE")
+    with pytest.raises(RuntimeError, match="share 1 vertex"):
+        bpy.ops.sinew.bind()
+
+
+def bake_keys() -> None:
+    run("bake", target="SHAPE_KEYS", frame_start=1, frame_end=2)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a user presses on a posed plate, and what is seen before and then."""
+
+    press: Callable[[], None]
+    shape: Callable[[Rig, Expected], np.ndarray]
+    prepare: Callable[[Rig], None] = nothing
+    before: Callable[[Rig, Expected], np.ndarray] = unchanged
+
+
+OPERATORS = {
+    "deformer_add": Case(lambda: run("deformer_add", method="thin_shell"), unchanged),
+    "deformer_remove": Case(lambda: run("deformer_remove"), at_rest),
+    "deformer_move": Case(
+        lambda: run("deformer_move", direction="DOWN", index=0), unchanged, add_empty_deformer
+    ),
+    "handle_add": Case(
+        lambda: run("handle_add", kind="FIXED", vertex_group="Middle"), with_a_fixed_middle, add_middle
+    ),
+    "handle_remove": Case(lambda: run("handle_remove", index=1), everything_moved),
+    "handle_move": Case(lambda: run("handle_move", direction="DOWN", index=0), unchanged),
+    "handle_mirror": Case(
+        lambda: run("handle_mirror", side="LEFT_TO_RIGHT"), with_both_sides, add_left_side, with_left_side
+    ),
+    "bind": Case(lambda: run("bind"), unchanged),
+    "unbind": Case(lambda: run("unbind"), at_rest),
+    "apply": Case(lambda: run("apply"), unchanged),
+    "bake": Case(bake_keys, unchanged),
+    "unbake": Case(lambda: run("unbake"), unchanged),
+    "repair": Case(lambda: run("repair"), anew, add_loose_vertex),
+    "part_regions": Case(lambda: run("part_regions"), anew, let_regions_overlap, at_rest),
+    "select_handle": Case(lambda: run("select_handle", index=0), unchanged),
+}
+BEFORE_THE_PRESS = {"unbake": bake_keys}  # of the pose, not of the rest shape
+
+
+def posed(plate: Rig, name: str = "") -> Expected:
+    """Bound and lifted by a half, with an undo step of its own."""
+    plate.bind()
+    expected = Expected.of(plate)
+    if name:
+        OPERATORS[name].prepare(plate)
+    if name == "repair":
+        expected.rebind(plate.obj)
+    push("bound")
+    plate.lift(0.5)
+    make_active(plate.obj)
+    BEFORE_THE_PRESS.get(name, lambda: None)()
+    push("posed")
+    return expected
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+def test_undo_and_redo_of(plate: Rig, name: str):
+    case = OPERATORS[name]
+    expected = posed(plate, name)
+    before, shape_before = structure(plate), case.before(plate, expected)
+    assert close(plate.points(), shape_before)
+    case.press()
+    after, shape = structure(plate), case.shape(plate, expected)
+    assert close(plate.points(), shape)
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert structure(plate) == before
+        assert close(plate.points(), shape_before)
+        bpy.ops.ed.redo()
+        assert structure(plate) == after
+        assert close(plate.points(), shape)
+    bpy.ops.ed.undo()
+    if case.before is unchanged and name not in BEFORE_THE_PRESS:
+        plate.lift(0.25)  # and it lives on
+        assert close(plate.points(), expected.shape(Matrix.Translation((0.0, 0.0, 0.75))))
+
+
+def test_every_operator_has_its_undo_tested():
+    """Those that change nothing leave no step."""
+    names = set(dir(bpy.ops.sinew))
+    options = {name: getattr(getattr(bpy.types, f"SINEW_OT_{name}"), "bl_options", ()) for name in names}
+    with_undo = {name for name in names if "UNDO" in options[name]}
+    assert with_undo == set(OPERATORS) | set(IN_EDIT_MODE)
+    assert names - with_undo <= {"cancel", "help", "watch"}
+
+
+def open_most_distorted() -> None:
+    run("select_distorted")
+
+
+IN_EDIT_MODE = {"select_problems": lambda: run("select_problems"), "select_distorted": open_most_distorted}
+IN_EDIT_MODE["grab_region"] = lambda: run("grab_region", value=(0.0, 0.0, 0.2), radius=0.4)
+
+
+@pytest.mark.parametrize("name", ["select_problems", "select_distorted"])
+def test_undo_and_redo_of_what_enters_edit_mode(plate: Rig, name: str):
+    """It selects there; undo leaves Edit Mode again."""
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    expected = posed(plate)
+    IN_EDIT_MODE[name]()
+    assert plate.obj.mode == "EDIT"
+    bpy.ops.ed.undo()
+    assert plate.obj.mode == "OBJECT"
+    assert close(plate.points(), expected.shape(LIFT))
+    bpy.ops.ed.redo()
+    if plate.obj.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert close(plate.points(), expected.shape(LIFT))
+
+
+def test_undo_and_redo_of_grab_region_on_a_target(plate: Rig):
+    """It edits the mesh itself, which the deformer follows as it follows any edit."""
+    expected = posed(plate)
+    at_rest = plate.rest()
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bmesh.from_edit_mesh(plate.obj.data)
+    for vertex in edit.verts:
+        vertex.select = abs(vertex.co.x) < 0.1 and abs(vertex.co.y) < 0.1
+    edit.select_flush_mode()
+    bmesh.update_edit_mesh(plate.obj.data)
+    push("selected")
+    IN_EDIT_MODE["grab_region"]()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    grabbed = plate.rest()
+    assert grabbed[:, 2].max() == pytest.approx(0.2, abs=1e-6)
+    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=grabbed))
+    bpy.ops.object.mode_set(mode="EDIT")
+    push("Edit Mode")
+    bpy.ops.ed.undo()
+    bpy.ops.ed.undo()
+    if plate.obj.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert close(plate.rest(), at_rest)
+    assert close(plate.points(), expected.shape(LIFT))
+
+
+SETTINGS = {
+    "factor": (lambda deformer: setattr(deformer, "factor", 0.5), 0.5),
+    "live": (lambda deformer: setattr(deformer, "live", False), 1.0),
+    "enabled": (lambda deformer: setattr(deformer.handles[0], "enabled", False), 0.0),
+    "mask": (lambda deformer: setattr(deformer, "mask_group", "Top"), None),
+}
+
+
+@pytest.mark.parametrize("name", SETTINGS)
+def test_undo_and_redo_of_a_setting(plate: Rig, name: str):
+    change, share = SETTINGS[name]
+    expected = posed(plate)
+    whole = expected.shape(LIFT)
+    change(plate.deformer)
+    push(name)
+    if share is None:
+        shown = plate.rest()
+        shown[plate.top] = whole[plate.top]
+    else:
+        shown = plate.rest() * (1.0 - share) + whole * share
+    assert close(plate.points(), shown)
+    bpy.ops.ed.undo()
+    assert close(plate.points(), whole)
+    bpy.ops.ed.redo()
+    assert close(plate.points(), shown)
+
+
+def test_undo_and_redo_of_weights(plate: Rig):
+    """A soft handle gives way: the library solves with the weight itself."""
+    expected = posed(plate)
+    plate.deformer.handles[0].weight = 0.25
+    push("weight")
+    plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 0.25, "REPLACE")
+    control = plate.control.copy()
+    control.parent = None
+    control.matrix_world = LIFT.inverted() @ plate.control.matrix_world
+    soft = Expected(plate.obj, control).shape(LIFT)
+    bpy.data.objects.remove(control)
+    assert np.abs(soft - expected.shape(LIFT)).max() > 1e-3
+    assert close(plate.points(), soft)
+    bpy.ops.ed.undo()
+    assert close(plate.points(), expected.shape(LIFT))
+    bpy.ops.ed.redo()
+    assert close(plate.points(), soft)
+
+
+class Story:
+    """Undo steps with what each must show. A check is None where the mesh is in Edit Mode."""
+
+    def __init__(self, plate: Rig) -> None:
+        self.plate = plate
+        self.steps: list[tuple[str, np.ndarray | None]] = []
+
+    def tell(self, name: str, shape: np.ndarray | None) -> None:
+        push(name)
+        self.steps.append((name, shape))
+        self.check(len(self.steps) - 1)
+
+    def check(self, number: int) -> None:
+        name, shape = self.steps[number]
+        if shape is not None:
+            assert self.plate.obj.mode == "OBJECT", name
+            assert close(self.plate.points(), shape), name
+
+    def walk(self, start: int, end: int) -> None:
+        """Undo or redo one step at a time, looking at each."""
+        direction = 1 if end > start else -1
+        for number in range(start + direction, end + direction, direction):
+            (bpy.ops.ed.redo if direction > 0 else bpy.ops.ed.undo)()
+            self.check(number)
+
+
+def test_history_across_binds_and_topology_edits(plate: Rig):
+    story = Story(plate)
+    make_active(plate.obj)
+    story.tell("start", plate.rest())
+    plate.bind()
+    expected = Expected.of(plate)
+    story.tell("bound", plate.rest())
+    plate.lift(0.5)
+    story.tell("moved", expected.lifted(0.5))
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    story.tell("Edit Mode", None)
+    bpy.ops.mesh.select_all(action="SELECT")
+    story.tell("selected", None)
+    bpy.ops.mesh.subdivide()
+    story.tell("subdivided", None)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    story.tell("topology changed", plate.rest())
+    move_world(plate.control, LIFT.inverted())
+    fine = Expected.of(plate)
+    move_world(plate.control, LIFT)
+    bpy.ops.sinew.bind()
+    story.tell("rebound", fine.lifted(0.5))
+    plate.lift(-0.2)
+    story.tell("moved again", fine.lifted(0.3))
+    bpy.ops.sinew.unbind()
+    story.tell("unbound", plate.rest())
+    bpy.ops.sinew.bind()
+    story.tell("bound where it stood", plate.rest())
+    plate.lift(0.4)
+    story.tell("moved at last", fine.lifted(0.4))
+
+    last = len(story.steps) - 1
+    story.walk(last, 0)
+    story.walk(0, last)
+    story.walk(last, 2)
+    story.walk(2, 7)
+    story.walk(7, 5)
+    story.walk(5, last)
+
+
+def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
+    """Moves, a turn, a constraint, a parent: whatever moves a control is taken back with it."""
+    plate.bind()
+    expected = Expected.of(plate)
+    story = Story(plate)
+    story.tell("bound", plate.rest())
+    for height in (0.1, 0.2, 0.3):
+        plate.lift(0.1)
+        story.tell("moved", expected.lifted(height))
+    turn = Matrix.Rotation(0.4, 4, "X")
+    move_world(plate.control, turn)
+    story.tell("turned", expected.now(plate.obj, plate.control))
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    plate.control.constraints.new("CHILD_OF").target = parent
+    story.tell("constrained", expected.now(plate.obj, plate.control))
+    parent.location.x = 0.3
+    update()
+    story.tell("parent moved", expected.now(plate.obj, plate.control))
+    last = len(story.steps) - 1
+    story.walk(last, 0)
+    story.walk(0, last)
+
+
+def test_undo_of_deleting_a_vertex_and_redo_after_the_rebind(plate: Rig):
+    plate.bind()
+    expected = Expected.of(plate)
+    plate.lift(0.5)
+    make_active(plate.obj)
+    story = Story(plate)
+    story.tell("posed", expected.lifted(0.5))
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bmesh.from_edit_mesh(plate.obj.data)
+    for vertex in edit.verts:
+        vertex.select = abs(vertex.co.x) < 0.1 and abs(vertex.co.y) < 0.5
+    edit.select_flush_mode()
+    bmesh.update_edit_mesh(plate.obj.data)
+    bpy.ops.mesh.delete(type="VERT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    story.tell("hole", plate.rest())
+    move_world(plate.control, LIFT.inverted())
+    holed = Expected.of(plate)
+    move_world(plate.control, LIFT)
+    bpy.ops.sinew.bind()
+    story.tell("rebound", holed.lifted(0.5))
+    for start, end in ((2, 0), (0, 2), (2, 1), (1, 2)):
+        story.walk(start, end)
+
+
+# --- while a thread binds
+
+
+@pytest.fixture
+def binding(plate: Rig, room, monkeypatch: pytest.MonkeyPatch) -> tuple[Rig, Expected]:
+    """Lifted by a half, with a new bind under way in a thread, as a window starts it for a heavy mesh."""
+    expected = posed(plate)
+    session = room("session")
+    monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
+    plate.deformer.handles[0].weight = 0.5
+    session.find(plate.deformer.uid).bound = None
+    session.bind(plate.obj, plate.deformer, wait=False)
+    monkeypatch.undo()
+    assert session.job(plate.deformer.uid) is not None
+    plate.deformer.handles[0].weight = 1.0
+    return plate, expected
+
+
+def finish(room) -> None:
+    """Until no thread is at work."""
+    for _ in range(200):
+        if not room("handlers.deferred").catch_up():
+            break
+        time.sleep(0.01)
+    update()
+
+
+@pytest.mark.parametrize("event", ["undo", "delete", "load", "new", "render", "frame", "settings", "unbind"])
+def test_events_while_a_thread_binds(binding: tuple[Rig, Expected], room, tmp_path: Path, event: str):
+    """What the thread was asked for is no longer wanted, or comes later: the shape is that of now."""
+    plate, expected = binding
+    shape = expected.shape(LIFT)
+    if event == "undo":
+        bpy.ops.ed.undo()
+        shape = plate.rest()
+    elif event == "delete":
+        make_active(plate.obj)
+        bpy.ops.object.delete()
+    elif event == "load":
+        path = str(tmp_path / "rig.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+    elif event == "new":
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    elif event == "render":
+        assert close(render_points(plate.obj), shape)
+    elif event == "frame":
+        bpy.context.scene.frame_set(5)
+    elif event == "settings":
+        plate.deformer.factor = 0.5
+        shape = 0.5 * plate.rest() + 0.5 * shape
+    elif event == "unbind":
+        make_active(plate.obj)
+        bpy.ops.sinew.unbind()
+        shape = plate.rest()
+    finish(room)
+    if event in ("delete", "new"):
+        assert room("session").owners() == []
+        fresh = Rig(grid_object("Fresh")).bind()
+        anew = Expected.of(fresh)
+        fresh.lift(0.25)
+        assert close(fresh.points(), anew.lifted(0.25))
+    else:
+        assert close(plate.points(), shape)
+    assert not room("session").busy()

@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes, view layers, exclusions; controls hidden in every way, in viewport and render."""
+
+import bpy
+import numpy as np
+import pytest
+from events import MATRIX, Expected, close
+from mathutils import Matrix
+from probe import render, render_points
+from rig import Rig, add_armature, evaluated_points, make_active, update
+
+
+def keyed(control: bpy.types.Object, heights: dict[int, float]) -> None:
+    for frame, height in heights.items():
+        control.location.z = height
+        control.keyframe_insert("location", frame=frame)
+
+
+def own_collection(*objects: bpy.types.Object) -> bpy.types.Collection:
+    collection = bpy.data.collections.new("Hidden")
+    bpy.context.scene.collection.children.link(collection)
+    for obj in objects:
+        for other in obj.users_collection:
+            other.objects.unlink(obj)
+        collection.objects.link(obj)
+    update()
+    return collection
+
+
+def layer_collection(layer: bpy.types.ViewLayer | None = None) -> bpy.types.LayerCollection:
+    return (layer or bpy.context.view_layer).layer_collection.children["Hidden"]
+
+
+def hide(obj: bpy.types.Object, way: str) -> None:
+    """Each way a user has."""
+    if way in ("hide_viewport", "hide_render"):
+        setattr(obj, way, True)
+    elif way == "eye":
+        obj.hide_set(True)
+    elif way == "excluded":
+        own_collection(obj)
+        layer_collection().exclude = True
+    elif way == "collection eye":
+        own_collection(obj)
+        layer_collection().hide_viewport = True
+    elif way in ("collection hide_viewport", "collection hide_render"):
+        setattr(own_collection(obj), way.split()[1], True)
+    elif way == "unlinked":
+        for collection in obj.users_collection:
+            collection.objects.unlink(obj)
+
+
+WAYS = (
+    "hide_viewport",
+    "eye",
+    "excluded",
+    "collection hide_viewport",
+    "hide_render",
+    "collection eye",
+    "collection hide_render",
+    "unlinked",
+)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("bone", [False, True])
+def test_a_hidden_control_still_moves_its_region(plate: Rig, way: str, bone: bool):
+    """Animated, in the viewport and in renders; and by hand."""
+    if bone:
+        control = add_armature(plate.obj)
+        plate.obj.modifiers.remove(plate.obj.modifiers["Armature"])
+        make_active(plate.obj)
+        plate.bind(control_object="Rig", bone="high")
+        mover = control.pose.bones["high"]
+        mover.rotation_mode = "XYZ"
+        expected = Expected(plate.obj, plate.obj)
+    else:
+        plate.bind()
+        expected = Expected.of(plate)
+        mover = control = plate.control
+    scene = bpy.context.scene
+    keyed(mover, {1: 0.0, 11: 1.0})
+    hide(control, way)
+    for frame, height in ((11, 1.0), (1, 0.0), (11, 1.0)):
+        scene.frame_set(frame)
+        assert close(plate.points(), expected.lifted(height), MATRIX)
+        assert close(render_points(plate.obj), expected.lifted(height), MATRIX)
+        assert close(plate.points(), expected.lifted(height), MATRIX)
+    control.animation_data_clear()
+    mover.location = (0.0, 0.0, 0.25)
+    assert close(plate.points(), expected.lifted(0.25), MATRIX)
+    assert close(render_points(plate.obj), expected.lifted(0.25), MATRIX)
+
+
+@pytest.mark.parametrize("way", [way for way in WAYS if "render" not in way])
+def test_a_target_hidden_in_the_viewport_is_right_in_the_render_and_when_shown_again(plate: Rig, way: str):
+    """But an excluded or unlinked one is in no render either, as any object."""
+    plate.bind()
+    expected = Expected.of(plate)
+    keyed(plate.control, {1: 0.0, 11: 1.0})
+    bpy.context.scene.frame_set(1)
+    hide(plate.obj, way)
+    bpy.context.scene.frame_set(11)
+    seen = render()[-1]
+    if way in ("excluded", "unlinked"):
+        assert plate.name not in seen
+    else:
+        assert close(seen[plate.name], expected.lifted(1.0))
+    plate.obj.hide_viewport = False
+    if way == "eye":
+        plate.obj.hide_set(False)
+    elif way == "unlinked":
+        bpy.context.scene.collection.objects.link(plate.obj)
+    elif way != "hide_viewport":
+        layer_collection().exclude = layer_collection().hide_viewport = False
+        bpy.data.collections["Hidden"].hide_viewport = False
+    assert close(plate.points(), expected.lifted(1.0))
+    plate.control.animation_data_clear()
+    plate.lift(-0.5)
+    assert close(plate.points(), expected.lifted(0.5))
+
+
+def test_a_target_hidden_from_renders_is_right_in_the_viewport(plate: Rig):
+    plate.bind()
+    expected = Expected.of(plate)
+    keyed(plate.control, {1: 0.0, 11: 1.0})
+    plate.obj.hide_render = True
+    bpy.context.scene.frame_set(11)
+    assert plate.name not in render()[-1]
+    assert close(plate.points(), expected.lifted(1.0))
+
+
+def test_view_layers_with_exclusions(plate: Rig):
+    """The control is excluded from one layer, the target from the other; both are rendered."""
+    plate.bind()
+    expected = Expected.of(plate)
+    scene, control = bpy.context.scene, plate.control
+    keyed(control, {1: 0.0, 11: 1.0})
+    own_collection(control)
+    targets = bpy.data.collections.new("Targets")
+    scene.collection.children.link(targets)
+    scene.collection.objects.unlink(plate.obj)
+    targets.objects.link(plate.obj)
+    first = bpy.context.view_layer
+    second = scene.view_layers.new("Second")
+    layer_collection(first).exclude = True
+    second.layer_collection.children["Targets"].exclude = True
+    third = scene.view_layers.new("Third")
+    scene.frame_set(11)
+    seen = render(layer="")
+    assert [plate.name in layer for layer in seen] == [True, False, True]
+    for layer in (seen[0], seen[2]):
+        assert close(layer[plate.name], expected.lifted(1.0))
+    for layer in (first, third):
+        layer.update()
+        evaluated = plate.obj.evaluated_get(layer.depsgraph)
+        assert close(points_of(evaluated), expected.lifted(1.0))
+
+
+def points_of(evaluated: bpy.types.Object) -> np.ndarray:
+    flat = np.empty(len(evaluated.data.vertices) * 3, dtype=np.float32)
+    evaluated.data.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3).astype(float)
+
+
+def test_a_control_moved_in_a_layer_without_the_target(plate: Rig):
+    plate.bind()
+    expected = Expected.of(plate)
+    own_collection(plate.obj)
+    first = bpy.context.view_layer
+    second = bpy.context.scene.view_layers.new("Second")
+    layer_collection(second).exclude = True
+    plate.control.matrix_basis = Matrix.Translation((0.0, 0.0, 0.5))
+    second.update()
+    first.update()
+    assert close(plate.points(), expected.lifted(0.5))
+
+
+# --- several scenes
+
+
+@pytest.fixture
+def two_scenes(plate: Rig) -> tuple[bpy.types.Scene, bpy.types.Scene, Expected]:
+    """Both show the plate and its control; keyed from 0 at frame 1 to 1 at frame 11."""
+    plate.bind()
+    expected = Expected.of(plate)
+    keyed(plate.control, {1: 0.0, 11: 1.0})
+    first = bpy.context.scene
+    second = bpy.data.scenes.new("Second")
+    second.world = first.world
+    for obj in (plate.obj, plate.control):
+        second.collection.objects.link(obj)
+    first.frame_set(1)
+    return first, second, expected
+
+
+def test_scenes_at_different_frames_share_a_target(plate: Rig, two_scenes):
+    """Blender has one animated state of an object: what counts is the scene that is looked at, when it is."""
+    first, second, expected = two_scenes
+    second.frame_set(11)
+    seen = plate.obj.evaluated_get(second.view_layers[0].depsgraph)
+    assert close(points_of(seen), expected.lifted(1.0))
+    first.frame_set(1)
+    assert close(plate.points(), expected.lifted(0.0))
+    second.frame_set(11)
+    assert close(points_of(plate.obj.evaluated_get(second.view_layers[0].depsgraph)), expected.lifted(1.0))
+    first.frame_set(11)
+    assert close(plate.points(), expected.lifted(1.0))
+
+
+def test_rendering_another_scene_leaves_this_one_alone(plate: Rig, two_scenes):
+    first, second, expected = two_scenes
+    second.frame_start = second.frame_end = 11
+    first.frame_set(1)
+    seen = render(second, animation=True)[-1]
+    assert close(seen[plate.name], expected.lifted(1.0))
+    update()
+    assert close(plate.points(), expected.lifted(0.0))
+    assert close(render(first)[-1][plate.name], expected.lifted(0.0))
+
+
+def test_a_scene_without_the_control(plate: Rig):
+    """The target is linked into another scene alone, its control follows by the driver."""
+    plate.bind()
+    expected = Expected.of(plate)
+    keyed(plate.control, {1: 0.0, 11: 1.0})
+    second = bpy.data.scenes.new("Second")
+    second.collection.objects.link(plate.obj)
+    second.frame_set(11)
+    seen = plate.obj.evaluated_get(second.view_layers[0].depsgraph)
+    assert close(points_of(seen), expected.lifted(1.0), MATRIX)
+    second.frame_start = second.frame_end = 11
+    assert close(render(second, animation=True)[-1][plate.name], expected.lifted(1.0), MATRIX)
+
+
+@pytest.mark.parametrize("kind", ["LINK_COPY", "FULL_COPY"])
+def test_a_copied_scene(plate: Rig, room, kind: str):
+    """A linked copy shows the same rig, a full copy has one of its own."""
+    plate.bind()
+    expected = Expected.of(plate)
+    plate.lift(0.5)
+    first = bpy.context.scene
+    bpy.ops.scene.new(type=kind)
+    second = next(scene for scene in bpy.data.scenes if scene != first)
+    copy = next(obj for obj in second.objects if obj.sinew.deformers)
+    assert (copy == plate.obj) == (kind == "LINK_COPY")
+    for scene in (first, second):
+        scene.view_layers[0].update()
+    room("handlers.deferred").catch_up()
+    copy.sinew.deformers[0].handles[0].control.location.z += 0.25
+    for scene in (second, first):
+        scene.view_layers[0].update()
+    seen = points_of(copy.evaluated_get(second.view_layers[0].depsgraph))
+    assert close(seen, expected.lifted(0.75))
+    original = points_of(plate.obj.evaluated_get(first.view_layers[0].depsgraph))
+    assert close(original, expected.lifted(0.75 if kind == "LINK_COPY" else 0.5))
+
+
+def test_the_scene_deleted_that_the_rig_was_made_in(plate: Rig):
+    plate.bind()
+    expected = Expected.of(plate)
+    first = bpy.context.scene
+    second = bpy.data.scenes.new("Second")
+    for obj in (plate.obj, plate.control):
+        second.collection.objects.link(obj)
+    bpy.data.scenes.remove(first)
+    update()
+    obj = bpy.data.objects[plate.name]
+    control = obj.sinew.deformers[0].handles[0].control
+    control.location.z += 0.5
+    second.view_layers[0].update()
+    assert close(points_of(obj.evaluated_get(second.view_layers[0].depsgraph)), expected.lifted(0.5))
+    if bpy.context.scene == second:
+        assert close(evaluated_points(obj), expected.lifted(0.5))

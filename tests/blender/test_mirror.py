@@ -1,0 +1,392 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirror of handles: names by Blender's rules, weights by place, controls and poses by reflection."""
+
+import math
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from mathutils import Euler, Matrix
+from rig import Rig, apply_matrix, evaluated_points, grid_object, make_active, move_world, some_motion, update
+
+FLOAT32 = 4e-6
+FLIP = np.array((-1.0, 1.0, 1.0))
+
+
+def painted(obj: bpy.types.Object, name: str, weight) -> None:
+    """A vertex group with ``weight(point)`` where that is above 0."""
+    group = obj.vertex_groups.new(name=name)
+    for vertex in obj.data.vertices:
+        value = weight(vertex.co)
+        if value > 0.0:
+            group.add([vertex.index], value, "REPLACE")
+
+
+def weights(obj: bpy.types.Object, name: str) -> dict[tuple[float, ...], float]:
+    """Weight by place, of the vertices in a group."""
+    index = obj.vertex_groups[name].index
+    return {
+        tuple(np.round(vertex.co, 4) + 0.0): element.weight
+        for vertex in obj.data.vertices
+        for element in vertex.groups
+        if element.group == index
+    }
+
+
+def reflected(found: dict[tuple[float, ...], float]) -> dict[tuple[float, ...], float]:
+    return {(-x + 0.0, y, z): weight for (x, y, z), weight in found.items()}
+
+
+def soft_left(point) -> float:
+    """1 near the left edge, falling off towards the centre, uneven along y."""
+    return min(1.0, max(0.0, (point[0] - 0.35) * 2.5)) if point[1] > -0.5 else 0.0
+
+
+@pytest.fixture
+def hand() -> Rig:
+    """A plate, posed: soft Hand.L on the left, the centre column fixed. The deformer is bound."""
+    plate = Rig(grid_object())
+    painted(plate.obj, "Hand.L", soft_left)
+    painted(plate.obj, "Spine", lambda point: float(abs(point[0]) < 0.1))
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Hand.L")
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Spine")
+    plate.deformer.active_handle = 0
+    return plate
+
+
+def by_name(plate: Rig, name: str):
+    return next(handle for handle in plate.deformer.handles if handle.name == name)
+
+
+def mirror_image(obj: bpy.types.Object, points: np.ndarray) -> np.ndarray:
+    """What a symmetrical grid would show if its left were its right."""
+    rest = np.round([vertex.co for vertex in obj.data.vertices], 4) + 0.0
+    where = {tuple(place): index for index, place in enumerate(rest)}
+    return points[[where[tuple(place * FLIP + 0.0)] for place in rest]] * FLIP
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "Hand.L",
+        "hand_r.003",
+        "L Hand",
+        "r-x",
+        "LeftHand",
+        "HandRIGHT.001",
+        "leftover",
+        "xleft",
+        "Bright",
+        "RIGHT",
+    ]
+    + ["Head", "", "L", ".L", "L.", "L.001", "left", "Hand.Lx", "rightleft", "xleftleft", "LEft_x", "a.L.b.R"]
+    + ["Hand.L.1a", "Hand.L.a1", "Größe.r", "ö.L", "éleft", "LEFTright", "riGHTy", "Hand.L.", "L.1", "Left"],
+)
+def test_names_flip_as_blender_flips_them(room, name: str):
+    theirs = bpy.utils.flip_name(name)
+    assert room("core.sides").flip(name) == ("" if theirs == name else theirs)
+
+
+def test_a_handle_is_made_for_the_other_side(hand: Rig):
+    source = by_name(hand, "Hand.L")
+    source.weight, source.continuity, source.colour = 0.9, 1.0, (0.1, 0.2, 0.3)
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    assert [handle.name for handle in hand.deformer.handles] == ["Hand.L", "Spine", "Hand.R"]
+    source, target = by_name(hand, "Hand.L"), by_name(hand, "Hand.R")
+    assert target.vertex_group == "Hand.R"
+    assert weights(hand.obj, "Hand.R") == pytest.approx(reflected(weights(hand.obj, "Hand.L")))
+    assert len({round(weight, 3) for weight in weights(hand.obj, "Hand.R").values()}) > 2  # soft ones too
+    assert target.kind == source.kind
+    assert target.weight == source.weight
+    assert target.continuity == source.continuity
+    assert tuple(target.colour) == tuple(source.colour)
+    assert target.control not in (None, source.control)
+    places = [np.array(handle.control.matrix_world.translation) for handle in (source, target)]
+    assert np.allclose(places[0] * FLIP, places[1], atol=1e-6)
+    assert hand.deformer.status_level == "INFO"
+    assert np.abs(hand.points() - hand.rest()).max() < FLOAT32  # nothing moved
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_pose_is_mirrored_with_it(hand: Rig, turned: bool):
+    """The posed shape becomes its own mirror image, wherever the mesh object stands."""
+    if turned:
+        hand.obj.matrix_world = some_motion() @ Matrix.Diagonal((1.0, 2.0, 0.5, 1.0))
+        bpy.ops.sinew.unbind()
+        bpy.ops.sinew.bind()
+    control = hand.control
+    control.location = (0.1, 0.2, 0.4)
+    control.rotation_euler = (0.3, 0.5, -0.2)
+    before = hand.points()
+    assert np.abs(before - hand.rest()).max() > 0.3
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_mirror()
+    points = hand.points()
+    assert np.abs(points - mirror_image(hand.obj, points)).max() < 2e-5
+    assert np.abs(points - hand.rest()).max() > 0.3
+    other = by_name(hand, "Hand.R").control
+    other.matrix_basis = Matrix.Identity(4)
+    control.matrix_basis = Matrix.Identity(4)
+    assert np.abs(hand.points() - hand.rest()).max() < 2e-5  # Alt+G, Alt+R bring both back
+
+
+def test_the_next_mirror_updates_the_counterpart(hand: Rig):
+    bpy.ops.sinew.handle_mirror()
+    first = by_name(hand, "Hand.R").control
+    by_name(hand, "Hand.L").control.location.z = 0.5
+    by_name(hand, "Hand.L").weight = 0.5
+    hand.obj.vertex_groups["Hand.L"].add([60], 0.25, "REPLACE")
+    bpy.ops.sinew.handle_mirror()
+    assert len(hand.deformer.handles) == 3
+    target = by_name(hand, "Hand.R")
+    assert target.control == first
+    assert target.weight == 0.5
+    assert weights(hand.obj, "Hand.R") == pytest.approx(reflected(weights(hand.obj, "Hand.L")))
+    points = hand.points()
+    assert np.abs(points - mirror_image(hand.obj, points)).max() < 2e-5
+
+
+def test_weights_only_leaves_settings_and_pose(hand: Rig):
+    with pytest.raises(RuntimeError, match="no counterpart"):
+        bpy.ops.sinew.handle_mirror(weights_only=True)
+    assert "Hand.R" not in hand.obj.vertex_groups
+    bpy.ops.sinew.handle_mirror()
+    target = by_name(hand, "Hand.R")
+    target.weight = 0.75
+    by_name(hand, "Hand.L").control.location.z = 0.5
+    hand.obj.vertex_groups["Hand.L"].add([30], 0.5, "REPLACE")
+    bpy.ops.sinew.handle_mirror(weights_only=True)
+    target = by_name(hand, "Hand.R")
+    assert target.weight == 0.75
+    assert np.allclose(target.control.matrix_basis, Matrix.Identity(4))
+    assert weights(hand.obj, "Hand.R") == pytest.approx(reflected(weights(hand.obj, "Hand.L")))
+
+
+def test_all_of_one_side(hand: Rig):
+    painted(hand.obj, "Foot.R", lambda point: float(point[0] < -0.7 and point[1] < -0.7))
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Foot.R")
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_mirror(side="LEFT_TO_RIGHT")
+    assert {handle.name for handle in hand.deformer.handles} == {"Hand.L", "Spine", "Hand.R", "Foot.R"}
+    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
+    names = [handle.name for handle in hand.deformer.handles]
+    assert sorted(names) == ["Foot.L", "Foot.R", "Hand.L", "Hand.R", "Spine"]
+    assert weights(hand.obj, "Foot.L") == pytest.approx(reflected(weights(hand.obj, "Foot.R")))
+
+
+def test_vertices_on_the_centre_stay_with_the_source(capfd):
+    """Both sides would hold them exactly, which no vertex can obey."""
+    plate = Rig(grid_object())
+    painted(plate.obj, "Half.L", lambda point: float(point[0] > -0.01))
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Half.L")
+    make_active(plate.obj)
+    capfd.readouterr()
+    bpy.ops.sinew.handle_mirror()
+    assert "11 vertices on the centre stay" in capfd.readouterr().out
+    assert plate.deformer.status_level == "INFO"
+    left, right = weights(plate.obj, "Half.L"), weights(plate.obj, "Half.R")
+    assert len(left) == 66
+    assert right == {place: weight for place, weight in reflected(left).items() if place[0] < 0.0}
+
+
+def test_an_even_handle_takes_one_half_from_the_other(hand: Rig):
+    painted(hand.obj, "Head", lambda point: (0.8 if point[0] > 0.0 else 0.3) * (abs(point[0]) < 0.5))
+    centre = {place: weight for place, weight in weights(hand.obj, "Head").items() if place[0] == 0.0}
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Head")
+    bpy.ops.sinew.handle_mirror()  # the active one
+    head = weights(hand.obj, "Head")
+    assert head == pytest.approx(reflected(head))
+    assert {weight for place, weight in head.items() if place[0]} == {np.float32(0.8)}
+    assert {place: weight for place, weight in head.items() if place[0] == 0.0} == centre
+    assert len(hand.deformer.handles) == 3
+    hand.obj.vertex_groups["Head"].add(
+        [i for i, p in enumerate(hand.rest()) if -0.5 < p[0] < -0.1], 0.4, "REPLACE"
+    )
+    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
+    assert {weight for place, weight in weights(hand.obj, "Head").items() if place[0]} == {np.float32(0.4)}
+
+
+def test_painted_parameters_are_evened_out_on_request(hand: Rig):
+    painted(hand.obj, "Stiff", lambda point: 0.5 + 0.4 * point[0])
+    hand.deformer.method = "arap"
+    hand.deformer.arap.rigidity_group = "Stiff"
+    before = weights(hand.obj, "Stiff")
+    bpy.ops.sinew.handle_mirror()
+    assert weights(hand.obj, "Stiff") == before
+    bpy.ops.sinew.handle_mirror(painted_groups=True)
+    after = weights(hand.obj, "Stiff")
+    assert after == pytest.approx(reflected(after))
+    assert {place: weight for place, weight in after.items() if place[0] >= 0.0} == {
+        place: weight for place, weight in before.items() if place[0] >= 0.0
+    }
+
+
+def test_the_bone_of_the_other_side_becomes_the_control(hand: Rig):
+    data = bpy.data.armatures.new("Rig")
+    armature = bpy.data.objects.new("Rig", data)
+    bpy.context.scene.collection.objects.link(armature)
+    armature.location = (0.0, 0.3, 0.1)
+    make_active(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name, x, roll in (("arm.L", 1.0, 0.3), ("arm.R", -1.0, 1.1)):  # rolls that do not match
+        bone = data.edit_bones.new(name)
+        bone.head, bone.tail = (0.5 * x, 0.0, 0.0), (x, 0.2, 0.3)
+        bone.roll = roll
+    bpy.ops.object.mode_set(mode="OBJECT")
+    make_active(hand.obj)
+    handle = by_name(hand, "Hand.L")
+    handle.control, handle.bone = armature, "arm.L"
+    bpy.ops.sinew.bind()
+    bones = armature.pose.bones
+    bones["arm.R"].location = (0.0, 0.0, 0.2)  # posed before it becomes a control
+    bpy.ops.sinew.handle_mirror()
+    target = by_name(hand, "Hand.R")
+    assert (target.control, target.bone) == (armature, "arm.R")
+    assert not target.owns_control
+    moved = armature.matrix_world @ bones["arm.R"].matrix @ data.bones["arm.R"].matrix_local.inverted()
+    moved = moved @ armature.matrix_world.inverted()
+    hard = [i for i, p in enumerate(hand.rest()) if p[0] < -0.76 and p[1] > -0.5]
+    update()
+    expected = apply_matrix(moved, hand.rest()[hard])
+    assert np.abs(expected - hand.rest()[hard]).max() > 0.1
+    assert np.abs(hand.points()[hard] - expected).max() < 1e-5
+
+
+def test_the_object_of_the_other_side_becomes_the_control(hand: Rig):
+    objects = {}
+    for name, x in (("Ctrl.L", 0.9), ("Ctrl.R", -0.9)):
+        objects[name] = bpy.data.objects.new(name, None)
+        objects[name].location = (x, 0.1, 0.0)
+        bpy.context.scene.collection.objects.link(objects[name])
+    update()
+    by_name(hand, "Hand.L").control = objects["Ctrl.L"]
+    make_active(hand.obj)
+    bpy.ops.sinew.bind()
+    objects["Ctrl.L"].location.z = 0.4  # posed, while the other one rests
+    update()
+    bpy.ops.sinew.handle_mirror()
+    assert by_name(hand, "Hand.R").control == objects["Ctrl.R"]
+    right = [i for i, p in enumerate(hand.rest()) if p[0] < -0.76 and p[1] > -0.5]
+    assert np.abs(hand.points()[right, 2]).max() < FLOAT32
+    objects["Ctrl.R"].location.z = 0.4
+    points = hand.points()
+    assert np.abs(points - mirror_image(hand.obj, points)).max() < 2e-5
+
+
+def test_a_fixed_region_has_no_control(hand: Rig):
+    painted(hand.obj, "Pin.L", lambda point: float(point[0] > 0.9 and point[1] < -0.7))
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Pin.L")
+    bpy.ops.sinew.handle_mirror()
+    assert by_name(hand, "Pin.R").kind == "FIXED"
+    assert by_name(hand, "Pin.R").control is None
+
+
+def test_a_mirror_modifier_fills_the_other_side():
+    """The base mesh is one half: the modifier hands the weights on to the flipped group."""
+    obj = grid_object()
+    mesh = obj.data
+    edit = bmesh.new()
+    edit.from_mesh(mesh)
+    bmesh.ops.delete(edit, geom=[vertex for vertex in edit.verts if vertex.co.x < -0.01], context="VERTS")
+    edit.to_mesh(mesh)
+    edit.free()
+    obj.modifiers.new("Mirror", "MIRROR").use_clip = True
+    plate = Rig(obj)
+    painted(obj, "Hand.L", soft_left)
+    painted(obj, "Hand.R", lambda point: 0.0)
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Hand.L")
+    make_active(obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    plate.deformer.active_handle = 0
+    rest = evaluated_points(obj)
+    plate.control.location.z = 0.5
+    bpy.ops.sinew.handle_mirror()
+    assert plate.deformer.status_level == "INFO"
+    points = plate.points()
+    ends = {sign: np.flatnonzero((rest[:, 0] * sign > 0.9) & (rest[:, 1] > 0.0)) for sign in (1, -1)}
+    for members in ends.values():
+        assert np.abs(points[members, 2] - 0.5).max() < FLOAT32
+
+
+def test_vertices_without_an_image_are_counted(hand: Rig, capfd):
+    lifted = [i for i, p in enumerate(hand.rest()) if p[0] < -0.95 and p[1] > 0.3]
+    for index in lifted:
+        hand.obj.data.vertices[index].co.z = 0.02
+    hand.obj.data.update()
+    make_active(hand.obj)
+    capfd.readouterr()
+    bpy.ops.sinew.handle_mirror()
+    assert f"{len(lifted)} vertices have no mirror image" in capfd.readouterr().out
+    assert len(weights(hand.obj, "Hand.R")) == len(weights(hand.obj, "Hand.L")) - len(lifted)
+    bpy.ops.sinew.handle_mirror(tolerance=0.05)
+    assert "no mirror image" not in capfd.readouterr().out
+    assert len(weights(hand.obj, "Hand.R")) == len(weights(hand.obj, "Hand.L"))
+
+
+def test_refusals_change_nothing(hand: Rig):
+    painted(hand.obj, "Blob", lambda point: float(point[0] > 0.9 and point[1] < -0.7))
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Blob")
+    with pytest.raises(RuntimeError, match=r"call it Blob.L or .R"):
+        bpy.ops.sinew.handle_mirror()
+    for vertex in hand.obj.data.vertices:
+        if vertex.co.x < -0.1:
+            vertex.co.z = 3.0
+    hand.deformer.active_handle = 0
+    with pytest.raises(RuntimeError, match="not symmetrical"):
+        bpy.ops.sinew.handle_mirror()
+    assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine", "Blob"}
+    assert len(hand.deformer.handles) == 3
+
+
+def test_a_mirror_is_one_undo_step(hand: Rig):
+    hand.control.location.z = 0.5
+    before = hand.points()
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.sinew.handle_mirror()
+    bpy.ops.ed.undo_push(message="Mirror Handle")
+    mirrored = hand.points()
+    bpy.ops.ed.undo()
+    assert [handle.name for handle in hand.deformer.handles] == ["Hand.L", "Spine"]
+    assert "Hand.R" not in hand.obj.vertex_groups
+    assert np.abs(hand.points() - before).max() < FLOAT32
+    bpy.ops.ed.redo()
+    assert np.abs(hand.points() - mirrored).max() < FLOAT32
+
+
+def test_mirror_in_edit_and_weight_paint_mode(hand: Rig):
+    for mode in ("EDIT", "WEIGHT_PAINT"):
+        make_active(hand.obj)
+        hand.deformer.active_handle = 0
+        bpy.ops.object.mode_set(mode=mode)
+        assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+        assert hand.obj.mode == mode
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert weights(hand.obj, "Hand.R") == pytest.approx(reflected(weights(hand.obj, "Hand.L")))
+
+
+def test_a_turned_empty_mirrors_as_a_flipped_pose(hand: Rig):
+    """The same numbers with x, and the turns about y and z, reversed: what Paste Pose Flipped does."""
+    control = hand.control
+    control.rotation_mode = "XYZ"
+    control.location, control.rotation_euler = (0.1, 0.2, 0.3), Euler((0.2, 0.0, 0.0))
+    bpy.ops.sinew.handle_mirror()
+    other = by_name(hand, "Hand.R").control
+    assert np.allclose(other.location, (-0.1, 0.2, 0.3), atol=1e-6)
+    assert np.allclose(other.rotation_euler, (0.2, 0.0, 0.0), atol=1e-6)
+    control.rotation_euler = (0.0, 0.0, math.radians(30.0))
+    update()
+    bpy.ops.sinew.handle_mirror()
+    assert np.allclose(other.rotation_euler, (0.0, 0.0, math.radians(-30.0)), atol=1e-6)
+    move_world(control, Matrix.Translation((0.0, 0.0, 0.1)))

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Modifiers before Sinew that give renders other vertices than the viewport."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from rig import Rig, add_armature, make_active, update
+
+
+def rendered_points(plate: Rig, tmp_path: Path) -> np.ndarray:
+    """What the render shows, by an exporter of Blender's own that takes the render's modifiers."""
+    make_active(plate.obj)
+    path = str(tmp_path / "rendered.obj")
+    bpy.ops.wm.obj_export(
+        filepath=path,
+        export_selected_objects=True,
+        export_eval_mode="DAG_EVAL_RENDER",
+        export_materials=False,
+        forward_axis="Y",
+        up_axis="Z",
+    )
+    lines = Path(path).read_text(encoding="utf-8").splitlines()
+    return np.array([[float(word) for word in line.split()[1:4]] for line in lines if line.startswith("v ")])
+
+
+def subdivided(plate: Rig, levels: int, render_levels: int) -> None:
+    modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.subdivision_type = "SIMPLE"
+    modifier.levels, modifier.render_levels = levels, render_levels
+
+
+@pytest.mark.parametrize("levels", [(0, 1), (1, 2), (2, 1), (0, 2)])
+def test_render_levels_are_bound_too(plate: Rig, tmp_path: Path, levels):
+    subdivided(plate, *levels)
+    plate.bind("thin_shell", fixed=False)
+    plate.lift(0.5)
+    assert len(plate.points()) == (10 * 2 ** levels[0] + 1) ** 2
+    seen = rendered_points(plate, tmp_path)
+    assert len(seen) == (10 * 2 ** levels[1] + 1) ** 2
+    np.testing.assert_allclose(seen[:, 2], 0.5, atol=1e-5)
+
+
+def test_a_pose_of_an_armature_above_is_followed_in_renders_too(plate: Rig, tmp_path: Path):
+    armature = add_armature(plate.obj)
+    subdivided(plate, 0, 1)
+    plate.bind("arap")
+    armature.pose.bones["high"].location = (0.0, 0.0, 0.3)
+    plate.lift(0.2)
+    shown, seen = plate.points(), rendered_points(plate, tmp_path)
+    assert len(seen) == 441
+    assert seen[:, 2].max() == pytest.approx(shown[:, 2].max(), abs=1e-5)
+    assert seen[:, 2].max() > 0.45
+    assert seen[:, 2].min() == pytest.approx(0.0, abs=1e-5)
+
+
+def test_save_and_load_keep_what_renders_show(plate: Rig, tmp_path: Path):
+    subdivided(plate, 1, 2)
+    plate.bind("thin_shell")
+    plate.lift()
+    before = rendered_points(plate, tmp_path)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "levels.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "levels.blend"))
+    np.testing.assert_allclose(rendered_points(plate, tmp_path), before, atol=1e-6)
+    assert before[:, 2].max() == pytest.approx(1.0, abs=1e-3)  # weights fade where groups are subdivided
+
+
+def test_simplify_counts(plate: Rig, tmp_path: Path):
+    subdivided(plate, 2, 2)
+    render = bpy.context.scene.render
+    render.use_simplify, render.simplify_subdivision, render.simplify_subdivision_render = True, 0, 1
+    update()
+    plate.bind("thin_shell", fixed=False)
+    plate.lift(0.5)
+    seen = rendered_points(plate, tmp_path)
+    assert (len(plate.points()), len(seen)) == (121, 441)
+    np.testing.assert_allclose(seen[:, 2], 0.5, atol=1e-5)
+    assert render.use_simplify
+
+
+def test_unbinding_frees_both_rest_meshes(plate: Rig):
+    subdivided(plate, 0, 1)
+    count = len(bpy.data.meshes)
+    plate.bind("thin_shell")
+    assert plate.deformer.rest_render is not None
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_remove()
+    assert len(bpy.data.meshes) == count

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Starts a Blender with a window for one of the scripts ``drive*.py``, and reads what it saw."""
+
+import json
+import os
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+
+
+def drive(
+    script: str,
+    output: Path,
+    timeout: float,
+    size: tuple[int, int] = (1280, 800),
+    environment: Mapping[str, str] | None = None,
+) -> dict:
+    """What the script noted in ``seen.json``, with all that Blender printed as ``said``.
+
+    Screenshots go to ``output``, or into a folder of its name where SINEW_TEST_OUTPUT is set.
+    """
+    if "DISPLAY" not in os.environ:
+        pytest.skip("no display: start it under xvfb-run")
+    if "SINEW_TEST_OUTPUT" in os.environ:
+        output = Path(os.environ["SINEW_TEST_OUTPUT"]) / Path(script).stem
+    output.mkdir(parents=True, exist_ok=True)
+    command = ["blender", "--factory-startup", "--enable-event-simulate", "-noaudio"]
+    command += ["--window-geometry", "0", "0", *map(str, size)]
+    if "PYTHONPATH" in os.environ:
+        command.append("--python-use-system-env")
+    command += ["--python", str(HERE / script), "--", str(output)]
+    ended = subprocess.run(
+        command,
+        timeout=timeout,
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **(environment or {})},
+    )
+    said = ended.stdout + ended.stderr
+    answer = output / "seen.json"
+    assert answer.is_file(), f"Blender crashed ({ended.returncode}): {said[-3000:]}"
+    assert "Traceback" not in said, said[-3000:]
+    found = json.loads(answer.read_text(encoding="utf-8"))
+    assert "error" not in found, found["error"]
+    return {**found, "said": said}

@@ -1,0 +1,262 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside a Blender with a window: Grab Region by mouse and keyboard, beside Blender's own transforms.
+
+Steps are a generator; each ``yield`` gives Blender the time a person would take. Observations and screenshots
+go to the folder named after ``--``.
+"""
+
+import json
+import os
+import sys
+import traceback
+from pathlib import Path
+
+import addon_utils
+import bmesh
+import bpy
+import numpy as np
+from mathutils import Quaternion
+
+OUTPUT = Path(sys.argv[sys.argv.index("--") + 1])
+PAUSE = 0.35  # seconds
+CHARACTERS = {"ZERO": "0", "ONE": "1", "TWO": "2", "FIVE": "5", "NINE": "9", "PERIOD": ".", "MINUS": "-"}
+SEQUENCES = {  # keys, and moves of the mouse in pixels; a leading + holds Shift
+    "free": ["G", (60, 40)],
+    "axis": ["G", "X", (60, 40)],
+    "local": ["G", "Z", "Z", (60, 40)],
+    "plane": ["G", "+X", (60, 40)],
+    "sight": ["G", "Y", (30, 40)],
+    "typed": ["G", "ONE", "MINUS", "TAB", "TWO"],
+    "turn": ["R", (-90, 120)],
+    "turn x": ["R", "X", "NINE", "ZERO"],
+    "turn z": ["R", "Z", (-90, 120)],
+    "size": ["S", (70, 20)],
+    "size plane": ["S", "+Z", "TWO"],
+    "switched": ["G", "Z", (60, 40), "R", (-90, 120)],
+}
+SLANTED = (0.75, 0.55, 0.2, 0.3)  # a view from the front, the right and above
+
+seen: dict[str, object] = {}
+mouse = [0, 0]
+
+
+def window():
+    return bpy.context.window_manager.windows[0]
+
+
+def viewport():
+    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
+
+
+def view_region():
+    return next(region for region in viewport().regions if region.type == "WINDOW")
+
+
+def in_view():
+    return bpy.context.temp_override(window=window(), area=viewport(), region=view_region())
+
+
+def press(key: str, **modifiers: bool) -> None:
+    for value in ("PRESS", "RELEASE"):
+        typed = {"unicode": CHARACTERS[key]} if value == "PRESS" and key in CHARACTERS else {}
+        window().event_simulate(key, value, x=mouse[0], y=mouse[1], **typed, **modifiers)
+
+
+def move(x: int, y: int, **modifiers: bool) -> None:
+    mouse[:] = x, y
+    window().event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y, **modifiers)
+
+
+def screenshot(name: str) -> None:
+    with in_view():
+        bpy.ops.screen.screenshot(filepath=str(OUTPUT / f"{name}.png"))
+
+
+def home() -> tuple[int, int]:
+    """Right of the selection."""
+    region = view_region()
+    return region.x + region.width // 2 + 190, region.y + region.height // 2 + 60
+
+
+def mesh():
+    return bmesh.from_edit_mesh(bpy.data.objects["Head"].data)
+
+
+def points() -> np.ndarray:
+    return np.array([vertex.co[:] for vertex in mesh().verts], dtype=np.float32)
+
+
+def chosen() -> list[int]:
+    return [vertex.index for vertex in mesh().verts if vertex.select]
+
+
+def select(where) -> None:
+    edit = mesh()
+    for vertex in edit.verts:
+        vertex.select = bool(where(vertex.co))
+    edit.select_flush_mode()
+    bmesh.update_edit_mesh(bpy.data.objects["Head"].data)
+
+
+def prepare() -> None:
+    """A head of 7,958 vertices in Edit Mode, turned a little, the tip of an ear selected."""
+    if addon_utils.enable(os.environ.get("SINEW_ADDON_MODULE", "sinew"), default_set=True) is None:
+        raise RuntimeError("Sinew is not installed")
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    bpy.ops.mesh.primitive_monkey_add(size=3.0)
+    obj = bpy.context.object
+    obj.name = "Head"
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    bpy.ops.object.shade_smooth()
+    obj.rotation_euler = (0.1, 0.2, 0.1)
+    space = viewport().spaces.active
+    space.region_3d.view_perspective = "ORTHO"
+    space.region_3d.view_rotation = (0.7071068, 0.7071068, 0.0, 0.0)
+    space.region_3d.view_location = (0.3, 0.0, 0.2)
+    space.region_3d.view_distance = 7.0
+    with in_view():
+        bpy.ops.object.mode_set(mode="EDIT")
+    select(lambda point: point.x > 1.75)
+    with in_view():
+        bpy.ops.mesh.select_mode(type="FACE")
+
+
+def start(key: str) -> None:
+    mode = {"G": "TRANSLATE", "R": "ROTATE", "S": "RESIZE"}[key]
+    with in_view():
+        bpy.ops.sinew.grab_region("INVOKE_DEFAULT", mode=mode, radius=0.8)
+
+
+def perform(sequence: list) -> None:
+    x, y = home()
+    for step in sequence:
+        if isinstance(step, tuple):
+            move(x + step[0], y + step[1])
+        else:
+            press(step.lstrip("+"), shift=step.startswith("+"))
+
+
+def motion(rest: np.ndarray) -> list:
+    """The affine map of the selection, by least squares."""
+    members = chosen()
+    before = np.column_stack((rest[members].astype(float), np.ones(len(members))))
+    return np.linalg.lstsq(before, points()[members].astype(float), rcond=None)[0].T.tolist()
+
+
+def compared(rest: np.ndarray, prefix: str, names: list[str]):
+    """The same events to Blender's transform and to ours."""
+    move(*home())
+    yield
+    for name in names:
+        both = []
+        for ours in (False, True):
+            if ours:
+                start(SEQUENCES[name][0])
+            else:
+                press(SEQUENCES[name][0])
+            perform(SEQUENCES[name][1:])
+            yield
+            both.append(motion(rest))
+            press("ESC")
+            move(*home())
+            yield
+        seen[f"{prefix}{name}"] = both
+        if not np.array_equal(points(), rest):
+            seen["not restored"] = [*seen.get("not restored", []), prefix + name]
+
+
+def journey():
+    prepare()
+    yield
+    yield
+    rest, members = points(), chosen()
+    bpy.ops.ed.undo_push(message="Select")
+    yield
+    move(*home())
+    press("Y", alt=True)
+    yield
+    for step in (1, 2):
+        move(home()[0] + 40 * step, home()[1] + 30 * step)
+        yield
+    seen["dragged"] = float(np.abs(points() - rest).max())
+    screenshot("1-dragged")
+    yield
+    press("X")
+    yield
+    for key in ("ZERO", "PERIOD", "FIVE"):
+        press(key)
+    yield
+    yield
+    screenshot("2-typed")
+    yield
+    press("RET")
+    yield
+    yield
+    world = np.array(bpy.data.objects["Head"].matrix_world)[:3, :3]
+    moved = (points() - rest).astype(float) @ world.T
+    seen["typed along x"] = float(np.abs(moved[members] - (0.5, 0.0, 0.0)).max())
+    seen["followed"] = int(((points() != rest).any(axis=1)).sum()) - len(members)
+    last = bpy.context.window_manager.operators[-1]
+    seen["last"] = [last.bl_idname, last.mode, [round(number, 5) for number in last.value]]
+    move(home()[0], home()[1] + 10)
+    yield
+    screenshot("3-confirmed")
+    press("Z", ctrl=True)
+    yield
+    yield
+    seen["undone"] = float(np.abs(points() - rest).max())
+    members, flags = chosen(), [face.select for face in mesh().faces]
+    move(*home())
+    start("R")
+    yield
+    for step in (1, 2):
+        move(home()[0] - 40 * step, home()[1] + 50 * step)
+        yield
+    for _ in range(4):
+        press("WHEELDOWNMOUSE")
+    yield
+    yield
+    screenshot("4-turned")
+    yield
+    press("ESC")
+    yield
+    seen["restored"] = points().tobytes() == rest.tobytes()
+    seen["selection kept"] = chosen() == members and [face.select for face in mesh().faces] == flags
+    yield from compared(rest, "", list(SEQUENCES))
+    view = viewport().spaces.active.region_3d
+    view.view_rotation = Quaternion(SLANTED).normalized()
+    yield
+    yield from compared(rest, "slanted ", ["axis", "plane", "turn z"])
+    view.view_perspective = "PERSP"
+    yield
+    yield
+    yield from compared(rest, "perspective ", ["free", "axis"])
+
+
+def finish() -> None:
+    (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1))
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def tick() -> float | None:
+    going_on = False
+    try:
+        next(steps)
+        going_on = True
+    except StopIteration:
+        pass
+    finally:  # Blender must end whatever happened, and the test reads the reason
+        if not going_on:
+            if sys.exc_info()[0] is not None:
+                seen["error"] = traceback.format_exc()
+            finish()
+    return PAUSE
+
+
+bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.view.show_tooltips = False
+steps = journey()
+bpy.app.timers.register(tick, first_interval=1.5)

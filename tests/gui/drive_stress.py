@@ -1,0 +1,312 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside a Blender with a window: playback, viewport render, F12 during a drag, a long render while the
+viewport lives on, unlocked, and Blender's own autosave.
+
+Steps are a generator; each ``yield`` gives Blender a moment. Observations go to the folder after ``--``.
+"""
+
+import json
+import os
+import sys
+import time
+import traceback
+from pathlib import Path
+
+import addon_utils
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+OUTPUT = Path(sys.argv[sys.argv.index("--") + 1])
+FRAMES = int(os.environ.get("SINEW_STRESS_FRAMES", "1000"))
+ADDON = os.environ.get("SINEW_ADDON_MODULE", "sinew")
+PAUSE = 0.02
+STEP = 1.0 / FRAMES  # what the control rises in one frame
+TILT = 0.3
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "blender"))
+if addon_utils.enable(ADDON, default_set=True) is None:
+    raise RuntimeError("Sinew is not installed")
+
+from events import Expected  # noqa: E402 - needs the add-on
+from probe import Probe  # noqa: E402
+from rig import Rig, grid_object, make_active  # noqa: E402
+
+seen: dict[str, object] = {}
+
+
+def window():
+    return bpy.context.window_manager.windows[0]
+
+
+def viewport():
+    return max(
+        (area for area in window().screen.areas if area.type == "VIEW_3D"), key=lambda area: area.width
+    )
+
+
+def in_view():
+    region = next(region for region in viewport().regions if region.type == "WINDOW")
+    return bpy.context.temp_override(window=window(), area=viewport(), region=region)
+
+
+class Stage:
+    """The plate, and what it must show."""
+
+    def __init__(self) -> None:
+        for obj in list(bpy.data.objects):
+            bpy.data.objects.remove(obj)
+        self.rig = Rig(grid_object("Plate", cells=24))
+        self.rig.bind("thin_shell")
+        self.expected = Expected.of(self.rig)
+        self.rig.obj.rotation_euler.x = TILT  # else the camera sees an edge
+        self.dragged = Rig(grid_object("Dragged", cells=16))
+        self.dragged.bind("arap")
+        self.dragged_expected = Expected.of(self.dragged, "arap")
+        self.dragged.obj.location.x = 50.0
+        control = self.rig.control
+        for frame in (0, FRAMES):
+            control.location.z = STEP * frame
+            control.keyframe_insert("location", frame=frame)
+        for curve in curves_of(control):
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+        scene = bpy.context.scene
+        scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        scene.collection.objects.link(scene.camera)
+        scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 6.0
+        scene.camera.matrix_world = Matrix.Translation((0.0, -10.0, 0.0)) @ Matrix.Rotation(np.pi / 2, 4, "X")
+        scene.render.resolution_x = scene.render.resolution_y = 16
+        scene.render.resolution_percentage = 100
+        scene.render.filepath = str(OUTPUT / "frames" / "f")
+        scene.render.use_file_extension = True
+        if hasattr(scene, "cycles"):
+            scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.device = 1, False, "CPU"
+        make_active(self.dragged.obj)
+
+    def drag(self, moment: int) -> None:
+        """The user moves a control that has no keys.
+
+        Blender forbids a timer to write while the render makes an engine: then the move is left out.
+        """
+        try:
+            self.dragged.control.location.z = 0.01 * (moment % 100)
+        except AttributeError:
+            return
+        bpy.context.view_layer.update()
+
+    def dragged_error(self) -> float:
+        height = self.dragged.control.location.z
+        return float(np.abs(shown(self.dragged.obj) - self.dragged_expected.lifted(height)).max())
+
+    def error(self, height: float) -> float:
+        return float(np.abs(shown(self.rig.obj) - self.expected.lifted(height)).max())
+
+
+def shown(obj: bpy.types.Object) -> np.ndarray:
+    """What the window shows, without asking for another evaluation."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    flat = np.empty(len(evaluated.data.vertices) * 3, dtype=np.float32)
+    evaluated.data.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3).astype(float)
+
+
+def curves_of(obj: bpy.types.Object) -> list:
+    action = obj.animation_data.action
+    if hasattr(action, "fcurves"):
+        return list(action.fcurves)
+    return [c for layer in action.layers for s in layer.strips for bag in s.channelbags for c in bag.fcurves]
+
+
+def playback(stage: Stage):
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, FRAMES
+    scene.frame_set(1)
+    errors = []
+    with in_view():
+        bpy.ops.screen.animation_play()
+    seen["plays"] = bool(window().screen.is_animation_playing)
+    for _ in range(40):
+        yield
+        errors.append(stage.error(STEP * scene.frame_current))
+    frames = scene.frame_current
+    with in_view():
+        bpy.ops.screen.animation_play()
+    yield
+    seen["played_frames"] = frames - 1
+    seen["playback_error"] = max(errors)
+
+
+def viewport_render(stage: Stage):
+    """``render.opengl`` shows what the viewport shows."""
+    scene = bpy.context.scene
+    rows = []
+    for frame in (1, FRAMES):
+        scene.frame_set(frame)
+        yield
+        path = OUTPUT / f"viewport_{frame}.png"
+        scene.render.filepath, kept = str(path), scene.render.filepath
+        scene.render.resolution_x = scene.render.resolution_y = 96
+        with in_view():
+            bpy.ops.render.opengl(write_still=True, view_context=False)
+        scene.render.filepath = kept
+        scene.render.resolution_x = scene.render.resolution_y = 16
+        image = bpy.data.images.load(str(path))
+        pixels = np.array(image.pixels[:]).reshape(96, 96, -1)[:, :, :3].sum(axis=2)
+        different = np.abs(pixels - pixels[2, 2]) > 0.1
+        rows.append(float(np.flatnonzero(different.any(axis=1)).max()))
+        bpy.data.images.remove(image)
+    seen["opengl_rows"] = rows
+    seen["opengl_rise"] = float(np.cos(TILT)) * STEP * (FRAMES - 1) * 96 / 6.0
+
+
+def f12_during_a_drag(stage: Stage):
+    """The control stands where no key has it; the render is of the keys, the viewport keeps the drag."""
+    scene = bpy.context.scene
+    scene.frame_set(10)
+    stage.rig.control.location.z = 0.7
+    yield
+    seen["dragged_error"] = stage.error(0.7)
+    Probe.seen, Probe.frames, Probe.subframes = [], [], (0.0,)
+    scene.render.engine = Probe.bl_idname
+    bpy.ops.render.render("INVOKE_DEFAULT")
+    yield from while_rendering(lambda: None)
+    rendered = Probe.seen[-1]["Plate"]
+    seen["f12_error"] = float(np.abs(rendered - stage.expected.lifted(STEP * 10)).max())
+    seen["viewport_after_f12_error"] = stage.error(0.7)
+    scene.frame_set(10)
+    yield
+
+
+def while_rendering(act):
+    """Wait until the render job ends; ``act`` in each moment."""
+    begin = time.monotonic()
+    started = False
+    while time.monotonic() - begin < 400.0:
+        running = bpy.app.is_job_running("RENDER") if hasattr(bpy.app, "is_job_running") else rendering[0]
+        started = started or running
+        if not running and (started or time.monotonic() - begin > 3.0):
+            return
+        act()
+        yield
+
+
+rendering = [False]
+
+
+def stress(stage: Stage, engine: str, last: int):
+    """An animation, while the user orbits and poses another mesh, which is solved again and again."""
+    scene = bpy.context.scene
+    scene.render.engine = engine
+    scene.render.use_lock_interface = False
+    scene.frame_start, scene.frame_end = 1, last
+    scene.frame_set(1)
+    Probe.seen, Probe.frames, Probe.subframes = [], [], (0.0,)
+    done: list[int] = []
+    note = lambda scene, *_rest: done.append(scene.frame_current)  # noqa: E731
+    bpy.app.handlers.render_post.append(note)
+    moves = 0
+
+    def live() -> None:
+        nonlocal moves
+        for _ in range(5):
+            moves += 1
+            stage.drag(moves)
+        viewport().spaces.active.region_3d.view_location.x = 0.01 * (moves % 50)
+        viewport().tag_redraw()
+
+    begin = time.monotonic()
+    bpy.ops.render.render("INVOKE_DEFAULT", animation=True)
+    seen[f"{engine}_unlocked"] = not scene.render.use_lock_interface
+    yield from while_rendering(live)
+    bpy.app.handlers.render_post.remove(note)
+    seen[f"{engine}_seconds"] = round(time.monotonic() - begin, 1)
+    seen[f"{engine}_frames"] = len(done)
+    seen[f"{engine}_moves"] = moves
+    yield from until(lambda: not session().unsettled() and not session().busy())
+    yield
+    seen[f"{engine}_dragged_error"] = stage.dragged_error()
+    seen[f"{engine}_viewport_error"] = stage.error(STEP * scene.frame_current)
+    if engine == Probe.bl_idname:
+        errors = [
+            float(np.abs(shapes["Plate"] - stage.expected.lifted(STEP * frame)).max())
+            for frame, shapes in zip(Probe.frames, Probe.seen, strict=True)
+        ]
+        seen["probe_error"] = max(errors)
+        Probe.seen = []
+    for frame in (1, last // 2, last):
+        scene.frame_set(frame)
+        yield
+        seen[f"{engine}_after_{frame}"] = stage.error(STEP * frame)
+
+
+def until(condition, seconds: float = 10.0):
+    """Wait for it."""
+    begin = time.monotonic()
+    while not condition() and time.monotonic() - begin < seconds:
+        yield
+
+
+def session():
+    return sys.modules[f"{ADDON}.session"]
+
+
+def remember(stage: Stage) -> None:
+    """An undo step in the middle of the animation: an autosave writes the last step of the history."""
+    bpy.context.scene.frame_set(FRAMES // 2)
+    bpy.ops.ed.undo_push(message="Middle")
+    seen["autosave_height"] = stage.rig.control.location.z
+
+
+def autosave():
+    """Blender writes it by itself after a minute, without our handlers, and not while an operator runs."""
+    for x in range(5):  # the ended render lets go with the next event
+        window().event_simulate("MOUSEMOVE", "NOTHING", x=100 + x, y=100)
+        yield
+    yield from until(lambda: any(OUTPUT.glob("*autosave.blend")), 90.0)
+    yield from until(lambda: False, 1.0)  # until it is written to its end
+    seen["autosave"] = str(next(OUTPUT.glob("*autosave.blend"), ""))
+
+
+def journey():
+    paths = bpy.context.preferences.filepaths
+    paths.temporary_directory, paths.auto_save_time = str(OUTPUT), 1
+    bpy.context.preferences.view.render_display_type = "NONE"
+    stage = Stage()
+    bpy.app.handlers.render_init.append(lambda *_: rendering.__setitem__(0, True))
+    for ended in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
+        ended.append(lambda *_: rendering.__setitem__(0, False))
+    yield
+    remember(stage)
+    yield from playback(stage)
+    yield from viewport_render(stage)
+    yield from f12_during_a_drag(stage)
+    yield from stress(stage, Probe.bl_idname, max(FRAMES // 10, 10))
+    yield from stress(stage, "CYCLES", FRAMES)
+    yield from autosave()
+
+
+def finish() -> None:
+    (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1), encoding="utf-8")
+    sys.stdout.flush()
+    os._exit(0)
+
+
+def tick() -> float | None:
+    going_on = False
+    try:
+        next(steps)
+        going_on = True
+    except StopIteration:
+        pass
+    finally:  # Blender must end whatever happened, and the test reads the reason
+        if not going_on:
+            if sys.exc_info()[0] is not None:
+                seen["error"] = traceback.format_exc()
+            finish()
+    return PAUSE
+
+
+bpy.context.preferences.view.show_splash = False
+steps = journey()
+bpy.app.timers.register(tick, first_interval=1.0, persistent=True)

@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hands and eyes for scripts that drive a Blender with a window: mouse, keys, waiting, screenshots.
+
+A journey is a generator; each ``yield`` gives Blender the time a person would take. What it notes in ``seen``,
+and its screenshots, go to the folder named after ``--``.
+"""
+
+import json
+import os
+import sys
+import time
+import traceback
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import addon_utils
+import bmesh
+import bpy
+import numpy as np
+
+MODULE = os.environ.get("SINEW_ADDON_MODULE", "sinew")
+MODELS = Path(__file__).resolve().parents[2] / "blend_samples" / "models"
+OUTPUT = Path(sys.argv[sys.argv.index("--") + 1])
+
+seen: dict[str, object] = {}
+mouse = [0, 0]
+
+Place = tuple[int, int]  # pixels of the window, from its lower left corner
+
+
+def enable() -> None:
+    """Switch the add-on on."""
+    if addon_utils.enable(MODULE, default_set=True) is None:
+        raise RuntimeError("Sinew is not installed")
+
+
+def session():
+    return sys.modules[f"{MODULE}.session"]
+
+
+def window() -> bpy.types.Window:
+    return bpy.context.window_manager.windows[0]
+
+
+def viewport() -> bpy.types.Area:
+    """The largest 3D viewport."""
+    areas = (area for area in window().screen.areas if area.type == "VIEW_3D")
+    return max(areas, key=lambda area: area.width)
+
+
+def region(kind: str = "WINDOW") -> bpy.types.Region:
+    return next(region for region in viewport().regions if region.type == kind)
+
+
+def in_view() -> object:
+    """For operators that ask where the mouse is."""
+    return bpy.context.temp_override(window=window(), area=viewport(), region=region())
+
+
+def middle() -> Place:
+    """The middle of what the sidebar leaves of the viewport."""
+    view, sidebar = region(), region("UI")
+    covered = sidebar.width if viewport().spaces.active.show_region_ui else 0
+    return view.x + (view.width - covered) // 2, view.y + view.height // 2
+
+
+def press(key: str, character: str = "", **modifiers: bool) -> None:
+    """A key or button, where the mouse is; ``character`` is what it writes."""
+    for value in ("PRESS", "RELEASE"):
+        typed = {"unicode": character} if character and value == "PRESS" else {}
+        window().event_simulate(key, value, x=mouse[0], y=mouse[1], **typed, **modifiers)
+
+
+_KEYS = {" ": "SPACE", ".": "PERIOD", "-": "MINUS", "_": "MINUS"}
+_DIGITS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
+
+
+def write(text: str) -> None:
+    """Type it."""
+    for character in text:
+        key = _DIGITS[int(character)] if character.isdigit() else _KEYS.get(character, character.upper())
+        press(key, character)
+
+
+def move(x: int, y: int, **modifiers: bool) -> None:
+    mouse[:] = x, y
+    window().event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y, **modifiers)
+
+
+def click(x: int, y: int, **modifiers: bool) -> None:
+    move(x, y)
+    press("LEFTMOUSE", **modifiers)
+
+
+def drag(start: Place, end: Place, steps: int = 4) -> Iterator[None]:
+    """Hold the left button on the way."""
+    move(*start)
+    yield
+    window().event_simulate("LEFTMOUSE", "PRESS", x=start[0], y=start[1])
+    for step in range(1, steps + 1):
+        x, y = (a + (b - a) * step // steps for a, b in zip(start, end, strict=True))
+        move(x, y)
+        yield
+    window().event_simulate("LEFTMOUSE", "RELEASE", x=end[0], y=end[1])
+    yield
+
+
+def until(condition: Callable[[], bool], seconds: float = 60.0) -> Iterator[None]:
+    """Wait, as a person would, until ``condition()``."""
+    begin = time.monotonic()
+    while not condition() and time.monotonic() - begin < seconds:
+        yield
+
+
+def rest(steps: int = 2) -> Iterator[None]:
+    """Let Blender draw."""
+    for _ in range(steps):
+        yield
+
+
+def screenshot(name: str) -> None:
+    with in_view():
+        bpy.ops.screen.screenshot(filepath=str(OUTPUT / f"{name}.png"))
+
+
+def pixels(name: str) -> np.ndarray:
+    """A screenshot, (rows, columns, 3) in 0..1, from below."""
+    image = bpy.data.images.load(str(OUTPUT / f"{name}.png"))
+    width, height = image.size
+    rows = np.array(image.pixels[:], dtype=np.float32).reshape(height, width, -1)[:, :, :3]
+    bpy.data.images.remove(image)
+    return rows
+
+
+def view_pixels(name: str) -> np.ndarray:
+    """The part of a screenshot that shows the mesh, left of the sidebar."""
+    view = region()
+    return pixels(name)[view.y : view.y + view.height, view.x : view.x + view.width * 2 // 3]
+
+
+_TAB = 160  # from the top of the sidebar to the middle of the fourth tab, in pixels at scale 1
+
+
+def open_tab() -> None:
+    """Click the Sinew tab, the last one of the sidebar."""
+    sidebar = region("UI")
+    if hasattr(sidebar, "active_panel_category"):
+        sidebar.active_panel_category = "Sinew"
+        return
+    scale = bpy.context.preferences.system.ui_scale
+    click(sidebar.x + sidebar.width - int(9 * scale), sidebar.y + sidebar.height - int(_TAB * scale))
+
+
+def shown_points(obj: bpy.types.Object) -> np.ndarray:
+    """What the window shows of a mesh, (n, 3), in its own space."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    flat = np.empty(len(evaluated.data.vertices) * 3, dtype=np.float32)
+    evaluated.data.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+def select(obj: bpy.types.Object, where: Callable[[object], bool]) -> None:
+    """Select the vertices at the points for which ``where(point)``, in Edit Mode."""
+    edit = bmesh.from_edit_mesh(obj.data)
+    for vertex in edit.verts:
+        vertex.select = bool(where(vertex.co))
+    edit.select_flush_mode()
+    bmesh.update_edit_mesh(obj.data)
+
+
+def start(journey: Iterator[None], pause: float = 0.3) -> None:
+    """Take the steps of a journey, then end Blender, whatever happened."""
+
+    def tick() -> float | None:
+        going_on = False
+        try:
+            next(journey)
+            going_on = True
+        except StopIteration:
+            pass
+        finally:  # the test reads the reason
+            if not going_on:
+                if sys.exc_info()[0] is not None:
+                    seen["error"] = traceback.format_exc()
+                _finish()
+        return pause
+
+    view = bpy.context.preferences.view
+    view.show_splash = view.show_tooltips = False
+    bpy.app.timers.register(tick, first_interval=1.5, persistent=True)
+
+
+def _finish() -> None:
+    (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1), encoding="utf-8")
+    sys.stdout.flush()
+    os._exit(0)

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Overlays in a real window: the colours that the settings promise, and nothing left when they are off."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+HERE = Path(__file__).parent
+TIMEOUT = 300.0  # a software renderer draws about two windows a second
+SLACK = 0.04  # the viewport mixes in linear light and rounds to 8 bits; the oracle here does neither
+STEADY = 0.002  # of the pixels: anti-aliasing is never twice the same
+
+OVERLAYS = ("regions", "weight", "parameter", "mask", "stretch", "area", "angle", "dirichlet")
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
+    """What the session in ``drive_overlay.py`` observed; screenshots stay in the output folder."""
+    if "DISPLAY" not in os.environ:
+        pytest.skip("no display: start it under xvfb-run")
+    output = os.environ.get("SINEW_TEST_OUTPUT")
+    output = Path(output) / "overlays" if output else tmp_path_factory.mktemp("overlays")
+    output.mkdir(parents=True, exist_ok=True)
+    command = ["blender", "--factory-startup", "--enable-event-simulate", "-noaudio"]
+    command += ["--window-geometry", "0", "0", "1280", "800"]
+    if "PYTHONPATH" in os.environ:
+        command.append("--python-use-system-env")
+    command += ["--python", str(HERE / "drive_overlay.py"), "--", str(output)]
+    ended = subprocess.run(command, timeout=TIMEOUT, capture_output=True, text=True, check=False)
+    said = ended.stdout + ended.stderr
+    assert "Traceback" not in said, said
+    found = json.loads((output / "seen.json").read_text(encoding="utf-8"))
+    assert "error" not in found, found["error"]
+    return found
+
+
+def colour(seen: dict, picture: str, spot: str) -> np.ndarray:
+    return np.array(seen["pixels"][picture][spot])
+
+
+def over(seen: dict, spot: str, rgb: list[float]) -> np.ndarray:
+    """A colour over what the viewport shows at a spot without overlays."""
+    share = seen["opacity"]
+    return (1.0 - share) * colour(seen, "off", spot) + share * np.array(rgb)
+
+
+def redness(rgb: np.ndarray) -> float:
+    return float(rgb[0] - rgb[2])
+
+
+@pytest.mark.parametrize("spot", ["head", "hoof", "hooves"])
+@pytest.mark.parametrize("picture", ["regions", "subdivided"])
+def test_regions_have_the_colours_of_their_swatches(seen: dict, picture: str, spot: str):
+    expected = over(seen, spot, seen["colours"][spot])
+    assert np.abs(colour(seen, picture, spot) - expected).max() < SLACK
+
+
+@pytest.mark.parametrize("spot", ["chest", "flank"])
+def test_free_parts_keep_their_shading(seen: dict, spot: str):
+    assert np.abs(colour(seen, "regions", spot) - colour(seen, "off", spot)).max() < 0.01
+
+
+def test_the_weight_is_bright_on_the_active_handle_alone(seen: dict):
+    head, hoof = colour(seen, "weight", "head"), colour(seen, "weight", "hoof")
+    assert redness(head) > 0.3  # yellow
+    assert redness(hoof) < 0.0  # dark violet
+    assert head.sum() > colour(seen, "off", "head").sum()
+    assert hoof.sum() < colour(seen, "off", "hoof").sum()
+
+
+def test_a_painted_parameter_follows_its_group(seen: dict):
+    """Firm at the hooves, giving way towards the head."""
+    assert redness(colour(seen, "parameter", "hoof")) > 0.3
+    assert redness(colour(seen, "parameter", "head")) < 0.0
+
+
+def test_the_mask_is_bright_in_front(seen: dict):
+    assert redness(colour(seen, "mask", "head")) > 0.3
+    assert redness(colour(seen, "mask", "flank")) < 0.0
+
+
+def test_the_stretched_chest_is_red_and_the_rigid_head_grey(seen: dict):
+    for picture in ("stretch", "area", "angle"):
+        assert redness(colour(seen, picture, "chest")) > 0.2
+        assert abs(redness(colour(seen, picture, "head"))) < 0.03
+    assert redness(colour(seen, "off", "chest")) < 0.02
+
+
+def test_every_overlay_shows_and_no_two_alike(seen: dict):
+    for name in OVERLAYS:
+        assert seen[name]["drawing"]
+        assert seen["pixels"][name]["changed"] > 0.05, name
+    shown = {
+        name: np.concatenate([colour(seen, name, spot) for spot in ("head", "hoof", "chest")])
+        for name in OVERLAYS
+    }
+    for one in OVERLAYS:
+        for other in OVERLAYS:
+            assert one == other or np.abs(shown[one] - shown[other]).max() > 0.01, (one, other)
+
+
+def test_redraws_without_a_change_paint_nothing(seen: dict):
+    assert seen["painted_after_idle"] == seen["painted_before_idle"]
+
+
+def test_switched_off_the_picture_is_as_before(seen: dict):
+    assert not seen["off-again"]["drawing"]
+    assert seen["pixels"]["off-again"]["changed"] < STEADY
+
+
+def test_blenders_overlay_switch_hides_ours_too(seen: dict):
+    switched, without = seen["pixels"]["blender-off"], seen["pixels"]["blender-off-too"]
+    assert abs(switched["changed"] - without["changed"]) < 2 * STEADY
+    for spot in ("head", "hoof", "hooves", "chest"):
+        assert np.allclose(switched[spot], without[spot], atol=0.02)
+
+
+def test_hidden_objects_and_local_views_have_no_overlay(seen: dict):
+    for spot in ("head", "hoof", "hooves"):
+        assert np.allclose(colour(seen, "hidden", spot), colour(seen, "hidden-off", spot), atol=0.01)
+        assert np.allclose(colour(seen, "local-view", spot), colour(seen, "hidden-off", spot), atol=0.02)
+
+
+def test_x_ray_shows_each_place_once(seen: dict):
+    """The far side of the head does not add to the near side."""
+    plain, through = colour(seen, "regions", "head"), colour(seen, "x-ray", "head")
+    assert np.abs(redness(plain) - redness(through)) < 0.08
+
+
+def test_edit_mode_shows_the_regions(seen: dict):
+    for spot in ("head", "hoof"):
+        assert np.abs(colour(seen, "edit", spot) - colour(seen, "regions", spot)).max() < SLACK
+
+
+def test_disabling_the_add_on_clears_the_picture(seen: dict):
+    assert not seen["drawing_after_disable"]
+    assert seen["pixels"]["disabled"]["changed"] < STEADY

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Playback, viewport render, F12 during a drag, 1,000 frames with an unlocked viewport, autosave."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+FRAMES = 1000
+TIMEOUT = 400.0  # about 70 s on a quiet machine: 40 of them render, the rest waits for the autosave
+FLOAT32 = 4e-6
+ITERATIVE = 1e-3  # what an iterative method's own tolerance leaves
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
+    """What the session in ``drive_stress.py`` observed."""
+    if "DISPLAY" not in os.environ:
+        pytest.skip("no display: start it under xvfb-run")
+    output = tmp_path_factory.mktemp("stress")
+    command = ["blender", "--factory-startup", "--enable-event-simulate", "-noaudio"]
+    command += ["--window-geometry", "0", "0", "480", "320"]
+    if "PYTHONPATH" in os.environ:
+        command.append("--python-use-system-env")
+    command += ["--python", str(HERE / "drive_stress.py"), "--", str(output)]
+    environment = {**os.environ, "SINEW_STRESS_FRAMES": str(FRAMES)}
+    ended = subprocess.run(
+        command, timeout=TIMEOUT, capture_output=True, text=True, check=False, env=environment
+    )
+    said = ended.stdout + ended.stderr
+    assert (output / "seen.json").is_file(), f"Blender crashed ({ended.returncode}): {said[-3000:]}"
+    assert "Traceback" not in said, said[-3000:]
+    found = json.loads((output / "seen.json").read_text(encoding="utf-8"))
+    assert "error" not in found, found["error"]
+    return found
+
+
+def test_playback_shows_the_pose_of_each_frame(seen: dict):
+    assert seen["plays"]
+    assert seen["played_frames"] >= 10
+    assert seen["playback_error"] < FLOAT32
+
+
+def test_a_viewport_render_shows_the_pose(seen: dict):
+    """The highest row of the plate rises with the handle, in a picture 96 rows and 6 units high."""
+    low, high = seen["opengl_rows"]
+    assert high - low == pytest.approx(seen["opengl_rise"], abs=1.5)
+
+
+def test_f12_shows_the_keys_and_the_viewport_keeps_the_drag(seen: dict):
+    assert seen["dragged_error"] < FLOAT32
+    assert seen["f12_error"] < FLOAT32
+    assert seen["viewport_after_f12_error"] < FLOAT32
+
+
+def test_each_frame_of_an_unlocked_render_is_right(seen: dict):
+    """Read by a render engine of our own, while the window draws and another mesh is posed."""
+    assert seen["SINEW_TEST_PROBE_unlocked"]
+    assert seen["SINEW_TEST_PROBE_frames"] == FRAMES // 10
+    assert seen["SINEW_TEST_PROBE_moves"] > 0
+    assert seen["probe_error"] < FLOAT32
+
+
+@pytest.mark.parametrize("engine", ["SINEW_TEST_PROBE", "CYCLES"])
+def test_the_viewport_is_right_after_an_unlocked_render(seen: dict, engine: str):
+    last = FRAMES // 10 if engine != "CYCLES" else FRAMES
+    assert seen[f"{engine}_viewport_error"] < FLOAT32
+    assert seen[f"{engine}_dragged_error"] < ITERATIVE
+    for frame in (1, last // 2, last):
+        assert seen[f"{engine}_after_{frame}"] < FLOAT32
+
+
+def test_a_thousand_frames_with_an_unlocked_viewport_do_not_crash(seen: dict):
+    assert seen["CYCLES_unlocked"]
+    assert seen["CYCLES_frames"] == FRAMES
+    assert seen["CYCLES_moves"] > 100
+
+
+def test_blenders_own_autosave_opens_with_the_pose_and_lives_on(seen: dict, tmp_path: Path):
+    """In another Blender, as after a crash."""
+    assert seen["autosave"]
+    answer = tmp_path / "seen.json"
+    command = ["blender", "-b", "--factory-startup"]
+    if "PYTHONPATH" in os.environ:
+        command.append("--python-use-system-env")
+    command += ["--python", str(HERE / "drive_recover.py"), "--", seen["autosave"], str(answer)]
+    ended = subprocess.run(command, timeout=60, capture_output=True, text=True, check=False)
+    said = ended.stdout + ended.stderr
+    assert "Traceback" not in said, said[-3000:]
+    found = json.loads(answer.read_text(encoding="utf-8"))
+    assert found["height"] == pytest.approx(seen["autosave_height"], abs=1e-6)
+    assert found["error"] < FLOAT32
+    assert found["later_error"] < FLOAT32

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import re
+from pathlib import Path
+
+import pytest
+from workshop import blender_matrix, environments, layers, run_tests
+from workshop.environments import REQUIREMENTS, blender, included
+from workshop.layers import LAYERS, Layer, blender_layer
+from workshop.places import PYTHON311
+from workshop.results import Outcome
+
+RELEASES = (*environments.LONG_TERM_BLENDERS, *blender_matrix.BETWEEN, "5.2.3")
+
+
+@pytest.mark.parametrize("version", RELEASES)
+def test_each_release_is_pinned_with_all_that_its_tests_import(version: str) -> None:
+    files = included([REQUIREMENTS / f"bpy-{version}.txt"])
+    pins = dict(line.split("==") for file in files for line in file.read_text().splitlines() if "==" in line)
+    assert pins["bpy"] == version
+    assert {"numpy", "pytest", "pytest-timeout", "hypothesis"} <= set(pins)
+    if version < "4.5":  # NumPy 2 makes these print tracebacks
+        assert pins["numpy"].startswith("1.")
+
+
+@pytest.mark.parametrize("version", [version for version in RELEASES if version < "5.1"])
+def test_releases_before_5_1_run_on_debians_python(version: str) -> None:
+    assert blender(version).interpreter == PYTHON311
+
+
+def test_release_without_its_python_has_no_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(environments, "python313", lambda: None)
+    assert blender("5.2.3") is None
+    assert environments.newest_blender().name == "bpy-5.0.1"
+
+
+def test_change_of_an_included_file_renews_the_environment(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text("-r b.txt\nx==1\n")
+    (tmp_path / "b.txt").write_text("-r c.txt\n")
+    (tmp_path / "c.txt").write_text("y==1\n")
+    assert {file.name for file in included([tmp_path / "a.txt"])} == {"a.txt", "b.txt", "c.txt"}
+
+
+def test_no_two_layers_share_a_user_folder() -> None:
+    names = [layer.name for layer in LAYERS]
+    assert len(set(names)) == len(names)
+    assert {blender_layer(version).name for version in RELEASES} == {
+        f"blender-{re.match('[0-9]+.[0-9]+', version).group()}" for version in RELEASES
+    }
+
+
+def test_a_failed_layer_does_not_stop_the_next(capsys: pytest.CaptureFixture[str]) -> None:
+    def broken(_timeout: float) -> Outcome:
+        raise SystemExit("no such package")
+
+    chain = [Layer("broken", 1, broken), Layer("fine", 1, lambda _timeout: Outcome(passed=3))]
+    assert run_tests.run_layers(chain) == 1
+    said = capsys.readouterr().out
+    assert "no such package" in said
+    assert said.endswith("3 passed, 1 failed\n")
+
+
+def test_each_release_plays_random_sequences_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    names = [layer.name for layer in LAYERS if layer.name.startswith("blender-")]
+    assert len({layers._random(name)["SINEW_RANDOM_SEED"] for name in names}) == len(names)
+    assert sum(int(layers._random(name)["SINEW_RANDOM_SEQUENCES"]) for name in names) == 200
+    monkeypatch.setenv("SINEW_RANDOM_SEQUENCES", "3")
+    assert layers._random("blender-5")["SINEW_RANDOM_SEQUENCES"] == "3"

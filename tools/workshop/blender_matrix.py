@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""tests/blender in the releases between those that tests/run covers, or in those that are named.
+
+Each release takes 1 GB in ``.build/venv-bpy-<version>``, which may be deleted afterwards.
+"""
+
+import argparse
+import re
+import sys
+
+from . import environments
+from .layers import blender_layer
+from .run_tests import run_layers
+
+BETWEEN = ("4.3.0", "4.4.0", "5.0.1", "5.1.2")
+
+
+def pinned() -> list[str]:
+    """The releases that a requirements file exists for."""
+    names = (file.name for file in environments.REQUIREMENTS.glob("bpy-*.txt"))
+    return sorted(re.fullmatch(r"bpy-(.*)\.txt", name).group(1) for name in names)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="tools/blender_matrix", description=__doc__)
+    known = ", ".join(pinned())
+    parser.add_argument(
+        "versions", nargs="*", metavar="VERSION", help=f"{known}; {', '.join(BETWEEN)} when none is named"
+    )
+    chosen = parser.parse_args().versions or BETWEEN
+    unknown = sorted(set(chosen) - set(pinned()))
+    if unknown:
+        parser.error(f"no requirements for {', '.join(unknown)}; there are {known}")
+    missing = [version for version in chosen if environments.blender(version) is None]
+    if missing:
+        parser.error(f"{', '.join(missing)} needs a Python 3.13 with headers on PATH or in pyenv")
+    sys.exit(1 if run_layers([blender_layer(version) for version in chosen]) else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders the pages of a folder, ``*.md``, as HTML with their pictures: ``render_manual.py SOURCE TARGET``.
+
+Run by a Python that has the package ``markdown``. Every relative link must lead to another page, to a heading
+that is there, or to a picture in the folder: a reader of the packaged manual has nothing else.
+"""
+
+import html
+import re
+import sys
+from html.parser import HTMLParser
+from pathlib import Path, PurePosixPath
+from urllib.parse import unquote, urlsplit
+
+import markdown
+
+INDEX = "README.md"
+STYLE = Path(__file__).with_name("manual.css")
+PICTURES = (".jpg", ".png", ".svg")
+FRAME = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<link rel="stylesheet" href="manual.css">
+</head>
+<body>
+{back}<main>
+{body}
+</main>
+</body>
+</html>
+"""
+BACK = '<nav><a href="index.html">Sinew manual</a></nav>\n'
+
+
+def render(source: Path) -> dict[str, bytes]:
+    """Name -> content, of every file of the manual."""
+    bodies = {path.name: body(path) for path in sorted(source.glob("*.md"))}
+    found = {name: Links(text) for name, text in bodies.items()}
+    files = {STYLE.name: STYLE.read_bytes()}
+    for name, text in bodies.items():
+        for link in found[name].links:
+            problem = broken(link, name, source, found)
+            if problem:
+                raise SystemExit(f"{name}: {link} {problem}")
+            path = unquote(urlsplit(link).path)
+            if not is_elsewhere(link) and path.endswith(PICTURES):
+                files[path] = (source / path).read_bytes()
+        back = BACK if INDEX in bodies and name != INDEX else ""
+        title = html.escape(found[name].title or "Sinew")
+        files[page_name(name)] = FRAME.format(title=title, back=back, body=linked(text)).encode()
+    return files
+
+
+def body(path: Path) -> str:
+    """The page's HTML, its links as they were written."""
+    text = re.sub(r"\A<!--.*?-->\s*", "", path.read_text(encoding="utf-8"), flags=re.S)  # the licence line
+    return markdown.markdown(
+        text, extensions=["tables", "fenced_code", "toc", "sane_lists"], output_format="html"
+    )
+
+
+def page_name(markdown_name: str) -> str:
+    return "index.html" if markdown_name == INDEX else markdown_name.removesuffix(".md") + ".html"
+
+
+def linked(text: str) -> str:
+    """Links to other pages lead to their HTML."""
+    return re.sub(
+        r'href="([^"#/]+\.md)(#[^"]*)?"', lambda match: f'href="{page_name(match[1])}{match[2] or ""}"', text
+    )
+
+
+class Links(HTMLParser):
+    """What a page points to, the anchors it has, and its title."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.anchors: set[str] = set()
+        self.title = ""
+        self._in_title = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
+        values = dict(attributes)
+        self.links += [values[key] or "" for key in ("href", "src") if key in values]
+        self.anchors |= {values[key] or "" for key in ("id", "name") if key in values}
+        self._in_title = tag == "h1" and not self.title
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == "h1":
+            self._in_title = False
+
+    def handle_data(self, text: str) -> None:
+        if self._in_title:
+            self.title += text
+
+
+def is_elsewhere(link: str) -> bool:
+    return urlsplit(link).scheme in ("http", "https", "mailto")
+
+
+def broken(link: str, page: str, source: Path, pages: dict[str, Links]) -> str:
+    """What is wrong with a link, or nothing."""
+    if is_elsewhere(link):
+        return ""
+    parts = urlsplit(link)
+    path = unquote(parts.path)
+    if parts.scheme or parts.netloc or path.startswith("/") or ".." in PurePosixPath(path).parts:
+        return "leads out of the manual"
+    if path.endswith(PICTURES):
+        return "" if (source / path).is_file() else "is no picture here"
+    target = pages.get(path or page)
+    if target is None:
+        return "is no page of the manual"
+    return "" if not parts.fragment or parts.fragment in target.anchors else "is no heading there"
+
+
+def main(source: Path, target: Path) -> None:
+    for name, content in render(source).items():
+        (target / name).parent.mkdir(parents=True, exist_ok=True)
+        (target / name).write_bytes(content)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), Path(sys.argv[2]))
