@@ -140,6 +140,15 @@ class SinewHandle(PropertyGroup):
         description="The control relative to the mesh object, when the region is at rest",
     )
 
+    has_last_pose: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
+    last_pose: FloatVectorProperty(
+        name="Last Pose",
+        size=12,
+        options={"HIDDEN"},
+        override=_OVERRIDE,
+        description="Where the region stays while its control is missing: three rows of an affine map",
+    )
+
     @property
     def control_missing(self) -> bool:
         """The handle's control was deleted, or its bone is gone."""

@@ -266,6 +266,6 @@ def unbind(obj: Object, deformer: SinewDeformer) -> None:
     _let_go(deformer)
     state.drop(deformer.uid)
     for handle in deformer.handles:
-        handle.has_rest = False
+        handle.has_rest = handle.has_last_pose = False
     status.put(deformer.uid, Status(Level.INFO, "Not bound - press Bind"))
     obj.update_tag()

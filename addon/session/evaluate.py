@@ -77,8 +77,7 @@ def _update_object(
             with session.lock:
                 chain = _take(turn)
         except SinewError as error:
-            chain = chain.unknown()
-            _refuse(turn, error)
+            _refuse(turn, error)  # it lets through what entered
     if depsgraph.mode == "VIEWPORT":
         _report_lost(obj)
         baked.report(obj)
@@ -135,7 +134,7 @@ def _take(turn: Turn) -> Chain:
         return Chain(broken=True)
     if not deformer.is_bound or not regions.has_constraints(turn.settings):
         rig.show_rest(deformer, turn.mode)
-        return turn.chain.unknown()
+        return turn.chain
     wait = bpy.app.background or not turn.in_viewport
     if deformer.method not in BY_ID:
         raise OptionError("The method is unknown here - choose one in the menu")
@@ -145,7 +144,7 @@ def _take(turn: Turn) -> Chain:
     if bound is None:
         if session.failed is not None:
             rig.show_rest(deformer, turn.mode)
-        return turn.chain.unknown()
+        return turn.chain
     solving.solve(turn, bound, *incoming.find(turn, bound))
     return incoming.after(turn)
 

@@ -89,7 +89,7 @@ def gather(turn: Turn, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
         if control is not None and not handle.has_rest and turn.in_viewport:
             last = session.poses.get(key)
             capture_rest(handle, world, control, _last_pose(deformer, bound, row) if last is None else last)
-            session.rewire = True
+            session.rewire, handle.has_last_pose = True, False
         if control is not None and handle.has_rest:
             poses[row] = frames.pose(world, control, rest_of(handle), f"The control of {handle.name}")
             session.poses[key] = poses[row].copy()
@@ -97,11 +97,24 @@ def gather(turn: Turn, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
             if key not in session.poses:
                 session.poses[key] = _last_pose(deformer, bound, row)
             poses[row] = session.poses[key]
+            if turn.in_viewport:
+                _keep(handle, poses[row])
     return poses, from_rest
 
 
+def _keep(handle: SinewHandle, pose: np.ndarray) -> None:
+    """Let the file know where a region without a control stays."""
+    values = pose.astype(np.float32).ravel()
+    if not handle.has_last_pose or not np.array_equal(values, np.array(handle.last_pose, dtype=np.float32)):
+        handle.last_pose, handle.has_last_pose = values.tolist(), True
+
+
 def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
-    """Where the saved shape shows a region whose control is gone."""
+    """Where a region whose control is gone stays: as the file says, else as the saved shape shows it."""
+    handle = next(handle for handle in deformer.handles if handle.uid == bound.handles[row])
+    kept = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
+    if handle.has_last_pose and np.isfinite(kept).all():
+        return kept
     rest = bound.rest.points
     members = bound.indices[row]
     for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):

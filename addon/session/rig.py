@@ -73,6 +73,7 @@ def ensure(
     deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
     if modifier is None:
         modifier = obj.modifiers.new(Datablocks.MODIFIER, "NODES")
+        modifier.show_expanded = False  # its inputs are ours to set
         node_group.attach(modifier, node_group.ensure())
     connect(modifier, deformer)
     return modifier

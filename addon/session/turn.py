@@ -27,10 +27,6 @@ class Chain:
         """Another add-on's or Blender's own modifier came between."""
         return Chain(broken=self.broken or self.points is not None)
 
-    def unknown(self) -> "Chain":
-        """A deformer that lets through what entered, which the next one reads for itself."""
-        return Chain(broken=self.broken)
-
 
 @dataclass(frozen=True)
 class Turn:

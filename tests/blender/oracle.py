@@ -56,8 +56,7 @@ class Expected:
 class Oracle:
     """``last`` holds the pose that each handle showed last: a handle without control stays there.
 
-    That pose is no property. A copy, or another session, fits it to the saved shape, which is no proof for
-    soft regions: ``recalled`` names handles whose shape is not compared until they have a control again.
+    ``recalled`` names handles of a file or a copy, which have only the property ``last_pose`` to go by.
     """
 
     def __init__(self, native) -> None:
@@ -148,7 +147,9 @@ class Oracle:
             key = (deformer.uid, handle.uid)
             if is_missing(handle):
                 if key in self.recalled:
-                    raise Unsure("a pose fitted to a saved shape")
+                    if not handle.has_last_pose:
+                        raise Unsure("its control was gone before anything was evaluated")
+                    self.last[key] = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
             else:
                 control = np.array(handle.control.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
                 rest = np.array(handle.rest_matrix, dtype=np.float64)

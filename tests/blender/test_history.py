@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from rig import Rig, add_armature, evaluated_points, make_active, move_world, update
+from rig import Rig, add_armature, add_group, evaluated_points, make_active, move_world, update
 
 FLOAT32 = 4e-6
 
@@ -266,6 +266,37 @@ def test_deleted_control_leaves_its_region_where_it_was(plate: Rig, tmp_path: Pa
     assert not plate.deformer.handles[0].control_missing
     new.location.z += 0.5
     assert np.abs(plate.points()[plate.top] - before[plate.top] - (0.0, 0.0, 0.5)).max() < 1e-5
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.0])
+def test_the_pose_of_a_soft_region_without_control_is_saved(plate: Rig, tmp_path: Path, factor: float):
+    """The saved shape does not tell it: soft vertices give way, and Factor 0 shows rest."""
+    plate.bind("thin_shell")
+    plate.deformer.handles[0].weight = 0.5
+    plate.lift(0.5)
+    before = plate.points()
+    bpy.data.objects.remove(plate.control)
+    assert np.abs(plate.points() - before).max() < 1e-6
+    plate.deformer.factor = factor
+    update()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "lost.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "lost.blend"))
+    plate.deformer.factor = 1.0
+    assert np.abs(plate.points() - before).max() < 1e-6
+
+
+def test_what_a_deformer_without_regions_lets_through_reaches_the_next_at_once(plate: Rig):
+    plate.bind("thin_shell")
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    add_group(plate.obj, "Corner", lambda point: point[0] < -0.75 and point[1] < 0.5)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Corner")
+    first = plate.obj.sinew.deformers[0].handles[0].control
+    move_world(first, Matrix.Translation((0.0, 0.0, 0.4)))
+    once = plate.points()
+    plate.obj.update_tag()
+    assert np.array_equal(plate.points(), once)
 
 
 def test_control_deleted_as_a_user_does(plate: Rig):

@@ -2,8 +2,8 @@
 """Random sequences of what an artist does: the shape is always the one that the properties ask for.
 
 Each run takes the same 200 sequences of 50 steps. ``SINEW_RANDOM_SEED=7`` takes others,
-``SINEW_RANDOM_SEQUENCES=20`` fewer. A failure ends with the shortest sequence found, as Python that can be
-run again inside ``Artist``.
+``SINEW_RANDOM_SEQUENCES=20`` fewer; ``SINEW_RANDOM_SHRINK=0`` reports the first failure as it is. A failure
+ends with the shortest sequence found, as Python: the calls of ``Artist``.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from hypothesis.stateful import (
 from mathutils import Euler, Matrix
 from oracle import Oracle, Unsure
 from rig import evaluated_points, make_active, update
+from targets import GROUPS, SHAPES, new_target
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 SEQUENCES = int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200"))
@@ -36,97 +37,19 @@ SHRINK = os.environ.get("SINEW_RANDOM_SHRINK", "1") == "1"  # minutes of it, whe
 STEPS = int(os.environ.get("SINEW_RANDOM_STEPS", "50"))
 MOST_UNDO = 25  # steps we go back; Blender keeps 32
 
-GROUPS = ("Far", "Near", "Middle", "Soft", "Nobody")
 PICK = st.integers(0, 5)
 METHODS = st.sampled_from(("thin_shell", "arap"))
 SMALL = st.integers(-4, 4).map(lambda number: number / 4)
 VECTOR = st.tuples(SMALL, SMALL, SMALL)
 SHARE = st.sampled_from((0.0, 0.25, 0.5, 1.0))
+STIFFNESSES = (("bending", 0.5), ("bending", 0.0), ("stretching", 0.5), ("variation", 0.125))
+LAPLACIANS = (("laplacian", "uniform"), ("laplacian", "cotan"), ("laplacian", "cotan_voronoi"))
+PAINTED = (("bending_group", "Soft"), ("bending_group", ""), ("stretching_group", "Far"))
+ARAP = (("smoothness", 0.0), ("cells", "rims"), ("max_iterations", 3), ("rigidity_group", "Soft"))
 SETTINGS = (
-    ("thin_shell", "bending", 0.5),
-    ("thin_shell", "bending", 0.0),
-    ("thin_shell", "stretching", 0.5),
-    ("thin_shell", "variation", 0.125),
-    ("thin_shell", "laplacian", "uniform"),
-    ("thin_shell", "laplacian", "cotan"),
-    ("thin_shell", "laplacian", "cotan_voronoi"),
-    ("thin_shell", "bending_group", "Soft"),
-    ("thin_shell", "bending_group", ""),
-    ("thin_shell", "stretching_group", "Far"),
-    ("arap", "smoothness", 0.0),
-    ("arap", "cells", "rims"),
-    ("arap", "rigidity_group", "Soft"),
-    ("arap", "rigidity_group", "Nobody"),
-    ("arap", "rigidity_group", ""),
-    ("arap", "max_iterations", 3),
+    *(("thin_shell", *setting) for setting in (*STIFFNESSES, *LAPLACIANS, *PAINTED)),
+    *(("arap", *setting) for setting in (*ARAP, ("rigidity_group", "Nobody"), ("rigidity_group", ""))),
 )
-
-
-def sheet(columns: int, rows: int) -> tuple[list, list]:
-    """A wavy strip of triangles along y, from -1 to 1."""
-    points = [
-        (0.5 * (2 * i / (columns - 1) - 1), 2 * j / (rows - 1) - 1, 0.1 * ((3 * i + 2 * j) % 5))
-        for j in range(rows)
-        for i in range(columns)
-    ]
-    faces = []
-    for j in range(rows - 1):
-        for i in range(columns - 1):
-            a = j * columns + i
-            faces += [(a, a + 1, a + columns), (a + 1, a + columns + 1, a + columns)]
-    return points, faces
-
-
-def strip() -> tuple[list, list]:
-    return sheet(4, 9)
-
-
-def two_parts() -> tuple[list, list]:
-    """A strip and a loose tetrahedron that lies in no handle at the ends."""
-    points, faces = sheet(4, 8)
-    n = len(points)
-    points += [(0.0, 0.0, 1.0), (0.3, 0.0, 1.0), (0.0, 0.3, 1.0), (0.1, 0.1, 1.3)]
-    return points, faces + [(n, n + 2, n + 1), (n, n + 1, n + 3), (n + 1, n + 2, n + 3), (n + 2, n, n + 3)]
-
-
-def tube() -> tuple[list, list]:
-    """Closed around y."""
-    around, along = 6, 9
-    points = [
-        (0.4 * np.cos(6.283185 * i / around), 2 * j / (along - 1) - 1, 0.4 * np.sin(6.283185 * i / around))
-        for j in range(along)
-        for i in range(around)
-    ]
-    faces = []
-    for j in range(along - 1):
-        for i in range(around):
-            a, b = j * around + i, j * around + (i + 1) % around
-            faces += [(a, b, a + around), (b, b + around, a + around)]
-    return points, faces
-
-
-SHAPES = {"strip": strip, "two_parts": two_parts, "tube": tube}
-
-
-def new_target(shape: str) -> bpy.types.Object:
-    """A mesh of 36 to 54 vertices with the groups of ``GROUPS``."""
-    points, faces = SHAPES[shape]()
-    mesh = bpy.data.meshes.new(shape)
-    mesh.from_pydata(points, [], faces)
-    obj = bpy.data.objects.new(shape, mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    groups = {name: obj.vertex_groups.new(name=name) for name in GROUPS}
-    for index, (_x, y, _z) in enumerate(points):
-        for name, weight in (
-            ("Far", float(y > 0.7)),
-            ("Near", float(y < -0.7)),
-            ("Middle", float(abs(y) < 0.6)),
-            ("Soft", max(0.0, 0.9 - abs(y - 0.3))),
-        ):
-            if weight > 0.0:
-                groups[name].add([index], weight, "REPLACE")
-    make_active(obj)
-    return obj
 
 
 class Artist(RuleBasedStateMachine):
@@ -665,5 +588,6 @@ def test_any_sequence_of_operations_shows_what_the_properties_ask_for(room, capf
             report_multiple_bugs=False,
         ),
     )
-    assert Artist.checked > 0.4 * STEPS * SEQUENCES  # the test looks
+    if SEQUENCES >= 50:  # the first dozens are short
+        assert Artist.checked > 0.4 * STEPS * SEQUENCES  # the test looks
     assert Artist.unsure < 0.2 * Artist.checked

@@ -39,13 +39,13 @@ from driving import (  # noqa: E402
 )
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
-HEAD = (370, 665), (600, 495)
-HOOVES = (100, 240), (470, 165)
+HEAD = (370, 626), (600, 456)
+HOOVES = (100, 200), (470, 126)
 MENU = (600, 760)
 MENU_ADD_HANDLE = (640, 736)
 METHOD = (930, 585)
 METHOD_THIN_SHELL = (743, 527)
-FACTOR = (920, 263), (960, 263)
+FACTOR = (975, 238), (940, 238)
 LAST = 12  # frame
 
 
@@ -90,10 +90,10 @@ def blank_file():
     yield from rest()
     press("N")
     yield from rest()
-    open_tab()
+    yield from open_tab()
     yield from rest()
     view = viewport().spaces.active.region_3d
-    view.view_location, view.view_distance = (0.0, 0.51, 0.11), 2.65
+    view.view_location, view.view_distance = (0.0, 0.51, 0.25), 2.65
     yield from rest()
 
 
@@ -109,7 +109,7 @@ def mark_regions():
     press("B")
     yield from drag(*HEAD)
     yield
-    click(*MENU)
+    yield from click(*MENU)
     yield from rest()
     move(*MENU_ADD_HANDLE)
     yield from rest()
@@ -117,6 +117,8 @@ def mark_regions():
     press("LEFTMOUSE")
     yield from rest()
     seen["after_menu"] = [(handle.kind, handle.vertex_group) for handle in deformer().handles]
+    press("A", alt=True)
+    yield
     press("B")
     yield from drag(*HOOVES)
     yield
@@ -207,7 +209,7 @@ def pose():
 def settings():
     """Method and Factor in the panel."""
     arap = shown()
-    click(*METHOD)
+    yield from click(*METHOD)
     yield from rest()
     move(*METHOD_THIN_SHELL)
     yield
@@ -232,11 +234,14 @@ def settings():
     seen["settings_undone"] = [deformer().method, deformer().factor, apart(shown(), arap)]
 
 
-def key():
-    """Insert Keyframe: Location, Rotation and Scale."""
+def key(entry: int):
+    """Insert Keyframe; the fifth entry is Location, Rotation and Scale, then Blender remembers."""
     move(*middle())
     press("I")
     yield from rest()
+    for _ in range(entry - 1):
+        press("DOWN_ARROW")
+    yield
     press("RET")
     yield from rest()
 
@@ -249,15 +254,16 @@ def animate():
         move(*middle())
         press(reset, alt=True)
         yield from rest()
+    yield from until(lambda: not session().unsettled())
     base = np.array([vertex.co for vertex in cow().data.vertices])
     seen["home"] = apart(shown(), base)
-    yield from key()
+    yield from key(5)
     bpy.context.scene.frame_end = LAST
     press("RIGHT_ARROW", shift=True)
     yield from rest()
     control().matrix_world = posed
     yield from rest()
-    yield from key()
+    yield from key(1)
     seen["keyed"] = sorted({curve.data_path for curve in control().animation_data.action.fcurves})
     seen["last_frame"] = [bpy.context.scene.frame_current, apart(shown(), far)]
     press("LEFT_ARROW", shift=True)
@@ -285,13 +291,12 @@ def look() -> None:
     toward = Vector((-0.86, -0.44, -0.24))
     camera.rotation_euler = toward.to_track_quat("-Z", "Y").to_euler()
     camera.location = Vector((0.0, 0.15, 0.22)) - 6.0 * toward.normalized()
-    bpy.data.objects["Light"].data.energy = 700.0
-    bpy.data.objects["Light"].location = (5.0, 1.0, 5.0)
-    bpy.data.objects["Light"].data.shadow_soft_size = 1.5
-    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.35, 0.37, 0.4, 1.0)
+    light = bpy.data.objects["Light"]
+    light.data.energy, light.location, light.data.shadow_soft_size = 900.0, (3.5, 4.5, 5.0), 1.0
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.12, 0.13, 0.15, 1.0)
     colour = bpy.data.materials.new("Hide")
     colour.use_nodes = True
-    colour.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.62, 0.46, 0.33, 1.0)
+    colour.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.5, 0.29, 0.16, 1.0)
     cow().data.materials.clear()
     cow().data.materials.append(colour)
     render = scene.render
@@ -334,12 +339,11 @@ def render():
         path = str(OUTPUT / f"rendered-{frame}.png")
         bpy.data.images["Render Result"].save_render(path)
         seen["rendered"].append([silhouette(path), outline(), apart(shown(), before)])
-    screenshot("10-rendered")
 
 
 def undo_all():
     """Back to the imported mesh, step by step."""
-    steps = 0
+    steps = 0  # of undo
     while cow().sinew.deformers and steps < 60:
         press("Z", ctrl=True)
         yield
@@ -374,7 +378,7 @@ def heavy_bind():
     heavy = obj.sinew.active
     seen["heavy_in_thread"] = session().job(heavy.uid) is not None
     yield
-    screenshot("11-binding")
+    screenshot("10-binding")
     yield from until(lambda: session().job(heavy.uid) is None)
     seen["heavy_status"] = heavy.status
     yield
@@ -384,7 +388,7 @@ def heavy_bind():
     press("ESC")
     yield from rest()
     seen["cancelled"] = heavy.status
-    screenshot("12-cancelled")
+    screenshot("11-cancelled")
     with in_view():
         bpy.ops.sinew.bind("INVOKE_DEFAULT")
     yield from until(lambda: session().job(heavy.uid) is None)

@@ -87,9 +87,12 @@ def move(x: int, y: int, **modifiers: bool) -> None:
     window().event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y, **modifiers)
 
 
-def click(x: int, y: int, **modifiers: bool) -> None:
+def click(x: int, y: int, **modifiers: bool) -> Iterator[None]:
+    """A button has to see the mouse above it first."""
     move(x, y)
+    yield
     press("LEFTMOUSE", **modifiers)
+    yield
 
 
 def drag(start: Place, end: Place, steps: int = 4) -> Iterator[None]:
@@ -141,14 +144,16 @@ def view_pixels(name: str) -> np.ndarray:
 _TAB = 160  # from the top of the sidebar to the middle of the fourth tab, in pixels at scale 1
 
 
-def open_tab() -> None:
+def open_tab() -> Iterator[None]:
     """Click the Sinew tab, the last one of the sidebar."""
     sidebar = region("UI")
     if hasattr(sidebar, "active_panel_category"):
         sidebar.active_panel_category = "Sinew"
         return
     scale = bpy.context.preferences.system.ui_scale
-    click(sidebar.x + sidebar.width - int(9 * scale), sidebar.y + sidebar.height - int(_TAB * scale))
+    yield from click(
+        sidebar.x + sidebar.width - int(9 * scale), sidebar.y + sidebar.height - int(_TAB * scale)
+    )
 
 
 def shown_points(obj: bpy.types.Object) -> np.ndarray:

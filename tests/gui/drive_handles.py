@@ -1,0 +1,327 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside a Blender with a window: the list of handles by mouse, weights by brush, vertices that come, and a
+drag of a heavy mesh.
+"""
+
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Vector
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from driving import (  # noqa: E402
+    click,
+    drag,
+    enable,
+    in_view,
+    middle,
+    move,
+    press,
+    region,
+    rest,
+    screenshot,
+    seen,
+    select,
+    session,
+    shown_points,
+    start,
+    until,
+    viewport,
+    window,
+    write,
+)
+
+REGIONS = {
+    "Ear.L": ("HANDLE", lambda point: point.x > 1.6),
+    "Ear.R": ("HANDLE", lambda point: point.x < -1.6),
+    "Muzzle": ("HANDLE", lambda point: point.z < -0.9 and point.y < -0.3),
+    "Back": ("FIXED", lambda point: point.y > 0.35 and abs(point.x) < 1.2),
+}
+LIFT = 0.45
+
+# Where things are in the window, from its lower left corner, with the Properties editor made wide and high.
+NAME, CONTROL, WEIGHT, SELECT, EYE, BESIDE = 970, 1080, 1166, 1198, 1217, 1252
+FIRST_ROW, ROW = 376, 21
+MOVE_UP, MOVE_DOWN = 305, 285
+REBIND = (1215, 500)
+
+
+def row(index: int) -> int:
+    return FIRST_ROW - ROW * index
+
+
+def head() -> bpy.types.Object:
+    return bpy.data.objects["Head"]
+
+
+def deformer():
+    return head().sinew.active
+
+
+def names() -> list[str]:
+    return [handle.name for handle in deformer().handles]
+
+
+def shown() -> np.ndarray:
+    return shown_points(head())
+
+
+def settled():
+    yield from rest()
+    yield from until(lambda: not session().unsettled() and not session().busy())
+    yield from rest()
+
+
+def properties() -> bpy.types.Area:
+    return next(area for area in window().screen.areas if area.type == "PROPERTIES")
+
+
+def prepare():
+    """A posed head with three handles and a fixed region, seen from the front."""
+    enable()
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    bpy.ops.mesh.primitive_monkey_add(size=3.0)
+    obj = bpy.context.object
+    obj.name = "Head"
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    bpy.ops.object.shade_smooth()
+    for name, (kind, where) in REGIONS.items():
+        members = [vertex.index for vertex in obj.data.vertices if where(vertex.co)]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+        bpy.context.view_layer.objects.active = obj
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
+    bpy.context.view_layer.objects.active = obj
+    deformer().handles[0].control.matrix_world.translation.z += LIFT
+    view = viewport().spaces.active.region_3d
+    view.view_perspective, view.view_rotation = "ORTHO", (0.7071, 0.7071, 0.0, 0.0)
+    view.view_location, view.view_distance = (0.0, 0.0, 0.3), 8.0
+    bpy.ops.ed.undo_push(message="Pose")
+    yield from settled()
+
+
+def wide_panel():
+    """The panel in the Modifiers tab; the editor made wide and high by its edges."""
+    editor = properties()
+    move(editor.x - 40, 330)
+    yield
+    yield from drag((editor.x - 1, 330), (860, 330))
+    top = editor.y + editor.height
+    move(1000, top - 60)
+    yield
+    yield from drag((1000, top), (1000, 740))
+    editor.spaces.active.context = "MODIFIER"
+    yield from rest()
+    yield from click(945, editor.y + editor.height - 117)
+    yield from rest(3)
+    screenshot("1-panel")
+
+
+def use_and_select():
+    """The eye, the arrow."""
+    posed = shown()
+    yield from click(EYE, row(0))
+    yield from settled()
+    seen["eye_off"] = [deformer().handles[0].enabled, float(np.abs(shown() - posed).max())]
+    yield from click(EYE, row(0))
+    yield from settled()
+    seen["eye_on"] = [deformer().handles[0].enabled, float(np.abs(shown() - posed).max())]
+    yield from click(SELECT, row(1))
+    yield from rest()
+    seen["arrow"] = [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()]
+
+
+def weight():
+    """Drag the number."""
+    posed = shown()
+    yield from drag((WEIGHT, row(0)), (WEIGHT - 40, row(0)))
+    yield from settled()
+    seen["weight"] = [deformer().handles[0].weight, float(np.abs(shown() - posed).max())]
+    press("Z", ctrl=True)
+    yield from settled()
+    seen["weight_undone"] = [deformer().handles[0].weight, float(np.abs(shown() - posed).max())]
+
+
+def rename_and_order():
+    """In place; up and down."""
+    posed = shown()
+    yield from click(NAME, row(0), ctrl=True)
+    yield from rest()
+    write("ear")
+    yield
+    press("RET")
+    yield from rest()
+    seen["renamed"] = [names(), deformer().handles[0].vertex_group]
+    yield from click(CONTROL, row(2))
+    yield from rest()
+    seen["active"] = deformer().active_handle
+    yield from click(BESIDE, MOVE_UP)
+    yield from settled()
+    seen["up"] = [names(), float(np.abs(shown() - posed).max())]
+    yield from click(BESIDE, MOVE_DOWN)
+    yield from settled()
+    seen["down"] = [names(), float(np.abs(shown() - posed).max())]
+
+
+def missing_control():
+    """Deleted by the user; another picked in the list."""
+    other = bpy.data.objects.new("Other", None)
+    other.location = (1.0, 2.0, 3.0)
+    bpy.context.scene.collection.objects.link(other)
+    posed = shown()
+    yield from click(SELECT, row(0))
+    yield from rest()
+    move(*middle())
+    press("X")
+    yield from rest()
+    press("RET")
+    yield from settled()
+    seen["missing"] = [deformer().handles[0].control_missing, float(np.abs(shown() - posed).max())]
+    screenshot("2-control-missing")
+    yield from click(CONTROL, row(0))
+    yield from rest(3)
+    write("other")
+    yield from rest()
+    press("RET")
+    yield from settled()
+    picked = deformer().handles[0].control
+    seen["picked"] = [picked and picked.name, float(np.abs(shown() - posed).max())]
+    other.location.z += 0.25
+    yield from settled()
+    seen["follows_picked"] = float((shown() - posed)[:, 2].max())
+
+
+def mode(name: str) -> None:
+    bpy.context.view_layer.objects.active = head()
+    with in_view():
+        bpy.ops.object.mode_set(mode=name)
+
+
+def paint():
+    """A stroke of weight 0 over the lower half of the lifted ear."""
+    posed = shown()
+    mode("WEIGHT_PAINT")
+    yield from click(SELECT, row(0))
+    seen["painting"] = head().vertex_groups.active.name
+    unified = bpy.context.scene.tool_settings.unified_paint_settings
+    unified.use_unified_weight = unified.use_unified_size = True
+    unified.weight, unified.size = 0.0, 25
+    bpy.context.scene.tool_settings.weight_paint.brush.strength = 1.0
+    yield from rest()
+    group = head().vertex_groups["Ear.L"].index
+    held = weights(group)
+    view = viewport().spaces.active.region_3d
+    lowest = min(held, key=lambda index: posed[index][2])
+    spot = location_3d_to_region_2d(region(), view, Vector(posed[lowest]))
+    x, y = region().x + round(spot.x), region().y + round(spot.y)
+    yield from drag((x - 15, y + 5), (x + 15, y + 20), steps=6)
+    yield from settled()
+    seen["painted_away"] = sum(held.values()) - sum(weights(group).values())
+    live = shown()
+    seen["paint_changed"] = float(np.abs(live - posed).max())
+    screenshot("3-painted")
+    yield
+    mode("OBJECT")
+    with in_view():
+        bpy.ops.sinew.bind()
+    yield from settled()
+    seen["paint_as_bound_anew"] = float(np.abs(shown() - live).max())
+
+
+def weights(group: int) -> dict[int, float]:
+    """Of the vertices in a group, by index."""
+    return {
+        vertex.index: entry.weight
+        for vertex in head().data.vertices
+        for entry in vertex.groups
+        if entry.group == group
+    }
+
+
+def subdivide_muzzle():
+    """Some faces more, in Edit Mode, by Blender's own operator."""
+    mode("EDIT")
+    select(head(), lambda point: point.z < -0.9 and point.y < -0.6)
+    with in_view():
+        bpy.ops.mesh.subdivide()
+    yield from rest()
+    move(*middle())
+    press("TAB")
+    yield from settled()
+
+
+def edit_topology():
+    """Without Automatic Rebind the panel asks for a click; with it nobody has to."""
+    yield from subdivide_muzzle()
+    base = np.array([vertex.co for vertex in head().data.vertices])
+    seen["topology"] = [deformer().status_level, deformer().status, float(np.abs(shown() - base).max())]
+    screenshot("4-topology")
+    yield from click(*REBIND)
+    yield from until(lambda: deformer().status_level == "INFO")
+    seen["rebound"] = [deformer().status_level, len(base), deformer().status]
+    seen["lifted_again"] = float((shown() - base)[:, 2].max())
+    deformer().auto_rebind = True
+    yield from subdivide_muzzle()
+    yield from until(lambda: deformer().status_level == "INFO")
+    base = np.array([vertex.co for vertex in head().data.vertices])
+    seen["automatic"] = [deformer().status_level, len(base), deformer().status]
+    seen["lifted_automatically"] = float((shown() - base)[:, 2].max())
+    screenshot("5-rebound")
+
+
+def heavy_drag():
+    """A grid of 160,801 vertices: a thread answers while the mouse moves on."""
+    bpy.data.objects.remove(head())
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=400, y_subdivisions=400, size=4.0)
+    obj = bpy.context.object
+    obj.name = "Head"
+    for name, side in (("Left", -1.0), ("Right", 1.0)):
+        members = [vertex.index for vertex in obj.data.vertices if vertex.co.x * side > 1.6]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+    with in_view():
+        bpy.ops.sinew.deformer_add(method="arap")
+        bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Right")
+        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Left")
+    before, lifts = shown(), []
+    seen["in_thread"] = seen["unsettled"] = False
+    here = middle()
+    move(*here)
+    yield from rest()
+    press("G")
+    yield
+    press("Z")
+    for step in range(1, 13):
+        move(here[0], here[1] + 8 * step)
+        yield
+        lifts.append(float((shown() - before)[:, 2].max()))
+        seen["in_thread"] |= session().busy()
+        seen["unsettled"] |= deformer().uid in session().unsettled()
+    press("LEFTMOUSE")
+    seen["lifts"] = lifts
+    yield from rest()
+    yield from until(lambda: not session().unsettled() and not session().busy(), 120.0)
+    yield from rest()
+    seen["heavy_settled"] = not session().unsettled()
+    handle = deformer().handles[1].control.matrix_world.translation.z
+    seen["heavy_lift"] = [handle, float((shown() - before)[:, 2].max())]
+    screenshot("6-heavy")
+
+
+def journey():
+    yield from prepare()
+    yield from wide_panel()
+    yield from use_and_select()
+    yield from weight()
+    yield from rename_and_order()
+    yield from missing_control()
+    yield from paint()
+    yield from edit_topology()
+    yield from heavy_drag()
+
+
+start(journey())
