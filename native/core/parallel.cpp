@@ -22,6 +22,11 @@ void parallel_chunks(int count, int grain, const std::function<void(int, int)>& 
     tbb::parallel_for(0, chunks, [&](int c) { body(c * grain, std::min(count, (c + 1) * grain)); });
 }
 
+void parallel_tasks(int count, const std::function<void(int)>& body)
+{
+    tbb::parallel_for(0, count, [&](int task) { body(task); }, tbb::simple_partitioner());
+}
+
 void limit_threads(int count)
 {
     static std::mutex mutex;

@@ -11,6 +11,9 @@ namespace sinew {
 /// reproducible to the last bit on every machine.
 void parallel_chunks(int count, int grain, const std::function<void(int begin, int end)>& body);
 
+/// Runs body(task) for each of a few heavy tasks, in any order.
+void parallel_tasks(int count, const std::function<void(int task)>& body);
+
 /// body(i) for every i in [0, count); items must be independent.
 template <class Body>
 void parallel_for(int count, Body&& body, int grain = 2048)

@@ -2,6 +2,8 @@
 #include "native/solvers/cholmod_factor.h"
 
 #include "native/core/errors.h"
+#include "native/solvers/lanes.h"
+#include "native/solvers/supernodal_solve.h"
 
 #ifdef SINEW_HAVE_CHOLMOD
 
@@ -141,6 +143,7 @@ public:
 
     int factorize(const SparseMatrix& matrix) override
     {
+        own_.reset();
         Workspace workspace;
         workspace.get()->supernodal = supernodal_ ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
         cholmod_sparse a = view(matrix);
@@ -150,11 +153,26 @@ public:
         if (workspace.get()->status != CHOLMOD_OK)
             refuse(workspace.get()->status);
         nonzeros_ = count_entries();
+        if (factor_->is_super)
+            own_ = std::make_unique<SupernodalSolve>(SupernodalFactor{
+                .size = static_cast<int>(factor_->n),
+                .supernodes = static_cast<int>(factor_->nsuper),
+                .permutation = static_cast<const int*>(factor_->Perm),
+                .first = static_cast<const int*>(factor_->super),
+                .row_begin = static_cast<const int*>(factor_->pi),
+                .block_begin = static_cast<const int*>(factor_->px),
+                .rows = static_cast<const int*>(factor_->s),
+                .values = static_cast<double*>(factor_->x),
+            });
         return -1;
     }
 
     void solve(const MatrixX& rhs, MatrixX& solution) const override
     {
+        if (own_ && rhs.cols() <= lane_count) {
+            own_->solve(rhs, solution);
+            return;
+        }
         Workspace workspace;
         cholmod_dense b{};
         b.nrow = rhs.rows();
@@ -233,6 +251,7 @@ private:
     void release()
     {
         if (factor_) {
+            own_.reset();
             Workspace workspace;
             cholmod_free_factor(&factor_, workspace.get());
         }
@@ -240,6 +259,7 @@ private:
 
     bool supernodal_;
     cholmod_factor* factor_ = nullptr;
+    std::unique_ptr<SupernodalSolve> own_; ///< faster than CHOLMOD's up to four columns
     std::int64_t nonzeros_ = 0;
 };
 

@@ -107,7 +107,7 @@ def _random(name: str) -> dict[str, str]:
 def blender_layer(version: str) -> Layer:
     """That layer, named after the series of a release."""
     name = f"blender-{version.rpartition('.')[0]}"
-    return Layer(name, 600, partial(blender_module, name, environments.blender(version)))
+    return Layer(name, 900, partial(blender_module, name, environments.blender(version)))
 
 
 def blender_5(timeout: float) -> Outcome:
@@ -199,8 +199,8 @@ LAYERS = (
     Layer("sanitizers", 600, sanitizers),
     Layer("bindings", 420, bindings),
     Layer("addon", 120, addon),
-    Layer("blender-3.4", 600, blender_3_4),
+    Layer("blender-3.4", 900, blender_3_4),
     *(blender_layer(version) for version in environments.LONG_TERM_BLENDERS),
-    Layer("blender-5", 600, blender_5),
-    Layer("gui", 420, gui),
+    Layer("blender-5", 900, blender_5),
+    Layer("gui", 1200, gui),
 )

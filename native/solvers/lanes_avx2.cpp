@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compiled with AVX2, and run only where the processor has it.
+#include "native/solvers/lanes.h"
+
+#include "native/solvers/lanes.inl"
+
+namespace sinew {
+
+extern const LaneKernels lane_kernels_with_avx2;
+const LaneKernels lane_kernels_with_avx2{subtract_product, subtract_transposed, triangle,
+                                         triangle_transposed};
+
+} // namespace sinew

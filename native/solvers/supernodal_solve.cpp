@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/supernodal_solve.h"
+
+#include "native/core/parallel.h"
+#include "native/solvers/lanes.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+namespace sinew {
+
+namespace {
+
+constexpr int block_width = 16;
+constexpr int most_subtrees = 16;
+constexpr std::int64_t least_parallel = 400'000; ///< factor entries; below, one thread is faster
+
+} // namespace
+
+struct SupernodalSolve::Impl
+{
+    /// Supernodes [begin, end) with everything below them: columns [first_column, last_column).
+    struct Subtree
+    {
+        int begin, end;
+        int first_column, last_column;
+    };
+
+    /// Reused by later solves; several at once each take their own.
+    struct Workspace
+    {
+        std::vector<double> points;            ///< (n) lanes in elimination order
+        std::vector<std::vector<double>> sums; ///< one a subtree: lanes of the unknowns above all subtrees
+        std::vector<std::vector<double>>
+            rows; ///< one a subtree, the last for the top: lanes of one supernode's rows
+    };
+
+    explicit Impl(const SupernodalFactor& factor) : f(factor), kernels(lane_kernels())
+    {
+        invert_diagonal_blocks();
+        choose_subtrees();
+    }
+
+    int columns(int s) const { return f.first[s + 1] - f.first[s]; }
+    int height(int s) const { return f.row_begin[s + 1] - f.row_begin[s]; }
+    double* block(int s) const { return f.values + f.block_begin[s]; }
+
+    void invert_diagonal_blocks()
+    {
+        reciprocals.resize(f.size);
+        parallel_chunks(f.supernodes, 256, [&](int begin, int end) {
+            for (int s = begin; s < end; ++s) {
+                const int stride = height(s);
+                for (int c = 0; c < columns(s); c += block_width)
+                    invert(block(s) + c * (stride + 1), stride, std::min(block_width, columns(s) - c),
+                           reciprocals.data() + f.first[s] + c);
+            }
+        });
+    }
+
+    /// The inverse of a lower triangle: its diagonal, and transposed above L's diagonal its strict part.
+    static void invert(double* L, int stride, int width, double* diagonal)
+    {
+        for (int i = 0; i < width; ++i) {
+            diagonal[i] = 1.0 / L[i * (stride + 1)];
+            for (int j = 0; j < i; ++j) {
+                double sum = L[i + j * stride] * diagonal[j];
+                for (int k = j + 1; k < i; ++k)
+                    sum += L[i + k * stride] * L[j + k * stride];
+                L[j + i * stride] = -diagonal[i] * sum;
+            }
+        }
+    }
+
+    /// Subtrees of equal weight, found by splitting the heaviest; what is left on top is done alone.
+    void choose_subtrees()
+    {
+        std::vector<int> owner(f.size);
+        for (int s = 0; s < f.supernodes; ++s)
+            std::fill(owner.begin() + f.first[s], owner.begin() + f.first[s + 1], s);
+        std::vector<int> parent(f.supernodes, -1), start(f.supernodes);
+        std::vector<std::int64_t> weight(f.supernodes, 0);
+        for (int s = 0; s < f.supernodes; ++s)
+            start[s] = s;
+        std::int64_t total = 0;
+        for (int s = 0; s < f.supernodes; ++s) { // postorder: children come first
+            const std::int64_t own = static_cast<std::int64_t>(columns(s)) * height(s);
+            weight[s] += own;
+            total += own;
+            if (height(s) > columns(s)) {
+                parent[s] = owner[f.rows[f.row_begin[s] + columns(s)]];
+                weight[parent[s]] += weight[s];
+                start[parent[s]] = std::min(start[parent[s]], start[s]);
+            }
+        }
+        on_top.assign(f.supernodes, false);
+        if (total < least_parallel)
+            return;
+
+        std::vector<std::vector<int>> children(f.supernodes);
+        std::vector<int> chosen;
+        for (int s = 0; s < f.supernodes; ++s)
+            if (parent[s] >= 0)
+                children[parent[s]].push_back(s);
+            else
+                chosen.push_back(s);
+        const auto lighter = [&](int a, int b) { return weight[a] < weight[b]; };
+        std::make_heap(chosen.begin(), chosen.end(), lighter);
+        while (!chosen.empty() && weight[chosen.front()] > total / most_subtrees) {
+            const int heaviest = chosen.front();
+            std::pop_heap(chosen.begin(), chosen.end(), lighter);
+            chosen.pop_back();
+            on_top[heaviest] = true;
+            for (const int child : children[heaviest]) {
+                chosen.push_back(child);
+                std::push_heap(chosen.begin(), chosen.end(), lighter);
+            }
+        }
+        std::sort(chosen.begin(), chosen.end());
+        // Neighbours join until each task has its share.
+        std::int64_t gathered = 0;
+        for (const int root : chosen) {
+            const bool adjoins = !subtrees.empty() && subtrees.back().end == start[root];
+            if (!adjoins || gathered + weight[root] > total / most_subtrees) {
+                subtrees.push_back({start[root], start[root], 0, 0});
+                gathered = 0;
+            }
+            subtrees.back().end = root + 1;
+            gathered += weight[root];
+        }
+        for (Subtree& subtree : subtrees) {
+            subtree.first_column = f.first[subtree.begin];
+            subtree.last_column = f.first[subtree.end];
+        }
+        top_position.assign(f.size, -1);
+        for (int s = 0; s < f.supernodes; ++s)
+            if (on_top[s])
+                for (int c = f.first[s]; c < f.first[s + 1]; ++c)
+                    top_position[c] = top_count++;
+    }
+
+    /// x = L^-1 x for one supernode's own columns; returns -L21 x for the rows below, in `below`.
+    void forward(int s, double* points, double* below) const
+    {
+        const int width = columns(s), stride = height(s), rest = stride - width;
+        double* own = points + lane_count * static_cast<std::size_t>(f.first[s]);
+        std::fill_n(below, lane_count * rest, 0.0);
+        for (int c = 0; c < width; c += block_width) {
+            const int part = std::min(block_width, width - c);
+            const double* L = block(s) + static_cast<std::size_t>(c) * stride;
+            kernels.triangle(L + c, stride, part, reciprocals.data() + f.first[s] + c, own + lane_count * c);
+            kernels.subtract_product(L + c + part, stride, part, width - c - part, own + lane_count * c,
+                                     own + lane_count * (c + part));
+            kernels.subtract_product(L + width, stride, part, rest, own + lane_count * c, below);
+        }
+    }
+
+    /// x = L^-T x for one supernode's own columns, given the rows below.
+    void backward(int s, double* points, const double* below) const
+    {
+        const int width = columns(s), stride = height(s), rest = stride - width;
+        double* own = points + lane_count * static_cast<std::size_t>(f.first[s]);
+        for (int c = (width - 1) / block_width * block_width; c >= 0; c -= block_width) {
+            const int part = std::min(block_width, width - c);
+            const double* L = block(s) + static_cast<std::size_t>(c) * stride;
+            kernels.subtract_transposed(L + c + part, stride, part, width - c - part,
+                                        own + lane_count * (c + part), own + lane_count * c);
+            kernels.subtract_transposed(L + width, stride, part, rest, below, own + lane_count * c);
+            kernels.triangle_transposed(L + c, stride, part, reciprocals.data() + f.first[s] + c,
+                                        own + lane_count * c);
+        }
+    }
+
+    static void add(double* to, const double* from)
+    {
+        for (int k = 0; k < lane_count; ++k)
+            to[k] += from[k];
+    }
+
+    static void copy(double* to, const double* from) { std::copy_n(from, lane_count, to); }
+
+    void forward_subtree(const Subtree& subtree, double* points, double* sums, double* below) const
+    {
+        for (int s = subtree.begin; s < subtree.end; ++s) {
+            forward(s, points, below);
+            const int* rows = f.rows + f.row_begin[s] + columns(s);
+            const int rest = height(s) - columns(s);
+            int r = 0;
+            for (; r < rest && rows[r] < subtree.last_column; ++r)
+                add(points + lane_count * static_cast<std::size_t>(rows[r]), below + lane_count * r);
+            for (; r < rest; ++r)
+                add(sums + lane_count * static_cast<std::size_t>(top_position[rows[r]]),
+                    below + lane_count * r);
+        }
+    }
+
+    void forward_alone(int s, double* points, double* below) const
+    {
+        forward(s, points, below);
+        const int* rows = f.rows + f.row_begin[s] + columns(s);
+        for (int r = 0; r < height(s) - columns(s); ++r)
+            add(points + lane_count * static_cast<std::size_t>(rows[r]), below + lane_count * r);
+    }
+
+    void backward_alone(int s, double* points, double* below) const
+    {
+        const int* rows = f.rows + f.row_begin[s] + columns(s);
+        for (int r = 0; r < height(s) - columns(s); ++r)
+            copy(below + lane_count * r, points + lane_count * static_cast<std::size_t>(rows[r]));
+        backward(s, points, below);
+    }
+
+    void sweep(Workspace& work) const
+    {
+        double* points = work.points.data();
+        double* top_rows = work.rows.back().data();
+        const int tasks = static_cast<int>(subtrees.size());
+        if (tasks == 0) {
+            for (int s = 0; s < f.supernodes; ++s)
+                forward_alone(s, points, top_rows);
+            for (int s = f.supernodes - 1; s >= 0; --s)
+                backward_alone(s, points, top_rows);
+            return;
+        }
+        parallel_tasks(tasks, [&](int t) {
+            std::fill(work.sums[t].begin(), work.sums[t].end(), 0.0);
+            forward_subtree(subtrees[t], points, work.sums[t].data(), work.rows[t].data());
+        });
+        for (int s = 0; s < f.supernodes; ++s)
+            if (on_top[s])
+                for (int c = f.first[s]; c < f.first[s + 1]; ++c)
+                    for (int t = 0; t < tasks; ++t)
+                        add(points + lane_count * static_cast<std::size_t>(c),
+                            work.sums[t].data() + lane_count * static_cast<std::size_t>(top_position[c]));
+        for (int s = 0; s < f.supernodes; ++s)
+            if (on_top[s])
+                forward_alone(s, points, top_rows);
+        for (int s = f.supernodes - 1; s >= 0; --s)
+            if (on_top[s])
+                backward_alone(s, points, top_rows);
+        parallel_tasks(tasks, [&](int t) {
+            for (int s = subtrees[t].end - 1; s >= subtrees[t].begin; --s)
+                backward_alone(s, points, work.rows[t].data());
+        });
+    }
+
+    std::unique_ptr<Workspace> take() const
+    {
+        {
+            const std::lock_guard lock(mutex);
+            if (!idle.empty()) {
+                std::unique_ptr<Workspace> work = std::move(idle.back());
+                idle.pop_back();
+                return work;
+            }
+        }
+        auto work = std::make_unique<Workspace>();
+        int tallest = 0;
+        for (int s = 0; s < f.supernodes; ++s)
+            tallest = std::max(tallest, height(s) - columns(s));
+        work->points.resize(static_cast<std::size_t>(f.size) * lane_count);
+        work->sums.assign(subtrees.size(),
+                          std::vector<double>(static_cast<std::size_t>(top_count) * lane_count));
+        work->rows.assign(subtrees.size() + 1,
+                          std::vector<double>(static_cast<std::size_t>(tallest) * lane_count));
+        return work;
+    }
+
+    void give_back(std::unique_ptr<Workspace> work) const
+    {
+        const std::lock_guard lock(mutex);
+        idle.push_back(std::move(work));
+    }
+
+    SupernodalFactor f;
+    const LaneKernels& kernels;
+    std::vector<double> reciprocals; ///< of the diagonal
+    std::vector<Subtree> subtrees;
+    std::vector<char> on_top;
+    std::vector<int> top_position; ///< of each column on top among all such, else -1
+    int top_count = 0;
+    mutable std::mutex mutex;
+    mutable std::vector<std::unique_ptr<Workspace>> idle;
+};
+
+SupernodalSolve::SupernodalSolve(const SupernodalFactor& factor) : impl_(std::make_unique<Impl>(factor)) {}
+SupernodalSolve::~SupernodalSolve() = default;
+
+void SupernodalSolve::solve(const MatrixX& rhs, MatrixX& solution) const
+{
+    const Impl& m = *impl_;
+    const int n = m.f.size, k = static_cast<int>(rhs.cols());
+    std::unique_ptr<Impl::Workspace> work = m.take();
+    double* points = work->points.data();
+    parallel_for(
+        n,
+        [&](int i) {
+            double* point = points + lane_count * static_cast<std::size_t>(i);
+            const int unknown = m.f.permutation[i];
+            for (int c = 0; c < lane_count; ++c)
+                point[c] = c < k ? rhs(unknown, c) : 0.0;
+        },
+        16384);
+    m.sweep(*work);
+    solution.resize(n, k);
+    parallel_for(
+        n,
+        [&](int i) {
+            const double* point = points + lane_count * static_cast<std::size_t>(i);
+            const int unknown = m.f.permutation[i];
+            for (int c = 0; c < k; ++c)
+                solution(unknown, c) = point[c];
+        },
+        16384);
+    m.give_back(std::move(work));
+}
+
+} // namespace sinew
