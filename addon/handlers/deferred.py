@@ -12,6 +12,7 @@ from .. import session
 
 PAUSE = 0.15  # seconds without an edit, after which a preview becomes final
 _POLL = 0.1
+_STAND_BY = 0.2  # no render is running
 _FRAME = 0.02  # while a drag waits for the shape of a thread
 
 _last_edit = 0.0
@@ -23,12 +24,27 @@ def schedule() -> None:
     _last_edit = time.monotonic()
     if not bpy.app.background and not bpy.app.timers.is_registered(_tick) and _is_pending():
         bpy.app.timers.register(_tick, first_interval=PAUSE)
+    if _has_unlocked_renders() and not bpy.app.timers.is_registered(_serve):
+        bpy.app.timers.register(_serve)
 
 
 def stop() -> None:
     """No more timers."""
-    if bpy.app.timers.is_registered(_tick):
-        bpy.app.timers.unregister(_tick)
+    for timer in (_tick, _serve):
+        if bpy.app.timers.is_registered(timer):
+            bpy.app.timers.unregister(timer)
+
+
+def _has_unlocked_renders() -> bool:
+    return bool(session.owners()) and any(session.is_needed(scene) for scene in bpy.data.scenes)
+
+
+def _serve() -> float | None:
+    """Stand ready for render threads; see ``session.relay``."""
+    if not _has_unlocked_renders():
+        return None
+    session.serve()
+    return 0.0 if bpy.app.is_job_running("RENDER") else _STAND_BY
 
 
 def catch_up() -> bool:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Undo, redo, load, save: properties are the truth, the session follows."""
 
+import threading
+
 import bpy
 from bpy.app.handlers import persistent
 
@@ -28,7 +30,12 @@ def on_load(*_args: object) -> None:
 
 @persistent
 def before_use(*_args: object) -> None:
-    """Before a save or a render, on the main thread: copies get shapes of their own, edits take effect."""
+    """Before a save or a render: copies get shapes of their own, edits take effect.
+
+    A window renders in a thread of its own, where datablocks cannot be made: there a timer did it.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        return
     session.tidy()
     if session.refresh():
         bpy.context.view_layer.update()

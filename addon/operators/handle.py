@@ -93,19 +93,31 @@ class SINEW_OT_handle_add(WaitsForBind, Operator):
                     raise SinewError("Name a vertex group, or select vertices in Edit Mode")
                 group = session.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
             with object_mode(context, obj):
+                is_first = obj.sinew.active is None
                 deformer = obj.sinew.active or session.add_deformer(obj, preferences(context).method)
-                handle = session.add_handle(obj, deformer, self.kind, group, control, bone, owns_group)
+                try:
+                    handle = session.add_handle(obj, deformer, self.kind, group, control, bone, owns_group)
+                except SinewError:
+                    _take_back(obj, is_first, group if owns_group else "")
+                    raise
                 self._settle(obj, deformer, handle)
                 bound = self._bind(obj, deformer, wait)
                 if handle.kind == "HANDLE" and mode not in ("POSE", "PAINT_WEIGHT"):
                     context.view_layer.update()  # the new empty enters the view layer
-                    _select(context, obj, handle)
+                    self._show_control(context, obj, handle)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         if bound:
             self.report({"INFO"}, f"{handle.name}: {deformer.status}")
         return {"FINISHED"}
+
+    def _show_control(self, context: Context, obj: Object, handle: SinewHandle) -> None:
+        """The region stands also where its control cannot be selected."""
+        try:
+            _select(context, obj, handle)
+        except SinewError as error:
+            self.report({"WARNING"}, str(error))
 
     def _settle(self, obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
         """What the options say of a new handle."""
@@ -209,6 +221,14 @@ class SINEW_OT_select_handle(Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         return {"FINISHED"}
+
+
+def _take_back(obj: Object, is_first: bool, group: str) -> None:
+    """A region that is refused leaves nothing behind: no deformer and no group made for it."""
+    if is_first:
+        session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
+    if group:
+        obj.vertex_groups.remove(obj.vertex_groups[group])
 
 
 def _group_at_hand(obj: Object, bone: str) -> str:

@@ -23,6 +23,7 @@ from .move import move_deformer, move_handle
 from .parting import part_regions
 from .picking import is_moved_by_control
 from .refresh import refresh
+from .relay import is_needed, serve
 from .repair import Cures, notes, repair
 from .repair import summary as repair_summary
 from .rig import attribute_names, find_modifier
@@ -58,6 +59,7 @@ __all__ = (
     "handles_of_side",
     "has_pending",
     "is_moved_by_control",
+    "is_needed",
     "is_suspended",
     "job",
     "may_wait",
@@ -75,6 +77,7 @@ __all__ = (
     "repair_summary",
     "select_elements",
     "select_group",
+    "serve",
     "settle",
     "side_of_handle",
     "summary",

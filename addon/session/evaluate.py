@@ -73,11 +73,11 @@ def _update_object(
                 session.rest = None  # its weights go by the old names
             if rig.connect_mask(obj, modifier, deformer):
                 obj.update_tag()
-        try:
-            with session.lock:
+        with session.lock:
+            try:
                 chain = _take(turn)
-        except SinewError as error:
-            _refuse(turn, error)  # it lets through what entered
+            except SinewError as error:
+                _refuse(turn, error)  # it lets through what entered
     if depsgraph.mode == "VIEWPORT":
         _report_lost(obj)
         baked.report(obj)
@@ -133,7 +133,7 @@ def _take(turn: Turn) -> Chain:
         status.put(deformer.uid, Status(Level.INFO, LINKED))
         return Chain(broken=True)
     if not deformer.is_bound or not regions.has_constraints(turn.settings):
-        rig.show_rest(deformer, turn.mode)
+        rig.show_rest(deformer, turn.mode, turn.depsgraph.scene)
         return turn.chain
     wait = bpy.app.background or not turn.in_viewport
     if deformer.method not in BY_ID:
@@ -143,7 +143,7 @@ def _take(turn: Turn) -> Chain:
     bound = binding.ensure(session, deformer, turn.settings, wait, mode=turn.mode)
     if bound is None:
         if session.failed is not None:
-            rig.show_rest(deformer, turn.mode)
+            rig.show_rest(deformer, turn.mode, turn.depsgraph.scene)
         return turn.chain
     solving.solve(turn, bound, *incoming.find(turn, bound))
     return incoming.after(turn)
@@ -151,7 +151,7 @@ def _take(turn: Turn) -> Chain:
 
 def _refuse(turn: Turn, error: SinewError) -> None:
     if not isinstance(error, BackendMissingError):  # then the last solution stays
-        rig.show_rest(turn.deformer, turn.mode)
+        rig.show_rest(turn.deformer, turn.mode, turn.depsgraph.scene)
     if turn.in_viewport:
         status.fail(turn.deformer.uid, error)
     else:

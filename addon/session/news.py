@@ -33,7 +33,7 @@ class News:
 
     def has_new_geometry(self, obj: Object) -> bool:
         """What enters the modifiers of the target may have changed."""
-        if not self._lists(obj):
+        if self._depsgraph.mode == "RENDER" or not self._lists(obj):
             return True
         return self._updates.get(obj, False) or self._updates.get(obj.data, False)
 

@@ -10,13 +10,13 @@ import uuid
 
 import bpy
 import numpy as np
-from bpy.types import Mesh, NodesModifier, Object
+from bpy.types import Mesh, NodesModifier, Object, Scene
 
 from .. import compat
 from ..ids import Datablocks, Inputs, Keys
 from ..mesh_io import shape_mesh, write_shape
 from ..properties import SinewDeformer
-from . import node_group, state
+from . import node_group, relay, state
 
 _KEY_LENGTH = 16
 _REST = ("rest",)
@@ -148,14 +148,22 @@ def session_of(deformer: SinewDeformer, mode: str) -> state.Session:
     return session
 
 
-def show_rest(deformer: SinewDeformer, mode: str) -> None:
-    """Let the incoming shape through. An array write only, so handlers may call it."""
+def show_rest(deformer: SinewDeformer, mode: str, scene: Scene | None = None) -> None:
+    """Let the incoming shape through. An array write only, so handlers may call it.
+
+    A handler names its ``scene`` and holds the session's lock.
+    """
     proxy = deformer.shape(mode)
-    shown = session_of(deformer, mode).view(mode)
+    session = session_of(deformer, mode)
+    shown = session.view(mode)
     if proxy is None or shown.signature == _REST:
         return
     zeros = np.zeros((len(proxy.data.vertices) - 1, 3), dtype=np.float32)
-    write_shape(proxy.data, zeros, 0.0, False)
+    mesh = proxy.data
+    if scene is None:
+        write_shape(mesh, zeros, 0.0, False)
+    else:
+        relay.write(scene, lambda: write_shape(mesh, zeros, 0.0, False), session.lock)
     shown.signature, shown.positions, shown.converged = _REST, None, True
 
 

@@ -18,7 +18,7 @@ from ..core.errors import OptionError, SolverError, TopologyChangedError
 from ..core.status import Level, Status
 from ..mesh_io import write_shape
 from ..preferences import preferences
-from . import binding, poses, regions
+from . import binding, poses, regions, relay
 from .incoming import TOPOLOGY_CHANGED
 from .state import Bound, Session, Shown
 from .turn import Turn
@@ -99,7 +99,13 @@ def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
 
 def _show(turn: Turn, bound: Bound, question: Question, positions: np.ndarray, converged: bool) -> None:
     shown, factor = turn.shown, _factor(turn)
-    if turn.proxy is None or not write_shape(turn.proxy.data, positions, factor, question.displacement):
+    mesh = None if turn.proxy is None else turn.proxy.data
+    fits = mesh is not None and relay.write(
+        turn.depsgraph.scene,
+        lambda: write_shape(mesh, positions, factor, question.displacement),
+        turn.session.lock,
+    )
+    if not fits:
         raise TopologyChangedError(TOPOLOGY_CHANGED)
     shown.signature, shown.incoming, shown.positions = question.signature, question.incoming, positions
     shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged

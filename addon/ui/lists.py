@@ -60,7 +60,10 @@ class SINEW_UL_handles(UIList):
         row.active = handle.enabled
         swatch = row.row()
         swatch.ui_units_x = 0.6
-        swatch.prop(handle, "colour", text="")
+        if handle.kind == "HANDLE":
+            swatch.prop(handle, "colour", text="")
+        else:  # overlays show what stays in one colour, that of the preferences
+            swatch.label(text="")
         row.prop(handle, "name", text="", emboss=False, icon=_ICONS[handle.kind])
         if handle.control_missing:
             picker = row.row()

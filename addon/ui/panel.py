@@ -86,7 +86,8 @@ class SINEW_PT_region(_ActiveDeformerPanel, Panel):
         layout.prop(handle, "weight", slider=True)
         if deformer.definition.continuity:
             layout.prop(handle, "continuity", slider=True)
-        layout.prop(handle, "colour")
+        if handle.kind == "HANDLE":
+            layout.prop(handle, "colour")
 
 
 class SINEW_PT_advanced(_ActiveDeformerPanel, Panel):

@@ -6,7 +6,7 @@ from bpy.types import Context, UILayout
 from .. import compat
 
 _CHARACTER = 5.8  # average width of a letter, in pixels at scale 1
-_EDGES = 51  # of a line without icon: margins of region, panel and box
+_EDGES = 59  # of a line without icon: margins of region, panel and box
 _ICON = 20
 _TABS = 21  # the sidebar has its tabs inside the region
 

@@ -227,3 +227,18 @@ def test_a_baked_deformer_is_unbaked_before_it_is_removed(plate: Rig, tmp_path, 
     assert [modifier.type for modifier in plate.obj.modifiers] == ["NODES"]
     assert len(plate.obj.sinew.deformers) == 1
     assert np.abs(plate.points() - plate.rest()).max() < FLOAT32
+
+
+def test_a_refused_region_leaves_nothing_behind(plate: Rig):
+    """Neither a deformer nor a vertex group nor a modifier."""
+    groups = [group.name for group in plate.obj.vertex_groups]
+    with pytest.raises(RuntimeError, match="no vertex group 'Nothing'"):
+        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Nothing")
+    assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    with pytest.raises(RuntimeError, match="cannot control itself"):
+        bpy.ops.sinew.handle_add(kind="HANDLE", control_object=plate.obj.name)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
+    assert [group.name for group in plate.obj.vertex_groups] == groups

@@ -18,14 +18,15 @@ def drive(
     timeout: float,
     size: tuple[int, int] = (1280, 800),
     environment: Mapping[str, str] | None = None,
+    keep: bool = True,
 ) -> dict:
     """What the script noted in ``seen.json``, with all that Blender printed as ``said``.
 
-    Screenshots go to ``output``, or into a folder of its name where SINEW_TEST_OUTPUT is set.
+    All goes to ``output``, or, where SINEW_TEST_OUTPUT is set and it is to ``keep``, to a folder in that.
     """
     if "DISPLAY" not in os.environ:
         pytest.skip("no display: start it under xvfb-run")
-    if "SINEW_TEST_OUTPUT" in os.environ:
+    if keep and "SINEW_TEST_OUTPUT" in os.environ:
         output = Path(os.environ["SINEW_TEST_OUTPUT"]) / Path(script).stem
     output.mkdir(parents=True, exist_ok=True)
     command = ["blender", "--factory-startup", "--enable-event-simulate", "-noaudio"]

@@ -14,7 +14,7 @@ from mathutils import Vector
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from driving import (  # noqa: E402
+from driving import (
     MODELS,
     OUTPUT,
     click,
@@ -24,14 +24,13 @@ from driving import (  # noqa: E402
     middle,
     move,
     open_tab,
+    play,
     press,
-    region,
     rest,
     screenshot,
     seen,
     session,
     shown_points,
-    start,
     until,
     view_pixels,
     viewport,
@@ -287,12 +286,12 @@ def look() -> None:
     """A camera, a colour, and few samples."""
     scene = bpy.context.scene
     camera = scene.camera
-    camera.data.type, camera.data.ortho_scale = "ORTHO", 2.6
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 2.35
     toward = Vector((-0.86, -0.44, -0.24))
     camera.rotation_euler = toward.to_track_quat("-Z", "Y").to_euler()
-    camera.location = Vector((0.0, 0.15, 0.22)) - 6.0 * toward.normalized()
+    camera.location = Vector((0.0, 0.0, 0.26)) - 6.0 * toward.normalized()
     light = bpy.data.objects["Light"]
-    light.data.energy, light.location, light.data.shadow_soft_size = 900.0, (3.5, 4.5, 5.0), 1.0
+    light.data.energy, light.location, light.data.shadow_soft_size = 1700.0, (3.5, 4.5, 5.0), 1.0
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.12, 0.13, 0.15, 1.0)
     colour = bpy.data.materials.new("Hide")
     colour.use_nodes = True
@@ -301,7 +300,7 @@ def look() -> None:
     cow().data.materials.append(colour)
     render = scene.render
     render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 16, False
-    render.resolution_x, render.resolution_y, render.film_transparent = 300, 260, True
+    render.resolution_x, render.resolution_y, render.film_transparent = 380, 380, True
 
 
 def outline() -> list[float]:
@@ -410,4 +409,4 @@ def journey():
     seen["pixels_not_undone"] = float((np.abs(undone - ready).max(axis=2) > 0.05).mean())
 
 
-start(journey())
+play(journey())

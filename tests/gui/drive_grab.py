@@ -5,21 +5,18 @@ Steps are a generator; each ``yield`` gives Blender the time a person would take
 go to the folder named after ``--``.
 """
 
-import json
-import os
 import sys
-import traceback
 from pathlib import Path
 
-import addon_utils
 import bmesh
 import bpy
 import numpy as np
 from mathutils import Quaternion
 
-OUTPUT = Path(sys.argv[sys.argv.index("--") + 1])
-PAUSE = 0.35  # seconds
-CHARACTERS = {"ZERO": "0", "ONE": "1", "TWO": "2", "FIVE": "5", "NINE": "9", "PERIOD": ".", "MINUS": "-"}
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from driving import enable, in_view, move, play, press, region, screenshot, seen, select, viewport
+
 SEQUENCES = {  # keys, and moves of the mouse in pixels; a leading + holds Shift
     "free": ["G", (60, 40)],
     "axis": ["G", "X", (60, 40)],
@@ -36,46 +33,11 @@ SEQUENCES = {  # keys, and moves of the mouse in pixels; a leading + holds Shift
 }
 SLANTED = (0.75, 0.55, 0.2, 0.3)  # a view from the front, the right and above
 
-seen: dict[str, object] = {}
-mouse = [0, 0]
-
-
-def window():
-    return bpy.context.window_manager.windows[0]
-
-
-def viewport():
-    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
-
-
-def view_region():
-    return next(region for region in viewport().regions if region.type == "WINDOW")
-
-
-def in_view():
-    return bpy.context.temp_override(window=window(), area=viewport(), region=view_region())
-
-
-def press(key: str, **modifiers: bool) -> None:
-    for value in ("PRESS", "RELEASE"):
-        typed = {"unicode": CHARACTERS[key]} if value == "PRESS" and key in CHARACTERS else {}
-        window().event_simulate(key, value, x=mouse[0], y=mouse[1], **typed, **modifiers)
-
-
-def move(x: int, y: int, **modifiers: bool) -> None:
-    mouse[:] = x, y
-    window().event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y, **modifiers)
-
-
-def screenshot(name: str) -> None:
-    with in_view():
-        bpy.ops.screen.screenshot(filepath=str(OUTPUT / f"{name}.png"))
-
 
 def home() -> tuple[int, int]:
     """Right of the selection."""
-    region = view_region()
-    return region.x + region.width // 2 + 190, region.y + region.height // 2 + 60
+    view = region()
+    return view.x + view.width // 2 + 190, view.y + view.height // 2 + 60
 
 
 def mesh():
@@ -90,18 +52,9 @@ def chosen() -> list[int]:
     return [vertex.index for vertex in mesh().verts if vertex.select]
 
 
-def select(where) -> None:
-    edit = mesh()
-    for vertex in edit.verts:
-        vertex.select = bool(where(vertex.co))
-    edit.select_flush_mode()
-    bmesh.update_edit_mesh(bpy.data.objects["Head"].data)
-
-
 def prepare() -> None:
     """A head of 7,958 vertices in Edit Mode, turned a little, the tip of an ear selected."""
-    if addon_utils.enable(os.environ.get("SINEW_ADDON_MODULE", "sinew"), default_set=True) is None:
-        raise RuntimeError("Sinew is not installed")
+    enable()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     bpy.ops.mesh.primitive_monkey_add(size=3.0)
@@ -118,7 +71,7 @@ def prepare() -> None:
     space.region_3d.view_distance = 7.0
     with in_view():
         bpy.ops.object.mode_set(mode="EDIT")
-    select(lambda point: point.x > 1.75)
+    select(obj, lambda point: point.x > 1.75)
     with in_view():
         bpy.ops.mesh.select_mode(type="FACE")
 
@@ -235,28 +188,4 @@ def journey():
     yield from compared(rest, "perspective ", ["free", "axis"])
 
 
-def finish() -> None:
-    (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1))
-    sys.stdout.flush()
-    os._exit(0)
-
-
-def tick() -> float | None:
-    going_on = False
-    try:
-        next(steps)
-        going_on = True
-    except StopIteration:
-        pass
-    finally:  # Blender must end whatever happened, and the test reads the reason
-        if not going_on:
-            if sys.exc_info()[0] is not None:
-                seen["error"] = traceback.format_exc()
-            finish()
-    return PAUSE
-
-
-bpy.context.preferences.view.show_splash = False
-bpy.context.preferences.view.show_tooltips = False
-steps = journey()
-bpy.app.timers.register(tick, first_interval=1.5)
+play(journey(), pause=0.25)

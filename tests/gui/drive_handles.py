@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: the list of handles by mouse, weights by brush, vertices that come, and a
-drag of a heavy mesh.
-"""
+"""Runs inside a Blender with a window: handles in their list, weights by brush, new vertices, heavy drags."""
 
 import sys
 from pathlib import Path
@@ -13,13 +11,14 @@ from mathutils import Vector
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from driving import (  # noqa: E402
+from driving import (
     click,
     drag,
     enable,
     in_view,
     middle,
     move,
+    play,
     press,
     region,
     rest,
@@ -28,7 +27,6 @@ from driving import (  # noqa: E402
     select,
     session,
     shown_points,
-    start,
     until,
     viewport,
     window,
@@ -98,9 +96,10 @@ def prepare():
         bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
     bpy.context.view_layer.objects.active = obj
     deformer().handles[0].control.matrix_world.translation.z += LIFT
+    deformer().handles[2].control.matrix_world.translation.x -= 0.3
     view = viewport().spaces.active.region_3d
     view.view_perspective, view.view_rotation = "ORTHO", (0.7071, 0.7071, 0.0, 0.0)
-    view.view_location, view.view_distance = (0.0, 0.0, 0.3), 8.0
+    view.view_location, view.view_distance = (0.0, 0.0, 0.25), 5.8
     bpy.ops.ed.undo_push(message="Pose")
     yield from settled()
 
@@ -287,6 +286,7 @@ def heavy_drag():
         bpy.ops.sinew.deformer_add(method="arap")
         bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Right")
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Left")
+    viewport().spaces.active.region_3d.view_rotation = (0.8, 0.53, 0.15, 0.24)
     before, lifts = shown(), []
     seen["in_thread"] = seen["unsettled"] = False
     here = middle()
@@ -324,4 +324,4 @@ def journey():
     yield from heavy_drag()
 
 
-start(journey())
+play(journey())

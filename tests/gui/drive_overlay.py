@@ -4,10 +4,7 @@
 Steps are a generator, as in ``drive.py``; observations and screenshots go to the folder named after ``--``.
 """
 
-import json
-import os
 import sys
-import traceback
 from pathlib import Path
 
 import addon_utils
@@ -16,28 +13,22 @@ import numpy as np
 from bpy_extras import view3d_utils
 from mathutils import Color, Euler, Matrix, Vector
 
-OUTPUT = Path(sys.argv[sys.argv.index("--") + 1])
-MODEL = Path(__file__).parents[2] / "blend_samples" / "models" / "spot.obj"
-PAUSE = 0.5  # seconds; a software renderer needs about half of it to draw a window of this size
-MODULE = os.environ.get("SINEW_ADDON_MODULE", "sinew")
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-seen: dict[str, object] = {}
-
-
-def window():
-    return bpy.context.window_manager.windows[0]
-
-
-def viewport():
-    return next(area for area in window().screen.areas if area.type == "VIEW_3D")
-
-
-def view_region():
-    return next(region for region in viewport().regions if region.type == "WINDOW")
-
-
-def in_view():
-    return bpy.context.temp_override(window=window(), area=viewport(), region=view_region())
+from driving import (
+    MODELS,
+    MODULE,
+    OUTPUT,
+    enable,
+    in_view,
+    open_tab,
+    play,
+    region,
+    screenshot,
+    seen,
+    view_pixels,
+    viewport,
+)
 
 
 def overlays():
@@ -52,21 +43,10 @@ def cow() -> bpy.types.Object:
     return bpy.data.objects["Spot"]
 
 
-def click(x: int, y: int) -> None:
-    window().event_simulate("MOUSEMOVE", "NOTHING", x=x, y=y)
-    for value in ("PRESS", "RELEASE"):
-        window().event_simulate("LEFTMOUSE", value, x=x, y=y)
-
-
-def screenshot(name: str) -> None:
-    with in_view():
-        bpy.ops.screen.screenshot(filepath=str(OUTPUT / f"{name}.png"))
-
-
 def model() -> bpy.types.Object:
     """Spot the cow, z up, looking along +x: 2,930 vertices."""
     points, faces = [], []
-    for line in MODEL.read_text(encoding="ascii").splitlines():
+    for line in (MODELS / "spot.obj").read_text(encoding="ascii").splitlines():
         word, *rest = line.split() or [""]
         if word == "v":
             x, y, z = map(float, rest)
@@ -107,8 +87,7 @@ def groups(obj: bpy.types.Object) -> None:
 
 def prepare() -> None:
     """The cow bound, not posed yet, the Sinew tab open."""
-    if addon_utils.enable(MODULE, default_set=True) is None:
-        raise RuntimeError("Sinew is not installed")
+    enable()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     obj = model()
@@ -158,11 +137,7 @@ def state(name: str) -> None:
 
 def drawn(name: str) -> np.ndarray:
     """The part of a screenshot that shows the mesh, (rows, columns, 3), from below."""
-    image = bpy.data.images.load(str(OUTPUT / f"{name}.png"))
-    width, height = image.size
-    rows = np.array(image.pixels[:], dtype=np.float32).reshape(height, width, -1)
-    region = view_region()
-    return rows[region.y : region.y + region.height, region.x : region.x + region.width * 2 // 3, :3]
+    return view_pixels(name)
 
 
 def place(vertex: int) -> tuple[int, int]:
@@ -170,7 +145,7 @@ def place(vertex: int) -> tuple[int, int]:
     evaluated = cow().evaluated_get(bpy.context.evaluated_depsgraph_get())
     point = evaluated.matrix_world @ evaluated.data.vertices[vertex].co
     space = viewport().spaces.active
-    found = view3d_utils.location_3d_to_region_2d(view_region(), space.region_3d, point)
+    found = view3d_utils.location_3d_to_region_2d(region(), space.region_3d, point)
     return round(found.x), round(found.y)
 
 
@@ -197,7 +172,7 @@ LOOKS = {
 def journey():
     prepare()
     yield
-    open_tab()
+    yield from open_tab()
     yield
     pose()
     yield
@@ -311,19 +286,6 @@ def journey():
     look_at(spots)
 
 
-def open_tab() -> None:
-    """Click the Sinew tab of the sidebar."""
-    sidebar = next(region for region in viewport().regions if region.type == "UI")
-    if hasattr(sidebar, "active_panel_category"):
-        sidebar.active_panel_category = "Sinew"
-        return
-    scale = bpy.context.preferences.system.ui_scale
-    click(sidebar.x + sidebar.width - int(9 * scale), sidebar.y + sidebar.height - int(TAB * scale))
-
-
-TAB = 160  # from the top of the sidebar to the middle of the fourth tab, in pixels at scale 1
-
-
 def look_at(spots: dict[str, tuple[int, int]]) -> None:
     """Colours at known places, and how many pixels each overlay changed."""
     off = drawn("off")
@@ -338,28 +300,4 @@ def look_at(spots: dict[str, tuple[int, int]]) -> None:
         }
 
 
-def finish() -> None:
-    (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1))
-    sys.stdout.flush()
-    os._exit(0)
-
-
-def tick() -> float | None:
-    going_on = False
-    try:
-        next(steps)
-        going_on = True
-    except StopIteration:
-        pass
-    finally:  # Blender must end whatever happened, and the test reads the reason
-        if not going_on:
-            if sys.exc_info()[0] is not None:
-                seen["error"] = traceback.format_exc()
-            finish()
-    return PAUSE
-
-
-bpy.context.preferences.view.show_splash = False
-bpy.context.preferences.view.show_tooltips = False
-steps = journey()
-bpy.app.timers.register(tick, first_interval=1.5)
+play(journey(), pause=0.25)

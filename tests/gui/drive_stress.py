@@ -1,53 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender with a window: playback, viewport render, F12 during a drag, a long render while the
 viewport lives on, unlocked, and Blender's own autosave.
-
-Steps are a generator; each ``yield`` gives Blender a moment. Observations go to the folder after ``--``.
 """
 
-import json
 import os
 import sys
 import time
-import traceback
 from pathlib import Path
 
-import addon_utils
 import bpy
 import numpy as np
 from mathutils import Matrix
 
-OUTPUT = Path(sys.argv[sys.argv.index("--") + 1])
-FRAMES = int(os.environ.get("SINEW_STRESS_FRAMES", "1000"))
-ADDON = os.environ.get("SINEW_ADDON_MODULE", "sinew")
-PAUSE = 0.02
-STEP = 1.0 / FRAMES  # what the control rises in one frame
-TILT = 0.3
-
+sys.path.insert(0, str(Path(__file__).resolve().parent))
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "blender"))
-if addon_utils.enable(ADDON, default_set=True) is None:
-    raise RuntimeError("Sinew is not installed")
+
+from driving import OUTPUT, enable, in_view, play, seen, session, until, viewport, window
+
+enable()
 
 from events import Expected  # noqa: E402 - needs the add-on
 from probe import Probe  # noqa: E402
 from rig import Rig, grid_object, make_active  # noqa: E402
 
-seen: dict[str, object] = {}
-
-
-def window():
-    return bpy.context.window_manager.windows[0]
-
-
-def viewport():
-    return max(
-        (area for area in window().screen.areas if area.type == "VIEW_3D"), key=lambda area: area.width
-    )
-
-
-def in_view():
-    region = next(region for region in viewport().regions if region.type == "WINDOW")
-    return bpy.context.temp_override(window=window(), area=viewport(), region=region)
+FRAMES = int(os.environ.get("SINEW_STRESS_FRAMES", "1000"))
+STEP = 1.0 / FRAMES  # what the control rises in one frame
+TILT = 0.3
 
 
 class Stage:
@@ -223,7 +201,7 @@ def stress(stage: Stage, engine: str, last: int):
     seen[f"{engine}_seconds"] = round(time.monotonic() - begin, 1)
     seen[f"{engine}_frames"] = len(done)
     seen[f"{engine}_moves"] = moves
-    yield from until(lambda: not session().unsettled() and not session().busy())
+    yield from until(lambda: not session().unsettled() and not session().busy(), 10.0)
     yield
     seen[f"{engine}_dragged_error"] = stage.dragged_error()
     seen[f"{engine}_viewport_error"] = stage.error(STEP * scene.frame_current)
@@ -238,17 +216,6 @@ def stress(stage: Stage, engine: str, last: int):
         scene.frame_set(frame)
         yield
         seen[f"{engine}_after_{frame}"] = stage.error(STEP * frame)
-
-
-def until(condition, seconds: float = 10.0):
-    """Wait for it."""
-    begin = time.monotonic()
-    while not condition() and time.monotonic() - begin < seconds:
-        yield
-
-
-def session():
-    return sys.modules[f"{ADDON}.session"]
 
 
 def remember(stage: Stage) -> None:
@@ -286,27 +253,4 @@ def journey():
     yield from autosave()
 
 
-def finish() -> None:
-    (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1), encoding="utf-8")
-    sys.stdout.flush()
-    os._exit(0)
-
-
-def tick() -> float | None:
-    going_on = False
-    try:
-        next(steps)
-        going_on = True
-    except StopIteration:
-        pass
-    finally:  # Blender must end whatever happened, and the test reads the reason
-        if not going_on:
-            if sys.exc_info()[0] is not None:
-                seen["error"] = traceback.format_exc()
-            finish()
-    return PAUSE
-
-
-bpy.context.preferences.view.show_splash = False
-steps = journey()
-bpy.app.timers.register(tick, first_interval=1.0, persistent=True)
+play(journey(), pause=0.02)

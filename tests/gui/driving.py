@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Hands and eyes for scripts that drive a Blender with a window: mouse, keys, waiting, screenshots.
 
-A journey is a generator; each ``yield`` gives Blender the time a person would take. What it notes in ``seen``,
-and its screenshots, go to the folder named after ``--``.
+A journey is a generator; each ``yield`` gives Blender the time a person would take. What it notes in
+``seen``, and its screenshots, go to the folder named after ``--``.
 """
 
 import json
@@ -64,22 +64,23 @@ def middle() -> Place:
     return view.x + (view.width - covered) // 2, view.y + view.height // 2
 
 
+_NUMBERS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
+_KEYS = {" ": "SPACE", ".": "PERIOD", "-": "MINUS", **{str(n): key for n, key in enumerate(_NUMBERS)}}
+_CHARACTERS = {key: character for character, key in _KEYS.items()}
+
+
 def press(key: str, character: str = "", **modifiers: bool) -> None:
-    """A key or button, where the mouse is; ``character`` is what it writes."""
+    """A key or button, where the mouse is; ``character`` is what a letter writes."""
+    written = character or _CHARACTERS.get(key, "")
     for value in ("PRESS", "RELEASE"):
-        typed = {"unicode": character} if character and value == "PRESS" else {}
+        typed = {"unicode": written} if written and value == "PRESS" else {}
         window().event_simulate(key, value, x=mouse[0], y=mouse[1], **typed, **modifiers)
-
-
-_KEYS = {" ": "SPACE", ".": "PERIOD", "-": "MINUS", "_": "MINUS"}
-_DIGITS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
 
 
 def write(text: str) -> None:
     """Type it."""
     for character in text:
-        key = _DIGITS[int(character)] if character.isdigit() else _KEYS.get(character, character.upper())
-        press(key, character)
+        press(_KEYS.get(character, character.upper()), character)
 
 
 def move(x: int, y: int, **modifiers: bool) -> None:
@@ -173,7 +174,7 @@ def select(obj: bpy.types.Object, where: Callable[[object], bool]) -> None:
     bmesh.update_edit_mesh(obj.data)
 
 
-def start(journey: Iterator[None], pause: float = 0.3) -> None:
+def play(journey: Iterator[None], pause: float = 0.1) -> None:
     """Take the steps of a journey, then end Blender, whatever happened."""
 
     def tick() -> float | None:
@@ -190,8 +191,9 @@ def start(journey: Iterator[None], pause: float = 0.3) -> None:
                 _finish()
         return pause
 
-    view = bpy.context.preferences.view
-    view.show_splash = view.show_tooltips = False
+    preferences = bpy.context.preferences
+    preferences.view.show_splash = preferences.view.show_tooltips = False
+    preferences.system.viewport_aa = "FXAA"  # else each picture is drawn eight times, here without a GPU
     bpy.app.timers.register(tick, first_interval=1.5, persistent=True)
 
 

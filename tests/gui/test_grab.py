@@ -1,14 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Grab Region in a real window, beside Blender's own Move, Rotate and Scale. Needs a display, as Xvfb's."""
 
-import json
-import os
-import subprocess
-from pathlib import Path
-
 import pytest
+from blender_window import drive
 
-HERE = Path(__file__).parent
 TIMEOUT = 420.0  # a software renderer draws about two windows a second, fewer on a busy machine
 SAME = (
     "free",
@@ -33,22 +28,8 @@ SAME = (
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
-    """What the session in ``drive_grab.py`` observed; screenshots stay in the output folder."""
-    if "DISPLAY" not in os.environ:
-        pytest.skip("no display: start it under xvfb-run")
-    output = Path(os.environ.get("SINEW_TEST_OUTPUT") or tmp_path_factory.mktemp("gui")) / "grab"
-    output.mkdir(parents=True, exist_ok=True)
-    command = ["blender", "--factory-startup", "--enable-event-simulate", "-noaudio"]
-    command += ["--window-geometry", "0", "0", "1280", "800"]
-    if "PYTHONPATH" in os.environ:
-        command.append("--python-use-system-env")
-    command += ["--python", str(HERE / "drive_grab.py"), "--", str(output)]
-    ended = subprocess.run(command, timeout=TIMEOUT, capture_output=True, text=True, check=False)
-    said = ended.stdout + ended.stderr
-    assert "Traceback" not in said, said
-    found = json.loads((output / "seen.json").read_text(encoding="utf-8"))
-    assert "error" not in found, found["error"]
-    return found
+    """What the session in ``drive_grab.py`` observed."""
+    return drive("drive_grab.py", tmp_path_factory.mktemp("grab"), TIMEOUT)
 
 
 def test_the_key_starts_it_and_the_surface_follows(seen: dict):

@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Overlays in a real window: the colours that the settings promise, and nothing left when they are off."""
 
-import json
-import os
-import subprocess
-from pathlib import Path
-
 import numpy as np
 import pytest
+from blender_window import drive
 
-HERE = Path(__file__).parent
 TIMEOUT = 300.0  # a software renderer draws about two windows a second
 SLACK = 0.04  # the viewport mixes in linear light and rounds to 8 bits; the oracle here does neither
 STEADY = 0.002  # of the pixels: anti-aliasing is never twice the same
@@ -19,23 +14,8 @@ OVERLAYS = ("regions", "weight", "parameter", "mask", "stretch", "area", "angle"
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
-    """What the session in ``drive_overlay.py`` observed; screenshots stay in the output folder."""
-    if "DISPLAY" not in os.environ:
-        pytest.skip("no display: start it under xvfb-run")
-    output = os.environ.get("SINEW_TEST_OUTPUT")
-    output = Path(output) / "overlays" if output else tmp_path_factory.mktemp("overlays")
-    output.mkdir(parents=True, exist_ok=True)
-    command = ["blender", "--factory-startup", "--enable-event-simulate", "-noaudio"]
-    command += ["--window-geometry", "0", "0", "1280", "800"]
-    if "PYTHONPATH" in os.environ:
-        command.append("--python-use-system-env")
-    command += ["--python", str(HERE / "drive_overlay.py"), "--", str(output)]
-    ended = subprocess.run(command, timeout=TIMEOUT, capture_output=True, text=True, check=False)
-    said = ended.stdout + ended.stderr
-    assert "Traceback" not in said, said
-    found = json.loads((output / "seen.json").read_text(encoding="utf-8"))
-    assert "error" not in found, found["error"]
-    return found
+    """What the session in ``drive_overlay.py`` observed."""
+    return drive("drive_overlay.py", tmp_path_factory.mktemp("overlay"), TIMEOUT)
 
 
 def colour(seen: dict, picture: str, spot: str) -> np.ndarray:

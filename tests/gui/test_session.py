@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a blank file to a rendered pose in a real window, and all the way back. Needs a display, such as Xvfb's."""
+"""From a blank file to a rendered pose in a real window, and back. Needs a display, such as Xvfb's."""
 
 import pytest
 from blender_window import drive

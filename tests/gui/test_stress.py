@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from blender_window import drive
 
 HERE = Path(__file__).parent
 FRAMES = 1000
@@ -18,24 +19,14 @@ ITERATIVE = 1e-3  # what an iterative method's own tolerance leaves
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
     """What the session in ``drive_stress.py`` observed."""
-    if "DISPLAY" not in os.environ:
-        pytest.skip("no display: start it under xvfb-run")
-    output = tmp_path_factory.mktemp("stress")
-    command = ["blender", "--factory-startup", "--enable-event-simulate", "-noaudio"]
-    command += ["--window-geometry", "0", "0", "480", "320"]
-    if "PYTHONPATH" in os.environ:
-        command.append("--python-use-system-env")
-    command += ["--python", str(HERE / "drive_stress.py"), "--", str(output)]
-    environment = {**os.environ, "SINEW_STRESS_FRAMES": str(FRAMES)}
-    ended = subprocess.run(
-        command, timeout=TIMEOUT, capture_output=True, text=True, check=False, env=environment
+    return drive(
+        "drive_stress.py",
+        tmp_path_factory.mktemp("stress"),
+        TIMEOUT,
+        size=(480, 320),
+        environment={"SINEW_STRESS_FRAMES": str(FRAMES)},
+        keep=False,
     )
-    said = ended.stdout + ended.stderr
-    assert (output / "seen.json").is_file(), f"Blender crashed ({ended.returncode}): {said[-3000:]}"
-    assert "Traceback" not in said, said[-3000:]
-    found = json.loads((output / "seen.json").read_text(encoding="utf-8"))
-    assert "error" not in found, found["error"]
-    return found
 
 
 def test_playback_shows_the_pose_of_each_frame(seen: dict):

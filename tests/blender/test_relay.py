@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes of render threads are carried out once, by the main thread where it serves, else by their own."""
+
+import threading
+from types import SimpleNamespace
+
+import bpy
+import pytest
+
+
+@pytest.fixture
+def relay(room, monkeypatch: pytest.MonkeyPatch):
+    """As in a window whose interface is not locked."""
+    found = room("session.relay")
+    monkeypatch.setattr(found, "is_needed", lambda _scene: True)
+    return found
+
+
+class Render(threading.Thread):
+    """Hands over one write; who carried it out, and what it gave."""
+
+    def __init__(self, relay, write=None) -> None:
+        super().__init__(daemon=True)
+        self.relay, self.by, self.result = relay, [], None
+        self.lock = threading.RLock()
+        self.write = write or (lambda: True)
+
+    def run(self) -> None:
+        def write() -> bool:
+            self.by.append(threading.current_thread())
+            return self.write()
+
+        with self.lock:
+            self.result = self.relay.write(SimpleNamespace(), write, self.lock)
+
+
+def test_the_main_thread_carries_it_out_and_may_take_the_lock_meanwhile(relay):
+    render = Render(relay)
+    render.start()
+    while not render.by:
+        with render.lock:
+            relay.serve()
+    render.join(10.0)
+    assert render.by == [threading.main_thread()]
+    assert render.result is True
+
+
+def test_without_an_answer_the_render_thread_does_it_itself_once(relay, monkeypatch):
+    monkeypatch.setattr(relay, "PATIENCE", 0.05)
+    render = Render(relay, lambda: False)
+    render.start()
+    render.join(10.0)
+    relay.serve()  # too late
+    assert render.by == [render]
+    assert render.result is False
+
+
+def test_what_blender_forbids_the_main_thread_for_a_moment_is_tried_again(relay):
+    tries = []
+
+    def write() -> bool:
+        tries.append(1)
+        if len(tries) == 1:
+            raise AttributeError("Writing to ID classes in this context is not allowed")
+        return True
+
+    render = Render(relay, write)
+    render.start()
+    while not render.by:
+        relay.serve()
+    render.join(10.0)
+    assert render.by == [threading.main_thread(), render]
+    assert render.result is True
+
+
+def test_locked_interfaces_and_background_renders_need_no_relay(room):
+    relay = room("session.relay")
+    assert not relay.is_needed(bpy.context.scene)
+    assert relay.write(bpy.context.scene, lambda: True, threading.RLock()) is True
