@@ -55,7 +55,7 @@ class News:
 
     def _controls(self, obj: Object, evaluated: Object) -> tuple:
         """Where the target and its controls are."""
-        placed = [poses.rows(evaluated.matrix_world)]
+        placed = [poses.fingerprint(evaluated.matrix_world)]
         for deformer in obj.sinew.deformers:
             for handle in deformer.handles:
                 if handle.kind == "HANDLE":

@@ -28,22 +28,22 @@ def control_matrix(handle: SinewHandle, depsgraph: Depsgraph | None = None) -> n
     return None if bone is None else matrix @ np.array(bone.matrix, dtype=np.float64)
 
 
-def placement(handle: SinewHandle, depsgraph: Depsgraph) -> tuple | None:
-    """Where the control is, as plain numbers to compare: the quick form of ``control_matrix``."""
+def placement(handle: SinewHandle, depsgraph: Depsgraph) -> tuple[int, ...] | None:
+    """Where the control is, to compare: the quick form of ``control_matrix``."""
     control = handle.control
     if control is None:
         return None
     evaluated = control.evaluated_get(depsgraph)
-    placed = rows(evaluated.matrix_world)
+    placed = fingerprint(evaluated.matrix_world)
     if not handle.bone:
-        return placed
+        return (placed,)
     bone = evaluated.pose.bones.get(handle.bone) if evaluated.pose else None
-    return None if bone is None else placed + rows(bone.matrix)
+    return None if bone is None else (placed, fingerprint(bone.matrix))
 
 
-def rows(matrix: Matrix) -> tuple:
-    """A matrix as plain numbers to compare."""
-    return tuple(map(tuple, matrix))
+def fingerprint(matrix: Matrix) -> int:
+    """A number that changes with the matrix, to 64 bits."""
+    return hash(matrix.copy().freeze())
 
 
 def rest_of(handle: SinewHandle) -> np.ndarray:
