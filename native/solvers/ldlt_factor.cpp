@@ -9,6 +9,17 @@ namespace sinew {
 
 namespace {
 
+/// Eigen's L can be asked for after the numeric step only; its pattern is there after the symbolic one.
+class Ldlt : public Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>
+{
+public:
+    /// Entries below the diagonal.
+    std::int64_t entries() const
+    {
+        return m_matrix.cols() > 0 ? m_matrix.outerIndexPtr()[m_matrix.cols()] : 0;
+    }
+};
+
 class LdltFactor final : public FactorEngine
 {
 public:
@@ -43,14 +54,10 @@ public:
 
     std::int64_t bytes() const override
     {
-        const Eigen::Index entries = ldlt_.matrixL().nestedExpression().outerIndexPtr()[permuted_.cols()];
-        return entries * (sizeof(double) + sizeof(int)) + permuted_.cols() * (sizeof(double) + sizeof(int));
+        return (ldlt_.entries() + permuted_.cols()) * static_cast<std::int64_t>(sizeof(double) + sizeof(int));
     }
 
-    std::int64_t nonzeros() const override
-    {
-        return ldlt_.matrixL().nestedExpression().nonZeros() + permuted_.cols();
-    }
+    std::int64_t nonzeros() const override { return ldlt_.entries() + permuted_.cols(); }
 
 private:
     void permute(const SparseMatrix& matrix)
@@ -60,7 +67,7 @@ private:
 
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation_;
     SparseMatrix permuted_;
-    Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>> ldlt_;
+    Ldlt ldlt_;
 };
 
 } // namespace

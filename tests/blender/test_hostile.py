@@ -535,6 +535,8 @@ def _inflict(room, folder: Path, wounds: list) -> None:
         except (TypeError, ValueError, KeyError, AttributeError, IndexError, OverflowError):
             continue  # Blender refuses it, or an earlier wound took the place away
         note(f"{where}{'[...]' if below else ''}.{key} = {value!r}")
+        if where == "target" and not below:
+            plate.name = owner.name
         plate.obj.update_tag()
         update()
     live_with_it(plate, room, folder)
