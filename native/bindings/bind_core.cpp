@@ -123,9 +123,10 @@ void bind_core(py::module_& module)
 
     module.def("limit_threads", &limit_threads, py::arg("count"),
                "At most `count` threads in the library's own loops; 0 lifts the limit.");
-    module.def("limit_memory", &limit_memory, py::arg("size"),
-               "No factor may take more than `size` bytes; 0 lifts the limit. A bind that would is refused by\n"
-               "OutOfMemory, which names both sizes, before the memory is taken.");
+    module.def(
+        "limit_memory", &limit_memory, py::arg("size"),
+        "No factor may take more than `size` bytes; 0 lifts the limit. A bind that would is refused by\n"
+        "OutOfMemory, which names both sizes, before the memory is taken.");
 }
 
 } // namespace sinew::bindings
