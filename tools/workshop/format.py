@@ -15,7 +15,7 @@ PYTHON_FOLDERS = ("addon", "blend_samples", "tests", "tools")
 
 def cpp_files() -> list[Path]:
     found: Iterator[Path] = (f for folder in SOURCE_FOLDERS for f in (ROOT / folder).rglob("*"))
-    return sorted(f for f in found if f.suffix in (".h", ".cpp"))
+    return sorted(f for f in found if f.suffix in (".h", ".cpp", ".inl"))
 
 
 def checks(write: bool = False) -> dict[str, list[str | Path]]:
