@@ -33,19 +33,6 @@ inline Lanes operator-(const Lanes& a, const Lanes& b)
 }
 #endif
 
-/// Columns are too short for the processor to foresee the next ones: it is told, a line of each ahead.
-template <int width>
-inline void prefetch(const double* block, int stride, int row)
-{
-#ifdef __GNUC__
-    if (row % 8 == 0)
-        for (int c = 0; c < width; ++c)
-            __builtin_prefetch(block + row + c * stride);
-#else
-    (void)block, (void)stride, (void)row;
-#endif
-}
-
 template <int width>
 void subtract_columns(const double* block, int stride, int height, const double* points, double* rows)
 {
@@ -53,7 +40,6 @@ void subtract_columns(const double* block, int stride, int height, const double*
     for (int c = 0; c < width; ++c)
         p[c] = load(points + 4 * c);
     for (int r = 0; r < height; ++r) {
-        prefetch<width>(block + 4 * stride, stride, r);
         Lanes sum = block[r] * p[0];
         for (int c = 1; c < width; ++c)
             sum = sum + block[r + c * stride] * p[c];
@@ -68,7 +54,6 @@ void subtract_dots(const double* block, int stride, int height, const double* ro
     for (int c = 0; c < width; ++c)
         sum[c] = load(points + 4 * c);
     for (int r = 0; r < height; ++r) {
-        prefetch<width>(block - 4 * stride, stride, r);
         const Lanes row = load(rows + 4 * r);
         for (int c = 0; c < width; ++c)
             sum[c] = sum[c] - block[r + c * stride] * row;
@@ -77,11 +62,17 @@ void subtract_dots(const double* block, int stride, int height, const double* ro
         store(points + 4 * c, sum[c]);
 }
 
+// Eight columns at a time: eight sums grow side by side, where one alone would wait for each addition.
+
 void subtract_product(const double* block, int stride, int columns, int height, const double* points,
                       double* rows)
 {
-    for (; columns >= 4; columns -= 4, block += 4 * stride, points += 16)
+    for (; columns >= 8; columns -= 8, block += 8 * stride, points += 32)
+        subtract_columns<8>(block, stride, height, points, rows);
+    if (columns >= 4) {
         subtract_columns<4>(block, stride, height, points, rows);
+        columns -= 4, block += 4 * stride, points += 16;
+    }
     if (columns == 3)
         subtract_columns<3>(block, stride, height, points, rows);
     else if (columns == 2)
@@ -90,20 +81,21 @@ void subtract_product(const double* block, int stride, int columns, int height, 
         subtract_columns<1>(block, stride, height, points, rows);
 }
 
-/// From the last columns to the first, as a backward sweep goes through memory.
 void subtract_transposed(const double* block, int stride, int columns, int height, const double* rows,
                          double* points)
 {
-    const int whole = columns / 4 * 4;
-    const double* rest = block + whole * stride;
-    if (columns - whole == 3)
-        subtract_dots<3>(rest, stride, height, rows, points + 4 * whole);
-    else if (columns - whole == 2)
-        subtract_dots<2>(rest, stride, height, rows, points + 4 * whole);
-    else if (columns - whole == 1)
-        subtract_dots<1>(rest, stride, height, rows, points + 4 * whole);
-    for (int c = whole - 4; c >= 0; c -= 4)
-        subtract_dots<4>(block + c * stride, stride, height, rows, points + 4 * c);
+    for (; columns >= 8; columns -= 8, block += 8 * stride, points += 32)
+        subtract_dots<8>(block, stride, height, rows, points);
+    if (columns >= 4) {
+        subtract_dots<4>(block, stride, height, rows, points);
+        columns -= 4, block += 4 * stride, points += 16;
+    }
+    if (columns == 3)
+        subtract_dots<3>(block, stride, height, rows, points);
+    else if (columns == 2)
+        subtract_dots<2>(block, stride, height, rows, points);
+    else if (columns == 1)
+        subtract_dots<1>(block, stride, height, rows, points);
 }
 
 void triangle(const double* block, int stride, int columns, const double* diagonal, double* points)
