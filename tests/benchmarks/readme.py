@@ -7,7 +7,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 README = HERE.parents[1] / "README.md"
 NAMES = {
-    "supernodal": "CHOLMOD supernodal, one thread",
+    "supernodal": "supernodal factor of CHOLMOD, own solve",
     "simplicial": "CHOLMOD simplicial",
     "ldlt": "Eigen LDLT",
     "scipy splu": "SciPy splu (SuperLU)",
