@@ -3,6 +3,8 @@
 #include "native/solvers/supernodal_solve.h"
 
 #include "native/core/parallel.h"
+#include "native/solvers/cholmod_factor.h"
+#include "native/solvers/spd_factor.h"
 
 #include <gtest/gtest.h>
 
@@ -11,6 +13,7 @@
 #include <algorithm>
 #include <random>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 namespace sinew {
@@ -108,15 +111,45 @@ INSTANTIATE_TEST_SUITE_P(widths, SupernodalSolveTest,
                                            std::vector<int>{3, 5, 4}, std::vector<int>{16, 17, 15},
                                            std::vector<int>{33, 2, 48, 1}, std::vector<int>{64}));
 
-TEST(SupernodalSolve, does_not_depend_on_the_number_of_threads)
+/// The square of a grid's Laplacian: its elimination tree branches, and its factor of over a million entries
+/// is large enough for several subtrees.
+SparseMatrix squared_grid(int side)
 {
-    Example example(std::vector<int>(90, 9), 0.9, 11);
-    const SupernodalSolve solve(example.view());
-    const MatrixX rhs = MatrixX::Random(example.permutation.size(), 3);
-    MatrixX many, one;
-    solve.solve(rhs, many);
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto tie = [&](int a, int b) {
+        for (const auto& [row, column, value] :
+             {std::tuple{a, a, 1.0}, {b, b, 1.0}, {a, b, -1.0}, {b, a, -1.0}})
+            entries.emplace_back(row, column, value);
+    };
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            if (x + 1 < side)
+                tie(y * side + x, y * side + x + 1);
+            if (y + 1 < side)
+                tie(y * side + x, (y + 1) * side + x);
+        }
+    for (int i = 0; i < side * side; ++i)
+        entries.emplace_back(i, i, 0.1);
+    SparseMatrix L(side * side, side * side);
+    L.setFromTriplets(entries.begin(), entries.end());
+    return L * L;
+}
+
+TEST(SupernodalSolve, in_parallel_equals_another_library_and_does_not_depend_on_the_number_of_threads)
+{
+    const SparseMatrix matrix = squared_grid(110);
+    SpdFactor ours({.backend = FactorBackend::supernodal}), theirs({.backend = FactorBackend::ldlt});
+    if (!have_cholmod())
+        GTEST_SKIP() << "no supernodal factor without CHOLMOD";
+    ours.factorize(matrix);
+    theirs.factorize(matrix);
+    ASSERT_GT(ours.nonzeros(), 400'000); // below, it would not run in parallel
+    const MatrixX rhs = MatrixX::Random(matrix.cols(), 3);
+    const MatrixX many = ours.solve(rhs), expected = theirs.solve(rhs);
+    // The condition is about 6e3, so ten digits agree with ease.
+    EXPECT_LT((many - expected).norm(), 1e-10 * expected.norm());
     limit_threads(1);
-    solve.solve(rhs, one);
+    const MatrixX one = ours.solve(rhs);
     limit_threads(0);
     EXPECT_EQ(many, one);
 }
