@@ -4,7 +4,6 @@
 from .alembic import export as export_alembic
 from .alembic import is_available as can_write_alembic
 from .job import Baking, Request
-from .paths import absolute as absolute_path
 from .paths import choose as choose_path
 from .paths import offered as offered_path
 from .unbake import unbake
@@ -12,7 +11,6 @@ from .unbake import unbake
 __all__ = (
     "Baking",
     "Request",
-    "absolute_path",
     "can_write_alembic",
     "choose_path",
     "export_alembic",

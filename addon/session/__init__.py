@@ -3,7 +3,7 @@
 
 from .apply import apply
 from .baked import find_cache
-from .binding import CANCELLED, HEAVY, busy, cancel, duration, job, may_wait, summary, unwatched, watch
+from .binding import CANCELLED, busy, cancel, duration, job, summary, unwatched, watch
 from .census import forget_owners, owners, posed_by
 from .edit import (
     add_deformer,
@@ -27,12 +27,11 @@ from .relay import is_needed, serve
 from .repair import Cures, notes, repair
 from .repair import summary as repair_summary
 from .rig import attribute_names, find_modifier
-from .state import distrust, drop_all, edited, find, is_suspended, suspended, unsettled
+from .state import distrust, drop_all, edited, find, suspended, unsettled
 from .upkeep import collect, copies, has_pending, tidy
 
 __all__ = (
     "CANCELLED",
-    "HEAVY",
     "NOTHING_FREE",
     "Cures",
     "Grab",
@@ -60,9 +59,7 @@ __all__ = (
     "has_pending",
     "is_moved_by_control",
     "is_needed",
-    "is_suspended",
     "job",
-    "may_wait",
     "mirror",
     "move_deformer",
     "move_handle",

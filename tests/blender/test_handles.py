@@ -242,3 +242,18 @@ def test_a_refused_region_leaves_nothing_behind(plate: Rig):
     bpy.ops.object.mode_set(mode="OBJECT")
     assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
     assert [group.name for group in plate.obj.vertex_groups] == groups
+
+
+def test_a_control_outside_the_view_layer_moves_its_region_all_the_same(plate: Rig):
+    """It cannot be selected there, which is no reason to refuse: the region is made and follows."""
+    away = bpy.data.collections.new("Away")
+    bpy.context.scene.collection.children.link(away)
+    control = bpy.data.objects.new("Far", None)
+    away.objects.link(control)
+    bpy.context.view_layer.layer_collection.children["Away"].exclude = True
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    found = bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", control_object="Far")
+    assert found == {"FINISHED"}
+    control.location.z += 0.5
+    assert np.abs(plate.points()[plate.top, 2] - 0.5).max() < 1e-5
