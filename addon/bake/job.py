@@ -168,7 +168,7 @@ class Baking:
             shape_keys.refuse(obj)
             self._refuse_keys(part.stage, obj, deformer)
         else:
-            if deformer.rest_render is not None:
+            if deformer.renders_differ:
                 raise SinewError(
                     f"Modifiers before {deformer.name} give other vertices in renders, and a cache holds "
                     "one number of them - let viewport and render agree (Subdivision levels, visibility)"

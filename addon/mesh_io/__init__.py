@@ -2,8 +2,16 @@
 """Arrays in and out of Blender meshes. The only place where float32 is widened."""
 
 from .attributes import Incoming, read_attributes, read_incoming
-from .rest import RestShape, group_names, group_weights, read_faces, read_rest, weights_attribute
-from .shape import read_shape, shape_mesh, write_shape
+from .rest import (
+    RestShape,
+    group_names,
+    group_weights,
+    read_faces,
+    read_rest,
+    replace_rest,
+    weights_attribute,
+)
+from .shape import read_shape, resize_shape, shape_mesh, write_shape
 from .triangles import read_edges, read_triangles
 
 __all__ = (
@@ -18,6 +26,8 @@ __all__ = (
     "read_rest",
     "read_shape",
     "read_triangles",
+    "replace_rest",
+    "resize_shape",
     "shape_mesh",
     "weights_attribute",
     "write_shape",

@@ -4,6 +4,7 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import bmesh
 import numpy as np
 from bpy.types import Mesh
 
@@ -42,6 +43,19 @@ def read_rest(mesh: Mesh) -> RestShape:
     if len(not_finite):
         points[not_finite] = _stand_ins(points, counts, corners, not_finite)
     return RestShape(mesh.get(Keys.REST_TOKEN, ""), points, counts, corners, not_finite=not_finite)
+
+
+def replace_rest(held: Mesh, new: Mesh) -> None:
+    """Let ``held`` be what ``new`` is. Its identity stays."""
+    copy = bmesh.new()
+    copy.from_mesh(new, face_normals=False)
+    copy.to_mesh(held)
+    copy.free()
+    for key in (Keys.REST_TOKEN, Keys.REST_GROUPS):
+        if key in new:
+            held[key] = new[key]
+        elif key in held:
+            del held[key]
 
 
 def _stand_ins(points: np.ndarray, counts: np.ndarray, corners: np.ndarray, lost: np.ndarray) -> np.ndarray:

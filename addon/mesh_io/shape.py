@@ -17,9 +17,15 @@ def shape_mesh(name: str, vertex_count: int) -> Mesh:
     """A new shape mesh that shows the rest shape."""
     mesh = bpy.data.meshes.new(name)
     mesh[Keys.SHAPE] = True
+    resize_shape(mesh, vertex_count)
+    return mesh
+
+
+def resize_shape(mesh: Mesh, vertex_count: int) -> None:
+    """Let a shape mesh show the rest shape of another number of vertices."""
+    mesh.clear_geometry()
     mesh.vertices.add(vertex_count + 1)
     write_shape(mesh, np.zeros((vertex_count, 3), dtype=np.float32), 0.0, False)
-    return mesh
 
 
 def write_shape(mesh: Mesh, positions: np.ndarray, factor: float, displacement: bool) -> bool:

@@ -127,6 +127,11 @@ class SinewDeformer(PropertyGroup):
         """The rest shape is stored; the factor is built from it when needed."""
         return self.rest_in("VIEWPORT") is not None
 
+    @property
+    def renders_differ(self) -> bool:
+        """Other vertices enter in renders. Else ``rest_render`` is an empty mesh, or not there at all."""
+        return isinstance(self.rest_render, Mesh) and len(self.rest_render.vertices) > 0
+
     def shape(self, mode: str) -> Object | None:
         """The hidden object that shows the deformation in VIEWPORT or RENDER, where Sinew made it."""
         shape = self.proxy_render if mode == "RENDER" else self.proxy
@@ -136,7 +141,7 @@ class SinewDeformer(PropertyGroup):
 
     def rest_in(self, mode: str) -> Mesh | None:
         """What entered at bind, in VIEWPORT or RENDER."""
-        rest = self.rest_render if mode == "RENDER" and self.rest_render is not None else self.rest
+        rest = self.rest_render if mode == "RENDER" and self.renders_differ else self.rest
         return rest if isinstance(rest, Mesh) else None
 
 

@@ -232,11 +232,11 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
             raise ConstraintError(NO_HANDLES)
         regions.follow_renamed_groups(obj, deformer)
         meshes = capture.rest_meshes(obj, deformer)
-        rig.release_rest(deformer)
-        deformer.rest, deformer.rest_render = meshes
+        sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
+        rig.hold_rest(deformer, meshes)
         deformer.topology_changed = False
         controls.complete_rest_frames(obj, deformer)
-        rig.ensure(obj, deformer, *(len(mesh.vertices) for mesh in meshes if mesh is not None))
+        rig.ensure(obj, deformer, *sizes)
         rig.keep_evaluated(obj)
         bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
         census.forget_owners()

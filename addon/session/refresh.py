@@ -45,7 +45,7 @@ def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
         meshes = capture.rest_meshes(obj, deformer)
     except SinewError:  # no vertices: the evaluation says so
         return False
-    held = (deformer.rest_in("VIEWPORT"), deformer.rest_render and deformer.rest_in("RENDER"))
+    held = (deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER") if deformer.renders_differ else None)
     if not capture.same_topology(held[0], meshes[0]):
         _discard(meshes)
         _change_topology(obj, deformer)
@@ -58,9 +58,9 @@ def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
     write_positions(meshes[0], read_positions(held[0]))
     if fits and held[1] is not None:
         write_positions(meshes[1], read_positions(held[1]))
-    rig.release_rest(deformer)
-    deformer.rest, deformer.rest_render = meshes
-    rig.ensure(obj, deformer, *(len(mesh.vertices) for mesh in meshes if mesh is not None))
+    sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
+    rig.hold_rest(deformer, meshes)
+    rig.ensure(obj, deformer, *sizes)
     deformer.topology_changed = False
     obj.update_tag(refresh={"OBJECT"})
     return True

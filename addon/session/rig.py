@@ -14,7 +14,7 @@ from bpy.types import Mesh, NodesModifier, Object, Scene
 
 from .. import compat
 from ..ids import Datablocks, Inputs, Keys
-from ..mesh_io import shape_mesh, write_shape
+from ..mesh_io import replace_rest, resize_shape, shape_mesh, write_shape
 from ..properties import SinewDeformer
 from . import node_group, relay, state
 
@@ -133,17 +133,17 @@ def _shape_object(proxy: Object | None, name: str, vertex_count: int) -> Object:
     if proxy is None or is_linked(proxy):
         return bpy.data.objects.new(name, shape_mesh(name, vertex_count))
     if len(proxy.data.vertices) != vertex_count + 1:
-        outgrown: Mesh = proxy.data
-        proxy.data = shape_mesh(name, vertex_count)
-        if outgrown.users == 0:
-            bpy.data.meshes.remove(outgrown)
+        if proxy.data.users == 1:
+            resize_shape(proxy.data, vertex_count)
+        else:
+            proxy.data = shape_mesh(name, vertex_count)
     return proxy
 
 
 def session_of(deformer: SinewDeformer, mode: str) -> state.Session:
     """The session of a deformer. Renders have one of their own where other vertices enter there."""
     session = state.of(deformer.uid)
-    if mode == "RENDER" and deformer.rest_render is not None:
+    if mode == "RENDER" and deformer.renders_differ:
         return state.in_renders(deformer.uid)
     return session
 
@@ -259,6 +259,26 @@ def _shape_owners(proxy: Object) -> int:
         for obj in bpy.data.objects
         for deformer in obj.sinew.deformers
     )
+
+
+def hold_rest(deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> None:
+    """Store what entered, in the datablocks held already; ``meshes`` are used up.
+
+    Blender's undo leaves an object as it is where two steps agree on it. Had a timer let the object point to
+    a new mesh since, which no step knows, the pointer would outlive the mesh.
+    """
+    shown, rendered = meshes
+    deformer.rest = _put(deformer.rest, shown)
+    deformer.rest_render = _put(deformer.rest_render, rendered or bpy.data.meshes.new(Datablocks.REST))
+
+
+def _put(held: Mesh | None, new: Mesh) -> Mesh:
+    """``new`` in the place of ``held``, unless a copy of the target or a library holds that too."""
+    if not isinstance(held, Mesh) or held.library is not None or held.users != 1:
+        return new
+    replace_rest(held, new)
+    bpy.data.meshes.remove(new)
+    return held
 
 
 def release_rest(deformer: SinewDeformer) -> None:

@@ -76,6 +76,11 @@ class Oracle:
         self.recalled |= missing
         return bool(missing)
 
+    def look_away(self, obj: bpy.types.Object) -> None:
+        """It is not compared now: what its controls do meanwhile only the add-on knows."""
+        for deformer in obj.sinew.deformers:
+            self.recalled |= {(deformer.uid, handle.uid) for handle in deformer.handles}
+
     def expected(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Expected:
         """What ``obj`` shows in the viewport; notes the poses on the way."""
         points = base_points(obj).astype(np.float32)

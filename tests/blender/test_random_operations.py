@@ -165,8 +165,11 @@ class Artist(RuleBasedStateMachine):
         depsgraph = bpy.context.evaluated_depsgraph_get()
         self.posed = set()
         for obj in self.targets:
-            if not obj.sinew.deformers or obj.mode == "SCULPT" or obj.data.is_editmode:
-                continue  # there Blender shows other meshes, or the mesh without some modifiers
+            if obj.mode == "SCULPT" or obj.data.is_editmode:
+                self.oracle.look_away(obj)  # there Blender shows other meshes, or omits some modifiers
+                continue
+            if not obj.sinew.deformers:
+                continue
             try:
                 expected = self.oracle.expected(obj, depsgraph)
             except Unsure:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """After an edit of the mesh: painted weights take effect, lost and new vertices are noticed."""
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -16,8 +17,6 @@ def catch_up(room) -> None:
 
 def edit_faces(obj: bpy.types.Object, change) -> None:
     """A change of the mesh in Edit Mode, as a user makes it."""
-    import bmesh
-
     make_active(obj)
     bpy.ops.object.mode_set(mode="EDIT")
     edit = bmesh.from_edit_mesh(obj.data)
@@ -59,6 +58,50 @@ def test_painted_weights_take_effect_without_a_rebind(plate: Rig, room, mode: st
     np.testing.assert_allclose(after, as_made_anew(plate), atol=1e-6)
 
 
+def held(deformer) -> list[int]:
+    """Which datablocks a deformer points to."""
+    return [
+        datablock.as_pointer()
+        for shape in (deformer.proxy, deformer.proxy_render)
+        for datablock in (shape, shape.data)
+    ] + [deformer.rest.as_pointer(), deformer.rest_render.as_pointer()]
+
+
+@pytest.mark.parametrize("change", ["weights", "topology", "renders"])
+def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, room, change: str):
+    """Undo leaves an object alone where its steps agree, also one that a pause has changed since."""
+    if change == "renders":
+        modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
+        modifier.levels = modifier.render_levels = 1
+    plate.bind("thin_shell")
+    plate.lift()
+    plate.deformer.auto_rebind = True
+    bpy.ops.ed.undo_push(message="bound")
+    before, size = held(plate.deformer), len(plate.deformer.rest_in("RENDER").vertices)
+    if change == "weights":
+        plate.obj.vertex_groups["Top"].add(plate.top.tolist(), 0.3, "REPLACE")
+        plate.obj.data.update_tag()
+        bpy.ops.ed.undo_push(message="painted")
+    elif change == "topology":
+        edit_faces(plate.obj, lambda edit: bmesh.ops.subdivide_edges(edit, edges=edit.edges, cuts=1))
+        bpy.ops.ed.undo_push(message="subdivided")
+    else:
+        modifier.render_levels = 2
+        plate.obj.data.update_tag()
+        bpy.ops.ed.undo_push(message="finer")
+    catch_up(room)
+    after = len(plate.deformer.rest_in("RENDER").vertices)
+    assert after == size if change == "weights" else after > size
+    assert held(plate.deformer) == before
+    shown = plate.points()
+    bpy.ops.ed.undo()
+    catch_up(room)
+    assert len(plate.deformer.rest_in("RENDER").vertices) == size
+    bpy.ops.ed.redo()
+    catch_up(room)
+    np.testing.assert_allclose(plate.points(), shown, atol=1e-6)
+
+
 def test_vertices_assigned_in_edit_mode_join_their_region(plate: Rig, room):
     plate.bind("thin_shell")
     plate.lift()
@@ -87,13 +130,14 @@ def test_weights_painted_on_a_posed_mesh_keep_the_rest_shape(plate: Rig, room):
     plate.bind("thin_shell")
     armature.pose.bones["high"].location = (0.0, 0.0, 0.4)
     update()
-    rest = base = plate.deformer.rest
+    rest = plate.deformer.rest
+    token = rest[room("ids").Keys.REST_TOKEN]
     held = np.array([vertex.co for vertex in rest.vertices])
     plate.obj.vertex_groups["Top"].add(plate.top.tolist(), 0.5, "REPLACE")
     plate.obj.data.update_tag()
     catch_up(room)
-    assert plate.deformer.rest != base
-    np.testing.assert_array_equal(np.array([vertex.co for vertex in plate.deformer.rest.vertices]), held)
+    assert rest[room("ids").Keys.REST_TOKEN] != token
+    np.testing.assert_array_equal(np.array([vertex.co for vertex in rest.vertices]), held)
 
 
 def test_other_faces_between_as_many_vertices_show_rest_and_say_so(plate: Rig, room):

@@ -61,7 +61,7 @@ def test_a_failed_layer_does_not_stop_the_next(capsys: pytest.CaptureFixture[str
 
 def test_each_release_plays_random_sequences_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     names = [layer.name for layer in LAYERS if layer.name.startswith("blender-")]
-    assert len({layers._random(name)["SINEW_RANDOM_SEED"] for name in names}) == len(names)
-    assert sum(int(layers._random(name)["SINEW_RANDOM_SEQUENCES"]) for name in names) == 200
+    assert len({layers._conditions(name)["SINEW_RANDOM_SEED"] for name in names}) == len(names)
+    assert sum(int(layers._conditions(name)["SINEW_RANDOM_SEQUENCES"]) for name in names) == 200
     monkeypatch.setenv("SINEW_RANDOM_SEQUENCES", "3")
-    assert layers._random("blender-5")["SINEW_RANDOM_SEQUENCES"] == "3"
+    assert layers._conditions("blender-5")["SINEW_RANDOM_SEQUENCES"] == "3"

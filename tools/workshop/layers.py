@@ -83,7 +83,9 @@ def blender_3_4(timeout: float) -> Outcome:
     script = TESTS / "blender" / "run_pytest.py"
     headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", script]
     status = run(
-        [*headless, "--", *OPTIONS, f"--junitxml={junit}"], env=env | _random("blender-3.4"), timeout=timeout
+        [*headless, "--", *OPTIONS, f"--junitxml={junit}"],
+        env=env | _conditions("blender-3.4"),
+        timeout=timeout,
     )
     return outcome(junit, status)
 
@@ -94,13 +96,17 @@ def blender_module(name: str, blender: Environment, timeout: float) -> Outcome:
     junit = _junit(name)
     script = TESTS / "blender" / "run_pytest.py"
     command = [blender.python, script, "--", *OPTIONS, f"--junitxml={junit}"]
-    return outcome(junit, run(command, env=env | _random(name), timeout=timeout))
+    return outcome(junit, run(command, env=env | _conditions(name), timeout=timeout))
 
 
-def _random(name: str) -> dict[str, str]:
-    """How many random sequences a layer plays, and which: other ones in each."""
+def _conditions(name: str) -> dict[str, str]:
+    """Freed memory is overwritten, so that a pointer into it shows; random sequences are the layer's own."""
     seed = str(zlib.crc32(name.encode()))
-    wanted = {"SINEW_RANDOM_SEQUENCES": str(RANDOM_SEQUENCES), "SINEW_RANDOM_SEED": seed}
+    wanted = {
+        "MALLOC_PERTURB_": "165",
+        "SINEW_RANDOM_SEQUENCES": str(RANDOM_SEQUENCES),
+        "SINEW_RANDOM_SEED": seed,
+    }
     return {key: os.environ.get(key, value) for key, value in wanted.items()}
 
 
