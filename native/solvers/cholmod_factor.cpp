@@ -153,8 +153,8 @@ public:
         if (workspace.get()->status != CHOLMOD_OK)
             refuse(workspace.get()->status);
         nonzeros_ = count_entries();
-        if (factor_->is_super)
-            own_ = std::make_unique<SupernodalSolve>(SupernodalFactor{
+        if (factor_->is_super) {
+            view_ = {
                 .size = static_cast<int>(factor_->n),
                 .supernodes = static_cast<int>(factor_->nsuper),
                 .permutation = static_cast<const int*>(factor_->Perm),
@@ -163,7 +163,9 @@ public:
                 .block_begin = static_cast<const int*>(factor_->px),
                 .rows = static_cast<const int*>(factor_->s),
                 .values = static_cast<double*>(factor_->x),
-            });
+            };
+            own_ = std::make_unique<SupernodalSolve<double>>(view_);
+        }
         return -1;
     }
 
@@ -188,6 +190,8 @@ public:
         solution = Eigen::Map<const MatrixX>(static_cast<const double*>(x->x), rhs.rows(), rhs.cols());
         cholmod_free_dense(&x, workspace.get());
     }
+
+    const SupernodalFactor<double>* supernodal() const override { return own_ ? &view_ : nullptr; }
 
     VectorX pivots() const override
     {
@@ -259,7 +263,8 @@ private:
 
     bool supernodal_;
     cholmod_factor* factor_ = nullptr;
-    std::unique_ptr<SupernodalSolve> own_; ///< faster than CHOLMOD's up to four columns
+    SupernodalFactor<double> view_;
+    std::unique_ptr<SupernodalSolve<double>> own_; ///< faster than CHOLMOD's up to four columns
     std::int64_t nonzeros_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/core/types.h"
+#include "native/solvers/supernodal_solve.h"
 
 #include <cstdint>
 #include <memory>
@@ -24,6 +25,9 @@ public:
 
     /// X = A^-1 B, column by column. Safe from several threads at once.
     virtual void solve(const MatrixX& rhs, MatrixX& solution) const = 0;
+
+    /// The factor itself, where it is supernodal; else null.
+    virtual const SupernodalFactor<double>* supernodal() const { return nullptr; }
 
     /// What was left of each unknown's diagonal entry when it was eliminated.
     virtual VectorX pivots() const = 0;

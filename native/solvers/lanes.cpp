@@ -3,32 +3,50 @@
 
 #include "native/solvers/lanes.inl"
 
+#include <type_traits>
+
 namespace sinew {
 
 #ifdef SINEW_HAVE_AVX2
-extern const LaneKernels lane_kernels_with_avx2;
+extern const LaneKernels<double> lane_kernels_of_doubles_with_avx2;
+extern const LaneKernels<float> lane_kernels_of_floats_with_avx2;
 #endif
 
-const LaneKernels& baseline_lane_kernels()
+template <class T>
+const LaneKernels<T>& baseline_lane_kernels()
 {
-    static constexpr LaneKernels kernels{subtract_product, subtract_transposed, triangle,
-                                         triangle_transposed};
+    static constexpr LaneKernels<T> kernels{subtract_product, subtract_transposed, triangle,
+                                            triangle_transposed};
     return kernels;
 }
 
-const LaneKernels* avx2_lane_kernels()
+template <class T>
+const LaneKernels<T>* avx2_lane_kernels()
 {
 #ifdef SINEW_HAVE_AVX2
-    if (__builtin_cpu_supports("avx2"))
-        return &lane_kernels_with_avx2;
+    if (__builtin_cpu_supports("avx2")) {
+        if constexpr (std::is_same_v<T, double>)
+            return &lane_kernels_of_doubles_with_avx2;
+        else
+            return &lane_kernels_of_floats_with_avx2;
+    }
 #endif
     return nullptr;
 }
 
-const LaneKernels& lane_kernels()
+template <class T>
+const LaneKernels<T>& lane_kernels()
 {
-    static const LaneKernels& kernels = avx2_lane_kernels() ? *avx2_lane_kernels() : baseline_lane_kernels();
+    static const LaneKernels<T>& kernels =
+        avx2_lane_kernels<T>() ? *avx2_lane_kernels<T>() : baseline_lane_kernels<T>();
     return kernels;
 }
+
+template const LaneKernels<double>& baseline_lane_kernels();
+template const LaneKernels<float>& baseline_lane_kernels();
+template const LaneKernels<double>* avx2_lane_kernels();
+template const LaneKernels<float>* avx2_lane_kernels();
+template const LaneKernels<double>& lane_kernels();
+template const LaneKernels<float>& lane_kernels();
 
 } // namespace sinew

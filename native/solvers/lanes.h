@@ -7,29 +7,31 @@ namespace sinew {
 constexpr int lane_count = 4;
 
 /// Products of a dense block with points of four lanes. `block` is column-major with leading dimension
-/// `stride`; `points` and `rows` hold four doubles an entry. Every set of kernels does the same
-/// operations in the same order, without fused ones: results agree to the last bit.
+/// `stride`; `points` and `rows` hold four numbers an entry. T is double or float. Every set of kernels does
+/// the same operations in the same order, without fused ones: results agree to the last bit.
+template <class T>
 struct LaneKernels
 {
     /// rows -= block * points
-    void (*subtract_product)(const double* block, int stride, int columns, int height, const double* points,
-                             double* rows);
+    void (*subtract_product)(const T* block, int stride, int columns, int height, const T* points, T* rows);
     /// points -= block^T * rows
-    void (*subtract_transposed)(const double* block, int stride, int columns, int height, const double* rows,
-                                double* points);
+    void (*subtract_transposed)(const T* block, int stride, int columns, int height, const T* rows,
+                                T* points);
     /// points = T * points, T lower triangular; its strict part stands transposed in the upper triangle
     /// of `block`, its diagonal in `diagonal`.
-    void (*triangle)(const double* block, int stride, int columns, const double* diagonal, double* points);
+    void (*triangle)(const T* block, int stride, int columns, const T* diagonal, T* points);
     /// points = T^T * points
-    void (*triangle_transposed)(const double* block, int stride, int columns, const double* diagonal,
-                                double* points);
+    void (*triangle_transposed)(const T* block, int stride, int columns, const T* diagonal, T* points);
 };
 
 /// The widest kernels that this processor runs.
-const LaneKernels& lane_kernels();
+template <class T>
+const LaneKernels<T>& lane_kernels();
 
 /// By name, for tests: the kernels every processor runs, and those with AVX2 (null where it has none).
-const LaneKernels& baseline_lane_kernels();
-const LaneKernels* avx2_lane_kernels();
+template <class T>
+const LaneKernels<T>& baseline_lane_kernels();
+template <class T>
+const LaneKernels<T>* avx2_lane_kernels();
 
 } // namespace sinew

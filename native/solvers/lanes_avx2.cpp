@@ -6,8 +6,11 @@
 
 namespace sinew {
 
-extern const LaneKernels lane_kernels_with_avx2;
-const LaneKernels lane_kernels_with_avx2{subtract_product, subtract_transposed, triangle,
-                                         triangle_transposed};
+extern const LaneKernels<double> lane_kernels_of_doubles_with_avx2;
+extern const LaneKernels<float> lane_kernels_of_floats_with_avx2;
+const LaneKernels<double> lane_kernels_of_doubles_with_avx2{subtract_product, subtract_transposed, triangle,
+                                                            triangle_transposed};
+const LaneKernels<float> lane_kernels_of_floats_with_avx2{subtract_product, subtract_transposed, triangle,
+                                                          triangle_transposed};
 
 } // namespace sinew

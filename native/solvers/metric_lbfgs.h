@@ -39,7 +39,8 @@ struct LbfgsOptions
 /// T. Liu, S. Bouaziz, L. Kavan. "Quasi-Newton Methods for Real-Time Simulation of Hyperelastic
 /// Materials." 2017.
 ///
-/// Keeps s, y and L^-1 y for each pair, so one application of L^-1 an iteration is enough. Each
+/// Keeps s, y and L^-1 y for each pair, so one application of L^-1 an iteration is enough, and their inner
+/// products, so that two passes over them are; in single precision, as they only shape the steps. Each
 /// step passes an Armijo test with up to three trials; then the plain step x - L^-1 g is taken
 /// and the history dropped. A plain step that raises F ends the iteration: no accepted step
 /// raises F.

@@ -47,6 +47,9 @@ public:
     /// \throw FactorizationFailed  the last matrix was refused.
     MatrixX solve(const MatrixX& rhs) const;
 
+    /// The factor itself, where it is supernodal; else null.
+    const SupernodalFactor<double>* supernodal() const { return engine_ ? engine_->supernodal() : nullptr; }
+
     int size() const { return size_; }
     std::int64_t nonzeros() const;
     std::int64_t bytes() const;                            ///< memory of the factor

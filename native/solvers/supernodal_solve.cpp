@@ -19,7 +19,8 @@ constexpr std::int64_t least_parallel = 400'000; ///< factor entries; below, one
 
 } // namespace
 
-struct SupernodalSolve::Impl
+template <class T>
+struct SupernodalSolve<T>::Impl
 {
     /// Supernodes [begin, end) with everything below them: columns [first_column, last_column).
     struct Subtree
@@ -31,13 +32,13 @@ struct SupernodalSolve::Impl
     /// Reused by later solves; several at once each take their own.
     struct Workspace
     {
-        std::vector<double> points;            ///< (n) lanes in elimination order
-        std::vector<std::vector<double>> sums; ///< one a subtree: lanes of the unknowns above all subtrees
-        std::vector<std::vector<double>>
+        std::vector<std::vector<T>> sums; ///< one a subtree: lanes of the unknowns above all subtrees
+        std::vector<std::vector<T>>
             rows; ///< one a subtree, the last for the top: lanes of one supernode's rows
+        std::vector<T> points; ///< (n) lanes, for solve()
     };
 
-    explicit Impl(const SupernodalFactor& factor) : f(factor), kernels(lane_kernels())
+    explicit Impl(const SupernodalFactor<T>& factor) : f(factor), kernels(lane_kernels<T>())
     {
         invert_diagonal_blocks();
         choose_subtrees();
@@ -45,7 +46,7 @@ struct SupernodalSolve::Impl
 
     int columns(int s) const { return f.first[s + 1] - f.first[s]; }
     int height(int s) const { return f.row_begin[s + 1] - f.row_begin[s]; }
-    double* block(int s) const { return f.values + f.block_begin[s]; }
+    T* block(int s) const { return f.values + f.block_begin[s]; }
 
     void invert_diagonal_blocks()
     {
@@ -61,12 +62,12 @@ struct SupernodalSolve::Impl
     }
 
     /// The inverse of a lower triangle: its diagonal, and transposed above L's diagonal its strict part.
-    static void invert(double* L, int stride, int width, double* diagonal)
+    static void invert(T* L, int stride, int width, T* diagonal)
     {
         for (int i = 0; i < width; ++i) {
             diagonal[i] = 1.0 / L[i * (stride + 1)];
             for (int j = 0; j < i; ++j) {
-                double sum = L[i + j * stride] * diagonal[j];
+                T sum = L[i + j * stride] * diagonal[j];
                 for (int k = j + 1; k < i; ++k)
                     sum += L[i + k * stride] * L[j + k * stride];
                 L[j + i * stride] = -diagonal[i] * sum;
@@ -142,14 +143,14 @@ struct SupernodalSolve::Impl
     }
 
     /// x = L^-1 x for one supernode's own columns; returns -L21 x for the rows below, in `below`.
-    void forward(int s, double* points, double* below) const
+    void forward(int s, T* points, T* below) const
     {
         const int width = columns(s), stride = height(s), rest = stride - width;
-        double* own = points + lane_count * static_cast<std::size_t>(f.first[s]);
+        T* own = points + lane_count * static_cast<std::size_t>(f.first[s]);
         std::fill_n(below, lane_count * rest, 0.0);
         for (int c = 0; c < width; c += block_width) {
             const int part = std::min(block_width, width - c);
-            const double* L = block(s) + static_cast<std::size_t>(c) * stride;
+            const T* L = block(s) + static_cast<std::size_t>(c) * stride;
             kernels.triangle(L + c, stride, part, reciprocals.data() + f.first[s] + c, own + lane_count * c);
             kernels.subtract_product(L + c + part, stride, part, width - c - part, own + lane_count * c,
                                      own + lane_count * (c + part));
@@ -158,13 +159,13 @@ struct SupernodalSolve::Impl
     }
 
     /// x = L^-T x for one supernode's own columns, given the rows below.
-    void backward(int s, double* points, const double* below) const
+    void backward(int s, T* points, const T* below) const
     {
         const int width = columns(s), stride = height(s), rest = stride - width;
-        double* own = points + lane_count * static_cast<std::size_t>(f.first[s]);
+        T* own = points + lane_count * static_cast<std::size_t>(f.first[s]);
         for (int c = (width - 1) / block_width * block_width; c >= 0; c -= block_width) {
             const int part = std::min(block_width, width - c);
-            const double* L = block(s) + static_cast<std::size_t>(c) * stride;
+            const T* L = block(s) + static_cast<std::size_t>(c) * stride;
             kernels.subtract_transposed(L + c + part, stride, part, width - c - part,
                                         own + lane_count * (c + part), own + lane_count * c);
             kernels.subtract_transposed(L + width, stride, part, rest, below, own + lane_count * c);
@@ -173,15 +174,15 @@ struct SupernodalSolve::Impl
         }
     }
 
-    static void add(double* to, const double* from)
+    static void add(T* to, const T* from)
     {
         for (int k = 0; k < lane_count; ++k)
             to[k] += from[k];
     }
 
-    static void copy(double* to, const double* from) { std::copy_n(from, lane_count, to); }
+    static void copy(T* to, const T* from) { std::copy_n(from, lane_count, to); }
 
-    void forward_subtree(const Subtree& subtree, double* points, double* sums, double* below) const
+    void forward_subtree(const Subtree& subtree, T* points, T* sums, T* below) const
     {
         for (int s = subtree.begin; s < subtree.end; ++s) {
             forward(s, points, below);
@@ -196,7 +197,7 @@ struct SupernodalSolve::Impl
         }
     }
 
-    void forward_alone(int s, double* points, double* below) const
+    void forward_alone(int s, T* points, T* below) const
     {
         forward(s, points, below);
         const int* rows = f.rows + f.row_begin[s] + columns(s);
@@ -204,7 +205,7 @@ struct SupernodalSolve::Impl
             add(points + lane_count * static_cast<std::size_t>(rows[r]), below + lane_count * r);
     }
 
-    void backward_alone(int s, double* points, double* below) const
+    void backward_alone(int s, T* points, T* below) const
     {
         const int* rows = f.rows + f.row_begin[s] + columns(s);
         for (int r = 0; r < height(s) - columns(s); ++r)
@@ -212,10 +213,9 @@ struct SupernodalSolve::Impl
         backward(s, points, below);
     }
 
-    void sweep(Workspace& work) const
+    void sweep(T* points, Workspace& work) const
     {
-        double* points = work.points.data();
-        double* top_rows = work.rows.back().data();
+        T* top_rows = work.rows.back().data();
         const int tasks = static_cast<int>(subtrees.size());
         if (tasks == 0) {
             for (int s = 0; s < f.supernodes; ++s)
@@ -260,11 +260,9 @@ struct SupernodalSolve::Impl
         int tallest = 0;
         for (int s = 0; s < f.supernodes; ++s)
             tallest = std::max(tallest, height(s) - columns(s));
-        work->points.resize(static_cast<std::size_t>(f.size) * lane_count);
-        work->sums.assign(subtrees.size(),
-                          std::vector<double>(static_cast<std::size_t>(top_count) * lane_count));
+        work->sums.assign(subtrees.size(), std::vector<T>(static_cast<std::size_t>(top_count) * lane_count));
         work->rows.assign(subtrees.size() + 1,
-                          std::vector<double>(static_cast<std::size_t>(tallest) * lane_count));
+                          std::vector<T>(static_cast<std::size_t>(tallest) * lane_count));
         return work;
     }
 
@@ -274,9 +272,9 @@ struct SupernodalSolve::Impl
         idle.push_back(std::move(work));
     }
 
-    SupernodalFactor f;
-    const LaneKernels& kernels;
-    std::vector<double> reciprocals; ///< of the diagonal
+    SupernodalFactor<T> f;
+    const LaneKernels<T>& kernels;
+    std::vector<T> reciprocals; ///< of the diagonal
     std::vector<Subtree> subtrees;
     std::vector<char> on_top;
     std::vector<int> top_position; ///< of each column on top among all such, else -1
@@ -285,30 +283,44 @@ struct SupernodalSolve::Impl
     mutable std::vector<std::unique_ptr<Workspace>> idle;
 };
 
-SupernodalSolve::SupernodalSolve(const SupernodalFactor& factor) : impl_(std::make_unique<Impl>(factor)) {}
-SupernodalSolve::~SupernodalSolve() = default;
+template <class T>
+SupernodalSolve<T>::SupernodalSolve(const SupernodalFactor<T>& factor) : impl_(std::make_unique<Impl>(factor))
+{
+}
+template <class T>
+SupernodalSolve<T>::~SupernodalSolve() = default;
 
-void SupernodalSolve::solve(const MatrixX& rhs, MatrixX& solution) const
+template <class T>
+void SupernodalSolve<T>::sweep(T* points) const
+{
+    std::unique_ptr<typename Impl::Workspace> work = impl_->take();
+    impl_->sweep(points, *work);
+    impl_->give_back(std::move(work));
+}
+
+template <class T>
+void SupernodalSolve<T>::solve(const MatrixX& rhs, MatrixX& solution) const
 {
     const Impl& m = *impl_;
     const int n = m.f.size, k = static_cast<int>(rhs.cols());
-    std::unique_ptr<Impl::Workspace> work = m.take();
-    double* points = work->points.data();
+    std::unique_ptr<typename Impl::Workspace> work = m.take();
+    work->points.resize(static_cast<std::size_t>(n) * lane_count);
+    T* points = work->points.data();
     parallel_for(
         n,
         [&](int i) {
-            double* point = points + lane_count * static_cast<std::size_t>(i);
+            T* point = points + lane_count * static_cast<std::size_t>(i);
             const int unknown = m.f.permutation[i];
             for (int c = 0; c < lane_count; ++c)
-                point[c] = c < k ? rhs(unknown, c) : 0.0;
+                point[c] = c < k ? static_cast<T>(rhs(unknown, c)) : T(0);
         },
         16384);
-    m.sweep(*work);
+    m.sweep(points, *work);
     solution.resize(n, k);
     parallel_for(
         n,
         [&](int i) {
-            const double* point = points + lane_count * static_cast<std::size_t>(i);
+            const T* point = points + lane_count * static_cast<std::size_t>(i);
             const int unknown = m.f.permutation[i];
             for (int c = 0; c < k; ++c)
                 solution(unknown, c) = point[c];
@@ -316,5 +328,8 @@ void SupernodalSolve::solve(const MatrixX& rhs, MatrixX& solution) const
         16384);
     m.give_back(std::move(work));
 }
+
+template class SupernodalSolve<double>;
+template class SupernodalSolve<float>;
 
 } // namespace sinew

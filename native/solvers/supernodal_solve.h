@@ -11,6 +11,7 @@ namespace sinew {
 ///
 /// Supernode s has columns [first[s], first[s + 1]) and the rows rows[row_begin[s], row_begin[s + 1]), its
 /// own columns first, ascending; its values stand column-major at values + block_begin[s], one row a line.
+template <class T>
 struct SupernodalFactor
 {
     int size = 0;
@@ -20,10 +21,10 @@ struct SupernodalFactor
     const int* row_begin = nullptr;
     const int* block_begin = nullptr;
     const int* rows = nullptr;
-    double* values = nullptr; ///< the strict upper triangles of the diagonal blocks are ours to use
+    T* values = nullptr; ///< the strict upper triangles of the diagonal blocks are ours to use
 };
 
-/// Triangular solves with a supernodal factor for up to four right-hand sides at once.
+/// Triangular solves with a supernodal factor, of doubles or floats, for up to four right-hand sides at once.
 ///
 /// A solve reads the factor twice; each value read serves all columns. Subtrees of the elimination tree
 /// run in parallel, and what they add to the unknowns above them is summed in a fixed order: the result
@@ -33,14 +34,18 @@ struct SupernodalFactor
 ///   call         cost
 ///   constructor  O(n b^2) for blocks of b = 16 columns
 ///   solve()      two passes over the factor
+template <class T>
 class SupernodalSolve
 {
 public:
-    explicit SupernodalSolve(const SupernodalFactor& factor);
+    explicit SupernodalSolve(const SupernodalFactor<T>& factor);
     ~SupernodalSolve();
 
     /// X = A^-1 B; (n, k) with k <= 4. Safe from several threads; keeps its workspace.
     void solve(const MatrixX& rhs, MatrixX& solution) const;
+
+    /// The same in place, on (n) points of four lanes in elimination order.
+    void sweep(T* points) const;
 
 private:
     struct Impl;

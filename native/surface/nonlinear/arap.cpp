@@ -2,6 +2,7 @@
 #include "native/surface/nonlinear/arap.h"
 
 #include "native/core/errors.h"
+#include "native/core/parallel.h"
 #include "native/operators/laplacian.h"
 #include "native/surface/nonlinear/arap_cascade.h"
 #include "native/surface/nonlinear/arap_energy.h"
@@ -130,6 +131,8 @@ struct Arap::Impl
     int factorizations = 0;
     int handle_count = 0;
     ArapGraph graph;
+    std::vector<int> vertex; ///< of each node of the graph
+    Points node_rest;        ///< rest points by node
     ArapCascade cascade;
 
     Impl(const SurfaceMesh& mesh, const ArapOptions& given)
@@ -142,6 +145,22 @@ struct Arap::Impl
         graph = make_graph(rest, options);
         adopt(graph, Regions({}, parts));
         graph.place.assign(graph.size, -1);
+        vertex.resize(graph.size);
+        std::iota(vertex.begin(), vertex.end(), 0);
+        node_rest = rest.points();
+    }
+
+    Points by_node(const PointsView& points) const
+    {
+        Points result(points.rows(), 3);
+        parallel_for(graph.size, [&](int i) { result.row(i) = points.row(vertex[i]); });
+        return result;
+    }
+    Points by_vertex(const Points& points) const
+    {
+        Points result(points.rows(), 3);
+        parallel_for(graph.size, [&](int i) { result.row(vertex[i]) = points.row(i); });
+        return result;
     }
 
     static void adopt(ArapGraph& graph, const Regions& regions)
@@ -189,10 +208,16 @@ BindReport Arap::set_handles(const std::vector<Handle>& handles, const Progress&
     Impl::adopt(graph, regions);
     progress.tick(0.2, "factorising");
     graph.factorize(self.rest.points());
-    ArapCascade cascade(graph, self.rest.points(), progress);
+    std::vector<int> vertex = graph.renumber(self.rest.points());
+    Points node_rest(self.rest.vertex_count(), 3);
+    for (int i = 0; i < graph.size; ++i)
+        node_rest.row(i) = self.rest.points().row(vertex[i]);
+    ArapCascade cascade(graph, node_rest, progress);
     progress.tick(1.0, "bound");
 
     self.graph = std::move(graph);
+    self.vertex = std::move(vertex);
+    self.node_rest = std::move(node_rest);
     self.cascade = std::move(cascade);
     self.handle_count = regions.handle_count();
     self.factorizations += self.graph.smoothing > 0 ? 2 : 1;
@@ -211,8 +236,7 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
                         const Progress& progress) const
 {
     const Impl& self = *impl_;
-    const Targets targets{poses, view(self.rest.points()), request.incoming, request.from_rest};
-    targets.check(self.handle_count);
+    Targets{poses, view(self.rest.points()), request.incoming, request.from_rest}.check(self.handle_count);
     LbfgsOptions options{.max_iterations = request.max_iterations.value_or(self.options.max_iterations),
                          .tolerance = request.tolerance.value_or(self.options.tolerance)};
     require_range(options.max_iterations, 0, "max_iterations");
@@ -220,24 +244,30 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
     if (request.start)
         self.require_same_size(*request.start, "start");
 
+    Points incoming;
+    Targets targets{poses, view(self.node_rest), {}, request.from_rest};
+    if (request.incoming) {
+        incoming = self.by_node(*request.incoming);
+        targets.incoming.emplace(view(incoming));
+    }
     const ArapGoals goals(self.graph, targets);
     if (self.graph.free_nodes.empty()) {
-        positions = goals.targets;
+        positions = self.by_vertex(goals.targets);
         return SolveReport{.converged = true};
     }
     ArapProblem problem(self.graph, targets.base(), goals.targets, goals.pulls);
     options.floor = rounding_floor * problem.scale();
     Points x;
     if (request.start) {
-        x = problem.free_rows(*request.start);
+        x = problem.free_rows(view(self.by_node(*request.start)));
         problem.fit_rotations(x);
     } else {
-        self.cascade.start(problem, self.graph, self.rest.points(), targets);
+        self.cascade.start(problem, self.graph, self.node_rest, targets);
         x = problem.positions_for_rotations();
     }
     SolveReport report = minimize(problem, x, options, progress);
     report.energy *= self.graph.energy_factor();
-    positions = problem.place(x);
+    positions = self.by_vertex(problem.place(x));
     return report;
 }
 
@@ -245,12 +275,12 @@ double Arap::energy(const PointsView& positions) const
 {
     const Impl& self = *impl_;
     self.require_same_size(positions, "positions");
-    const Points all = positions;
+    const Points all = self.by_node(positions);
     Points pulls(self.graph.pulls.size(), 3); // already where they would go: no energy
     for (std::size_t k = 0; k < self.graph.pulls.size(); ++k)
         pulls.row(k) = all.row(self.graph.pulls[k].node);
-    ArapProblem problem(self.graph, view(self.rest.points()), all, pulls);
-    const Points x = problem.free_rows(positions);
+    ArapProblem problem(self.graph, view(self.node_rest), all, pulls);
+    const Points x = problem.free_rows(view(all));
     Points gradient;
     problem.fit_rotations(x);
     double energy = problem.evaluate(x, gradient);

@@ -198,6 +198,18 @@ ArapLevel coarsen(const ArapGraph& fine, const Points& fine_rest, const Clusters
     coarse.set_metric();
     coarse.factorize(rest);
     set_up_weights(level, fine, fine_rest, clusters);
+
+    const std::vector<int> old = coarse.renumber(rest);
+    std::vector<int> renamed(coarse.size), members(coarse.size);
+    for (int p = 0; p < coarse.size; ++p) {
+        renamed[old[p]] = p;
+        members[p] = level.members[old[p]];
+    }
+    level.members = std::move(members);
+    for (int& p : level.label)
+        p = p < 0 ? p : renamed[p];
+    for (int& p : level.up_nodes)
+        p = renamed[p];
     return level;
 }
 
@@ -207,7 +219,7 @@ void blend_handles(ArapProblem& problem, const ArapGraph& graph, const Poses& po
     const int handles = static_cast<int>(poses.size());
     Eigen::MatrixX4d q(handles, 4);
     for (int h = 0; h < handles; ++h)
-        q.row(h) = fit_rotation_quaternion(poses[h].leftCols<3>()).coeffs().transpose();
+        q.row(h) = Eigen::Quaterniond(fit_rotation(poses[h].leftCols<3>())).coeffs().transpose();
     // The dominant eigenvector is the mean of the rotations; quaternions on its far side turn.
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(q.transpose() * q);
     const Eigen::Vector4d mean = eigen.eigenvectors().col(3);
@@ -215,18 +227,19 @@ void blend_handles(ArapProblem& problem, const ArapGraph& graph, const Poses& po
         if (q.row(h).dot(mean) < 0)
             q.row(h) *= -1;
 
+    // Departures from the mean: handles that agree leave nothing to round.
     MatrixX sides = MatrixX::Zero(graph.free_nodes.size(), 4);
     for (std::size_t f = 0; f < graph.free_nodes.size(); ++f) {
         const int i = graph.free_nodes[f];
         for (int a = graph.offsets[i]; a < graph.offsets[i + 1]; ++a) {
             const int j = graph.neighbours[a];
             if (graph.hard[j] >= 0)
-                sides.row(f) += graph.metric[a] * q.row(graph.hard[j]);
+                sides.row(f) += graph.metric[a] * (q.row(graph.hard[j]) - mean.transpose());
         }
     }
     for (const ArapPull& pull : graph.pulls)
-        sides.row(graph.place[pull.node]) += pull.stiffness * q.row(pull.handle);
-    const MatrixX blended = graph.position_factor.solve(sides);
+        sides.row(graph.place[pull.node]) += pull.stiffness * (q.row(pull.handle) - mean.transpose());
+    graph.position_factor.solve(sides, sides);
 
     for (int i = 0; i < graph.size; ++i) {
         if (graph.idle[i])
@@ -234,16 +247,15 @@ void blend_handles(ArapProblem& problem, const ArapGraph& graph, const Poses& po
         Eigen::Vector4d r = mean;
         if (graph.hard[i] >= 0)
             r = q.row(graph.hard[i]).transpose();
-        else if (blended.row(graph.place[i]).norm() > 1e-9)
-            r = blended.row(graph.place[i]).transpose();
-        problem.rotations[i] = Eigen::Quaterniond(r.normalized()).toRotationMatrix();
+        else if ((mean + sides.row(graph.place[i]).transpose()).norm() > 1e-9)
+            r += sides.row(graph.place[i]).transpose();
+        problem.set_rotation(i, Eigen::Quaterniond(r.normalized()).toRotationMatrix());
     }
 }
 
 /// Rotations of a level to the next finer problem: sign-aligned quaternion means.
-void hand_down(const ArapLevel& level, const std::vector<Matrix3>& coarse, ArapProblem& finer)
+void hand_down(const ArapLevel& level, const std::vector<Eigen::Quaterniond>& q, ArapProblem& finer)
 {
-    std::vector<Eigen::Quaterniond> q(coarse.begin(), coarse.end());
     parallel_for(static_cast<int>(level.label.size()), [&](int i) {
         if (level.label[i] < 0)
             return;
@@ -253,7 +265,7 @@ void hand_down(const ArapLevel& level, const std::vector<Matrix3>& coarse, ArapP
             const Eigen::Quaterniond& r = q[level.up_nodes[k]];
             sum += (r.dot(own) < 0 ? -level.up_weights[k] : level.up_weights[k]) * r.coeffs();
         }
-        finer.rotations[i] = Eigen::Quaterniond(sum.normalized()).toRotationMatrix();
+        finer.set_rotation(i, Eigen::Quaterniond(sum.normalized()).toRotationMatrix());
     });
 }
 
@@ -315,7 +327,7 @@ void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const 
     const LbfgsOptions options = fine.smoothing > 0 ? LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4}
                                                     : LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4};
 
-    std::vector<Matrix3> coarser;
+    std::vector<Eigen::Quaterniond> coarser;
     for (int l = static_cast<int>(levels_.size()) - 1; l >= 0; --l) {
         const ArapGraph& graph = levels_[l].graph;
         const Targets local{targets.poses, view(rests[l]), view(bases[l]), targets.from_rest};
@@ -329,7 +341,8 @@ void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const 
         LbfgsOptions level_options = options;
         level_options.floor = 1e-14 * problem.scale();
         minimize(problem, x, level_options);
-        coarser = problem.rotations;
+        coarser.resize(graph.size);
+        parallel_for(graph.size, [&](int i) { coarser[i] = Eigen::Quaterniond(problem.rotation(i)); });
     }
     hand_down(levels_.front(), coarser, fine_problem);
 }

@@ -4,9 +4,10 @@
 #include "native/core/types.h"
 #include "native/mesh/regions.h"
 #include "native/solvers/metric_lbfgs.h"
-#include "native/solvers/spd_factor.h"
+#include "native/solvers/single_factor.h"
+#include "native/surface/nonlinear/arap_kernels.h"
 
-#include <array>
+#include <cstdint>
 #include <vector>
 
 namespace sinew {
@@ -17,14 +18,6 @@ struct ArapPull
     int node;
     int handle;
     double stiffness;
-};
-
-/// The two other corners of a triangle at a node, with half the cotangents opposite the
-/// edges (node, b), (node, c) and (b, c): what the rims of a cell need.
-struct ArapWing
-{
-    int b, c;
-    double to_b, to_c, across;
 };
 
 /// An as-rigid-as-possible problem on a weighted graph: the mesh itself, or one level of the
@@ -38,14 +31,14 @@ struct ArapGraph
     std::vector<ArapWing> wings;
     std::vector<double> rigidity;         ///< of each node's cell, > 0
     std::vector<int> hard;                ///< handle of a held node, else -1
-    std::vector<bool> idle;               ///< in a part without a handle
+    std::vector<char> idle;               ///< in a part without a handle
     std::vector<ArapPull> pulls;
     double smoothing = 0.0;               ///< alpha A: weight of |R_i - R_j|^2
 
     std::vector<int> free_nodes;
     std::vector<int> place;               ///< node -> index among the free ones, else -1
-    SpdFactor position_factor{{.many_solves = true}}; ///< L on free nodes, pulls on the diagonal
-    SpdFactor rotation_factor{{.many_solves = true}}; ///< of the rotation field; empty without smoothing
+    SingleFactor position_factor; ///< L on free nodes, pulls on the diagonal
+    SingleFactor rotation_factor; ///< of the rotation field; empty without smoothing
 
     /// Entries of L one a directed edge: weights times the rigidity of the cells they lie in.
     std::vector<double> metric;
@@ -63,6 +56,10 @@ struct ArapGraph
     /// \param rest  (size, 3), for the rotation factor's edge lengths.
     /// \throw FactorizationFailed
     void factorize(const Points& rest);
+
+    /// Numbers the nodes so that neighbours lie close in memory, along a curve that fills space.
+    /// Returns the old number of each node.
+    std::vector<int> renumber(const Points& rest);
 };
 
 /// One solve's state on one graph: positions and rotations. F = E / energy_factor() as a
@@ -75,38 +72,45 @@ public:
     /// \param pulls    (pulls, 3) where pulled nodes would go.
     ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets, const Points& pulls);
 
-    std::vector<Matrix3> rotations; ///< one a node
+    Matrix3 rotation(int i) const;
+    void set_rotation(int i, const Matrix3& R);
 
-    /// Free positions that answer the current rotations: one linear solve.
+    /// Free positions that answer the current rotations: a linear solve, and one for what it left.
     Points positions_for_rotations();
     /// Rotations that answer the positions cell by cell, neighbours ignored.
     void fit_rotations(const Points& x);
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;
-    void keep_state() override { kept_ = rotations; }
-    void restore_state() override { rotations = kept_; }
+    void keep_state() override { kept_ = current_; }
+    void restore_state() override { current_ = kept_; }
 
     /// All nodes, the free ones at x.
-    const Points& place(const Points& x);
+    Points place(const Points& x);
     /// (free, 3) of an (n, 3) array.
     Points free_rows(const PointsView& all) const;
     /// sum r_i w_ij |p_i - p_j|^2 of the base: rounding in F is relative to it.
     double scale() const { return scale_; }
 
 private:
-    Matrix3 covariance(int i) const;
-    Matrix3 neighbour_rotations(int i, const std::vector<Matrix3>& from) const;
+    using Matrices = std::vector<double>; ///< twelve numbers a node: three columns, four lanes each
+
+    void move_to(const Points& x);
+    /// A set of rotations that neither the kept ones nor `used` occupy.
+    int spare(int used) const;
+    void fit(const double* S, int begin, int end, const Matrices& before, double tie, Matrices& after) const;
     void turn_rotation_field();
     double energy_and_gradient(Points& gradient) const;
-    Vector3 edge(int i, int j) const { return (base_.row(i) - base_.row(j)).transpose(); }
-    Vector3 span(int i, int j) const { return (all_.row(i) - all_.row(j)).transpose(); }
 
     const ArapGraph& graph_;
-    PointsView base_;
+    const ArapKernels& kernels_;
     const Points& pulls_;
-    Points all_;
-    std::vector<Matrix3> covariances_, previous_, kept_;
+    std::vector<double> base_, points_; ///< four lanes a node
+    ArapView view_;
+    Matrices rotations_[3]; ///< those kept, and two to work with
+    int current_ = 0, kept_ = -1;
+    Matrices covariances_; ///< of all nodes, with smoothing
+    Points torque_;
     double scale_ = 0.0;
 };
 

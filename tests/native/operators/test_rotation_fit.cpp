@@ -144,17 +144,4 @@ TEST(RotationFit, of_a_reflection_turns_the_least_stretched_axis_back)
     EXPECT_LT((fit_rotation(Vector3(3, 2, -1).asDiagonal()) - Matrix3::Identity()).norm(), 1e-14);
 }
 
-TEST(RotationFromVector, turns_by_the_length_about_the_direction)
-{
-    shapes::Random random(8);
-    for (int trial = 0; trial < 100; ++trial) {
-        const Vector3 omega = 3 * random.vector();
-        const Matrix3 expected = Eigen::AngleAxisd(omega.norm(), omega.normalized()).toRotationMatrix();
-        EXPECT_LT((rotation_from_vector(omega) - expected).norm(), 1e-14);
-    }
-    EXPECT_EQ(rotation_from_vector(Vector3::Zero()), Matrix3::Identity());
-    const Matrix3 tiny = rotation_from_vector({0, 0, 1e-9});
-    EXPECT_NEAR(tiny(1, 0), 1e-9, 1e-24);
-}
-
 } // namespace sinew

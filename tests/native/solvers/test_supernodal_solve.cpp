@@ -61,7 +61,7 @@ struct Example
         std::shuffle(permutation.begin(), permutation.end(), random);
     }
 
-    SupernodalFactor view()
+    SupernodalFactor<double> view()
     {
         return {.size = static_cast<int>(permutation.size()),
                 .supernodes = static_cast<int>(first.size()) - 1,
@@ -174,10 +174,10 @@ TEST(SupernodalSolve, several_threads_may_solve_at_once)
 
 TEST(Lanes, the_wide_kernels_agree_with_the_plain_ones_to_the_last_bit)
 {
-    const LaneKernels* wide = avx2_lane_kernels();
+    const LaneKernels<double>* wide = avx2_lane_kernels<double>();
     if (!wide)
         GTEST_SKIP() << "this processor has no AVX2";
-    const LaneKernels& plain = baseline_lane_kernels();
+    const LaneKernels<double>& plain = baseline_lane_kernels<double>();
     for (const int columns : {1, 2, 3, 4, 7, 16}) {
         const int height = 37;
         const MatrixX block = MatrixX::Random(height, columns);

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Four numbers side by side. For the .inl files of kernels, which are compiled once for each instruction set:
+// in an unnamed namespace, so that no function compiled for wider instructions is shared with other code.
+
+#ifndef __GNUC__
+#include <cmath>
+#endif
+
+namespace {
+
+#ifdef __GNUC__
+template <class T>
+struct LanesOf;
+template <>
+struct LanesOf<double>
+{
+    typedef double type __attribute__((vector_size(32), aligned(8)));
+};
+template <>
+struct LanesOf<float>
+{
+    typedef float type __attribute__((vector_size(16), aligned(4)));
+};
+template <class T>
+using Lanes = typename LanesOf<T>::type;
+
+template <class T>
+inline Lanes<T> load(const T* from)
+{
+    return *reinterpret_cast<const Lanes<T>*>(from);
+}
+template <class T>
+inline void store(T* to, Lanes<T> lanes)
+{
+    *reinterpret_cast<Lanes<T>*>(to) = lanes;
+}
+
+/// Lane k in all four.
+template <int k, class T>
+inline T splat(T lanes)
+{
+    return __builtin_shufflevector(lanes, lanes, k, k, k, k);
+}
+/// (y, z, x, w)
+template <class T>
+inline T turned(T lanes)
+{
+    return __builtin_shufflevector(lanes, lanes, 1, 2, 0, 3);
+}
+/// Lane k of the n-th becomes lane n of the k-th.
+inline void transpose(Lanes<double>& a, Lanes<double>& b, Lanes<double>& c, Lanes<double>& d)
+{
+    const Lanes<double> ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+    const Lanes<double> ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const Lanes<double> cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+    const Lanes<double> cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    a = __builtin_shufflevector(ab02, cd02, 0, 1, 4, 5);
+    b = __builtin_shufflevector(ab13, cd13, 0, 1, 4, 5);
+    c = __builtin_shufflevector(ab02, cd02, 2, 3, 6, 7);
+    d = __builtin_shufflevector(ab13, cd13, 2, 3, 6, 7);
+}
+inline Lanes<double> constant(double value) { return Lanes<double>{value, value, value, value}; }
+inline Lanes<double> root(Lanes<double> a)
+{
+    return Lanes<double>{__builtin_sqrt(a[0]), __builtin_sqrt(a[1]), __builtin_sqrt(a[2]),
+                         __builtin_sqrt(a[3])};
+}
+/// Lane by lane: where a > b.
+inline auto above(Lanes<double> a, Lanes<double> b) { return a > b; }
+template <class Mask>
+inline Lanes<double> choose(Mask mask, Lanes<double> yes, Lanes<double> no)
+{
+    return mask ? yes : no;
+}
+template <class Mask>
+inline bool all(Mask mask)
+{
+    return mask[0] && mask[1] && mask[2] && mask[3];
+}
+#else
+template <class T>
+struct Lanes
+{
+    T lane[4];
+    T operator[](int k) const { return lane[k]; }
+    T& operator[](int k) { return lane[k]; }
+};
+template <class T>
+inline Lanes<T> load(const T* from)
+{
+    return {{from[0], from[1], from[2], from[3]}};
+}
+template <class T>
+inline void store(T* to, const Lanes<T>& lanes)
+{
+    for (int k = 0; k < 4; ++k)
+        to[k] = lanes.lane[k];
+}
+template <class T>
+inline Lanes<T> operator*(T factor, const Lanes<T>& a)
+{
+    return {{factor * a[0], factor * a[1], factor * a[2], factor * a[3]}};
+}
+template <class T>
+inline Lanes<T> operator*(const Lanes<T>& a, const Lanes<T>& b)
+{
+    return {{a[0] * b[0], a[1] * b[1], a[2] * b[2], a[3] * b[3]}};
+}
+template <class T>
+inline Lanes<T> operator/(const Lanes<T>& a, const Lanes<T>& b)
+{
+    return {{a[0] / b[0], a[1] / b[1], a[2] / b[2], a[3] / b[3]}};
+}
+template <class T>
+inline Lanes<T> operator+(const Lanes<T>& a, const Lanes<T>& b)
+{
+    return {{a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]}};
+}
+template <class T>
+inline Lanes<T> operator-(const Lanes<T>& a, const Lanes<T>& b)
+{
+    return {{a[0] - b[0], a[1] - b[1], a[2] - b[2], a[3] - b[3]}};
+}
+struct LaneMask
+{
+    bool lane[4];
+    bool operator[](int k) const { return lane[k]; }
+};
+inline LaneMask operator&(const LaneMask& a, const LaneMask& b)
+{
+    return {{a[0] && b[0], a[1] && b[1], a[2] && b[2], a[3] && b[3]}};
+}
+inline LaneMask operator|(const LaneMask& a, const LaneMask& b)
+{
+    return {{a[0] || b[0], a[1] || b[1], a[2] || b[2], a[3] || b[3]}};
+}
+template <int k, class T>
+inline Lanes<T> splat(const Lanes<T>& a)
+{
+    return {{a[k], a[k], a[k], a[k]}};
+}
+template <class T>
+inline Lanes<T> turned(const Lanes<T>& a)
+{
+    return {{a[1], a[2], a[0], a[3]}};
+}
+inline void transpose(Lanes<double>& a, Lanes<double>& b, Lanes<double>& c, Lanes<double>& d)
+{
+    const Lanes<double> m[4] = {a, b, c, d};
+    a = {{m[0][0], m[1][0], m[2][0], m[3][0]}};
+    b = {{m[0][1], m[1][1], m[2][1], m[3][1]}};
+    c = {{m[0][2], m[1][2], m[2][2], m[3][2]}};
+    d = {{m[0][3], m[1][3], m[2][3], m[3][3]}};
+}
+inline Lanes<double> constant(double value) { return {{value, value, value, value}}; }
+inline Lanes<double> root(const Lanes<double>& a)
+{
+    return {{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}};
+}
+inline LaneMask above(const Lanes<double>& a, const Lanes<double>& b)
+{
+    return {{a[0] > b[0], a[1] > b[1], a[2] > b[2], a[3] > b[3]}};
+}
+inline Lanes<double> choose(const LaneMask& mask, const Lanes<double>& yes, const Lanes<double>& no)
+{
+    Lanes<double> result;
+    for (int k = 0; k < 4; ++k)
+        result[k] = mask[k] ? yes[k] : no[k];
+    return result;
+}
+inline bool all(const LaneMask& mask) { return mask[0] && mask[1] && mask[2] && mask[3]; }
+#endif
+
+} // namespace

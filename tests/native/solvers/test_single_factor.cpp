@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/single_factor.h"
+
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "tests/native/solvers/matrices.h"
+
+#include <Eigen/SparseCholesky>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <thread>
+
+namespace sinew {
+
+namespace {
+
+/// Another library's answer in double precision.
+MatrixX expected(const SparseMatrix& A, const MatrixX& rhs)
+{
+    const Eigen::SimplicialLDLT<SparseMatrix> factor(A);
+    return factor.solve(rhs);
+}
+
+} // namespace
+
+TEST(SingleFactor, solves_to_single_precision_and_twice_to_its_square)
+{
+    const SparseMatrix A = matrices::shuffled_grid(60);
+    for (int columns : {1, 3, 4}) {
+        SingleFactor factor;
+        factor.factorize(A);
+        const MatrixX rhs = MatrixX::Random(A.rows(), columns);
+        const MatrixX x = expected(A, rhs);
+        MatrixX found, left;
+        factor.solve(rhs, found);
+        EXPECT_LT((found - x).norm(), 1e-4 * x.norm()); // its condition is 800
+        factor.solve(rhs - A * found, left);
+        EXPECT_LT((found + left - x).norm(), 1e-8 * x.norm());
+    }
+}
+
+TEST(SingleFactor, solves_points_in_place)
+{
+    const SparseMatrix A = matrices::shuffled_grid(20);
+    SingleFactor factor;
+    factor.factorize(A);
+    const MatrixX rhs = MatrixX::Random(A.rows(), 3);
+    Points points = rhs;
+    factor.solve(points, points);
+    EXPECT_LT((points - expected(A, rhs)).norm(), 1e-4 * points.norm());
+}
+
+TEST(SingleFactor, does_not_mind_how_small_the_right_side_is)
+{
+    const SparseMatrix A = matrices::shuffled_grid(20);
+    SingleFactor factor;
+    factor.factorize(A);
+    const MatrixX rhs = MatrixX::Random(A.rows(), 3);
+    MatrixX one, tiny, huge, none;
+    factor.solve(rhs, one);
+    factor.solve(1e-200 * rhs, tiny); // far below the least float
+    factor.solve(1e200 * rhs, huge);
+    EXPECT_LT((1e200 * tiny - one).norm(), 1e-5 * one.norm());
+    EXPECT_LT((1e-200 * huge - one).norm(), 1e-5 * one.norm());
+    factor.solve(0.0 * rhs, none);
+    EXPECT_EQ(none.cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(SingleFactor, eliminates_every_unknown_once_and_takes_new_names)
+{
+    const SparseMatrix A = matrices::shuffled_grid(20);
+    const int n = static_cast<int>(A.rows());
+    SingleFactor factor;
+    factor.factorize(A);
+    std::vector<int> order = factor.order();
+    std::ranges::sort(order);
+    for (int i = 0; i < n; ++i)
+        EXPECT_EQ(order[i], i);
+
+    std::vector<int> names(n);
+    std::iota(names.begin(), names.end(), 0);
+    std::ranges::reverse(names);
+    const MatrixX rhs = MatrixX::Random(n, 3);
+    MatrixX before, after;
+    factor.solve(rhs, before);
+    factor.rename(names);
+    factor.solve(rhs.colwise().reverse(), after);
+    EXPECT_EQ(MatrixX(after.colwise().reverse()), before);
+}
+
+TEST(SingleFactor, gives_the_same_bits_on_any_number_of_threads)
+{
+    const SparseMatrix A = matrices::shuffled_grid(250); // enough for several subtrees
+    SingleFactor factor;
+    factor.factorize(A);
+    const MatrixX rhs = MatrixX::Random(A.rows(), 3);
+    MatrixX one, two;
+    limit_threads(1);
+    factor.solve(rhs, one);
+    limit_threads(0);
+    factor.solve(rhs, two);
+    EXPECT_EQ(one, two);
+    std::vector<MatrixX> found(4);
+    std::vector<std::thread> threads;
+    for (MatrixX& x : found)
+        threads.emplace_back([&] { factor.solve(rhs, x); });
+    for (std::thread& thread : threads)
+        thread.join();
+    for (const MatrixX& x : found)
+        EXPECT_EQ(x, one);
+}
+
+TEST(SingleFactor, takes_half_the_memory)
+{
+    const SparseMatrix A = matrices::shuffled_grid(100);
+    SingleFactor single;
+    single.factorize(A);
+    SpdFactor twice({.backend = FactorBackend::automatic, .ordering = Ordering::nested_dissection});
+    twice.factorize(A);
+    EXPECT_GT(single.bytes(), 0);
+    EXPECT_LT(single.bytes(), twice.bytes());
+}
+
+TEST(SingleFactor, refuses_a_singular_matrix)
+{
+    const SparseMatrix A = matrices::shuffled_grid(10, 0.0);
+    SingleFactor factor;
+    EXPECT_THROW(factor.factorize(A), FactorizationFailed);
+}
+
+TEST(SingleFactor, of_nothing_solves_nothing)
+{
+    SingleFactor factor;
+    factor.factorize(SparseMatrix(0, 0));
+    Points none(0, 3);
+    factor.solve(none, none);
+    EXPECT_EQ(none.rows(), 0);
+}
+
+} // namespace sinew

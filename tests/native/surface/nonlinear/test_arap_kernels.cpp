@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/surface/nonlinear/arap_kernels.h"
+
+#include "native/operators/rotation_fit.h"
+#include "tests/native/shapes.h"
+#include "tests/native/surface/nonlinear/graphs.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <memory>
+
+namespace sinew {
+
+namespace {
+
+constexpr int columns = 12;
+
+std::vector<double> lanes_of(const std::vector<Matrix3>& matrices)
+{
+    std::vector<double> lanes(columns * matrices.size(), 0.0);
+    for (std::size_t i = 0; i < matrices.size(); ++i)
+        for (int column = 0; column < 3; ++column)
+            for (int row = 0; row < 3; ++row)
+                lanes[columns * i + 4 * column + row] = matrices[i](row, column);
+    return lanes;
+}
+
+Matrix3 matrix(const std::vector<double>& lanes, int i)
+{
+    Matrix3 m;
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            m(row, column) = lanes[columns * i + 4 * column + row];
+    return m;
+}
+
+std::vector<double> wide_points(const Points& points)
+{
+    std::vector<double> lanes(4 * points.rows(), 0.0);
+    for (int i = 0; i < points.rows(); ++i)
+        for (int k = 0; k < 3; ++k)
+            lanes[4 * i + k] = points(i, k);
+    return lanes;
+}
+
+/// A graph with random rotations and a random deformation.
+struct Example
+{
+    SurfaceMesh mesh = shapes::sphere(2);
+    ArapGraph graph;
+    std::vector<double> base, points, rotations;
+
+    Example(bool rims, double smoothness)
+        : graph(graphs::of(mesh, {{shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}}},
+                           smoothness, rims, true))
+    {
+        shapes::Random random(3);
+        Points moved = mesh.points();
+        std::vector<Matrix3> turns;
+        for (int i = 0; i < graph.size; ++i) {
+            moved.row(i) += 0.1 * random.vector().transpose();
+            turns.push_back(random.rotation());
+        }
+        base = wide_points(mesh.points());
+        points = wide_points(moved);
+        rotations = lanes_of(turns);
+    }
+    ArapView view() const
+    {
+        return {graph.offsets.data(),
+                graph.neighbours.data(),
+                graph.weights.data(),
+                graph.rigidity.data(),
+                graph.has_rims() ? graph.wing_offsets.data() : nullptr,
+                graph.wings.data(),
+                graph.place.data(),
+                graph.idle.data(),
+                base.data(),
+                points.data(),
+                graph.smoothing};
+    }
+};
+
+} // namespace
+
+TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
+{
+    const ArapKernels* const wide = avx2_arap_kernels();
+    if (!wide)
+        GTEST_SKIP() << "this processor has no AVX2";
+    const ArapKernels& plain = baseline_arap_kernels();
+    for (bool rims : {false, true})
+        for (double smoothness : {0.0, 0.02}) {
+            const Example example(rims, smoothness);
+            const int n = example.graph.size, free = static_cast<int>(example.graph.free_nodes.size());
+            const ArapView view = example.view();
+            const std::vector<double>& R = example.rotations;
+            std::array<std::vector<double>, 2> S, torque, turned, fitted, gradient;
+            std::array<double, 2> energy;
+            for (int k = 0; k < 2; ++k) {
+                const ArapKernels& kernels = k ? *wide : plain;
+                S[k].resize(columns * n);
+                kernels.covariances(view, 0, n, S[k].data());
+                kernels.add_neighbours(view, R.data(), 0, n, S[k].data());
+                torque[k].resize(3 * n);
+                kernels.torques(S[k].data(), R.data(), n, torque[k].data());
+                turned[k].resize(columns * n);
+                kernels.turn(torque[k].data(), R.data(), n, turned[k].data());
+                fitted[k].resize(columns * n);
+                const std::unique_ptr<bool[]> safe(new bool[n]);
+                kernels.fit(S[k].data(), R.data(), 1e-8, n, fitted[k].data(), safe.get());
+                gradient[k].resize(3 * free);
+                energy[k] = kernels.energy(view, R.data(), 0, n, gradient[k].data());
+            }
+            EXPECT_EQ(S[0], S[1]);
+            EXPECT_EQ(torque[0], torque[1]);
+            EXPECT_EQ(turned[0], turned[1]);
+            EXPECT_EQ(fitted[0], fitted[1]);
+            EXPECT_EQ(gradient[0], gradient[1]);
+            EXPECT_EQ(energy[0], energy[1]);
+        }
+}
+
+TEST(ArapKernels, fit_finds_the_closest_rotations_from_any_guess_and_says_where_it_cannot)
+{
+    shapes::Random random(4);
+    for (int count : {1, 3, 4, 15, 16, 17, 1000}) {
+        std::vector<Matrix3> S, before;
+        for (int i = 0; i < count; ++i) {
+            before.push_back(random.rotation());
+            switch (i % 5) {
+            case 0: // near the guess, as in most steps
+                S.push_back(before.back() + 0.01 * random.matrix());
+                break;
+            case 1: // flat, as a surface's cells are
+                S.push_back(random.rotation() * Vector3(1, 0.8, 0).asDiagonal() * random.rotation());
+                break;
+            case 2: // turned over
+                S.push_back(random.rotation() * Vector3(1, 0.8, -0.3).asDiagonal() * random.rotation());
+                break;
+            case 3: // on a line
+                S.push_back(random.vector() * random.vector().transpose());
+                break;
+            default:
+                S.push_back(random.matrix());
+            }
+        }
+        std::vector<double> fitted(columns * count);
+        const std::unique_ptr<bool[]> safe(new bool[count]);
+        for (const ArapKernels* kernels : {&baseline_arap_kernels(), avx2_arap_kernels()}) {
+            if (!kernels)
+                continue;
+            kernels->fit(lanes_of(S).data(), lanes_of(before).data(), 0.0, count, fitted.data(), safe.get());
+            for (int i = 0; i < count; ++i) {
+                EXPECT_TRUE(safe[i] || i % 5 == 3 || i % 5 == 4) << i; // lines have a double eigenvalue
+                if (!safe[i])
+                    continue;
+                const Matrix3 R = matrix(fitted, i), best = fit_rotation_svd(S[i]);
+                EXPECT_LT((R * R.transpose() - Matrix3::Identity()).norm(), 1e-13);
+                EXPECT_NEAR(R.determinant(), 1.0, 1e-13);
+                EXPECT_NEAR((R.transpose() * S[i]).trace(), (best.transpose() * S[i]).trace(),
+                            1e-13 * S[i].norm());
+            }
+        }
+    }
+}
+
+TEST(ArapKernels, turn_is_a_rotation_by_the_vector_to_second_order_and_by_two_arctan_a_half_at_most)
+{
+    shapes::Random random(5);
+    for (double size : {1e-6, 1e-3, 0.5, 1.0, 30.0})
+        for (int trial = 0; trial < 20; ++trial) {
+            const Vector3 omega = size * random.vector().normalized();
+            const Matrix3 R = random.rotation();
+            const std::vector<double> before = lanes_of({R});
+            std::vector<double> after(columns);
+            arap_kernels().turn(omega.data(), before.data(), 1, after.data());
+            const Eigen::AngleAxisd found(Matrix3(matrix(after, 0) * R.transpose()));
+            const double cut = std::min(size, 1.0);
+            EXPECT_NEAR(found.angle(), 2 * std::atan(0.5 * cut), 1e-9);
+            EXPECT_NEAR(found.axis().dot(omega.normalized()), 1.0, size < 1e-5 ? 1e-6 : 1e-9);
+        }
+}
+
+TEST(ArapKernels, torques_are_the_slope_of_the_fit)
+{
+    shapes::Random random(6);
+    for (int trial = 0; trial < 20; ++trial) {
+        const Matrix3 S = random.matrix(), R = random.rotation();
+        const std::vector<double> s = lanes_of({S}), r = lanes_of({R});
+        Vector3 torque;
+        arap_kernels().torques(s.data(), r.data(), 1, torque.data());
+        for (int axis = 0; axis < 3; ++axis) {
+            const double step = 1e-6;
+            const auto turned = [&](double angle) {
+                const Matrix3 T = Eigen::AngleAxisd(angle, Vector3::Unit(axis)).toRotationMatrix();
+                return ((T * R).transpose() * S).trace();
+            };
+            EXPECT_NEAR(torque[axis], (turned(step) - turned(-step)) / (2 * step), 1e-8);
+        }
+    }
+}
+
+} // namespace sinew
