@@ -5,9 +5,13 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace sinew {
+
+/// Columns side by side, one row after the other.
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// What a sparse Cholesky library has to offer to stand behind SpdFactor.
 class FactorEngine
@@ -22,8 +26,26 @@ public:
     /// which it broke down, or -1.
     virtual int factorize(const SparseMatrix& matrix) = 0;
 
+    /// The same after the `changed` columns and rows of the matrix alone became others: only what they reach
+    /// is computed, and the result is that of factorize() to the last bit. Empty, and nothing is done, where
+    /// the engine cannot, or where more than `most` of the work were to be done again.
+    /// \param[out] share  of the work of factorize() that was done.
+    virtual std::optional<int> update(const SparseMatrix& /*matrix*/, const std::vector<int>& /*changed*/,
+                                      double /*most*/, double& /*share*/)
+    {
+        return {};
+    }
+
     /// X = A^-1 B, column by column. Safe from several threads at once.
     virtual void solve(const MatrixX& rhs, MatrixX& solution) const = 0;
+
+    /// The same by rows, in place.
+    virtual void solve_rows(RowMatrix& x) const
+    {
+        MatrixX solution(x.rows(), x.cols());
+        solve(x, solution);
+        x = solution;
+    }
 
     /// What was left of each unknown's diagonal entry when it was eliminated.
     virtual VectorX pivots() const = 0;

@@ -2,26 +2,13 @@
 #pragma once
 
 #include "native/core/types.h"
+#include "native/solvers/factor_engine.h"
+#include "native/solvers/supernodal_tree.h"
 
 #include <memory>
+#include <vector>
 
 namespace sinew {
-
-/// A supernodal Cholesky factor P A P^T = L L^T that somebody else owns and keeps.
-///
-/// Supernode s has columns [first[s], first[s + 1]) and the rows rows[row_begin[s], row_begin[s + 1]), its
-/// own columns first, ascending; its values stand column-major at values + block_begin[s], one row a line.
-struct SupernodalFactor
-{
-    int size = 0;
-    int supernodes = 0;
-    const int* permutation = nullptr; ///< (size) unknown of each position
-    const int* first = nullptr;
-    const int* row_begin = nullptr;
-    const int* block_begin = nullptr;
-    const int* rows = nullptr;
-    double* values = nullptr; ///< the strict upper triangles of the diagonal blocks are ours to use
-};
 
 /// Triangular solves with a supernodal factor for up to four right-hand sides at once.
 ///
@@ -39,8 +26,13 @@ public:
     explicit SupernodalSolve(const SupernodalFactor& factor);
     ~SupernodalSolve();
 
+    /// After other values were computed in the `chosen` supernodes; no solve may run meanwhile.
+    void renew(const std::vector<char>& chosen);
+
     /// X = A^-1 B; (n, k) with k <= 4. Safe from several threads; keeps its workspace.
     void solve(const MatrixX& rhs, MatrixX& solution) const;
+    /// The same in place for columns [first, first + k) of x, k <= 4.
+    void solve_rows(RowMatrix& x, int first, int k) const;
 
 private:
     struct Impl;
