@@ -2,6 +2,7 @@
 #include "native/solvers/cholmod_factor.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
 #include "native/solvers/lanes.h"
 #include "native/solvers/supernodal_factor.h"
 #include "native/solvers/supernodal_solve.h"
@@ -158,8 +159,13 @@ public:
         cholmod_sparse a = view(matrix);
         std::vector<int> permutation = order;
         factor_ = cholmod_analyze_p(&a, permutation.data(), nullptr, 0, workspace.get());
-        if (!factor_)
+        if (!factor_) {
+            if (workspace.get()->status == CHOLMOD_TOO_LARGE)
+                throw OutOfMemory("the factor needs at least " +
+                                  in_words(static_cast<std::int64_t>(8 * workspace.get()->lnz)) +
+                                  ", more than can be addressed: use fewer vertices");
             refuse(workspace.get()->status);
+        }
     }
 
     int factorize(const SparseMatrix& matrix) override
@@ -282,8 +288,6 @@ private:
     {
         if (status == CHOLMOD_OUT_OF_MEMORY)
             throw std::bad_alloc();
-        if (status == CHOLMOD_TOO_LARGE)
-            throw OutOfMemory("the factor has more entries than can be addressed: use fewer vertices");
         throw FactorizationFailed("CHOLMOD failed with status " + std::to_string(status));
     }
 

@@ -89,7 +89,8 @@ void ConstrainedQuadratic::restore(Problem problem) { factorize(std::move(proble
 
 void ConstrainedQuadratic::factorize(Problem next)
 {
-    if (!next.matrix) {
+    if (!next.matrix) { // back to before the first one: the factor's memory is given back
+        factor_.factorize(SparseMatrix(0, 0));
         problem_ = std::move(next);
         return;
     }
