@@ -11,8 +11,8 @@ extern const LaneKernels lane_kernels_with_avx2;
 
 const LaneKernels& baseline_lane_kernels()
 {
-    static constexpr LaneKernels kernels{subtract_product, subtract_transposed, triangle,
-                                         triangle_transposed};
+    static constexpr LaneKernels kernels{subtract_product, subtract_transposed, triangle, triangle_transposed,
+                                         product_of_eight};
     return kernels;
 }
 

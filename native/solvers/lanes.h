@@ -23,6 +23,9 @@ struct LaneKernels
     /// points = T^T * points
     void (*triangle_transposed)(const double* block, int stride, int columns, const double* diagonal,
                                 double* points);
+    /// sums (8, 3) = start (8, 3) + matrix (8, columns) * factors (columns, 3). `block` holds start and then
+    /// matrix, `sums` the same shape as start, all column-major; factors is row-major.
+    void (*product_of_eight)(const double* block, int columns, const double* factors, double* sums);
 };
 
 /// The widest kernels that this processor runs.

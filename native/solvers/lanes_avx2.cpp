@@ -7,7 +7,7 @@
 namespace sinew {
 
 extern const LaneKernels lane_kernels_with_avx2;
-const LaneKernels lane_kernels_with_avx2{subtract_product, subtract_transposed, triangle,
-                                         triangle_transposed};
+const LaneKernels lane_kernels_with_avx2{subtract_product, subtract_transposed, triangle, triangle_transposed,
+                                         product_of_eight};
 
 } // namespace sinew
