@@ -16,6 +16,8 @@ struct BindReport
     std::vector<int> free_vertices; ///< the vertices of those parts
     int degenerate_faces = 0;       ///< faces with a triangle of (nearly) no area, which is floored
     int factorizations = 0;         ///< numeric factorisations since the constructor
+    int analyses = 0;               ///< symbolic ones
+    double refactored = 0.0;        ///< share of the last numeric one that had to be computed
     std::int64_t factor_bytes = 0;  ///< memory of the factors, without what solving them needs
     double seconds = 0.0;           ///< wall clock of set_handles()
 };

@@ -2,12 +2,15 @@
 #include "native/operators/laplacian.h"
 
 #include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "native/solvers/sparse_columns.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 
 namespace sinew {
@@ -17,16 +20,44 @@ namespace {
 constexpr double least_mass = 1e-6;            ///< of a vertex, as a share of the mean
 constexpr double least_mass_degenerate = 1e-2; ///< of a vertex of a degenerate triangle
 
-using Triplets = std::vector<Eigen::Triplet<double>>;
-
-void add_edge(Triplets& entries, int i, int j, double weight)
+/// What element k adds between two vertices.
+struct WeightedEdge
 {
-    if (i == j)
-        return;
-    entries.emplace_back(i, i, weight);
-    entries.emplace_back(j, j, weight);
-    entries.emplace_back(i, j, -weight);
-    entries.emplace_back(j, i, -weight);
+    int from, to;
+    double weight;
+};
+
+/// sum over the edges of w (f_i - f_j)^2 as a matrix: the columns side by side, each summing its own edges in
+/// their order.
+SparseMatrix matrix_of_edges(int n, const std::vector<WeightedEdge>& edges)
+{
+    std::vector<int> begin(n + 1, 0);
+    for (const WeightedEdge& e : edges)
+        if (e.from != e.to) {
+            ++begin[e.from + 1];
+            ++begin[e.to + 1];
+        }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<int> incident(begin[n]);
+    {
+        std::vector<int> next(begin.begin(), begin.end() - 1);
+        for (int k = 0; k < static_cast<int>(edges.size()); ++k)
+            if (edges[k].from != edges[k].to) {
+                incident[next[edges[k].from]++] = k;
+                incident[next[edges[k].to]++] = k;
+            }
+    }
+    return sparse_by_columns(n, n, [&](int v, SparseColumn& column) {
+        if (begin[v] == begin[v + 1])
+            return;
+        double diagonal = 0;
+        for (int at = begin[v]; at < begin[v + 1]; ++at) {
+            const WeightedEdge& e = edges[incident[at]];
+            diagonal += e.weight;
+            column.add(e.from == v ? e.to : e.from, -e.weight);
+        }
+        column.add(v, diagonal);
+    });
 }
 
 /// Mixed Voronoi area [MDSB03]: Voronoi in acute triangles; in an obtuse one, half the
@@ -60,66 +91,76 @@ double least_area_for_order(int order) { return order < 2 ? needle : order < 3 ?
 TriangleMetric triangle_metric(const SurfaceMesh& mesh, double least_area)
 {
     const auto& triangles = mesh.triangles();
+    const int count = static_cast<int>(triangles.size());
     TriangleMetric metric;
-    metric.half_cotan.resize(triangles.size());
-    metric.area.resize(triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
+    metric.half_cotan.resize(count);
+    metric.area.resize(count);
+    std::vector<char> degenerate(count);
+    parallel_for(count, [&](int t) {
         const auto [i, j, k] = triangles[t];
         const std::array<Vector3, 3> edge{mesh.point(k) - mesh.point(j), mesh.point(i) - mesh.point(k),
                                           mesh.point(j) - mesh.point(i)};
         const double longest =
             std::max({edge[0].squaredNorm(), edge[1].squaredNorm(), edge[2].squaredNorm()});
         const double area = 0.5 * edge[1].cross(edge[2]).norm();
-        const bool degenerate = !(area > least_area * longest);
+        degenerate[t] = !(area > least_area * longest);
         const double divisor = 4 * std::max(area, least_area * longest);
         metric.area[t] = area;
-        if (degenerate)
-            metric.degenerate.push_back(static_cast<int>(t));
         for (int c = 0; c < 3; ++c) {
             const double dot = -edge[(c + 1) % 3].dot(edge[(c + 2) % 3]);
             metric.half_cotan[t][c] =
-                (divisor > 0 ? dot / divisor : 0.0) + (degenerate ? 0.5 / std::sqrt(3.0) : 0.0);
+                (divisor > 0 ? dot / divisor : 0.0) + (degenerate[t] ? 0.5 / std::sqrt(3.0) : 0.0);
         }
-    }
+    });
+    for (int t = 0; t < count; ++t)
+        if (degenerate[t])
+            metric.degenerate.push_back(t);
     return metric;
 }
 
-int degenerate_face_count(const SurfaceMesh& mesh, double least_area)
+int degenerate_face_count(const SurfaceMesh& mesh, const TriangleMetric& metric)
 {
     int count = 0;
     int last = -1; // triangles of one face follow each other
-    for (int t : triangle_metric(mesh, least_area).degenerate) {
+    for (int t : metric.degenerate) {
         count += mesh.triangle_faces()[t] != last;
         last = mesh.triangle_faces()[t];
     }
     return count;
 }
 
+int degenerate_face_count(const SurfaceMesh& mesh, double least_area)
+{
+    return degenerate_face_count(mesh, triangle_metric(mesh, least_area));
+}
+
+SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretization,
+                              const TriangleMetric& metric, const ElementScale& scale)
+{
+    std::vector<WeightedEdge> edges;
+    if (discretization == Discretization::uniform) {
+        for (const auto& edge : mesh.edges())
+            edges.push_back({edge[0], edge[1], scale ? scale(edge) : 1.0});
+    } else {
+        const auto& triangles = mesh.triangles();
+        edges.resize(3 * triangles.size());
+        parallel_for(static_cast<int>(triangles.size()), [&](int t) {
+            const double factor = scale ? scale(triangles[t]) : 1.0;
+            for (int c = 0; c < 3; ++c)
+                edges[3 * static_cast<std::size_t>(t) + c] = {
+                    triangles[t][(c + 1) % 3], triangles[t][(c + 2) % 3], factor * metric.half_cotan[t][c]};
+        });
+    }
+    return matrix_of_edges(mesh.vertex_count(), edges);
+}
+
 SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretization,
                               const ElementScale& scale, double least_area)
 {
-    const int n = mesh.vertex_count();
-    Triplets entries;
-    if (discretization == Discretization::uniform) {
-        for (const auto& edge : mesh.edges())
-            add_edge(entries, edge[0], edge[1], scale ? scale(edge) : 1.0);
-    } else {
-        const TriangleMetric metric = triangle_metric(mesh, least_area);
-        const auto& triangles = mesh.triangles();
-        entries.reserve(12 * triangles.size());
-        for (std::size_t t = 0; t < triangles.size(); ++t) {
-            const double factor = scale ? scale(triangles[t]) : 1.0;
-            for (int c = 0; c < 3; ++c)
-                add_edge(entries, triangles[t][(c + 1) % 3], triangles[t][(c + 2) % 3],
-                         factor * metric.half_cotan[t][c]);
-        }
-    }
-    SparseMatrix L(n, n);
-    L.setFromTriplets(entries.begin(), entries.end());
-    return L;
+    return laplacian_matrix(mesh, discretization, triangle_metric(mesh, least_area), scale);
 }
 
-VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization)
+VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization, const TriangleMetric& metric)
 {
     const int n = mesh.vertex_count();
     if (discretization == Discretization::cotan)
@@ -132,33 +173,42 @@ VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization)
         }
         return mass;
     }
-    const TriangleMetric metric = triangle_metric(mesh);
     for (std::size_t t = 0; t < metric.area.size(); ++t)
         add_mixed_areas(mesh, mesh.triangles()[t], metric.area[t], mass);
     return mass;
 }
 
-VectorX divisible_mass(const SurfaceMesh& mesh, Discretization discretization, double least_area)
+VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization)
 {
-    VectorX mass = mass_vector(mesh, discretization);
+    return mass_vector(mesh, discretization, triangle_metric(mesh));
+}
+
+VectorX divisible_mass(const SurfaceMesh& mesh, Discretization discretization, const TriangleMetric& metric)
+{
+    VectorX mass = mass_vector(mesh, discretization, metric);
     const double mean = mass.mean() > 0 ? mass.mean() : 1.0;
     mass = mass.cwiseMax(least_mass * mean);
-    for (int t : triangle_metric(mesh, least_area).degenerate)
+    for (int t : metric.degenerate)
         for (int v : mesh.triangles()[t])
             mass[v] = std::max(mass[v], least_mass_degenerate * mean);
     return mass;
+}
+
+VectorX divisible_mass(const SurfaceMesh& mesh, Discretization discretization, double least_area)
+{
+    return divisible_mass(mesh, discretization, triangle_metric(mesh, least_area));
 }
 
 SparseMatrix laplacian_power(const SurfaceMesh& mesh, int order, Discretization discretization)
 {
     if (order < 1)
         throw InvalidOption("order: " + std::to_string(order) + " is below 1");
-    const double least_area = least_area_for_order(order);
-    const SparseMatrix L = laplacian_matrix(mesh, discretization, {}, least_area);
-    const VectorX D = divisible_mass(mesh, discretization, least_area).cwiseInverse();
+    const TriangleMetric metric = triangle_metric(mesh, least_area_for_order(order));
+    const SparseMatrix L = laplacian_matrix(mesh, discretization, metric);
+    const VectorX D = divisible_mass(mesh, discretization, metric).cwiseInverse();
     SparseMatrix power = L;
     for (int k = 1; k < order; ++k)
-        power = SparseMatrix(power * D.asDiagonal()) * L;
+        power = sparse_product(power, D, L);
     return power;
 }
 

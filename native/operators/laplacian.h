@@ -47,19 +47,27 @@ double least_area_for_order(int order);
 TriangleMetric triangle_metric(const SurfaceMesh& mesh, double least_area = needle);
 
 /// Faces with a triangle that triangle_metric() floors.
+int degenerate_face_count(const SurfaceMesh& mesh, const TriangleMetric& metric);
 int degenerate_face_count(const SurfaceMesh& mesh, double least_area = needle);
 
 /// A factor for one element (a triangle, or an edge of `uniform`), from its vertices.
 using ElementScale = std::function<double(std::span<const int> vertices)>;
 
-/// (n, n) L, each element scaled by `scale` where given (>= 0 keeps L semi-definite).
+// Each of the following comes twice: for a metric at hand, and for one floored at `least_area`.
+
+/// (n, n) L, each element scaled by `scale` where given (>= 0 keeps L semi-definite). `scale` is called from
+/// several threads.
+SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretization,
+                              const TriangleMetric& metric, const ElementScale& scale = {});
 SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretization,
                               const ElementScale& scale = {}, double least_area = needle);
 
 /// (n) masses m_i; their sum is the surface's area for cotan_voronoi. Zero where no face is.
+VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization, const TriangleMetric& metric);
 VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization);
 
 /// The mass for dividing: at least 1e-6 of the mean, and 1e-2 at degenerate triangles.
+VectorX divisible_mass(const SurfaceMesh& mesh, Discretization discretization, const TriangleMetric& metric);
 VectorX divisible_mass(const SurfaceMesh& mesh, Discretization discretization, double least_area = needle);
 
 /// (n, n) the order-k operator in symmetric form, L (M^-1 L)^(k-1) (Eq. 18).

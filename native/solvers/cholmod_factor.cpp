@@ -2,7 +2,9 @@
 #include "native/solvers/cholmod_factor.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
 #include "native/solvers/lanes.h"
+#include "native/solvers/supernodal_factor.h"
 #include "native/solvers/supernodal_solve.h"
 
 #ifdef SINEW_HAVE_CHOLMOD
@@ -10,6 +12,9 @@
 #include <cholmod.h>
 #ifdef SINEW_HAVE_OPENMP
 #include <omp.h>
+#endif
+#ifdef __linux__
+#include <sys/mman.h>
 #endif
 #ifdef __GNUC__
 // Absent unless the BLAS is OpenBLAS.
@@ -20,14 +25,18 @@ extern "C" int openblas_get_parallel() __attribute__((weak));
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <mutex>
 #include <new>
 #include <numeric>
+#include <optional>
 #include <string>
 
 namespace sinew {
 
 namespace {
+
+constexpr int most_own_columns = 16; ///< beyond, CHOLMOD's blocks of columns read the factor less often
 
 enum class Blas { unknown, serial, pthread, openmp };
 
@@ -77,6 +86,19 @@ private:
     int levels_ = 1;
 #endif
 };
+
+/// A factor is written once and read whole every frame: large pages save a fault every 4 KB of it, and most
+/// of the address translations of a solve.
+void ask_for_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes)
+{
+#ifdef __linux__
+    constexpr std::uintptr_t page = 1 << 21;
+    const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + page - 1) / page * page;
+    const auto end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / page * page;
+    if (begin < end) // advice: a kernel without them goes on as it was
+        madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+#endif
+}
 
 /// cholmod_common is workspace, not state: each call has its own, so solves may overlap.
 class Workspace
@@ -137,15 +159,21 @@ public:
         cholmod_sparse a = view(matrix);
         std::vector<int> permutation = order;
         factor_ = cholmod_analyze_p(&a, permutation.data(), nullptr, 0, workspace.get());
-        if (!factor_)
+        if (!factor_) {
+            if (workspace.get()->status == CHOLMOD_TOO_LARGE)
+                throw OutOfMemory("the factor needs at least " +
+                                  in_words(static_cast<std::int64_t>(8 * workspace.get()->lnz)) +
+                                  ", more than can be addressed: use fewer vertices");
             refuse(workspace.get()->status);
+        }
     }
 
     int factorize(const SparseMatrix& matrix) override
     {
         own_.reset();
         Workspace workspace;
-        workspace.get()->supernodal = supernodal_ ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
+        if (factor_->is_super)
+            return factorize_supernodes(matrix, workspace.get());
         cholmod_sparse a = view(matrix);
         cholmod_factorize(&a, factor_, workspace.get());
         if (workspace.get()->status == CHOLMOD_NOT_POSDEF)
@@ -153,20 +181,46 @@ public:
         if (workspace.get()->status != CHOLMOD_OK)
             refuse(workspace.get()->status);
         nonzeros_ = count_entries();
-        if (factor_->is_super) {
-            view_ = {
-                .size = static_cast<int>(factor_->n),
-                .supernodes = static_cast<int>(factor_->nsuper),
-                .permutation = static_cast<const int*>(factor_->Perm),
-                .first = static_cast<const int*>(factor_->super),
-                .row_begin = static_cast<const int*>(factor_->pi),
-                .block_begin = static_cast<const int*>(factor_->px),
-                .rows = static_cast<const int*>(factor_->s),
-                .values = static_cast<double*>(factor_->x),
-            };
-            own_ = std::make_unique<SupernodalSolve<double>>(view_);
-        }
         return -1;
+    }
+
+    std::optional<int> update(const SparseMatrix& matrix, const std::vector<int>& changed, double most,
+                              double& share) override
+    {
+        if (!own_)
+            return {};
+        const SupernodalFactor structure = supernodes();
+        std::vector<int> position(structure.size);
+        for (int k = 0; k < structure.size; ++k)
+            position[structure.permutation[k]] = k;
+        std::vector<int> reached;
+        for (const int unknown : changed)
+            reached.push_back(position[unknown]);
+        const std::vector<char> chosen = supernodes_above(structure, reached);
+        const std::vector<double> work = supernodal_work(structure);
+        double total = 0, done = 0;
+        for (int s = 0; s < structure.supernodes; ++s) {
+            total += work[s];
+            done += chosen[s] ? work[s] : 0;
+        }
+        if (done > most * total)
+            return {};
+        share = done / total;
+        Workspace workspace;
+        const int broken = compute(matrix, chosen);
+        if (broken < 0)
+            own_->renew(chosen);
+        return broken;
+    }
+
+    void solve_rows(RowMatrix& x) const override
+    {
+        if (!own_ || x.cols() > most_own_columns) {
+            FactorEngine::solve_rows(x);
+            return;
+        }
+        for (int c = 0; c < x.cols(); c += lane_count)
+            own_->solve_rows(x, c, std::min<int>(lane_count, static_cast<int>(x.cols()) - c));
     }
 
     void solve(const MatrixX& rhs, MatrixX& solution) const override
@@ -191,7 +245,10 @@ public:
         cholmod_free_dense(&x, workspace.get());
     }
 
-    const SupernodalFactor<double>* supernodal() const override { return own_ ? &view_ : nullptr; }
+    std::optional<SupernodalFactor> supernodal() const override
+    {
+        return own_ ? std::optional(supernodes()) : std::nullopt;
+    }
 
     VectorX pivots() const override
     {
@@ -236,9 +293,56 @@ private:
     {
         if (status == CHOLMOD_OUT_OF_MEMORY)
             throw std::bad_alloc();
-        if (status == CHOLMOD_TOO_LARGE)
-            throw OutOfMemory("the factor has more entries than can be addressed: use fewer vertices");
         throw FactorizationFailed("CHOLMOD failed with status " + std::to_string(status));
+    }
+
+    /// Numbers for CHOLMOD's structure, in its own place: its solve serves many columns.
+    int factorize_supernodes(const SparseMatrix& matrix, cholmod_common* common)
+    {
+        if (!factor_->x) {
+            factor_->x = cholmod_malloc(factor_->xsize, sizeof(double), common);
+            if (!factor_->x)
+                refuse(common->status);
+            factor_->xtype = CHOLMOD_REAL;
+            ask_for_large_pages(factor_->x, factor_->xsize * sizeof(double));
+        }
+        nonzeros_ = count_entries();
+        const int broken = compute(matrix, {});
+        if (broken < 0)
+            own_ = std::make_unique<SupernodalSolve<double>>(supernodes());
+        return broken;
+    }
+
+    /// Values of the chosen supernodes; of all where none are named.
+    int compute(const SparseMatrix& matrix, const std::vector<char>& chosen)
+    {
+        const SupernodalFactor structure = supernodes();
+        const bool parallel = blas() != Blas::serial;
+        const int broken =
+            has_upper_triangle(matrix)
+                ? factorize_supernodal(structure, matrix, chosen, parallel)
+                : factorize_supernodal(structure, matrix.selfadjointView<Eigen::Lower>(), chosen, parallel);
+        return broken < 0 ? -1 : structure.permutation[broken];
+    }
+
+    SupernodalFactor supernodes() const
+    {
+        return {.size = static_cast<int>(factor_->n),
+                .supernodes = static_cast<int>(factor_->nsuper),
+                .permutation = static_cast<const int*>(factor_->Perm),
+                .first = static_cast<const int*>(factor_->super),
+                .row_begin = static_cast<const int*>(factor_->pi),
+                .block_begin = static_cast<const int*>(factor_->px),
+                .rows = static_cast<const int*>(factor_->s),
+                .values = static_cast<double*>(factor_->x)};
+    }
+
+    static bool has_upper_triangle(const SparseMatrix& matrix)
+    {
+        for (int c = 0; c < matrix.cols(); ++c)
+            if (SparseMatrix::InnerIterator first(matrix, c); first && first.row() < c)
+                return true;
+        return false;
     }
 
     std::int64_t count_entries() const
@@ -263,7 +367,6 @@ private:
 
     bool supernodal_;
     cholmod_factor* factor_ = nullptr;
-    SupernodalFactor<double> view_;
     std::unique_ptr<SupernodalSolve<double>> own_; ///< faster than CHOLMOD's up to four columns
     std::int64_t nonzeros_ = 0;
 };
@@ -275,6 +378,16 @@ bool have_cholmod() { return true; }
 std::unique_ptr<FactorEngine> make_cholmod_factor(bool supernodal)
 {
     return std::make_unique<CholmodFactor>(supernodal);
+}
+
+std::vector<int> cholmod_minimum_degree(const SparseMatrix& matrix)
+{
+    Workspace workspace;
+    cholmod_sparse a = view(matrix);
+    std::vector<int> order(matrix.cols());
+    if (!cholmod_amd(&a, nullptr, 0, order.data(), workspace.get()))
+        throw std::bad_alloc();
+    return order;
 }
 
 std::vector<int> nested_dissection(const SparseMatrix& matrix)
@@ -295,6 +408,7 @@ namespace sinew {
 
 bool have_cholmod() { return false; }
 std::unique_ptr<FactorEngine> make_cholmod_factor(bool) { return nullptr; }
+std::vector<int> cholmod_minimum_degree(const SparseMatrix&) { return {}; }
 std::vector<int> nested_dissection(const SparseMatrix&)
 {
     throw InvalidOption("nested dissection needs a build with CHOLMOD; choose minimum_degree");

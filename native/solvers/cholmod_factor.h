@@ -12,6 +12,9 @@ bool have_cholmod();
 /// (faster solves for small Laplacians). Null in a build without CHOLMOD.
 std::unique_ptr<FactorEngine> make_cholmod_factor(bool supernodal);
 
+/// AMD through CHOLMOD; only in a build with it.
+std::vector<int> cholmod_minimum_degree(const SparseMatrix& matrix);
+
 /// METIS' nested dissection through CHOLMOD.
 /// \throw InvalidOption  the build has none.
 std::vector<int> nested_dissection(const SparseMatrix& matrix);

@@ -2,62 +2,245 @@
 #include "native/solvers/constrained_quadratic.h"
 
 #include "native/core/errors.h"
+#include "native/core/parallel.h"
 
+#include <algorithm>
 #include <string>
+#include <utility>
 
 namespace sinew {
 
-void ConstrainedQuadratic::factorize(const SparseMatrix& matrix, const std::vector<bool>& free)
+namespace {
+
+constexpr double most_given = 0.1; ///< of the factor's rows: each of them costs as if it were unknown
+
+/// y = row i of A x; A is symmetric, so its columns are its rows.
+void multiply_row(const SparseMatrix& A, int i, const RowMatrix& x, double* y)
 {
-    const int n = static_cast<int>(matrix.cols());
-    std::vector<int> place(n, -1);
-    free_rows_.clear();
-    for (int i = 0; i < n; ++i)
-        if (free[i]) {
-            place[i] = static_cast<int>(free_rows_.size());
-            free_rows_.push_back(i);
+    const auto columns = x.cols();
+    if (columns == 3) { // a frame's x, y, z stay in registers
+        double sum[3] = {0, 0, 0};
+        for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
+            const double* other = x.data() + 3 * it.row();
+            for (int c = 0; c < 3; ++c)
+                sum[c] += it.value() * other[c];
         }
-    const int unknowns = static_cast<int>(free_rows_.size());
-
-    using Triplets = std::vector<Eigen::Triplet<double>>;
-    Triplets inner, outer;
-    inner.reserve(matrix.nonZeros());
-    for (int c = 0; c < n; ++c)
-        for (SparseMatrix::InnerIterator it(matrix, c); it; ++it) {
-            const int r = place[it.row()];
-            if (r < 0)
-                continue;
-            if (place[c] >= 0)
-                inner.emplace_back(r, place[c], it.value());
-            else
-                outer.emplace_back(r, c, it.value());
-        }
-    SparseMatrix block(unknowns, unknowns);
-    block.setFromTriplets(inner.begin(), inner.end());
-    coupling_.resize(unknowns, n);
-    coupling_.setFromTriplets(outer.begin(), outer.end());
-
-    try {
-        factor_.factorize(block);
-    } catch (const FactorizationFailed& error) {
-        if (error.elements().empty())
-            throw;
-        const int row = free_rows_[error.elements().front()];
-        throw FactorizationFailed("the system is singular; it broke down at vertex " + std::to_string(row),
-                                  Error::Element::vertex, {row});
+        std::copy_n(sum, 3, y);
+        return;
+    }
+    std::fill_n(y, columns, 0.0);
+    for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
+        const double* other = x.data() + columns * it.row();
+        for (Eigen::Index c = 0; c < columns; ++c)
+            y[c] += it.value() * other[c];
     }
 }
 
-MatrixX ConstrainedQuadratic::solve(MatrixX& x, const MatrixX* rhs) const
+} // namespace
+
+SparseMatrix ConstrainedQuadratic::block(const Problem& problem) const
 {
-    MatrixX b = -(coupling_ * x);
-    if (rhs)
-        for (std::size_t f = 0; f < free_rows_.size(); ++f)
-            b.row(f) += rhs->row(free_rows_[f]);
-    const MatrixX solution = factor_.solve(b);
-    for (std::size_t f = 0; f < free_rows_.size(); ++f)
-        x.row(free_rows_[f]) = solution.row(f);
+    const SparseMatrix& A = *problem.matrix;
+    const int unknowns = static_cast<int>(problem.unknowns.size());
+    std::vector<int> place(A.cols(), -1);
+    for (int u = 0; u < unknowns; ++u)
+        place[problem.unknowns[u]] = u;
+    SparseMatrix block(unknowns, unknowns);
+    int* offsets = block.outerIndexPtr();
+    parallel_for(unknowns, [&](int u) {
+        int count = 0;
+        for (SparseMatrix::InnerIterator it(A, problem.unknowns[u]); it; ++it)
+            count += place[it.row()] >= 0;
+        offsets[u + 1] = count;
+    });
+    for (int u = 0; u < unknowns; ++u)
+        offsets[u + 1] += offsets[u];
+    block.resizeNonZeros(offsets[unknowns]);
+    parallel_for(unknowns, [&](int u) {
+        const int column = problem.unknowns[u];
+        int at = offsets[u];
+        for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
+            const int row = static_cast<int>(it.row());
+            if (place[row] < 0)
+                continue;
+            const bool both = problem.free[row] && problem.free[column];
+            block.innerIndexPtr()[at] = place[row];
+            block.valuePtr()[at++] = both ? it.value() : row == column ? 1.0 : 0.0;
+        }
+    });
+    return block;
+}
+
+void ConstrainedQuadratic::factorize(SparseMatrix matrix, const std::vector<bool>& free)
+{
+    Problem next{std::make_shared<SparseMatrix>(std::move(matrix)), free, problem_.unknowns};
+    if (update(next)) {
+        adopt(std::move(next));
+        return;
+    }
+    next.unknowns.clear();
+    for (int i = 0; i < static_cast<int>(free.size()); ++i)
+        if (free[i])
+            next.unknowns.push_back(i);
+    factorize(std::move(next));
+}
+
+void ConstrainedQuadratic::restore(Problem problem) { factorize(std::move(problem)); }
+
+void ConstrainedQuadratic::factorize(Problem next)
+{
+    if (!next.matrix) { // back to before the first one: the factor's memory is given back
+        factor_.factorize(SparseMatrix(0, 0));
+        problem_ = std::move(next);
+        return;
+    }
+    try {
+        factor_.factorize(block(next));
+    } catch (const FactorizationFailed& error) {
+        if (error.elements().empty())
+            throw;
+        const int row = next.unknowns[error.elements().front()];
+        throw FactorizationFailed("the system is singular; it broke down at vertex " + std::to_string(row),
+                                  Error::Element::vertex, {row});
+    }
+    adopt(std::move(next));
+}
+
+bool ConstrainedQuadratic::update(const Problem& next)
+{
+    if (!problem_.matrix || next.unknowns.empty())
+        return false;
+    const SparseMatrix &before = *problem_.matrix, &after = *next.matrix;
+    const int n = static_cast<int>(after.cols());
+    if (before.cols() != n || before.nonZeros() != after.nonZeros() ||
+        !std::equal(before.outerIndexPtr(), before.outerIndexPtr() + n + 1, after.outerIndexPtr()) ||
+        !std::equal(before.innerIndexPtr(), before.innerIndexPtr() + before.nonZeros(),
+                    after.innerIndexPtr()))
+        return false;
+    int free = 0, held = 0;
+    std::vector<char> unknown(n, false);
+    for (const int u : next.unknowns)
+        unknown[u] = true;
+    for (int i = 0; i < n; ++i) {
+        if (next.free[i] && !unknown[i])
+            return false;
+        free += next.free[i];
+        held += unknown[i] && !next.free[i];
+    }
+    if (held > most_given * static_cast<double>(next.unknowns.size()))
+        return false;
+
+    // Every entry that changes has both its row and its column among these.
+    std::vector<char> changed(next.unknowns.size(), false);
+    parallel_for(static_cast<int>(next.unknowns.size()), [&](int u) {
+        const int column = next.unknowns[u];
+        const int begin = after.outerIndexPtr()[column], end = after.outerIndexPtr()[column + 1];
+        changed[u] = next.free[column] != problem_.free[column];
+        for (int at = begin; at < end && !changed[u]; ++at) {
+            const int row = after.innerIndexPtr()[at];
+            changed[u] = unknown[row] && (next.free[row] != problem_.free[row] ||
+                                          after.valuePtr()[at] != before.valuePtr()[at]);
+        }
+    });
+    std::vector<int> list;
+    for (int u = 0; u < static_cast<int>(changed.size()); ++u)
+        if (changed[u])
+            list.push_back(u);
+    return factor_.update(block(next), list);
+}
+
+void ConstrainedQuadratic::adopt(Problem next)
+{
+    problem_ = std::move(next);
+    const SparseMatrix& A = *problem_.matrix;
+    bordering_.assign(A.cols(), false);
+    parallel_for(static_cast<int>(A.cols()), [&](int i) {
+        if (problem_.free[i])
+            for (SparseMatrix::InnerIterator it(A, i); it && !bordering_[i]; ++it)
+                bordering_[i] = !problem_.free[it.row()];
+    });
+}
+
+void ConstrainedQuadratic::right_side_row(int row, const RowMatrix& x, const RowMatrix* rhs, double* b) const
+{
+    const auto columns = x.cols();
+    if (rhs && problem_.free[row])
+        std::copy_n(rhs->data() + columns * row, columns, b);
+    else
+        std::fill_n(b, columns, 0.0);
+    if (!bordering_[row])
+        return;
+    for (SparseMatrix::InnerIterator it(*problem_.matrix, row); it; ++it)
+        if (!problem_.free[it.row()])
+            for (Eigen::Index c = 0; c < columns; ++c)
+                b[c] -= it.value() * x(it.row(), c);
+}
+
+RowMatrix ConstrainedQuadratic::right_side(const RowMatrix& x, const RowMatrix* rhs) const
+{
+    const int unknowns = static_cast<int>(problem_.unknowns.size());
+    RowMatrix b(unknowns, x.cols());
+    parallel_for(unknowns,
+                 [&](int u) { right_side_row(problem_.unknowns[u], x, rhs, b.data() + b.cols() * u); });
     return b;
+}
+
+void ConstrainedQuadratic::solve(RowMatrix& x, const RowMatrix* rhs) const
+{
+    RowMatrix solution = right_side(x, rhs);
+    factor_.solve_rows(solution);
+    parallel_for(static_cast<int>(problem_.unknowns.size()), [&](int u) {
+        const int row = problem_.unknowns[u];
+        if (problem_.free[row])
+            x.row(row) = solution.row(u);
+    });
+}
+
+ConstrainedQuadratic::Forms ConstrainedQuadratic::forms(const RowMatrix& x, const RowMatrix* rhs) const
+{
+    constexpr int strip = 512, most_chunks = 64;
+    const SparseMatrix& A = *problem_.matrix;
+    const int n = static_cast<int>(A.cols());
+    const auto columns = x.cols();
+    const int grain = std::max(strip, (n + most_chunks - 1) / most_chunks);
+    const MatrixX zero = MatrixX::Zero(columns, columns);
+    std::vector<Forms> sums((n + grain - 1) / grain, Forms{zero, zero, zero});
+    parallel_chunks(n, grain, [&](int chunk_begin, int chunk_end) {
+        Forms& sum = sums[chunk_begin / grain];
+        RowMatrix product(strip, columns), force(strip, columns), load(strip, columns);
+        for (int begin = chunk_begin; begin < chunk_end; begin += strip) {
+            const int count = std::min(strip, chunk_end - begin);
+            for (int r = 0; r < count; ++r) {
+                const int i = begin + r;
+                multiply_row(A, i, x, product.data() + columns * r);
+                if (problem_.free[i]) {
+                    right_side_row(i, x, rhs, load.data() + columns * r);
+                    force.row(r) = product.row(r);
+                    if (rhs)
+                        force.row(r) -= rhs->row(i);
+                } else {
+                    load.row(r).setZero();
+                    force.row(r).setZero();
+                }
+            }
+            const auto add = [count](MatrixX& form, const auto& left, const RowMatrix& right) {
+                if (right.cols() <= 4)
+                    form += left.transpose().lazyProduct(right.topRows(count));
+                else
+                    form.noalias() += left.transpose() * right.topRows(count);
+            };
+            add(sum.energy, x.middleRows(begin, count), product);
+            add(sum.residual, force.topRows(count), force);
+            add(sum.load, load.topRows(count), load);
+        }
+    });
+    Forms total{zero, zero, zero};
+    for (const Forms& part : sums) {
+        total.energy += part.energy;
+        total.residual += part.residual;
+        total.load += part.load;
+    }
+    return total;
 }
 
 } // namespace sinew

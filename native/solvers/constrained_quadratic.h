@@ -4,6 +4,7 @@
 #include "native/core/types.h"
 #include "native/solvers/spd_factor.h"
 
+#include <memory>
 #include <vector>
 
 namespace sinew {
@@ -16,24 +17,59 @@ namespace sinew {
 class ConstrainedQuadratic
 {
 public:
+    /// What is factorised. `unknowns` are the rows that the factor was analysed for, ascending; those that
+    /// were given later stand in it as rows of the identity.
+    struct Problem
+    {
+        std::shared_ptr<const SparseMatrix> matrix; ///< null before factorize()
+        std::vector<bool> free;                     ///< (n)
+        std::vector<int> unknowns;
+    };
+
+    /// Inner products of the columns of x over all rows, see forms().
+    struct Forms
+    {
+        MatrixX energy;   ///< x^T A x
+        MatrixX residual; ///< of A x - b on the unknowns
+        MatrixX load;     ///< of the right-hand side b_f - A_fc x_c
+    };
+
     explicit ConstrainedQuadratic(const FactorOptions& options = {}) : factor_(options) {}
 
+    /// Where some of the free rows became given ones and some entries others, under the same pattern, only
+    /// what they reach in the factor is computed again, if that is little.
+    ///
     /// \param matrix  (n, n) symmetric positive semi-definite, both triangles stored.
     /// \param free    (n) true where x is unknown. A_ff must be positive definite.
-    /// \throw FactorizationFailed  A_ff is singular; the element named is a row of `matrix`.
-    void factorize(const SparseMatrix& matrix, const std::vector<bool>& free);
+    /// \throw FactorizationFailed  A_ff is singular; the element named is a row of `matrix`. restore() then
+    ///   brings back the last problem().
+    void factorize(SparseMatrix matrix, const std::vector<bool>& free);
+
+    /// Factorises what problem() was before, to the same bits.
+    void restore(Problem problem);
 
     /// \param[in,out] x  (n, k) the given rows in, all rows out.
     /// \param rhs        (n, k) b; null for zero.
-    /// \return           (unknowns, k) the right-hand side b_f - A_fc x_c that was solved for.
-    MatrixX solve(MatrixX& x, const MatrixX* rhs = nullptr) const;
+    void solve(RowMatrix& x, const RowMatrix* rhs = nullptr) const;
 
-    const std::vector<int>& free_rows() const { return free_rows_; }
+    /// \param x, rhs  as solve() left them.
+    Forms forms(const RowMatrix& x, const RowMatrix* rhs = nullptr) const;
+
+    /// (unknowns, k) the right-hand side b_f - A_fc x_c that solve() solves for; zero where a row is given.
+    RowMatrix right_side(const RowMatrix& x, const RowMatrix* rhs = nullptr) const;
+
+    const Problem& problem() const { return problem_; }
     const SpdFactor& factor() const { return factor_; }
 
 private:
-    std::vector<int> free_rows_;
-    SparseMatrix coupling_; ///< A_fc over all n columns, those of free unknowns empty
+    SparseMatrix block(const Problem& problem) const;
+    bool update(const Problem& next);
+    void factorize(Problem next);
+    void adopt(Problem next);
+    void right_side_row(int row, const RowMatrix& x, const RowMatrix* rhs, double* b) const;
+
+    Problem problem_;
+    std::vector<char> bordering_; ///< (n) free with a neighbour that is given
     SpdFactor factor_;
 };
 

@@ -2,13 +2,17 @@
 #pragma once
 
 #include "native/core/types.h"
-#include "native/solvers/supernodal_solve.h"
+#include "native/solvers/supernodal_tree.h"
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace sinew {
+
+/// Columns side by side, one row after the other.
+using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// What a sparse Cholesky library has to offer to stand behind SpdFactor.
 class FactorEngine
@@ -23,11 +27,29 @@ public:
     /// which it broke down, or -1.
     virtual int factorize(const SparseMatrix& matrix) = 0;
 
+    /// The same after the `changed` columns and rows of the matrix alone became others: only what they reach
+    /// is computed, and the result is that of factorize() to the last bit. Empty, and nothing is done, where
+    /// the engine cannot, or where more than `most` of the work were to be done again.
+    /// \param[out] share  of the work of factorize() that was done.
+    virtual std::optional<int> update(const SparseMatrix& /*matrix*/, const std::vector<int>& /*changed*/,
+                                      double /*most*/, double& /*share*/)
+    {
+        return {};
+    }
+
     /// X = A^-1 B, column by column. Safe from several threads at once.
     virtual void solve(const MatrixX& rhs, MatrixX& solution) const = 0;
 
-    /// The factor itself, where it is supernodal; else null.
-    virtual const SupernodalFactor<double>* supernodal() const { return nullptr; }
+    /// The same by rows, in place.
+    virtual void solve_rows(RowMatrix& x) const
+    {
+        MatrixX solution(x.rows(), x.cols());
+        solve(x, solution);
+        x = solution;
+    }
+
+    /// The factor itself where it is supernodal, with values; else none.
+    virtual std::optional<SupernodalFactor> supernodal() const { return {}; }
 
     /// What was left of each unknown's diagonal entry when it was eliminated.
     virtual VectorX pivots() const = 0;

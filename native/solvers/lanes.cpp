@@ -16,7 +16,7 @@ template <class T>
 const LaneKernels<T>& baseline_lane_kernels()
 {
     static constexpr LaneKernels<T> kernels{subtract_product, subtract_transposed, triangle,
-                                            triangle_transposed};
+                                            triangle_transposed, product_of_eight};
     return kernels;
 }
 

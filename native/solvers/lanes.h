@@ -22,6 +22,9 @@ struct LaneKernels
     void (*triangle)(const T* block, int stride, int columns, const T* diagonal, T* points);
     /// points = T^T * points
     void (*triangle_transposed)(const T* block, int stride, int columns, const T* diagonal, T* points);
+    /// sums (8, 3) = start (8, 3) + matrix (8, columns) * factors (columns, 3). `block` holds start and then
+    /// matrix, `sums` the same shape as start, all column-major; factors is row-major.
+    void (*product_of_eight)(const T* block, int columns, const T* factors, T* sums);
 };
 
 /// The widest kernels that this processor runs.

@@ -93,4 +93,22 @@ void triangle_transposed(const T* block, int stride, int columns, const T* diago
     }
 }
 
+/// Eight rows in two vectors, three columns: six sums side by side.
+template <class T>
+void product_of_eight(const T* block, int columns, const T* factors, T* sums)
+{
+    Lanes<T> sum[6], b[2];
+    for (int k = 0; k < 6; ++k)
+        sum[k] = load(block + 4 * k);
+    block += 24;
+    for (int c = 0; c < columns; ++c, block += 8, factors += 3) {
+        b[0] = load(block);
+        b[1] = load(block + 4);
+        for (int k = 0; k < 6; ++k)
+            sum[k] = sum[k] + factors[k / 2] * b[k % 2];
+    }
+    for (int k = 0; k < 6; ++k)
+        store(sums + 4 * k, sum[k]);
+}
+
 } // namespace

@@ -9,8 +9,8 @@ namespace sinew {
 extern const LaneKernels<double> lane_kernels_of_doubles_with_avx2;
 extern const LaneKernels<float> lane_kernels_of_floats_with_avx2;
 const LaneKernels<double> lane_kernels_of_doubles_with_avx2{subtract_product, subtract_transposed, triangle,
-                                                            triangle_transposed};
+                                                            triangle_transposed, product_of_eight};
 const LaneKernels<float> lane_kernels_of_floats_with_avx2{subtract_product, subtract_transposed, triangle,
-                                                          triangle_transposed};
+                                                          triangle_transposed, product_of_eight};
 
 } // namespace sinew

@@ -60,6 +60,8 @@ std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
 
 std::vector<int> minimum_degree(const SparseMatrix& matrix)
 {
+    if (have_cholmod()) // twice as fast as Eigen's
+        return cholmod_minimum_degree(matrix);
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
     Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Lower>(), permutation);
     const auto& indices = permutation.indices();

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
 namespace sinew {
 
@@ -24,7 +25,7 @@ void SingleFactor::factorize(const SparseMatrix& matrix, Ordering ordering)
     size_ = factor->size();
     other_.reset();
     supernodal_.reset();
-    const SupernodalFactor<double>* const f = factor->supernodal();
+    const std::optional<SupernodalFactor> f = factor->supernodal();
     if (!f) {
         order_.resize(size_);
         std::iota(order_.begin(), order_.end(), 0);
@@ -39,7 +40,7 @@ void SingleFactor::factorize(const SparseMatrix& matrix, Ordering ordering)
     values_.resize(block_begin_.back());
     std::transform(f->values, f->values + values_.size(), values_.begin(),
                    [](double value) { return static_cast<float>(value); });
-    supernodal_ = std::make_unique<SupernodalSolve<float>>(SupernodalFactor<float>{
+    supernodal_ = std::make_unique<SupernodalSolve<float>>(BasicSupernodalFactor<float>{
         .size = size_,
         .supernodes = f->supernodes,
         .permutation = nullptr,

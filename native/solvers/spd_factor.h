@@ -7,7 +7,7 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
+#include <vector>
 
 namespace sinew {
 
@@ -27,6 +27,7 @@ struct FactorOptions
 ///
 ///   call          repeat it when ...      cost
 ///   factorize()   the values changed      numeric; symbolic too when the pattern changed
+///   update()      some columns changed    numeric, of what these columns reach
 ///   solve()       the right side changed  two triangular solves a column
 class SpdFactor
 {
@@ -43,30 +44,44 @@ public:
     ///   stood here untouched; or above what the machine has.
     void factorize(const SparseMatrix& matrix);
 
+    /// The same for a matrix that differs in `changed` columns and rows alone. False, and nothing is done,
+    /// where that is not faster than factorize(): another pattern, another engine, too many columns reached.
+    /// The factor is that of factorize() to the last bit.
+    /// \throw FactorizationFailed, OutOfMemory  as factorize().
+    bool update(const SparseMatrix& matrix, const std::vector<int>& changed);
+
     /// \param rhs  (n, k), any number of columns; x, y and z together cost 1.3-1.7 times one.
     /// \throw FactorizationFailed  the last matrix was refused.
     MatrixX solve(const MatrixX& rhs) const;
+    /// The same by rows, in place: right-hand sides in, solutions out.
+    void solve_rows(RowMatrix& x) const;
 
-    /// The factor itself, where it is supernodal; else null.
-    const SupernodalFactor<double>* supernodal() const { return engine_ ? engine_->supernodal() : nullptr; }
+    /// The factor itself where it is supernodal; else none.
+    std::optional<SupernodalFactor> supernodal() const
+    {
+        return stands_ && engine_ ? engine_->supernodal() : std::nullopt;
+    }
 
     int size() const { return size_; }
     std::int64_t nonzeros() const;
     std::int64_t bytes() const;                            ///< memory of the factor
     int factorizations() const { return factorizations_; } ///< numeric ones, so far
     int analyses() const { return analyses_; }             ///< symbolic ones, so far
+    double share() const { return share_; } ///< of a whole numeric factorisation that the last one did
 
 private:
-    bool same_pattern(const SparseMatrix& matrix) const;
-    void analyze(const SparseMatrix& matrix);
+    void analyze(const SparseMatrix& matrix, std::uint64_t pattern);
+    void check(const SparseMatrix& matrix, int broken);
+    void require_factor(Eigen::Index rows) const;
 
     FactorOptions options_;
     std::unique_ptr<FactorEngine> engine_;
-    std::vector<int> offsets_, rows_; ///< the analysed pattern
+    std::uint64_t pattern_ = 0; ///< the analysed one's digest
     int size_ = 0;
     bool stands_ = false; ///< the last factorisation succeeded
     int factorizations_ = 0;
     int analyses_ = 0;
+    double share_ = 0;
 };
 
 } // namespace sinew

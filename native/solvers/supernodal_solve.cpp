@@ -5,8 +5,9 @@
 #include "native/solvers/lanes.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <mutex>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 namespace sinew {
@@ -15,7 +16,7 @@ namespace {
 
 constexpr int block_width = 16;
 constexpr int most_subtrees = 16;
-constexpr std::int64_t least_parallel = 400'000; ///< factor entries; below, one thread is faster
+constexpr double least_parallel = 4e5; ///< factor entries; below, one thread is faster
 
 } // namespace
 
@@ -32,27 +33,30 @@ struct SupernodalSolve<T>::Impl
     /// Reused by later solves; several at once each take their own.
     struct Workspace
     {
+        std::vector<T> points;            ///< (n) lanes in elimination order, for solve()
         std::vector<std::vector<T>> sums; ///< one a subtree: lanes of the unknowns above all subtrees
         std::vector<std::vector<T>>
             rows; ///< one a subtree, the last for the top: lanes of one supernode's rows
-        std::vector<T> points; ///< (n) lanes, for solve()
     };
 
-    explicit Impl(const SupernodalFactor<T>& factor) : f(factor), kernels(lane_kernels<T>())
+    explicit Impl(const BasicSupernodalFactor<T>& factor) : f(factor), kernels(lane_kernels<T>())
     {
-        invert_diagonal_blocks();
+        invert_diagonal_blocks({});
         choose_subtrees();
     }
 
-    int columns(int s) const { return f.first[s + 1] - f.first[s]; }
-    int height(int s) const { return f.row_begin[s + 1] - f.row_begin[s]; }
-    T* block(int s) const { return f.values + f.block_begin[s]; }
+    int columns(int s) const { return f.columns(s); }
+    int height(int s) const { return f.height(s); }
+    T* block(int s) const { return f.block(s); }
 
-    void invert_diagonal_blocks()
+    /// Of the chosen supernodes; of all where none are named.
+    void invert_diagonal_blocks(const std::vector<char>& chosen)
     {
         reciprocals.resize(f.size);
         parallel_chunks(f.supernodes, 256, [&](int begin, int end) {
             for (int s = begin; s < end; ++s) {
+                if (!chosen.empty() && !chosen[s])
+                    continue;
                 const int stride = height(s);
                 for (int c = 0; c < columns(s); c += block_width)
                     invert(block(s) + c * (stride + 1), stride, std::min(block_width, columns(s) - c),
@@ -75,66 +79,19 @@ struct SupernodalSolve<T>::Impl
         }
     }
 
-    /// Subtrees of equal weight, found by splitting the heaviest; what is left on top is done alone.
+    /// Parts of the tree of equal weight; what is left on top is done alone.
     void choose_subtrees()
     {
-        std::vector<int> owner(f.size);
+        std::vector<double> entries(f.supernodes);
         for (int s = 0; s < f.supernodes; ++s)
-            std::fill(owner.begin() + f.first[s], owner.begin() + f.first[s + 1], s);
-        std::vector<int> parent(f.supernodes, -1), start(f.supernodes);
-        std::vector<std::int64_t> weight(f.supernodes, 0);
-        for (int s = 0; s < f.supernodes; ++s)
-            start[s] = s;
-        std::int64_t total = 0;
-        for (int s = 0; s < f.supernodes; ++s) { // postorder: children come first
-            const std::int64_t own = static_cast<std::int64_t>(columns(s)) * height(s);
-            weight[s] += own;
-            total += own;
-            if (height(s) > columns(s)) {
-                parent[s] = owner[f.rows[f.row_begin[s] + columns(s)]];
-                weight[parent[s]] += weight[s];
-                start[parent[s]] = std::min(start[parent[s]], start[s]);
-            }
-        }
+            entries[s] = static_cast<double>(columns(s)) * height(s);
         on_top.assign(f.supernodes, false);
-        if (total < least_parallel)
+        if (std::accumulate(entries.begin(), entries.end(), 0.0) < least_parallel)
             return;
-
-        std::vector<std::vector<int>> children(f.supernodes);
-        std::vector<int> chosen;
-        for (int s = 0; s < f.supernodes; ++s)
-            if (parent[s] >= 0)
-                children[parent[s]].push_back(s);
-            else
-                chosen.push_back(s);
-        const auto lighter = [&](int a, int b) { return weight[a] < weight[b]; };
-        std::make_heap(chosen.begin(), chosen.end(), lighter);
-        while (!chosen.empty() && weight[chosen.front()] > total / most_subtrees) {
-            const int heaviest = chosen.front();
-            std::pop_heap(chosen.begin(), chosen.end(), lighter);
-            chosen.pop_back();
-            on_top[heaviest] = true;
-            for (const int child : children[heaviest]) {
-                chosen.push_back(child);
-                std::push_heap(chosen.begin(), chosen.end(), lighter);
-            }
-        }
-        std::sort(chosen.begin(), chosen.end());
-        // Neighbours join until each task has its share.
-        std::int64_t gathered = 0;
-        for (const int root : chosen) {
-            const bool adjoins = !subtrees.empty() && subtrees.back().end == start[root];
-            if (!adjoins || gathered + weight[root] > total / most_subtrees) {
-                subtrees.push_back({start[root], start[root], 0, 0});
-                gathered = 0;
-            }
-            subtrees.back().end = root + 1;
-            gathered += weight[root];
-        }
-        for (Subtree& subtree : subtrees) {
-            subtree.first_column = f.first[subtree.begin];
-            subtree.last_column = f.first[subtree.end];
-        }
+        SupernodalSplit cut = split(SupernodalTree(f), std::move(entries), most_subtrees);
+        for (const auto [begin, end] : cut.parts)
+            subtrees.push_back({begin, end, f.first[begin], f.first[end]});
+        on_top = std::move(cut.on_top);
         top_position.assign(f.size, -1);
         for (int s = 0; s < f.supernodes; ++s)
             if (on_top[s])
@@ -272,7 +229,22 @@ struct SupernodalSolve<T>::Impl
         idle.push_back(std::move(work));
     }
 
-    SupernodalFactor<T> f;
+    /// Reads the right sides by read(unknown, lanes) and gives the solutions to write(unknown, lanes).
+    template <class Read, class Write>
+    void run(Read&& read, Write&& write) const
+    {
+        constexpr int grain = 16384;
+        std::unique_ptr<Workspace> work = take();
+        work->points.resize(static_cast<std::size_t>(f.size) * lane_count);
+        T* points = work->points.data();
+        const auto lanes = [&](int i) { return points + lane_count * static_cast<std::size_t>(i); };
+        parallel_for(f.size, [&](int i) { read(f.permutation[i], lanes(i)); }, grain);
+        sweep(points, *work);
+        parallel_for(f.size, [&](int i) { write(f.permutation[i], lanes(i)); }, grain);
+        give_back(std::move(work));
+    }
+
+    BasicSupernodalFactor<T> f;
     const LaneKernels<T>& kernels;
     std::vector<T> reciprocals; ///< of the diagonal
     std::vector<Subtree> subtrees;
@@ -284,11 +256,48 @@ struct SupernodalSolve<T>::Impl
 };
 
 template <class T>
-SupernodalSolve<T>::SupernodalSolve(const SupernodalFactor<T>& factor) : impl_(std::make_unique<Impl>(factor))
+SupernodalSolve<T>::SupernodalSolve(const BasicSupernodalFactor<T>& factor)
+    : impl_(std::make_unique<Impl>(factor))
 {
 }
 template <class T>
 SupernodalSolve<T>::~SupernodalSolve() = default;
+
+template <class T>
+void SupernodalSolve<T>::renew(const std::vector<char>& chosen)
+{
+    impl_->invert_diagonal_blocks(chosen);
+}
+
+template <class T>
+void SupernodalSolve<T>::solve(const MatrixX& rhs, MatrixX& solution) const
+{
+    const int k = static_cast<int>(rhs.cols());
+    solution.resize(rhs.rows(), k);
+    impl_->run(
+        [&](int unknown, T* point) {
+            for (int c = 0; c < lane_count; ++c)
+                point[c] = c < k ? static_cast<T>(rhs(unknown, c)) : T(0);
+        },
+        [&](int unknown, const T* point) {
+            for (int c = 0; c < k; ++c)
+                solution(unknown, c) = point[c];
+        });
+}
+
+template <class T>
+void SupernodalSolve<T>::solve_rows(RowMatrix& x, int first, int k) const
+{
+    impl_->run(
+        [&](int unknown, T* point) {
+            for (int c = 0; c < lane_count; ++c)
+                point[c] = c < k ? static_cast<T>(x(unknown, first + c)) : T(0);
+        },
+        [&](int unknown, const T* point) {
+            for (int c = 0; c < k; ++c)
+                x(unknown, first + c) = point[c];
+        });
+}
 
 template <class T>
 void SupernodalSolve<T>::sweep(T* points) const
@@ -296,37 +305,6 @@ void SupernodalSolve<T>::sweep(T* points) const
     std::unique_ptr<typename Impl::Workspace> work = impl_->take();
     impl_->sweep(points, *work);
     impl_->give_back(std::move(work));
-}
-
-template <class T>
-void SupernodalSolve<T>::solve(const MatrixX& rhs, MatrixX& solution) const
-{
-    const Impl& m = *impl_;
-    const int n = m.f.size, k = static_cast<int>(rhs.cols());
-    std::unique_ptr<typename Impl::Workspace> work = m.take();
-    work->points.resize(static_cast<std::size_t>(n) * lane_count);
-    T* points = work->points.data();
-    parallel_for(
-        n,
-        [&](int i) {
-            T* point = points + lane_count * static_cast<std::size_t>(i);
-            const int unknown = m.f.permutation[i];
-            for (int c = 0; c < lane_count; ++c)
-                point[c] = c < k ? static_cast<T>(rhs(unknown, c)) : T(0);
-        },
-        16384);
-    m.sweep(points, *work);
-    solution.resize(n, k);
-    parallel_for(
-        n,
-        [&](int i) {
-            const T* point = points + lane_count * static_cast<std::size_t>(i);
-            const int unknown = m.f.permutation[i];
-            for (int c = 0; c < k; ++c)
-                solution(unknown, c) = point[c];
-        },
-        16384);
-    m.give_back(std::move(work));
 }
 
 template class SupernodalSolve<double>;

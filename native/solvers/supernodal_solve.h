@@ -2,29 +2,15 @@
 #pragma once
 
 #include "native/core/types.h"
+#include "native/solvers/factor_engine.h"
+#include "native/solvers/supernodal_tree.h"
 
 #include <memory>
+#include <vector>
 
 namespace sinew {
 
-/// A supernodal Cholesky factor P A P^T = L L^T that somebody else owns and keeps.
-///
-/// Supernode s has columns [first[s], first[s + 1]) and the rows rows[row_begin[s], row_begin[s + 1]), its
-/// own columns first, ascending; its values stand column-major at values + block_begin[s], one row a line.
-template <class T>
-struct SupernodalFactor
-{
-    int size = 0;
-    int supernodes = 0;
-    const int* permutation = nullptr; ///< (size) unknown of each position
-    const int* first = nullptr;
-    const int* row_begin = nullptr;
-    const int* block_begin = nullptr;
-    const int* rows = nullptr;
-    T* values = nullptr; ///< the strict upper triangles of the diagonal blocks are ours to use
-};
-
-/// Triangular solves with a supernodal factor, of doubles or floats, for up to four right-hand sides at once.
+/// Triangular solves with a supernodal factor of doubles or floats for up to four right-hand sides at once.
 ///
 /// A solve reads the factor twice; each value read serves all columns. Subtrees of the elimination tree
 /// run in parallel, and what they add to the unknowns above them is summed in a fixed order: the result
@@ -38,12 +24,16 @@ template <class T>
 class SupernodalSolve
 {
 public:
-    explicit SupernodalSolve(const SupernodalFactor<T>& factor);
+    explicit SupernodalSolve(const BasicSupernodalFactor<T>& factor);
     ~SupernodalSolve();
+
+    /// After other values were computed in the `chosen` supernodes; no solve may run meanwhile.
+    void renew(const std::vector<char>& chosen);
 
     /// X = A^-1 B; (n, k) with k <= 4. Safe from several threads; keeps its workspace.
     void solve(const MatrixX& rhs, MatrixX& solution) const;
-
+    /// The same in place for columns [first, first + k) of x, k <= 4.
+    void solve_rows(RowMatrix& x, int first, int k) const;
     /// The same in place, on (n) points of four lanes in elimination order.
     void sweep(T* points) const;
 

@@ -2,14 +2,21 @@
 #include "native/surface/linear/affine_basis.h"
 
 #include "native/core/parallel.h"
+#include "native/solvers/lanes.h"
 #include "native/surface/linear/thin_shell.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
 
 namespace sinew {
 
 namespace {
+
+constexpr int eight = 8; ///< vertices a block
 
 /// x, y, z, 1 of a rest point in the four columns of its handle.
 MatrixX affine_columns(const ThinShell& shell)
@@ -31,36 +38,62 @@ double trace_form(const MatrixX& form, const MatrixX& P)
 
 } // namespace
 
-AffineBasis::AffineBasis(const ThinShell& shell) : rest_(shell.rest().points())
+AffineBasis::AffineBasis(const ThinShell& shell)
+    : vertex_count_(shell.rest().vertex_count()), columns_(4 * shell.regions().handle_count())
 {
     ThinShellResponse response = shell.respond(affine_columns(shell));
-    basis_ = response.displacement;
     energy_ = std::move(response.energy);
     residual_ = std::move(response.residual);
     load_ = std::move(response.load);
+
+    const Points& rest = shell.rest().points();
+    const int rows = 3 + columns_;
+    blocks_.resize(static_cast<std::size_t>((vertex_count_ + eight - 1) / eight) * eight * rows);
+    parallel_for(vertex_count_, [&](int i) {
+        double* own = blocks_.data() + static_cast<std::size_t>(i / eight) * eight * rows + i % eight;
+        for (int c = 0; c < rows; ++c)
+            own[eight * c] = c < 3 ? rest(i, c) : response.displacement(i, c - 3);
+    });
+}
+
+RowMatrix AffineBasis::matrix() const
+{
+    RowMatrix B(vertex_count_, columns_);
+    const int rows = 3 + columns_;
+    for (int i = 0; i < vertex_count_; ++i)
+        for (int c = 0; c < columns_; ++c)
+            B(i, c) =
+                blocks_[static_cast<std::size_t>(i / eight) * eight * rows + eight * (3 + c) + i % eight];
+    return B;
 }
 
 SolveReport AffineBasis::solve(const Poses& poses, Points& positions) const
 {
-    const int handles = static_cast<int>(basis_.cols()) / 4;
-    Targets{poses, view(rest_), {}, nullptr}.check(handles);
+    const int handles = columns_ / 4;
+    Targets{poses, PointsView(nullptr, vertex_count_, 3), {}, nullptr}.check(handles);
 
-    MatrixX P(4 * handles, 3);
+    Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor> P(columns_, 3);
     for (int h = 0; h < handles; ++h) {
         P.middleRows<4>(4 * h) = poses[h].transpose();
         P.middleRows<3>(4 * h) -= Matrix3::Identity();
     }
-    positions.resize(rest_.rows(), 3);
-    parallel_for(static_cast<int>(rest_.rows()), [&](int i) {
-        double x = rest_(i, 0), y = rest_(i, 1), z = rest_(i, 2);
-        for (int c = 0; c < basis_.cols(); ++c) {
-            const double b = basis_(i, c);
-            x += b * P(c, 0);
-            y += b * P(c, 1);
-            z += b * P(c, 2);
-        }
-        positions.row(i) << x, y, z;
-    });
+    positions.resize(vertex_count_, 3);
+    const LaneKernels<double>& kernels = lane_kernels<double>();
+    const int block_count = (vertex_count_ + eight - 1) / eight;
+    parallel_for(
+        block_count,
+        [&](int block) {
+            std::array<double, 3 * eight> sums;
+            kernels.product_of_eight(blocks_.data() +
+                                         static_cast<std::size_t>(block) * eight * (3 + columns_),
+                                     columns_, P.data(), sums.data());
+            const int begin = eight * block, count = std::min(eight, vertex_count_ - begin);
+            double* point = positions.data() + 3 * static_cast<std::size_t>(begin);
+            for (int i = 0; i < count; ++i, point += 3)
+                for (int axis = 0; axis < 3; ++axis)
+                    point[axis] = sums[eight * axis + i];
+        },
+        512);
 
     SolveReport report;
     report.iterations = 1;

@@ -5,8 +5,9 @@
 
 #include "native/core/report.h"
 #include "native/core/types.h"
+#include "native/solvers/factor_engine.h"
 
-#include <memory>
+#include <vector>
 
 namespace sinew {
 
@@ -34,19 +35,18 @@ public:
     /// \param shell  with its handles set.
     explicit AffineBasis(const ThinShell& shell);
 
-    /// (n, 4k), four columns a handle: the answers to x, y, z and 1 on it.
-    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>& matrix() const
-    {
-        return basis_;
-    }
+    /// (n, 4k), four columns a handle: the answers to x, y, z and 1 on it. Put together anew each time.
+    RowMatrix matrix() const;
 
     /// The same shape and report as ThinShell::solve from rest.
     /// \throw InvalidConstraint  the number of poses is not k, or one is not finite.
     SolveReport solve(const Poses& poses, Points& positions) const;
 
 private:
-    Points rest_;
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> basis_;
+    int vertex_count_;
+    int columns_; ///< 4k
+    /// Eight vertices a block, as LaneKernels::product_of_eight() reads it: their rest points, then B.
+    std::vector<double> blocks_;
     MatrixX energy_, residual_, load_; ///< (4k, 4k), see ThinShellResponse
 };
 

@@ -3,11 +3,13 @@
 
 #include "native/core/errors.h"
 #include "native/solvers/constrained_quadratic.h"
+#include "native/solvers/sparse_columns.h"
 #include "native/surface/linear/affine_basis.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -86,9 +88,8 @@ struct Binding
     Coefficients k;
     Regions regions;
     std::vector<Constraint> constraints;
-    SparseMatrix A; ///< soft terms on the diagonal
     std::vector<double> soft_stiffness;
-    ConstrainedQuadratic system;
+    ConstrainedQuadratic system; ///< of A, soft terms on its diagonal
     std::unique_ptr<AffineBasis> basis;
 };
 
@@ -128,11 +129,11 @@ struct ThinShell::Impl
     }
 
     /// A of the header, without soft terms.
-    SparseMatrix assemble(const Regions& regions, const Coefficients& k) const
+    SparseMatrix assemble(const Regions& regions, const Coefficients& k, const TriangleMetric& metric) const
     {
         const int n = rest.vertex_count();
         const auto laplacian = [&](const ElementScale& scale) {
-            return laplacian_matrix(rest, options.laplacian, scale, least_area(k));
+            return laplacian_matrix(rest, options.laplacian, metric, scale);
         };
         SparseMatrix A(n, n);
         if (!k.stretching.empty())
@@ -140,27 +141,34 @@ struct ThinShell::Impl
         if (k.bending.empty() && k.variation.empty())
             return A;
 
+        const auto add = [&A](SparseMatrix term) {
+            if (A.nonZeros() == 0)
+                A = std::move(term);
+            else
+                A += term;
+        };
         const SparseMatrix L = laplacian({});
-        VectorX CM = divisible_mass(rest, options.laplacian, least_area(k)).cwiseInverse();
+        VectorX CM = divisible_mass(rest, options.laplacian, metric).cwiseInverse();
         for (int i = 0; i < n; ++i)
             CM[i] *= bending_continuity(regions, i);
-        if (!k.bending.empty()) {
-            const VectorX D = CM.cwiseProduct(Eigen::Map<const VectorX>(k.bending.data(), n));
-            A += SparseMatrix(L * D.asDiagonal()) * L;
-        }
+        if (!k.bending.empty())
+            add(sparse_product(L, CM.cwiseProduct(Eigen::Map<const VectorX>(k.bending.data(), n)), L));
         if (!k.variation.empty()) {
+            const VectorX ones = VectorX::Ones(n);
             const SparseMatrix U = CM.asDiagonal() * L;
             const SparseMatrix L_kv = laplacian([&](std::span<const int> element) {
                 return mean_over(k.variation, element) * variation_continuity(regions, element);
             });
-            A += SparseMatrix(U.transpose()) * SparseMatrix(L_kv * U);
+            add(sparse_product(U.transpose(), ones, sparse_product(L_kv, ones, U)));
         }
         return A;
     }
 
-    void add_soft_terms(Binding& next) const
+    static void add_soft_terms(Binding& next, SparseMatrix& A)
     {
-        const VectorX diagonal = next.A.diagonal();
+        if (next.regions.soft().empty())
+            return;
+        const VectorX diagonal = A.diagonal();
         const double mean = diagonal.mean() > 0 ? diagonal.mean() : 1.0;
         for (const SoftConstraint& s : next.regions.soft()) {
             const double unit = diagonal[s.vertex] > 0 ? diagonal[s.vertex] : mean; // loose vertices
@@ -168,8 +176,9 @@ struct ThinShell::Impl
         }
         for (std::size_t k = 0; k < next.soft_stiffness.size(); ++k) {
             const int v = next.regions.soft()[k].vertex;
-            next.A.coeffRef(v, v) += next.soft_stiffness[k];
+            A.coeffRef(v, v) += next.soft_stiffness[k];
         }
+        A.makeCompressed();
     }
 
     /// Binds `next`, whose handles and coefficients are set. The factor moves over, so that its
@@ -180,40 +189,48 @@ struct ThinShell::Impl
         progress.tick(0.0, "assembling the energy");
         next.regions = Regions(next.handles, parts);
         next.constraints = next.regions.constraints();
-        next.A = assemble(next.regions, next.k);
-        add_soft_terms(next);
+        int degenerate = 0;
+        SparseMatrix A;
+        {
+            const TriangleMetric metric = triangle_metric(rest, least_area(next.k));
+            degenerate = degenerate_face_count(rest, metric);
+            A = assemble(next.regions, next.k, metric);
+        }
+        add_soft_terms(next, A);
 
         progress.tick(0.2, "factorising");
         std::swap(bound, next);
+        bound.system = std::move(next.system);
+        const ConstrainedQuadratic::Problem before = bound.system.problem();
         try {
-            bound.system = std::move(next.system);
-            factorize();
+            factorize(std::move(A));
             progress.tick(0.7, "computing the basis");
             if (options.affine_basis && bound.regions.handle_count() <= most_basis_handles)
                 bound.basis = std::make_unique<AffineBasis>(self);
             progress.tick(1.0, "bound");
         } catch (const std::exception&) {
+            bound.system.restore(before);
             next.system = std::move(bound.system);
             std::swap(bound, next);
-            if (bound.A.cols() > 0)
-                factorize();
             throw;
         }
 
         BindReport report = bound.regions.report();
-        report.degenerate_faces = degenerate_face_count(rest, least_area(bound.k));
+        report.degenerate_faces = degenerate;
         report.factorizations = factorizations;
+        report.analyses = bound.system.factor().analyses();
+        report.refactored = bound.system.factor().share();
         report.factor_bytes = bound.system.factor().bytes();
         report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return report;
     }
 
-    void factorize()
+    void factorize(SparseMatrix A)
     {
         std::vector<bool> free(rest.vertex_count());
         for (int v = 0; v < rest.vertex_count(); ++v)
             free[v] = bound.regions.is_free(v);
-        bound.system.factorize(bound.A, free);
+        bound.system.factorize(std::move(A), free);
         ++factorizations;
     }
 };
@@ -250,9 +267,11 @@ ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
     const auto columns = constraints.cols();
 
     ThinShellResponse response;
-    MatrixX& x = response.displacement;
-    x = MatrixX::Zero(n, columns);
-    MatrixX pull = MatrixX::Zero(n, columns); // b: the soft constraints' side
+    RowMatrix& x = response.displacement;
+    x = RowMatrix::Zero(n, columns);
+    std::optional<RowMatrix> pull; // b: the soft constraints' side
+    if (!bound.soft_stiffness.empty())
+        pull = RowMatrix::Zero(n, columns);
     MatrixX soft_energy = MatrixX::Zero(columns, columns);
     const auto hard_count = bound.constraints.size() - bound.soft_stiffness.size();
     for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
@@ -262,27 +281,22 @@ ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
             x.row(vertex) = target;
         } else {
             const double stiffness = bound.soft_stiffness[row - hard_count];
-            pull.row(vertex) += stiffness * target;
+            pull->row(vertex) += stiffness * target;
             soft_energy += stiffness * target.transpose() * target;
         }
     }
 
-    const MatrixX load = bound.system.solve(x, &pull);
+    bound.system.solve(x, pull ? &*pull : nullptr);
+    ConstrainedQuadratic::Forms forms = bound.system.forms(x, pull ? &*pull : nullptr);
     // A holds the soft stiffness on its diagonal, so that
     // x^T A x - x^T b - b^T x + sum s c c^T is the elastic plus the soft energy, doubled.
-    const MatrixX Ax = bound.A * x;
-    response.energy = x.transpose() * Ax + soft_energy;
-    if (!bound.soft_stiffness.empty()) {
-        const MatrixX cross = x.transpose() * pull;
+    response.energy = forms.energy + soft_energy;
+    if (pull) {
+        const MatrixX cross = x.transpose() * *pull;
         response.energy -= cross + cross.transpose();
     }
-
-    const std::vector<int>& unknowns = bound.system.free_rows();
-    MatrixX force(unknowns.size(), columns);
-    for (std::size_t f = 0; f < unknowns.size(); ++f)
-        force.row(f) = Ax.row(unknowns[f]) - pull.row(unknowns[f]);
-    response.residual = force.transpose() * force;
-    response.load = load.transpose() * load;
+    response.residual = std::move(forms.residual);
+    response.load = std::move(forms.load);
     return response;
 }
 
@@ -292,7 +306,7 @@ SolveReport ThinShell::solve(const Poses& poses, Points& positions, const std::o
     const Binding& bound = impl_->bound;
     const Targets targets{poses, view(rest().points()), incoming, from_rest};
     targets.check(bound.regions.handle_count());
-    if (bound.A.cols() == 0) { // no set_handles yet: nothing is held
+    if (!bound.system.problem().matrix) { // no set_handles yet: nothing is held
         positions = targets.base();
         return SolveReport{.converged = true};
     }

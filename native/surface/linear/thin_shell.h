@@ -6,6 +6,7 @@
 #include "native/mesh/regions.h"
 #include "native/mesh/surface_mesh.h"
 #include "native/operators/laplacian.h"
+#include "native/solvers/factor_engine.h"
 
 #include <memory>
 #include <optional>
@@ -34,10 +35,10 @@ struct ThinShellOptions
 /// from which the energy and residual of any linear combination follow.
 struct ThinShellResponse
 {
-    MatrixX displacement; ///< (n, m)
-    MatrixX energy;       ///< (m, m) twice E as a bilinear form, soft terms included
-    MatrixX residual;     ///< (m, m) of A d - b on the unknowns
-    MatrixX load;         ///< (m, m) of b, the right-hand side
+    RowMatrix displacement; ///< (n, m)
+    MatrixX energy;         ///< (m, m) twice E as a bilinear form, soft terms included
+    MatrixX residual;       ///< (m, m) of A d - b on the unknowns
+    MatrixX load;           ///< (m, m) of b, the right-hand side
 };
 
 /// Linear thin shell: the smoothest displacement field that meets the handles.
@@ -67,6 +68,8 @@ struct ThinShellResponse
 ///   constructor     rest shape or faces changed   operators, O(n)
 ///   set_handles()   another set of handles        one factorisation, 4 columns a handle
 ///   set_stiffness() a stiffness changed           numeric factorisation only
+///   both, little    vertices became held, or a    the part of the factor that these vertices reach: a half
+///   changed         stiffness other on a few      of it for a patch; vertices let go need a new one
 ///   solve()         the handles moved             O(n k) with the basis, else one solve of x, y, z
 ///
 /// Linear: fair for translations and gentle bends; details do not rotate with the surface.

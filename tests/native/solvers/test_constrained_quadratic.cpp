@@ -53,11 +53,11 @@ TEST(ConstrainedQuadratic, minimises_as_the_dense_saddle_point_system_does)
         const SparseMatrix A = matrices::random_spd(n, trial);
         const std::vector<bool> free = random_choice(random, n, 0.7);
         const MatrixX given = random.dense(n, 3);
-        const MatrixX b = random.dense(n, 3);
+        const RowMatrix b = random.dense(n, 3);
         ConstrainedQuadratic system;
         system.factorize(A, free);
 
-        MatrixX x = given;
+        RowMatrix x = given;
         system.solve(x, &b);
         EXPECT_LT((x - dense_kkt(A, free, given, b)).cwiseAbs().maxCoeff(), tolerance);
 
@@ -74,7 +74,7 @@ TEST(ConstrainedQuadratic, needs_only_the_free_block_to_be_definite)
     free[5] = false;
     ConstrainedQuadratic system;
     system.factorize(L, free);
-    MatrixX x = MatrixX::Zero(36, 1);
+    RowMatrix x = MatrixX::Zero(36, 1);
     x(5) = 7;
     system.solve(x);
     EXPECT_LT((x.array() - 7).abs().maxCoeff(), tolerance);
@@ -88,7 +88,7 @@ TEST(ConstrainedQuadratic, leaves_given_entries_as_they_are_to_the_bit)
     const MatrixX given = random.dense(30, 2);
     ConstrainedQuadratic system;
     system.factorize(A, free);
-    MatrixX x = given;
+    RowMatrix x = given;
     system.solve(x);
     for (int i = 0; i < 30; ++i) {
         if (!free[i]) {
@@ -104,25 +104,25 @@ TEST(ConstrainedQuadratic, does_not_read_what_stands_in_the_unknowns)
     free[0] = free[7] = false;
     ConstrainedQuadratic system;
     system.factorize(A, free);
-    MatrixX x = MatrixX::Ones(20, 1);
-    MatrixX y = MatrixX::Constant(20, 1, 1e30);
+    RowMatrix x = MatrixX::Ones(20, 1);
+    RowMatrix y = MatrixX::Constant(20, 1, 1e30);
     y(0) = y(7) = 1;
     system.solve(x);
     system.solve(y);
     EXPECT_EQ(x, y);
 }
 
-TEST(ConstrainedQuadratic, returns_the_right_side_that_was_solved_for)
+TEST(ConstrainedQuadratic, forms_the_right_side_that_it_solves_for)
 {
     shapes::Random random(5);
     const SparseMatrix A = matrices::random_spd(25, 5);
     const std::vector<bool> free = random_choice(random, 25, 0.6);
     ConstrainedQuadratic system;
     system.factorize(A, free);
-    MatrixX x = random.dense(25, 2);
-    const MatrixX b = random.dense(25, 2);
-    const MatrixX side = system.solve(x, &b);
-    const std::vector<int>& rows = system.free_rows();
+    RowMatrix x = random.dense(25, 2);
+    const RowMatrix b = random.dense(25, 2);
+    const RowMatrix side = system.right_side(x, &b);
+    const std::vector<int>& rows = system.problem().unknowns;
     ASSERT_EQ(side.rows(), static_cast<Eigen::Index>(rows.size()));
     EXPECT_LT((side -
                [&] {
@@ -145,9 +145,9 @@ TEST(ConstrainedQuadratic, with_everything_given_solves_nothing)
     const SparseMatrix A = matrices::random_spd(5, 6);
     ConstrainedQuadratic system;
     system.factorize(A, std::vector<bool>(5, false));
-    MatrixX x = MatrixX::Ones(5, 3);
-    EXPECT_EQ(system.solve(x).rows(), 0);
-    EXPECT_EQ(x, MatrixX::Ones(5, 3));
+    RowMatrix x = MatrixX::Ones(5, 3);
+    system.solve(x);
+    EXPECT_EQ(x, RowMatrix::Ones(5, 3));
 }
 
 TEST(ConstrainedQuadratic, names_a_row_of_the_whole_matrix_where_it_breaks_down)
@@ -170,7 +170,7 @@ TEST(ConstrainedQuadratic, ten_solves_take_one_factorisation)
     free[0] = false;
     system.factorize(matrices::shuffled_grid(6), free);
     for (int k = 0; k < 10; ++k) {
-        MatrixX x = MatrixX::Constant(36, 1, k);
+        RowMatrix x = MatrixX::Constant(36, 1, k);
         system.solve(x);
     }
     EXPECT_EQ(system.factor().factorizations(), 1);

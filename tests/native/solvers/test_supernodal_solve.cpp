@@ -61,7 +61,7 @@ struct Example
         std::shuffle(permutation.begin(), permutation.end(), random);
     }
 
-    SupernodalFactor<double> view()
+    SupernodalFactor view()
     {
         return {.size = static_cast<int>(permutation.size()),
                 .supernodes = static_cast<int>(first.size()) - 1,
@@ -193,6 +193,12 @@ TEST(Lanes, the_wide_kernels_agree_with_the_plain_ones_to_the_last_bit)
         wide->subtract_transposed(block.data(), height, columns, height, rows.data(), b.data());
         EXPECT_EQ(a, b);
         EXPECT_LT((a - (points - rows * block)).norm(), 1e-13);
+        const MatrixX eight = MatrixX::Random(8, 3 + columns), factors = MatrixX::Random(3, columns);
+        MatrixX c(8, 3), d(8, 3);
+        plain.product_of_eight(eight.data(), columns, factors.data(), c.data());
+        wide->product_of_eight(eight.data(), columns, factors.data(), d.data());
+        EXPECT_EQ(c, d);
+        EXPECT_LT((c - (eight.leftCols(3) + eight.rightCols(columns) * factors.transpose())).norm(), 1e-13);
         const VectorX diagonal = VectorX::Random(columns);
         a = points, b = points;
         plain.triangle(block.data(), height, columns, diagonal.data(), a.data());
