@@ -44,7 +44,8 @@ Raises InvalidOption for negative, NaN or all-zero stiffnesses.)")
             },
             py::arg("handles"), py::arg("weights") = py::none(), py::arg("continuity") = py::none(),
             py::arg("progress") = py::none(),
-            R"(Factorise for these handles -> BindReport. Cost: one factorisation.
+            R"(Factorise for these handles -> BindReport. Cost: one factorisation; where the last
+handles stay held and little is added, the part of the factor that it reaches.
 
 handles     sequence of (h_i,) vertex index arrays, one a handle; a fixed region is a handle too.
 weights     None, or one entry a handle: None, a number or (h_i,) numbers in [0, 1]. 1 holds exactly,
@@ -67,7 +68,8 @@ Raises InvalidConstraint, FactorizationFailed or Cancelled; the object then stay
             },
             py::arg("stretching"), py::arg("bending"), py::arg("variation") = 0.0,
             py::arg("progress") = py::none(),
-            "Other k_s, k_b, k_v under the same handles -> BindReport. Cost: numeric factorisation only.")
+            "Other k_s, k_b, k_v under the same handles -> BindReport. Cost: numeric factorisation only, of\n"
+            "the part that a change on a few vertices reaches.")
         .def(
             "solve",
             [](const ThinShell& shell, const py::object& poses, const py::object& incoming,

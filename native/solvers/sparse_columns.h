@@ -5,8 +5,7 @@
 #include "native/core/types.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <utility>
+#include <numeric>
 #include <vector>
 
 namespace sinew {
@@ -29,15 +28,23 @@ public:
         }
     }
 
-    /// Appends the entries by rising row, and starts anew.
-    void move_to(std::vector<int>& rows, std::vector<double>& values)
+    int count() const { return static_cast<int>(rows_.size()); }
+
+    /// Writes count() entries by rising row, and starts anew.
+    void move_to(int* rows, double* values)
     {
         std::sort(rows_.begin(), rows_.end());
         for (const int row : rows_) {
-            rows.push_back(row);
-            values.push_back(values_[slot_[row]]);
-            slot_[row] = -1;
+            *rows++ = row;
+            *values++ = values_[slot_[row]];
         }
+        clear();
+    }
+
+    void clear()
+    {
+        for (const int row : rows_)
+            slot_[row] = -1;
         rows_.clear();
         values_.clear();
     }
@@ -48,47 +55,31 @@ private:
     std::vector<double> values_;
 };
 
-/// A sparse matrix whose column c is what body(c, column) adds; the columns are made in parallel.
+/// A sparse matrix whose column c is what body(c, column) adds; the columns are made in parallel. The body
+/// runs twice, to count and to fill: cheaper than keeping the parts beside the whole.
 template <class Body>
 SparseMatrix sparse_by_columns(int rows, int columns, Body&& body)
 {
-    struct Strip
-    {
-        int begin = 0;
-        std::vector<int> rows;
-        std::vector<double> values;
-    };
-    constexpr int fewest = 2048, most_strips = 16;
+    constexpr int fewest = 2048, most_strips = 16; // each strip has a slot for every row
     const int width = std::max(fewest, (columns + most_strips - 1) / most_strips);
-    std::vector<Strip> strips((columns + width - 1) / width);
     SparseMatrix matrix(rows, columns);
     int* offsets = matrix.outerIndexPtr();
     parallel_chunks(columns, width, [&](int begin, int end) {
-        Strip& strip = strips[begin / width];
         SparseColumn column(rows);
         for (int c = begin; c < end; ++c) {
             body(c, column);
-            column.move_to(strip.rows, strip.values);
-            if (c == begin + (end - begin) / 8) { // the rest will be alike: grow once
-                const std::size_t likely = 9 * (strip.rows.size() + 16);
-                strip.rows.reserve(likely);
-                strip.values.reserve(likely);
-            }
-            offsets[c + 1] = static_cast<int>(strip.rows.size()); // within the strip
+            offsets[c + 1] = column.count();
+            column.clear();
         }
     });
-    int total = 0;
-    for (std::size_t k = 0; k < strips.size(); ++k) {
-        strips[k].begin = total;
-        for (int c = static_cast<int>(k) * width; c < std::min(columns, static_cast<int>(k + 1) * width); ++c)
-            offsets[c + 1] += total;
-        total += static_cast<int>(strips[k].rows.size());
-    }
-    matrix.resizeNonZeros(total);
-    parallel_chunks(static_cast<int>(strips.size()), 1, [&](int k, int) {
-        Strip strip = std::move(strips[k]);
-        std::copy(strip.rows.begin(), strip.rows.end(), matrix.innerIndexPtr() + strip.begin);
-        std::copy(strip.values.begin(), strip.values.end(), matrix.valuePtr() + strip.begin);
+    std::partial_sum(offsets, offsets + columns + 1, offsets);
+    matrix.resizeNonZeros(offsets[columns]);
+    parallel_chunks(columns, width, [&](int begin, int end) {
+        SparseColumn column(rows);
+        for (int c = begin; c < end; ++c) {
+            body(c, column);
+            column.move_to(matrix.innerIndexPtr() + offsets[c], matrix.valuePtr() + offsets[c]);
+        }
     });
     return matrix;
 }
