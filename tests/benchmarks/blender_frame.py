@@ -371,26 +371,23 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
     ``native`` is the time in the native module, the rest is Blender's and ours.
     """
     times: dict[str, list[float]] = {"edit": [], "new": [], "edit_native": [], "new_native": []}
-    native = Spent()
-    for owner in (room("session.binding"),):
-        native.around(owner, "_factor")
     obj = plate(SIDE)
     deformer = deformer_on(obj, "thin_shell")
+    if what == "stiffness":
+        deformer.thin_shell.bending_group = "Stiffness"
+        bpy.ops.sinew.bind()
     session = room("session")
     for number in range(rounds):
         if what == "handle":
             handle = session.add_handle(obj, deformer, "HANDLE", "Patch")
         else:
-            deformer.thin_shell.bending_group = "Stiffness"
             members = list(range(number * 100, number * 100 + 100))
             obj.vertex_groups["Stiffness"].add(members, 0.5, "REPLACE")
-        update()
-        native.take()
-        times["edit"].append(timed(bpy.ops.sinew.bind))
-        times["edit_native"].append(native.take() * 1000.0)
-        session.drop_all()
-        times["new"].append(timed(bpy.ops.sinew.bind))
-        times["new_native"].append(native.take() * 1000.0)
+        for kind in ("edit", "new"):
+            if kind == "new":
+                session.drop_all()
+            times[kind].append(timed(bpy.ops.sinew.bind))
+            times[f"{kind}_native"].append(session.find(deformer.uid).bound.milliseconds)
         if what == "handle":
             index = next(i for i, other in enumerate(deformer.handles) if other.uid == handle.uid)
             session.remove_handle(obj, deformer, index)
