@@ -195,7 +195,7 @@ class Factor:
             return None
         others, same_regions = self.recipe.differs_in(recipe), self.recipe.has_regions_of(recipe)
         if not others:
-            return (lambda *_: self.report) if same_regions else partial(_set_handles, recipe)
+            return partial(_keep, self.report) if same_regions else partial(_set_handles, recipe)
         painted = {parameter.id for parameter in recipe.method.paintable}
         if others <= painted and same_regions and hasattr(self._solver, "set_stiffness"):
             return partial(_set_stiffness, {name: recipe.options[name] for name in sorted(painted)})
@@ -210,6 +210,12 @@ def build_factor(recipe: Recipe, progress: Progress | None = None) -> Factor:
         solver = getattr(native, recipe.method.native)(mesh, **recipe.options)
         report = _set_handles(recipe, solver, progress)
         return Factor(native, solver, report, _diagnosis(mesh), recipe)
+
+
+def _keep(report, _solver, progress: Progress | None):
+    if progress is not None and not progress(1.0, "bound"):
+        raise CancelledError("Cancelled")
+    return report
 
 
 def _set_handles(recipe: Recipe, solver, progress: Progress | None):

@@ -121,6 +121,8 @@ def test_an_equal_recipe_costs_nothing(backend, calls: Counter, method: str):
     again = factor.hand_over(recipe(backend, method))(None)
     assert not calls
     np.testing.assert_array_equal(solved(again, 2), before)
+    with pytest.raises(errors.CancelledError):
+        again.hand_over(recipe(backend, method))(lambda _fraction, _stage: False)
 
 
 @pytest.mark.parametrize("method", BY_ID)
