@@ -381,14 +381,14 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
         if what == "handle":
             handle = session.add_handle(obj, deformer, "HANDLE", "Patch")
         else:
-            members = list(range(number * 100, number * 100 + 100))
+            first = SIDE * SIDE // 2 + number * PATCH**2
+            members = list(range(first, first + PATCH**2))
             obj.vertex_groups["Stiffness"].add(members, 0.5, "REPLACE")
         for kind in ("edit", "new"):
             if kind == "new":
                 session.drop_all()
-            times[kind].append(
-                timed(lambda: session.bind(obj, deformer))
-            )  # an operator evaluates before it runs
+            # Not by the operator: Blender evaluates before it runs one, and that would bind.
+            times[kind].append(timed(lambda: session.bind(obj, deformer)))
             times[f"{kind}_native"].append(session.find(deformer.uid).bound.milliseconds)
         if what == "handle":
             index = next(i for i, other in enumerate(deformer.handles) if other.uid == handle.uid)
