@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Frames and poses, as NumPy arrays: points are (n, 3) rows, matrices act on columns."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from .errors import ConstraintError
@@ -57,12 +59,20 @@ def axes_from_normal(normal: np.ndarray) -> np.ndarray:
 
 
 def inverse(matrix: np.ndarray, whose: str) -> np.ndarray:
-    """The inverse of a 4x4 matrix; a flattened object is refused by name."""
+    """The inverse of a 4x4 matrix, read-only; a flattened object is refused by name."""
+    return _inverse(np.asarray(matrix, dtype=np.float64).tobytes(), whose)
+
+
+@lru_cache(maxsize=256)  # rest frames, and objects at rest: most matrices come again in the next frame
+def _inverse(data: bytes, whose: str) -> np.ndarray:
+    matrix = np.frombuffer(data).reshape(4, 4)
     linear = matrix[:3, :3]
     scale = np.prod(np.linalg.norm(linear, axis=0))
     if not np.isfinite(matrix).all() or abs(np.linalg.det(linear)) <= 1e-9 * max(scale, 1e-30):
         raise ConstraintError(f"{whose} is scaled to zero - give it a scale other than 0")
-    return np.linalg.inv(matrix)
+    found = np.linalg.inv(matrix)
+    found.setflags(write=False)
+    return found
 
 
 def pose(target: np.ndarray, control: np.ndarray, rest: np.ndarray, whose: str = "The control") -> np.ndarray:

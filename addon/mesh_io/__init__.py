@@ -11,7 +11,7 @@ from .rest import (
     replace_rest,
     weights_attribute,
 )
-from .shape import read_shape, resize_shape, shape_mesh, write_shape
+from .shape import read_shape, resize_shape, shape_array, shape_mesh, write_shape
 from .triangles import read_edges, read_triangles
 
 __all__ = (
@@ -28,6 +28,7 @@ __all__ = (
     "read_triangles",
     "replace_rest",
     "resize_shape",
+    "shape_array",
     "shape_mesh",
     "weights_attribute",
     "write_shape",

@@ -25,15 +25,23 @@ def resize_shape(mesh: Mesh, vertex_count: int) -> None:
     """Let a shape mesh show the rest shape of another number of vertices."""
     mesh.clear_geometry()
     mesh.vertices.add(vertex_count + 1)
-    write_shape(mesh, np.zeros((vertex_count, 3), dtype=np.float32), 0.0, False)
+    write_shape(mesh, np.zeros((vertex_count + 1, 3), dtype=np.float32), 0.0, False)
 
 
-def write_shape(mesh: Mesh, positions: np.ndarray, factor: float, displacement: bool) -> bool:
-    """Write all of it; False where the mesh has another size."""
-    if len(mesh.vertices) != len(positions) + 1:
+def shape_array(positions: np.ndarray) -> np.ndarray:
+    """Room for a shape mesh, float32 (n + 1, 3), with ``positions`` (n, 3) in it; infinite where too far."""
+    shape = np.empty((len(positions) + 1, 3), dtype=np.float32)
+    with np.errstate(over="ignore"):
+        shape[:-1] = positions
+    return shape
+
+
+def write_shape(mesh: Mesh, shape: np.ndarray, factor: float, displacement: bool) -> bool:
+    """Write all of it, a ``shape_array``; False where the mesh has another size."""
+    if len(mesh.vertices) != len(shape):
         return False
-    last = np.array([[factor, float(displacement), 0.0]], dtype=np.float32)
-    write_positions(mesh, np.concatenate((positions.astype(np.float32, copy=False), last)))
+    shape[-1] = factor, float(displacement), 0.0
+    write_positions(mesh, shape)
     return True
 
 

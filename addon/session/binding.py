@@ -4,6 +4,7 @@
 import logging
 import time
 from dataclasses import replace
+from functools import partial
 
 import bpy
 
@@ -30,19 +31,6 @@ _jobs: dict[str, Work] = {}  # by deformer key; the subject is a BindInput
 _watched: set[str] = set()
 
 
-def _factor(request: BindInput, progress: Progress | None) -> Factor:
-    return build_factor(
-        request.method,
-        request.rest.points,
-        (request.rest.counts, request.rest.corners),
-        request.options,
-        request.indices,
-        request.weights,
-        request.continuity,
-        progress,
-    )
-
-
 def require_backend() -> None:
     """Without the native module nothing is bound, and the last solution stays."""
     found = availability()
@@ -60,13 +48,16 @@ def ensure(
 ) -> Bound | None:
     """The factor for these settings; None while a thread builds it, or where an earlier refusal still stands.
 
+    Where few things changed, the factor so far becomes the new one; the last shape stays meanwhile. The
+    caller holds the session's lock.
+
     ``deformer`` is the original settings, ``settings`` the evaluated ones (animated values); ``session`` is
     that of the mode.
     """
     rest = deformer.rest_in(mode)
     token = rest.get(Keys.REST_TOKEN, "")
     key = regions.bind_key(settings, token)
-    if session.bound is not None and session.bound.key == key:
+    if session.bound is not None and session.bound.key == key and not session.bound.factor.is_spent:
         return session.bound
     require_backend()
     if session.failed == key:
@@ -81,11 +72,15 @@ def ensure(
         request = regions.gather(settings, rest, session.rest, len(deformer.id_data.data.vertices))
         if rest == deformer.rest:
             abandon(deformer.uid)
+        session.drop_work()  # its answer would be one of the old factor
+        build = None if session.bound is None else session.bound.factor.hand_over(request.recipe)
+        if build is None:
+            build = partial(build_factor, request.recipe)
         if not wait and may_wait(len(request.rest.points)):
-            _jobs[deformer.uid] = Work(lambda progress: _factor(request, progress), request)
+            _jobs[deformer.uid] = Work(build, request)
             return None
         begin = time.perf_counter()
-        factor = _factor(request, progress)
+        factor = build(progress)
     except SinewError as error:
         _refuse(session, deformer.uid, key, error, request)
         raise

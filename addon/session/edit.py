@@ -240,8 +240,10 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
         rig.keep_evaluated(obj)
         bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
         census.forget_owners()
-        state.of(deformer.uid).failed = None
-        binding.ensure(state.of(deformer.uid), deformer, deformer, wait, progress)
+        session = state.of(deformer.uid)
+        session.failed = None
+        with session.lock:  # a render may be solving
+            binding.ensure(session, deformer, deformer, wait, progress)
     except SinewError as error:
         _let_go(deformer)
         status.fail(deformer.uid, error)

@@ -17,7 +17,8 @@ from ..ids import Inputs
 from ..properties import SinewDeformer
 from . import baked, binding, incoming, regions, rig, solving, state
 from .census import owners
-from .news import News
+from .news import Change, News
+from .state import Seen
 from .turn import Chain, Turn, is_shown
 
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
@@ -39,36 +40,50 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
             state.miss(obj.name)
             continue
         evaluated = obj.evaluated_get(depsgraph)
-        if evaluated.is_evaluated and not news.leaves_alone(obj, evaluated):
-            new_geometry = state.take_missed(obj.name) or news.has_new_geometry(obj)
-            _update_object(obj, evaluated, depsgraph, preview, new_geometry)
-            news.note(obj, evaluated)
+        if not evaluated.is_evaluated:
+            continue
+        change, placed, seen = news.of(obj), news.placed(obj, evaluated), news.seen(obj)
+        if seen is not None and change is Change.NOTHING and seen.placed == placed:
+            continue
+        if state.take_missed(obj.name):
+            change = Change.GEOMETRY
+        layout = seen.layout if seen is not None and change <= Change.DRIVEN else None
+        layout = _update_object(obj, evaluated, depsgraph, preview, change is Change.GEOMETRY, layout)
+        news.note(obj, Seen(placed, layout))
 
 
 def _update_object(
-    obj: Object, evaluated: Object, depsgraph: Depsgraph, preview: bool, new_geometry: bool
-) -> None:
-    by_proxy = _by_shape(obj)
-    if depsgraph.mode == "VIEWPORT" and rig.tell_copies_apart(obj):
-        new_geometry = False  # what was read was not what entered
+    obj: Object,
+    evaluated: Object,
+    depsgraph: Depsgraph,
+    preview: bool,
+    new_geometry: bool,
+    layout: tuple | None,
+) -> tuple:
+    """Bring the object up to date; its layout (``Seen``).
+
+    ``layout`` is given where at most controls moved since it was made: then the rig need not be looked at.
+    """
+    changed = layout is None or not _still_holds(layout, obj)
+    if changed:
+        if depsgraph.mode == "VIEWPORT" and rig.tell_copies_apart(obj):
+            new_geometry = False  # what was read was not what entered
+        layout = _layout(obj, depsgraph.mode)
     chain = Chain()
-    for modifier in obj.modifiers:
+    for modifier, shows in zip(obj.modifiers, layout, strict=True):
         if not is_shown(modifier, depsgraph.mode):
             continue
-        is_nodes = modifier.type == "NODES"
-        index = (
-            by_proxy.pop(compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT), None) if is_nodes else None
-        )
-        if index is None:
+        if shows is None:
             chain = Chain() if baked.overwrites(modifier) else chain.after_other_modifier()
             continue
+        index = shows[0]
         deformer = obj.sinew.deformers[index]
         settings = _evaluated_settings(evaluated, index, deformer)
         session = rig.session_of(deformer, depsgraph.mode)
         turn = Turn(
             obj, evaluated, depsgraph, modifier, deformer, settings, session, chain, preview, new_geometry
         )
-        if turn.in_viewport:
+        if turn.in_viewport and changed:
             if regions.follow_renamed_groups(obj, deformer):
                 session.rest = None  # its weights go by the old names
             if rig.connect_mask(obj, modifier, deformer):
@@ -78,9 +93,31 @@ def _update_object(
                 chain = _take(turn)
             except SinewError as error:
                 _refuse(turn, error)  # it lets through what entered
-    if depsgraph.mode == "VIEWPORT":
+    if depsgraph.mode == "VIEWPORT" and changed:
         _report_lost(obj)
         baked.report(obj)
+    return layout
+
+
+def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
+    """The deformer that each modifier shows, by index and key."""
+    by_proxy, found = _by_shape(obj), []
+    for modifier in obj.modifiers:
+        shape = None
+        if modifier.type == "NODES" and is_shown(modifier, mode):
+            shape = compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT)
+        index = by_proxy.pop(shape, None)
+        found.append(None if index is None else (index, obj.sinew.deformers[index].uid))
+    return tuple(found)
+
+
+def _still_holds(layout: tuple, obj: Object) -> bool:
+    """Scripts may change lists of ours without a word to Blender."""
+    deformers = obj.sinew.deformers
+    return len(layout) == len(obj.modifiers) and all(
+        shows is None or (shows[0] < len(deformers) and deformers[shows[0]].uid == shows[1])
+        for shows in layout
+    )
 
 
 def _by_shape(obj: Object) -> dict[Object, int]:

@@ -5,9 +5,21 @@ Blender lists what it updated, but not objects that are hidden or in no scene (3
 compared by their matrices, and only the target is looked up in the list.
 """
 
-from bpy.types import Depsgraph, Object
+from enum import IntEnum
+
+from bpy.types import Depsgraph, DepsgraphUpdate, Object
 
 from . import poses, state
+from .state import Seen
+
+
+class Change(IntEnum):
+    """What an evaluation changed of an object and its mesh, the most of it."""
+
+    NOTHING = 0
+    DRIVEN = 1  # values of its properties at most, such as those that follow controls
+    SETTINGS = 2
+    GEOMETRY = 3  # what enters the modifiers may differ
 
 
 class News:
@@ -15,45 +27,20 @@ class News:
 
     def __init__(self, depsgraph: Depsgraph) -> None:
         self._depsgraph = depsgraph
-        self._geometry: dict[object, bool] | None = None
+        self._in_viewport = depsgraph.mode == "VIEWPORT"
+        self._updates: dict[object, Change] | None = None
 
-    @property
-    def _updates(self) -> dict[object, bool]:
-        """Updated datablocks, and whether their geometry changed."""
-        if self._geometry is None:
-            self._geometry = {
-                update.id.original: update.is_updated_geometry for update in self._depsgraph.updates
-            }
-        return self._geometry
-
-    def leaves_alone(self, obj: Object, evaluated: Object) -> bool:
-        """Neither the target nor one of its controls changed since ``note``."""
-        seen = state.seen(obj.name_full) if self._depsgraph.mode == "VIEWPORT" else None
-        return seen is not None and not self._touches(obj) and seen == self._controls(obj, evaluated)
-
-    def has_new_geometry(self, obj: Object) -> bool:
-        """What enters the modifiers of the target may have changed."""
-        if self._depsgraph.mode == "RENDER" or not self._lists(obj):
-            return True
-        return self._updates.get(obj, False) or self._updates.get(obj.data, False)
+    def of(self, obj: Object) -> Change:
+        """What changed. Blender does not list objects that it does not show."""
+        if not self._in_viewport or not obj.visible_get(view_layer=self._depsgraph.view_layer):
+            return Change.GEOMETRY
+        return max(self._listed(obj), self._listed(obj.data))
 
     def has_edited_mesh(self, obj: Object) -> bool:
         """The mesh itself, or its stack of modifiers, was edited."""
-        return self._updates.get(obj.data, False)
+        return self._listed(obj.data) is Change.GEOMETRY
 
-    def note(self, obj: Object, evaluated: Object) -> None:
-        """The target is up to date with this evaluation."""
-        if self._depsgraph.mode == "VIEWPORT":
-            state.see(obj.name_full, self._controls(obj, evaluated))
-
-    def _touches(self, obj: Object) -> bool:
-        return not self._lists(obj) or obj in self._updates or obj.data in self._updates
-
-    def _lists(self, obj: Object) -> bool:
-        """Blender lists this object among the updates, if there are any."""
-        return obj.visible_get(view_layer=self._depsgraph.view_layer)
-
-    def _controls(self, obj: Object, evaluated: Object) -> tuple:
+    def placed(self, obj: Object, evaluated: Object) -> tuple:
         """Where the target and its controls are."""
         placed = [poses.fingerprint(evaluated.matrix_world)]
         for deformer in obj.sinew.deformers:
@@ -61,3 +48,23 @@ class News:
                 if handle.kind == "HANDLE":
                     placed.append(poses.placement(handle, self._depsgraph))
         return tuple(placed)
+
+    def seen(self, obj: Object) -> Seen | None:
+        """What ``note`` said of the object."""
+        return state.seen(obj.name_full) if self._in_viewport else None
+
+    def note(self, obj: Object, seen: Seen) -> None:
+        """The target is up to date with this evaluation."""
+        if self._in_viewport:
+            state.see(obj.name_full, seen)
+
+    def _listed(self, part: object) -> Change:
+        if self._updates is None:
+            self._updates = {update.id.original: _change(update) for update in self._depsgraph.updates}
+        return self._updates.get(part, Change.NOTHING)
+
+
+def _change(update: DepsgraphUpdate) -> Change:
+    if update.is_updated_geometry:
+        return Change.GEOMETRY
+    return Change.SETTINGS if update.is_updated_transform or update.is_updated_shading else Change.DRIVEN

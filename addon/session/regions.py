@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from bpy.types import Mesh, Object
 
+from ..backend import Recipe
 from ..core.errors import ConstraintError, OptionError
-from ..core.methods import Method, group_property
+from ..core.methods import group_property
 from ..core.status import Remedy
 from ..ids import Keys
 from ..mesh_io import RestShape, group_names, group_weights
@@ -24,13 +25,10 @@ class BindInput:
     """Everything a worker thread needs to build a factor."""
 
     key: tuple
-    method: Method
+    recipe: Recipe
     rest: RestShape
-    options: dict[str, object]
     handles: tuple[str, ...]
     indices: tuple[np.ndarray, ...]
-    weights: tuple[object, ...]
-    continuity: tuple[float, ...] | None
     on_base: bool  # the vertices that enter are those of the base mesh
 
 
@@ -152,13 +150,18 @@ def gather(settings: SinewDeformer, mesh: Mesh, rest: RestShape, base_count: int
         )
     return BindInput(
         key=bind_key(settings, rest.token),
-        method=method,
+        recipe=Recipe(
+            method,
+            rest.points,
+            (rest.counts, rest.corners),
+            _options(settings, rest),
+            tuple(indices),
+            tuple(weights),
+            tuple(continuity) if method.continuity else None,
+        ),
         rest=rest,
-        options=_options(settings, rest),
         handles=tuple(names),
         indices=tuple(indices),
-        weights=tuple(weights),
-        continuity=tuple(continuity) if method.continuity else None,
         on_base=count == base_count,
     )
 

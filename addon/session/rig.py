@@ -158,13 +158,14 @@ def show_rest(deformer: SinewDeformer, mode: str, scene: Scene | None = None) ->
     shown = session.view(mode)
     if proxy is None or shown.signature == _REST:
         return
-    zeros = np.zeros((len(proxy.data.vertices) - 1, 3), dtype=np.float32)
+    zeros = np.zeros((len(proxy.data.vertices), 3), dtype=np.float32)
     mesh = proxy.data
     if scene is None:
         write_shape(mesh, zeros, 0.0, False)
     else:
         relay.write(scene, lambda: write_shape(mesh, zeros, 0.0, False), session.lock)
-    shown.signature, shown.positions, shown.converged = _REST, None, True
+    shown.signature, shown.converged = _REST, True
+    shown.hold(None)
 
 
 def _kept_controls(obj: Object) -> list[tuple[Object, str]]:

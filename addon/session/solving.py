@@ -16,7 +16,7 @@ import numpy as np
 from ..core import status
 from ..core.errors import OptionError, SolverError, TopologyChangedError
 from ..core.status import Level, Status
-from ..mesh_io import write_shape
+from ..mesh_io import shape_array, write_shape
 from ..preferences import preferences
 from . import binding, poses, regions, relay
 from .incoming import TOPOLOGY_CHANGED
@@ -51,7 +51,7 @@ def solve(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacement: b
     question = _question(turn, bound, incoming, displacement)
     if question.matches(shown) and (shown.converged or question.early):
         if shown.factor != _factor(turn):
-            _show(turn, bound, question, shown.positions, shown.converged)
+            _show(turn, bound, question, shown.shape, shown.converged)
         return
     if turn.in_viewport and _may_be_late(turn, bound, question):
         answer = _from_thread(turn.session, bound, question)
@@ -60,12 +60,12 @@ def solve(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacement: b
         question, solved = answer
     else:
         if turn.in_viewport:
-            drop_work(turn.session)
+            turn.session.drop_work()
         solved = _solve_here(turn, bound, question)
-    if not np.isfinite(solved).all():
+    shape = shape_array(solved - bound.rest.points if question.displacement else solved)
+    if not np.isfinite(shape[:-1]).all():
         raise SolverError("The solution is not finite - check the scale of the controls")
-    positions = (solved - bound.rest.points if question.displacement else solved).astype(np.float32)
-    _show(turn, bound, question, positions, converged=not question.early)
+    _show(turn, bound, question, shape, converged=not question.early)
 
 
 def _factor(turn: Turn) -> float:
@@ -97,17 +97,18 @@ def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
     return a is b or (a is not None and b is not None and np.array_equal(a, b))
 
 
-def _show(turn: Turn, bound: Bound, question: Question, positions: np.ndarray, converged: bool) -> None:
+def _show(turn: Turn, bound: Bound, question: Question, shape: np.ndarray, converged: bool) -> None:
     shown, factor = turn.shown, _factor(turn)
     mesh = None if turn.proxy is None else turn.proxy.data
     fits = mesh is not None and relay.write(
         turn.depsgraph.scene,
-        lambda: write_shape(mesh, positions, factor, question.displacement),
+        lambda: write_shape(mesh, shape, factor, question.displacement),
         turn.session.lock,
     )
     if not fits:
         raise TopologyChangedError(TOPOLOGY_CHANGED)
-    shown.signature, shown.incoming, shown.positions = question.signature, question.incoming, positions
+    shown.signature, shown.incoming = question.signature, question.incoming
+    shown.hold(shape)
     shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged
     if turn.in_viewport and status.of(turn.deformer.uid).level is not Level.INFO:
         status.put(turn.deformer.uid, Status(Level.INFO, binding.summary(bound)))
@@ -176,11 +177,3 @@ def _ask(session: Session, bound: Bound, question: Question) -> None:
     session.work = Work(
         lambda progress: bound.factor.solve(question.affine, progress=progress, **question.options), question
     )
-
-
-def drop_work(session: Session) -> None:
-    """Something newer is asked for."""
-    session.settle = False
-    if session.work is not None:
-        session.work.cancel()
-        session.work = None

@@ -36,10 +36,15 @@ class Shown:
 
     signature: tuple = ()
     incoming: np.ndarray | None = None  # float32 (n, 3); None stands for the rest shape
-    positions: np.ndarray | None = None  # float32 (n, 3): positions, or displacements
+    shape: np.ndarray | None = None  # float32 (n + 1, 3), a ``shape_array``
+    positions: np.ndarray | None = None  # float32 (n, 3), a view of it: positions, or displacements
     displacement: bool = False
     factor: float = 0.0
     converged: bool = True
+
+    def hold(self, shape: np.ndarray | None) -> None:
+        """Another shape is shown, or none."""
+        self.shape, self.positions = shape, None if shape is None else shape[:-1]
 
 
 @dataclass
@@ -61,16 +66,33 @@ class Session:
     steps: int = 4  # iterations that a drag may spend
     lock: threading.RLock = field(default_factory=threading.RLock)
 
+    def drop_work(self) -> None:
+        """Something newer is asked for."""
+        self.settle = False
+        if self.work is not None:
+            self.work.cancel()
+            self.work = None
+
     def view(self, mode: str) -> Shown:
         """The record of the viewport's or the render's shape."""
-        return self.shown.setdefault(mode, Shown())
+        shown = self.shown.get(mode)
+        return self.shown.setdefault(mode, Shown()) if shown is None else shown
+
+
+@dataclass(frozen=True)
+class Seen:
+    """Where an object and its controls were when its deformers were last brought up to date.
+
+    ``layout`` names the deformer that each of its modifiers shows, by index and key.
+    """
+
+    placed: tuple
+    layout: tuple[tuple[int, str] | None, ...]
 
 
 _sessions: dict[str, Session] = {}
 _RENDER = " in renders"
-_seen: dict[
-    str, tuple
-] = {}  # by object: where the target and its controls were when it was last brought up to date
+_seen: dict[str, "Seen"] = {}  # by object
 _edited: set[str] = set()
 _missed: set[str] = set()
 _suspended = 0
@@ -78,7 +100,8 @@ _suspended = 0
 
 def of(key: str) -> Session:
     """The session of a deformer, made when first asked for."""
-    return _sessions.setdefault(key, Session())
+    session = _sessions.get(key)
+    return _sessions.setdefault(key, Session()) if session is None else session
 
 
 def in_renders(key: str) -> Session:
@@ -143,14 +166,14 @@ def has_edited() -> bool:
     return bool(_edited)
 
 
-def seen(name: str) -> tuple | None:
+def seen(name: str) -> Seen | None:
     """What ``see`` noted of an object."""
     return _seen.get(name)
 
 
-def see(name: str, placed: tuple) -> None:
-    """Note where an object and its controls are, now that its deformers are up to date."""
-    _seen[name] = placed
+def see(name: str, seen: Seen) -> None:
+    """Note an object whose deformers are up to date now."""
+    _seen[name] = seen
 
 
 def rewired() -> list[str]:

@@ -2,6 +2,7 @@
 """One evaluation of one deformer: everything known while it lasts. Never kept, as it holds Blender's data."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from bpy.types import Depsgraph, NodesModifier, Object
@@ -43,12 +44,12 @@ class Turn:
     preview: bool
     new_geometry: bool  # what enters the modifiers may differ from the last evaluation
 
-    @property
+    @cached_property
     def mode(self) -> str:
         """VIEWPORT or RENDER."""
         return self.depsgraph.mode
 
-    @property
+    @cached_property
     def in_viewport(self) -> bool:
         """The window's evaluation, on the main thread."""
         return self.mode == "VIEWPORT"
@@ -58,7 +59,7 @@ class Turn:
         """What this mode's shape mesh holds."""
         return self.session.view(self.mode)
 
-    @property
+    @cached_property
     def proxy(self) -> Object | None:
         """The shape object of this mode."""
         return self.deformer.shape(self.mode)

@@ -57,7 +57,8 @@ def build(backend, method_id: str = "thin_shell", **changes):
         "weights": None,
         **changes,
     }
-    return backend.build_factor(BY_ID[method_id], **arguments)
+    progress = arguments.pop("progress", None)
+    return backend.build_factor(backend.Recipe(BY_ID[method_id], **arguments), progress)
 
 
 def test_a_factor_solves(backend):

@@ -7,26 +7,17 @@ from types import ModuleType
 
 import bpy
 import pytest
+from installed import enable
 from rig import Rig
 
 # isort: split
 import addon_utils  # comes with bpy, not before it
 
-CANDIDATES = ("bl_ext.user_default.sinew", "sinew")
-
-
-def _enable() -> str:
-    wanted = os.environ.get("SINEW_ADDON_MODULE")
-    for name in (wanted,) if wanted else CANDIDATES:
-        if addon_utils.enable(name, default_set=True) is not None:
-            return name
-    raise RuntimeError(f"Sinew is not installed as {wanted or ' or '.join(CANDIDATES)}")
-
 
 @pytest.fixture(scope="session")
 def addon_name() -> str:
     """The module name of the installed add-on."""
-    return _enable()
+    return enable()
 
 
 @pytest.fixture(scope="session")

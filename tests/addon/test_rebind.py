@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A factor that becomes another one: what that asks of the native module, and that nothing else differs."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import numpy as np
+import pytest
+
+from sinew.core import errors
+from sinew.core.methods import BY_ID
+
+SIDE = 8
+POINTS = np.array(
+    [(x, y, 0.1 * np.sin(x * y)) for y in range(SIDE) for x in range(SIDE)],
+)
+CORNERS = np.array(
+    [i + j * SIDE + k for j in range(SIDE - 1) for i in range(SIDE - 1) for k in (0, 1, SIDE + 1, SIDE)],
+    dtype=np.int32,
+)
+FACES = (np.full(len(CORNERS) // 4, 4, dtype=np.int32), CORNERS)
+ENDS = (np.arange(SIDE), np.arange(SIDE * (SIDE - 1), SIDE * SIDE))
+MIDDLE = np.array([3 * SIDE + 3, 3 * SIDE + 4])
+OPTIONS = {
+    "thin_shell": {"stretching": 0.0, "bending": 1.0, "variation": 0.0, "laplacian": "cotan"},
+    "arap": {"rigidity": 1.0},
+}
+PAINTED = {"thin_shell": "bending", "arap": "rigidity"}
+
+
+@pytest.fixture
+def backend():
+    pytest.importorskip("sinew_native")
+    from sinew import backend
+
+    return backend
+
+
+@pytest.fixture
+def calls(backend, monkeypatch: pytest.MonkeyPatch) -> Counter:
+    """How often the native module was asked to build or bind something."""
+    native = backend.availability().module
+    found: Counter = Counter()
+
+    def counted(owner: object, name: str) -> None:
+        inner = getattr(owner, name)
+
+        def call(*arguments, **keywords):
+            found[name] += 1
+            return inner(*arguments, **keywords)
+
+        monkeypatch.setattr(owner, name, call)
+
+    for owner, names in (
+        (native.ThinShell, ("set_handles", "set_stiffness")),
+        (native.Arap, ("set_handles",)),
+        (native.SurfaceMesh, ("diagnose",)),
+        (native, ("SurfaceMesh", "ThinShell", "Arap")),
+    ):
+        for name in names:
+            counted(owner, name)
+    return found
+
+
+def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **options):
+    continuity = (2.0,) * len(handles) if BY_ID[method].continuity else None
+    return backend.Recipe(
+        BY_ID[method],
+        points.copy(),
+        faces,
+        OPTIONS[method] | options,
+        tuple(members.copy() for members in handles),
+        (None,) * len(handles),
+        continuity,
+    )
+
+
+def solved(factor, count: int) -> np.ndarray:
+    poses = np.stack([np.eye(4)[:3]] * count)
+    poses[1, :, 3] = 0.3, -0.2, 1.0
+    return factor.solve(poses)[0]
+
+
+def same_as_new(backend, factor, wanted) -> None:
+    """To rounding: another order of elimination is allowed."""
+    new = backend.build_factor(wanted)
+    count = len(wanted.handles)
+    np.testing.assert_allclose(solved(factor, count), solved(new, count), rtol=0.0, atol=1e-6)
+    assert factor.report.free_parts == new.report.free_parts
+
+
+@pytest.mark.parametrize("method", BY_ID)
+def test_a_handle_more_or_less_is_one_native_call(backend, calls: Counter, method: str):
+    factor = backend.build_factor(recipe(backend, method))
+    for handles in ((*ENDS, MIDDLE), ENDS):
+        wanted = recipe(backend, method, handles)
+        calls.clear()
+        held, factor = factor, factor.hand_over(wanted)(None)
+        assert calls == {"set_handles": 1}
+        assert held.is_spent
+        assert not factor.is_spent
+        same_as_new(backend, factor, wanted)
+
+
+def test_a_painted_stiffness_is_one_native_call(backend, calls: Counter):
+    painted = np.linspace(0.5, 1.0, len(POINTS))
+    wanted = recipe(backend, "thin_shell", bending=painted)
+    factor = backend.build_factor(recipe(backend, "thin_shell"))
+    calls.clear()
+    factor = factor.hand_over(wanted)(None)
+    assert calls == {"set_stiffness": 1}
+    same_as_new(backend, factor, wanted)
+
+
+@pytest.mark.parametrize("method", BY_ID)
+def test_an_equal_recipe_costs_nothing(backend, calls: Counter, method: str):
+    factor = backend.build_factor(recipe(backend, method))
+    before = solved(factor, 2)
+    calls.clear()
+    again = factor.hand_over(recipe(backend, method))(None)
+    assert not calls
+    np.testing.assert_array_equal(solved(again, 2), before)
+    with pytest.raises(errors.CancelledError):
+        again.hand_over(recipe(backend, method))(lambda _fraction, _stage: False)
+
+
+@pytest.mark.parametrize("method", BY_ID)
+def test_what_needs_a_new_solver_leaves_the_factor_as_it_is(backend, method: str):
+    factor = backend.build_factor(recipe(backend, method))
+    before = solved(factor, 2)
+    other = next(name for name in BY_ID if name != method)
+    painted = {PAINTED[method]: np.linspace(0.5, 1.0, len(POINTS))}
+    for wanted in (
+        recipe(backend, other),
+        recipe(backend, method, points=POINTS + 1e-9),
+        recipe(backend, method, faces=(FACES[0][1:], FACES[1][4:])),
+        recipe(backend, method, (*ENDS, MIDDLE), **painted),
+        recipe(backend, method, **({"laplacian": "uniform"} if method == "thin_shell" else painted)),
+    ):
+        assert factor.hand_over(wanted) is None
+        assert not factor.is_spent
+    np.testing.assert_array_equal(solved(factor, 2), before)
+
+
+def test_nobody_takes_a_factor_from_under_a_solve(backend):
+    wanted = recipe(backend, "arap", (*ENDS, MIDDLE))
+    factor = backend.build_factor(recipe(backend, "arap"))
+    asked = []
+
+    def progress(_fraction: float, _stage: str) -> bool:
+        asked.append(factor.hand_over(wanted))
+        return True
+
+    poses = np.stack([np.eye(4)[:3]] * 2)
+    poses[1, :, 3] = 0.3, -0.2, 1.0
+    factor.solve(poses, progress=progress)
+    assert asked
+    assert set(asked) == {None}
+    assert factor.hand_over(wanted) is not None
+
+
+def test_a_spent_factor_answers_nobody(backend):
+    factor = backend.build_factor(recipe(backend, "thin_shell"))
+    wanted = recipe(backend, "thin_shell", (*ENDS, MIDDLE))
+    assert factor.hand_over(wanted) is not None
+    assert factor.hand_over(wanted) is None
+    with pytest.raises(errors.CancelledError):
+        solved(factor, 2)
+
+
+@pytest.mark.parametrize("method", BY_ID)
+def test_refusals_are_those_of_a_new_solver(backend, method: str):
+    handles = (*ENDS, np.array([len(POINTS)]))
+    with pytest.raises(errors.ConstraintError) as new:
+        backend.build_factor(recipe(backend, method, handles))
+    held = backend.build_factor(recipe(backend, method))
+    with pytest.raises(errors.ConstraintError) as again:
+        held.hand_over(recipe(backend, method, handles))(None)
+    assert str(again.value) == str(new.value)
+    assert again.value.elements == new.value.elements
+    held = backend.build_factor(recipe(backend, method))
+    with pytest.raises(errors.CancelledError):
+        held.hand_over(recipe(backend, method, (*ENDS, MIDDLE)))(lambda _fraction, _stage: False)

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What Blender and the native module are asked for by binds and frames: counted, not timed."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import bpy
+import numpy as np
+import pytest
+from rig import Rig, add_group, make_active, update
+from test_event_cost import calls_of
+
+
+@pytest.fixture
+def native(room, monkeypatch: pytest.MonkeyPatch) -> Counter:
+    """How often the native module was asked to build or bind something."""
+    module = room("backend").availability().module
+    found: Counter = Counter()
+
+    def counted(owner: object, name: str) -> None:
+        inner = getattr(owner, name)
+
+        def call(*arguments, **keywords):
+            found[name] += 1
+            return inner(*arguments, **keywords)
+
+        monkeypatch.setattr(owner, name, call)
+
+    for owner, names in (
+        (module.ThinShell, ("set_handles", "set_stiffness")),
+        (module.Arap, ("set_handles",)),
+        (module.SurfaceMesh, ("diagnose",)),
+        (module, ("SurfaceMesh", "ThinShell", "Arap")),
+    ):
+        for name in names:
+            counted(owner, name)
+    return found
+
+
+def bound(plate: Rig, room):
+    return room("session").find(plate.deformer.uid).bound
+
+
+def bind(plate: Rig) -> None:
+    make_active(plate.obj)
+    bpy.ops.sinew.bind()
+
+
+def add_middle(plate: Rig) -> None:
+    add_group(plate.obj, "Middle", lambda point: abs(point[0]) < 0.05 and abs(point[1]) < 0.05)
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Middle")
+
+
+def paint(plate: Rig, value: float) -> None:
+    """Half of the plate, as a brush does."""
+    half = [index for index, point in enumerate(plate.rest()) if point[0] < 0.0]
+    plate.obj.vertex_groups["Soft"].add(half, value, "REPLACE")
+    plate.obj.data.update_tag()
+
+
+def same_as_anew(plate: Rig, room) -> None:
+    """A bind that starts with nothing gives the same shape, to rounding."""
+    shown = plate.points()
+    room("session").drop_all()
+    bind(plate)
+    np.testing.assert_allclose(plate.points(), shown, atol=1e-5)
+
+
+NEW = {"SurfaceMesh": 1, "diagnose": 1, "set_handles": 1}
+
+
+@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+def test_another_region_is_one_native_call(plate: Rig, room, native: Counter, method: str):
+    plate.bind(method)
+    plate.lift(0.5)
+    native.clear()
+    add_middle(plate)
+    assert native == {"set_handles": 1}
+    same_as_anew(plate, room)
+
+
+def test_painting_a_stiffness_is_one_native_call(plate: Rig, room, native: Counter):
+    plate.obj.vertex_groups.new(name="Soft").add(list(range(len(plate.rest()))), 1.0, "REPLACE")
+    plate.bind("thin_shell")
+    plate.deformer.thin_shell.bending_group = "Soft"
+    bind(plate)
+    plate.lift(0.5)
+    native.clear()
+    paint(plate, 0.1)
+    update()
+    room("handlers.deferred").catch_up()
+    update()
+    assert native == {"set_stiffness": 1}
+    same_as_anew(plate, room)
+
+
+@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+def test_binding_again_costs_the_native_module_nothing(plate: Rig, native: Counter, method: str):
+    plate.bind(method)
+    plate.lift(0.5)
+    shown = plate.points()
+    native.clear()
+    bind(plate)
+    assert not native
+    np.testing.assert_array_equal(plate.points(), shown)
+
+
+def test_another_rest_shape_needs_a_new_solver(plate: Rig, room, native: Counter):
+    plate.bind("thin_shell")
+    old = bound(plate, room)
+    plate.obj.data.vertices[60].co.z += 0.1
+    plate.obj.data.update_tag()
+    native.clear()
+    bind(plate)
+    assert native == {**NEW, "ThinShell": 1}
+    assert not old.factor.is_spent
+    assert bound(plate, room) is not old
+
+
+def test_a_refused_rebind_keeps_nothing(plate: Rig, room, native: Counter, monkeypatch: pytest.MonkeyPatch):
+    plate.bind("thin_shell")
+    plate.lift(0.5)
+    module = room("backend").availability().module
+    shell = type(module.ThinShell(module.SurfaceMesh(np.eye(3), np.array([[0, 1, 2]]))))
+
+    def refuse(*_arguments, **_keywords):
+        raise module.FactorizationFailed("refused here")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(shell, "set_handles", refuse)
+        add_middle(plate)
+    assert plate.deformer.status == "refused here"
+    assert bound(plate, room) is None
+    np.testing.assert_allclose(plate.points(), plate.rest(), atol=1e-6)
+    native.clear()
+    bind(plate)
+    assert native == {**NEW, "ThinShell": 1}
+
+
+@pytest.fixture
+def heavy(room, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Binds go to a thread, as for a heavy mesh in a window."""
+    monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
+
+
+def rebind_in_thread(plate: Rig, room) -> None:
+    """A region is switched off; a thread binds what is left."""
+    session, deformer = room("session"), plate.deformer
+    deformer.handles[1].enabled = False
+    room("session.binding").ensure(session.find(deformer.uid), deformer, deformer, wait=False)
+    assert session.job(deformer.uid) is not None
+
+
+def test_while_a_thread_binds_the_last_shape_stays(plate: Rig, room, heavy, native: Counter):
+    plate.bind("thin_shell")
+    add_middle(plate)
+    plate.lift(0.5)
+    shown = plate.points()
+    old = bound(plate, room)
+    native.clear()
+    rebind_in_thread(plate, room)
+    assert old.factor.is_spent
+    assert room("session").find(plate.deformer.uid).bound is old
+    room("session").job(plate.deformer.uid).thread.join()
+    np.testing.assert_array_equal(
+        room("session").find(plate.deformer.uid).view("VIEWPORT").positions, shown.astype(np.float32)
+    )
+    room("handlers.deferred").catch_up()
+    assert native == {"set_handles": 1}
+    plate.lift(0.1)
+    assert plate.points()[plate.top, 2] == pytest.approx(0.6, abs=1e-6)
+    same_as_anew(plate, room)
+
+
+def test_a_region_that_returns_while_a_thread_binds_is_bound_again(plate: Rig, room, heavy):
+    """Its factor was handed over, and the thread's result is of no use."""
+    plate.bind("thin_shell")
+    add_middle(plate)
+    plate.lift(0.5)
+    shown = plate.points()
+    rebind_in_thread(plate, room)
+    plate.deformer.handles[1].enabled = True
+    update()
+    while room("handlers.deferred").catch_up():
+        pass
+    update()
+    assert not bound(plate, room).factor.is_spent
+    np.testing.assert_allclose(plate.points(), shown, atol=1e-6)
+
+
+def test_a_frame_reads_the_rig_only_when_the_target_changed(plate: Rig, addon_name: str):
+    """Moving a control: one solve, one write, and no look at modifiers, groups or copies."""
+    plate.bind("thin_shell")
+    for _ in range(2):
+        plate.lift(0.1)
+    found = calls_of(addon_name, lambda: plate.lift(0.1))
+    assert found["write_positions"] == found["write_shape"] == found["shape_array"] == 1, found
+    looks = {"modifier_input", "tell_copies_apart", "follow_renamed_groups", "_layout", "read_incoming"}
+    assert not looks & found.keys(), found
+    plate.obj.update_tag()
+    found = calls_of(addon_name, update)
+    assert looks <= found.keys(), found  # so that the names above are names
+
+
+def test_a_bind_captures_and_reads_the_mesh_once(plate: Rig, addon_name: str):
+    plate.bind("thin_shell")
+    plate.lift(0.5)
+    found = calls_of(addon_name, lambda: bind(plate))
+    for name in ("_new_mesh", "read_rest", "group_weights"):
+        assert found[name] <= 1, (name, found)
+    assert found["_new_mesh"] == 1
