@@ -38,7 +38,8 @@ def _growth(rows: list[Row], path: Path) -> None:
     memory.set(xlabel="vertices", ylabel="GB", title="memory; dotted: CHOLMOD's factor alone")
     for axes in (times, memory):
         axes.grid(alpha=0.3)
-        axes.legend(fontsize=7)
+        if axes.lines:
+            axes.legend(fontsize=7)
     figure.savefig(path, dpi=DPI, metadata=SOFTWARE)
     plt.close(figure)
 
@@ -61,6 +62,7 @@ def _shares(rows: list[Row], path: Path) -> None:
     axes.minorticks_off()
     axes.set(xlabel="vertices", ylabel="% of the bandwidth bound", ylim=(0, None))
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=8)
+    if axes.lines:
+        axes.legend(fontsize=8)
     figure.savefig(path, dpi=DPI, metadata=SOFTWARE)
     plt.close(figure)

@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import record
-from groups.convergence import BUDGETS
 from record import Row
-from works import ANY, BY_ID, OWN_TIMES, WORKS, Work, two_thread_rows
+from works import ANY, BY_ID, CONVERGENCE_BUDGETS, OWN_TIMES, WORKS, Work, two_thread_rows
 
 ROOT = Path(__file__).resolve().parents[2]
 README = ROOT / "README.md"
@@ -112,7 +111,7 @@ def wanted(work: Work) -> str:
     for size, goal in work.wanted.items():
         sizes[goal].append(size)
     parts = [
-        _pair(goal) if some == [ANY] else f"{' '.join(short(size) for size in some)}: {_pair(goal)}"
+        _pair(goal) if some == [ANY] else f"{'/'.join(short(size) for size in some)}: {_pair(goal)}"
         for goal, some in sizes.items()
     ]
     return f"{'at most' if work.at_most else 'at least'} {'; '.join(parts)}"
@@ -207,7 +206,7 @@ def convergence(rows: list[Row]) -> str:
         for row in rows
         if row["work"] == "convergence"
     ]
-    heading = f"% after {' / '.join(map(str, BUDGETS))}"
+    heading = f"% after {' / '.join(map(str, CONVERGENCE_BUDGETS))}"
     return table(("case", "vertices", heading, "default stops at"), lines)
 
 

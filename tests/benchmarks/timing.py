@@ -6,6 +6,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import numpy as np
+
 BURST = 0.02  # seconds: short works are timed several times in a row once it is their turn
 
 
@@ -49,3 +51,29 @@ def alternate(
         for work in works.values():
             work.turn()
     return works
+
+
+def arrival(excess: np.ndarray, goal: float, seconds: np.ndarray, chunk: int) -> dict[str, object]:
+    """When a peer's excess over the minimum falls to `goal`, from samples every `chunk` iterations.
+
+    Past the last sample, the excess is taken to fall on as in the second half of the run, by a power of
+    the time or exponentially, whichever arrives first.
+    """
+    within = np.flatnonzero(excess <= goal)
+    if len(within):
+        k = within[0]
+        return {"peer": float(seconds[k]), "peer_iterations": int(k * chunk), "peer_arrived": True}
+    half = slice(len(excess) // 2, None)
+    log_excess = np.log(excess[half])
+    guesses = []
+    for time_of, back in ((np.log, np.exp), (lambda t: t, lambda t: t)):
+        slope, offset = np.polyfit(time_of(seconds[half]), log_excess, 1)
+        with np.errstate(over="ignore"):
+            guesses.append(float(back((np.log(goal) - offset) / slope)) if slope < 0 else np.inf)
+    return {
+        "peer": float(seconds[-1]),
+        "peer_iterations": (len(seconds) - 1) * chunk,
+        "peer_arrived": False,
+        "peer_excess_percent": 100 * float(excess[-1]),
+        "peer_extrapolated": float(min(guesses)) if np.isfinite(min(guesses)) else None,
+    }

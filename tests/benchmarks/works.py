@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from record import Row
 
+CONVERGENCE_BUDGETS = (0, 4, 10, 20, 40)  # iterations after which the excess energy is told
 ANY = 0  # a size that stands for all others
 Wanted = Mapping[int, float | tuple[float, float]]  # nominal vertices -> on any, or on one and two threads
 

@@ -13,7 +13,7 @@ import igl
 import numpy as np
 from cases import Case, armadillo, bar
 from record import Row
-from timing import Work, alternate
+from timing import Work, alternate, arrival
 
 import sinew_native
 
@@ -22,8 +22,8 @@ from . import Options, Task
 LARGEST_BOTH = 200_000  # above, libigl is measured with one kind of cells alone
 SHORT, LONG = 2, 12  # iterations, whose difference is timed
 WITHIN = 1.01
-REFERENCE = 2000  # iterations of the run that the rest is compared with
-PATIENCE = 40.0  # seconds for libigl to arrive
+LONG_RUN = {"max_iterations": 2000, "tolerance": 1e-7}  # what the rest is compared with; to 1e-5 of the end
+PATIENCE, MOST_PATIENCE = 55.0, 90.0  # for libigl to arrive: times as long as ours, but no more seconds
 
 
 def plan(options: Options) -> list[Task]:
@@ -131,7 +131,7 @@ def _fewest(arap: "sinew_native.Arap", case: Case, energy: float) -> int:
     low, high = 0, 1
     while _energy_after(arap, case, high) > energy:
         low, high = high, 2 * high
-        if high > 2 * REFERENCE:
+        if high > 2 * LONG_RUN["max_iterations"]:
             raise SystemExit("our own solve does not arrive")
     while high - low > 1:
         middle = (low + high) // 2
@@ -153,10 +153,11 @@ def _timed(arap: "sinew_native.Arap", case: Case, iterations: int, threads: list
 def _bend(case: Case, threads: list[int]) -> list[Row]:
     """Each runs to within 1 % of where its own long run ends: plain energies have many minima."""
     arap = bound(case, smoothness=0.0)
-    reference = arap.solve(case.poses, max_iterations=REFERENCE, tolerance=0.0)[1].energy
+    reference = arap.solve(case.poses, **LONG_RUN)[1].energy
     iterations = _fewest(arap, case, WITHIN * reference)
     works = alternate(_timed(arap, case, iterations, threads))
-    peer = _libigl_to_one_percent(case, arap)
+    slowest = max(work.best for work in works.values())
+    peer = _libigl_to_one_percent(case, arap, min(PATIENCE * slowest, MOST_PATIENCE))
     return [
         {
             "work": "arap_bend",
@@ -171,49 +172,25 @@ def _bend(case: Case, threads: list[int]) -> list[Row]:
     ]
 
 
-def _libigl_to_one_percent(case: Case, arap: "sinew_native.Arap") -> dict[str, object]:
+def _libigl_to_one_percent(case: Case, arap: "sinew_native.Arap", patience: float) -> dict[str, object]:
     """Seconds of libigl, its start not counted. Where it does not arrive, "peer" is what it has spent."""
     libigl = Libigl(case, igl.ARAP_ENERGY_TYPE_SPOKES)
     shape = libigl.start()
     energies, seconds, chunk = [arap.energy(shape)], [0.0], 20
-    while seconds[-1] < PATIENCE:
+    while seconds[-1] < patience:
         begin = time.perf_counter()
         shape = libigl.solve(shape, chunk)
         seconds.append(seconds[-1] + time.perf_counter() - begin)
         energies.append(arap.energy(shape))
-    end = arap.solve(case.poses, start=shape, max_iterations=REFERENCE, tolerance=0.0)[1].energy
-    return arrival(np.array(energies) / end - 1.0, np.array(seconds), chunk) | {"peer_energy": end}
-
-
-def arrival(excess: np.ndarray, seconds: np.ndarray, chunk: int) -> dict[str, object]:
-    """When an excess over the minimum falls to 1 %, from samples every `chunk` iterations.
-
-    Past the last sample, the excess is taken to fall on as in the second half of the run, by a power of
-    the time or exponentially, whichever arrives first.
-    """
-    within = np.flatnonzero(excess <= WITHIN - 1.0)
-    if len(within):
-        k = within[0]
-        return {"peer": float(seconds[k]), "peer_iterations": int(k * chunk), "peer_arrived": True}
-    half = slice(len(excess) // 2, None)
-    log_excess, goal = np.log(excess[half]), np.log(WITHIN - 1.0)
-    guesses = []
-    for time_of, back in ((np.log, np.exp), (lambda t: t, lambda t: t)):
-        slope, offset = np.polyfit(time_of(seconds[half]), log_excess, 1)
-        with np.errstate(over="ignore"):
-            guesses.append(float(back((goal - offset) / slope)) if slope < 0 else np.inf)
-    return {
-        "peer": float(seconds[-1]),
-        "peer_iterations": (len(seconds) - 1) * chunk,
-        "peer_arrived": False,
-        "peer_excess_percent": 100 * float(excess[-1]),
-        "peer_extrapolated": float(min(guesses)) if np.isfinite(min(guesses)) else None,
+    end = arap.solve(case.poses, start=shape, **LONG_RUN)[1].energy
+    return arrival(np.array(energies) / end - 1.0, WITHIN - 1.0, np.array(seconds), chunk) | {
+        "peer_energy": end
     }
 
 
 def _cold(case: Case, threads: list[int]) -> list[Row]:
     arap = bound(case)
-    reference = arap.solve(case.poses, max_iterations=400, tolerance=0.0)[1].energy
+    reference = arap.solve(case.poses, **LONG_RUN)[1].energy
     within = _energy_after(arap, case, 0) <= WITHIN * reference
     iterations = 0 if within else _fewest(arap, case, WITHIN * reference)
     works = _timed(arap, case, iterations, threads)

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from cases import OWN_MODEL, Case, armadillo, bar, knight, own_model
 from record import Row
+from works import CONVERGENCE_BUDGETS as BUDGETS
 
 import sinew_native
 
 from . import Options, Task
 
-BUDGETS = (0, 4, 10, 20, 40)
 LIMITS = {10: 1.0, 40: 0.1}  # per cent: what the method promises with its default smoothness
 REFERENCE = 400  # iterations of the long run
 LARGEST, LARGEST_QUICK = 50_000, 2_000
