@@ -237,6 +237,35 @@ def instructions() -> str:
     )
 
 
+def profiles() -> str:
+    """Where the instructions of each loop are."""
+    stored = json.loads(COUNTS.read_text(encoding="utf-8"))
+    lines = [
+        (f"`{loop}`", ", ".join(f"{name} {100 * share:.0f} %" for name, share in places.items()))
+        for loop, places in stored["profiles"].items()
+    ]
+    return table(("loop", "where its instructions are"), lines)
+
+
+def frames(rows: list[Row]) -> str:
+    """What a frame in Blender is made of."""
+    lines = [
+        (
+            row["case"],
+            row["work"].partition("_")[2],
+            f"{row['vertices']:,}",
+            amount(row["ours"], "s"),
+            amount(row["native_ms"] / 1000.0, "s"),
+            amount(row["around_ms"] / 1000.0, "s"),
+            amount(row["peer"], "s"),
+        )
+        for row in rows
+        if str(row["work"]).startswith("frame_")
+    ]
+    header = ("Blender", "method", "vertices", "frame", "native solve", "the rest", "Laplacian Deform")
+    return table(header, lines)
+
+
 def handler_cost(rows: list[Row]) -> str:
     lines = [
         (
@@ -292,6 +321,8 @@ def render(folder: Path = record.RESULTS, readme: Path = README, page: Path = PA
         "bend": bend(rows),
         "convergence": convergence(rows),
         "instructions": instructions(),
+        "profiles": profiles(),
+        "frames": frames(rows),
         "handlers": handler_cost(rows),
     }
     text = page.read_text(encoding="utf-8")
