@@ -18,6 +18,7 @@ import count  # noqa: E402
 import record  # noqa: E402
 import report  # noqa: E402
 import works  # noqa: E402
+from groups import Options, blender  # noqa: E402
 from timing import Work, alternate, arrival  # noqa: E402
 
 
@@ -200,3 +201,41 @@ def test_arrival_is_measured_or_extrapolated() -> None:
     assert not stopped["peer_arrived"]
     # A power fits exactly; an exponential through the same end arrives earlier, and the earlier one is taken.
     assert 40.0 < stopped["peer_extrapolated"] <= 100.5
+
+
+def test_rows_of_blender_get_the_names_of_the_table() -> None:
+    entry = {"row": "overhead arap", "vertices": 99_856, "around_ms": 12.0, "bare_ms": 10.0, "ours_ms": 90.0}
+    found = blender.named({**entry, "ratio": 1.2, "goal": 1.2, "at_most": True}, "5.2")
+    assert (found["work"], found["size"], found["case"]) == ("overhead_arap", 100_000, "5.2")
+    assert works.BY_ID["overhead_arap"].ratio(found) == pytest.approx(1.2)
+    assert "overhead_arap" in report.line(found)
+
+
+def test_blender_is_planned_in_full_or_not_at_all() -> None:
+    options = {"sizes": (), "own_sizes": (), "threads": (1,), "meshes": None}
+    names = {work for task in blender.plan(Options(quick=False, **options)) for work in task.works}
+    assert names - {"handler_cost"} <= set(works.BY_ID)
+    assert blender.plan(Options(quick=True, **options)) == []
+
+
+@pytest.mark.parametrize(
+    ("function", "file", "name"),
+    [
+        (
+            "sinew::ThinShell::respond(Eigen::Matrix<double> const&) const",
+            "sinew_frames",
+            "ThinShell::respond",
+        ),
+        ("(anonymous namespace)::triangle(double const*, int)", "sinew_frames", "triangle"),
+        (
+            "sinew::SupernodalSolve::Impl::sweep(sinew::W&) const::{lambda(int)#1}",
+            "",
+            "SupernodalSolve::sweep",
+        ),
+        ("Eigen::internal::gebp_kernel<double>::operator()(long)", "sinew_frames", "Eigen"),
+        ("0x00000000000348a0", "/usr/lib/libcholmod.so.3.0.14", "CHOLMOD"),
+        ("__memset_avx2_unaligned_erms", "/usr/lib/libc.so.6", "C library: clearing, copying, allocating"),
+    ],
+)
+def test_profile_names_places_a_reader_knows(function: str, file: str, name: str) -> None:
+    assert count.place(function, file) == name

@@ -5,9 +5,12 @@ The measuring is done inside Blender by blender_frame.py and handler_cost.py, wh
 suite; here their rows get the names of the table.
 """
 
+import contextlib
+import io
 import json
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 from record import Row
@@ -15,6 +18,10 @@ from record import Row
 from . import Options, Task
 
 HERE = Path(__file__).resolve().parents[1]
+sys.path.append(str(HERE.parents[1] / "tools"))
+
+from workshop import debian, environments, layers, shell  # noqa: E402
+
 BLENDERS = ("3.4", "5.2")
 # Row of blender_frame.py -> the work it is, and which of its times are ours and the peer's.
 FRAMES = {
@@ -66,22 +73,22 @@ def handler(entry: Row, version: str) -> Row:
 
 
 def _run(version: str, script: Path, words: list[str]) -> list[Row]:
-    sys.path.append(str(HERE.parents[1] / "tools"))
-    from workshop import debian, environments, layers, shell
-
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "rows.json"
-        words = [*words, "--json", out]
-        name = f"benchmarks-{version}"
-        if version == "3.4":
-            debian.install(debian.BLENDER)
-            env = layers.install_legacy(name)
-            command = ["blender", "--background", "--factory-startup", "--python", script, "--", *words]
-        else:
-            blender = environments.newest_blender().make()
-            env = layers.install_extension(blender, name)
-            command = [blender.python, script, *words]
-        status = shell.run(command, env=env, timeout=LONGEST, quiet=True)
+        with contextlib.redirect_stdout(io.StringIO()):  # the same words for each row
+            blender, env = _installed(version)
+        status = shell.run([*blender(script), *words, "--json", out], env=env, timeout=LONGEST, quiet=True)
         if not out.is_file():
             raise SystemExit(f"{script.name} in Blender {version} left no rows (status {status})")
         return json.loads(out.read_text(encoding="utf-8"))["rows"]
+
+
+def _installed(version: str) -> tuple[Callable[[Path], list], dict[str, object]]:
+    """How that Blender runs a script, and its environment with the packed add-on in it."""
+    name = f"benchmarks-{version}"
+    if version == "3.4":
+        debian.install(debian.BLENDER)
+        headless = ["blender", "--background", "--factory-startup", "--python"]
+        return (lambda script: [*headless, script, "--"]), layers.install_legacy(name)
+    newest = environments.newest_blender().make()
+    return (lambda script: [newest.python, script]), layers.install_extension(newest, name)
