@@ -39,7 +39,7 @@ def _growth(rows: list[Row], path: Path) -> None:
     for axes in (times, memory):
         axes.grid(alpha=0.3)
         if axes.lines:
-            axes.legend(fontsize=7)
+            axes.legend(fontsize=7, loc="lower right")
     figure.savefig(path, dpi=DPI, metadata=SOFTWARE)
     plt.close(figure)
 

@@ -116,9 +116,9 @@ def test_tie_of_two_threads_is_no_loss_but_more_is() -> None:
 
 def test_table_slants_what_falls_short() -> None:
     found = report.ratios(ROWS).splitlines()
-    assert any("10k 2.00, 2.00 · 500k *1.10*" in text for text in found)
+    assert any("10k: 2.00, 2.00 · 500k: *1.10*" in text for text in found)
     assert all(text.count("|") == 5 for text in found)
-    assert "| 3.4 10 |" in report.ratios(ROWS)
+    assert "| 3.4: 10 |" in report.ratios(ROWS)
     assert "1M" not in report.ratios(ROWS)  # without a peer
 
 
@@ -151,7 +151,7 @@ def test_documents_are_renewed_between_their_marks_and_twice_is_once(
     mark = "<!-- benchmarks -->"
     after = readme.read_text()
     assert after.partition(mark)[0] == before.partition(mark)[0]
-    assert "500k *1.10*" in after
+    assert "500k: *1.10*" in after
     assert "still 7 % above, to arrive after 90 s" in page.read_text()
 
 

@@ -13,7 +13,7 @@ import igl
 import numpy as np
 from cases import Case, armadillo, bar
 from record import Row
-from timing import Work, alternate, arrival
+from timing import Work, alternate, arrival, rounds
 
 import sinew_native
 
@@ -108,7 +108,7 @@ def _iteration(case: Case, threads: list[int], peers: bool) -> list[Row]:
         for budget in (SHORT, LONG):
             run = lambda peer=peer, start=start, budget=budget: peer.solve(start, budget)  # noqa: E731
             works[kind, "peer", budget] = Work(run)
-    alternate(works, budget=8.0, least=2 if case.vertex_count > 100_000 else 3)
+    alternate(works, budget=8.0, least=rounds(case.vertex_count))
 
     def iteration(*key: object) -> float:
         return (works[*key, LONG].best - works[*key, SHORT].best) / (LONG - SHORT)

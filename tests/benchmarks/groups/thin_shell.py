@@ -10,7 +10,7 @@ import scipy.sparse as sparse
 import sinew_peers
 from cases import Case, bar, quartered
 from record import Row
-from timing import Work, alternate
+from timing import Work, alternate, rounds
 
 import sinew_native
 
@@ -75,7 +75,7 @@ def _bind(size: int, threads: list[int], peers: bool) -> list[Row]:
     if peers:
         peer = cholmod(lower_matrix(case)[0])
         works["peer"] = Work(peer.factorize, repeatable=False)
-    alternate(works, budget=6.0)
+    alternate(works, budget=6.0, least=rounds(size))
     return [
         {
             "work": "bind",
@@ -132,7 +132,7 @@ def _solve(size: int, threads: list[int], peers: bool) -> list[Row]:
             peer.factorize()
             works[name] = Work(lambda peer=peer: peer.solve(rhs))
         factor_bytes = both["peer"].value_bytes
-    alternate(works)
+    alternate(works, least=rounds(size))
     if peers:
         _hold_equal(shell.solve(case.poses)[0][free], case.points[free] + both["peer"].solution, case)
     rows = []
