@@ -121,10 +121,9 @@ def _solve(size: int, threads: list[int], peers: bool) -> list[Row]:
     factor_bytes = report.factor_bytes
     if peers:
         lower, free = lower_matrix(case)
-        moved = sum(
-            _indicator(vertices, case) @ (case.points_posed(pose) - case.points)
-            for vertices, pose in zip(case.handles, case.poses)
-        )
+        moved = np.zeros_like(case.points)
+        for vertices, pose in zip(case.handles, case.poses):
+            moved[vertices] = (case.points_posed(pose) - case.points)[vertices]
         A = sparse.csc_matrix(sinew_native.laplacian_power(mesh, 2))
         rhs = np.asfortranarray(-(A[free][:, ~free] @ moved[~free]))
         both = {"peer": cholmod(lower), "peer_metis": cholmod(lower, "metis")}
@@ -145,12 +144,6 @@ def _solve(size: int, threads: list[int], peers: bool) -> list[Row]:
             row |= {"peer": works["peer"].best, "peer_metis": works["peer_metis"].best}
         rows.append({"work": "solve", **row})
     return rows
-
-
-def _indicator(vertices: np.ndarray, case: Case) -> sparse.dia_matrix:
-    one = np.zeros(case.vertex_count)
-    one[vertices] = 1.0
-    return sparse.diags(one)
 
 
 def _hold_equal(ours: np.ndarray, peers: np.ndarray, case: Case) -> None:
