@@ -20,7 +20,12 @@ import sinew_native
 from . import Options, Task
 
 LARGEST_BOTH = 200_000  # above, libigl is measured with one kind of cells alone
-SHORT, LONG = 2, 12  # iterations, whose difference is timed
+SHORT, LONG, LONG_OF_LARGE = 2, 12, 7  # iterations, whose difference is timed
+# Part -> kind of iteration -> options; those of one part take turns.
+ITERATIONS = {
+    "rims": {"arap_iteration": {"smoothness": 0.0, "cells": "rims"}},
+    "spokes": {"arap_spokes": {"smoothness": 0.0}, "arap_smooth": {}},
+}
 WITHIN = 1.01
 LONG_RUN = {"max_iterations": 2000, "tolerance": 1e-7}  # what the rest is compared with; to 1e-5 of the end
 PATIENCE, MOST_PATIENCE = 55.0, 90.0  # for libigl to arrive: times as long as ours, but no more seconds
@@ -30,8 +35,9 @@ def plan(options: Options) -> list[Task]:
     tasks = []
     for size in (*options.sizes, *options.own_sizes):
         keywords = {"size": size, "threads": options.threads, "peers": size in options.sizes}
-        works = ("arap_iteration", "arap_spokes", "arap_smooth")
-        tasks.append(Task("arap", works, {"part": "iteration", **keywords}))
+        tasks += [
+            Task("arap", tuple(kinds), {"part": part, **keywords}) for part, kinds in ITERATIONS.items()
+        ]
     bend = 10_000 if options.quick else 50_000
     tasks.append(Task("arap", ("arap_bend",), {"part": "bend", "size": bend, "threads": options.threads}))
     if options.meshes is not None:
@@ -43,8 +49,8 @@ def plan(options: Options) -> list[Task]:
 def measure(
     part: str, size: int, threads: list[int], peers: bool = True, meshes: str | None = None
 ) -> list[Row]:
-    if part == "iteration":
-        rows = _iteration(bar("bend 90", size), threads, peers)
+    if part in ITERATIONS:
+        rows = _iteration(bar("bend 90", size), ITERATIONS[part], threads, peers)
     elif part == "bend":
         rows = _bend(bar("bend 90", size), threads)
     else:
@@ -84,34 +90,33 @@ def _set_threads(count: int) -> Callable[[], None]:
     return lambda: sinew_native.limit_threads(count)
 
 
-def _iteration(case: Case, threads: list[int], peers: bool) -> list[Row]:
-    kinds = {
-        "arap_iteration": {"smoothness": 0.0, "cells": "rims"},
-        "arap_spokes": {"smoothness": 0.0},
-        "arap_smooth": {},
-    }
+def _iteration(case: Case, kinds: dict[str, dict], threads: list[int], peers: bool) -> list[Row]:
+    large = case.vertex_count > 1.1 * LARGEST_BOTH
+    short, long = (SHORT, LONG) if not large else (SHORT, LONG_OF_LARGE)
     libigl = {"arap_iteration": igl.ARAP_ENERGY_TYPE_SPOKES_AND_RIMS}
-    if case.vertex_count < 1.1 * LARGEST_BOTH:
+    if not large:
         libigl["arap_spokes"] = igl.ARAP_ENERGY_TYPE_SPOKES
     works: dict[tuple, Work] = {}
     for kind, options in kinds.items():
         arap = bound(case, **options)
         start = arap.solve(case.poses, max_iterations=0)[0]
-        for budget in (SHORT, LONG):
+        for budget in (short, long):
 
             def solve(arap=arap, start=start, budget=budget) -> None:
                 arap.solve(case.poses, start=start, max_iterations=budget, tolerance=0.0)
 
             works |= {(kind, count, budget): Work(solve, _set_threads(count)) for count in threads}
-    for kind, energy in libigl.items() if peers else ():
-        peer = Libigl(case, energy)
-        for budget in (SHORT, LONG):
+    for kind in kinds if peers else ():
+        if kind not in libigl:
+            continue
+        peer = Libigl(case, libigl[kind])
+        for budget in (short, long):
             run = lambda peer=peer, start=start, budget=budget: peer.solve(start, budget)  # noqa: E731
             works[kind, "peer", budget] = Work(run)
     alternate(works, budget=8.0, least=rounds(case.vertex_count))
 
     def iteration(*key: object) -> float:
-        return (works[*key, LONG].best - works[*key, SHORT].best) / (LONG - SHORT)
+        return (works[*key, long].best - works[*key, short].best) / (long - short)
 
     rows = []
     for kind in kinds:
@@ -120,7 +125,7 @@ def _iteration(case: Case, threads: list[int], peers: bool) -> list[Row]:
             row["ours"] = iteration(kind, count)
             if kind == "arap_smooth":
                 row["peer"] = iteration("arap_spokes", count)
-            elif (kind, "peer", LONG) in works:
+            elif (kind, "peer", long) in works:
                 row["peer"] = iteration(kind, "peer")
             rows.append(row)
     return rows
