@@ -29,7 +29,7 @@ FRAMES = {
     "frame arap": ("frame_arap", "ours", "peer"),
     "drag arap": ("drag_arap", "ours", "peer"),
     "overhead thin_shell": ("overhead_thin_shell", "around", "bare"),
-    "overhead arap": ("overhead_arap", "around", "bare"),
+    "overhead drag arap": ("overhead_arap", "around", "bare"),
     "bind thin_shell": ("first_thin_shell", "ours", "peer"),
     "bind arap": ("first_arap", "ours", "peer"),
     "reading thin_shell": ("reading_thin_shell", "reading", "bind"),
