@@ -24,6 +24,9 @@ class Case:
     def vertex_count(self) -> int:
         return len(self.points)
 
+    def points_posed(self, pose: np.ndarray) -> np.ndarray:
+        return self.points @ pose[:, :3].T + pose[:, 3]
+
 
 def box(size: tuple[float, float, float], step: float) -> tuple[np.ndarray, np.ndarray]:
     """A closed box of triangles with alternating diagonals; x from 0, y and z about 0."""
@@ -111,6 +114,18 @@ def bar(pose: str, vertices: int) -> Case:
     near = np.flatnonzero(points[:, 0] <= SLAB + 1e-4)
     far = np.flatnonzero(points[:, 0] >= LENGTH - SLAB - 1e-4)
     return Case(pose, points, faces, [near, far], np.stack([STILL, BAR_POSES[pose]]))
+
+
+def quartered(case: Case) -> Case:
+    """The same motion by four handles: each of two cut in halves."""
+    halves = [h[side] for h in case.handles for side in (case.points[h, 1] < 0, case.points[h, 1] >= 0)]
+    return Case(case.name, case.points, case.faces, halves, case.poses[[0, 0, 1, 1]])
+
+
+def patch(case: Case, count: int) -> np.ndarray:
+    """The free vertices nearest to the middle of the bar's upper side."""
+    distance = np.linalg.norm(case.points - (LENGTH / 2, 5, 0), axis=1)
+    return np.sort(np.argsort(distance, kind="stable")[:count])
 
 
 def _fractions(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

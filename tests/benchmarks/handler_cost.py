@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the add-on costs an update of Blender that has nothing to do with it, in a crowded scene.
 
-    blender -b --factory-startup -P tests/benchmarks/handler_cost.py -- [--objects N] [--moves N] [--store]
+    blender -b --factory-startup -P tests/benchmarks/handler_cost.py -- [--objects N] [--json FILE]
 
 or, with Blender as a module, ``python tests/benchmarks/handler_cost.py``. An unrelated object is moved again
 and again; the rows say how long our handler took of each update, and how long the whole update took.
 """
 
 import argparse
+import json
 import os
 import sys
 import time
@@ -16,25 +17,13 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-# isort: split
-import addon_utils  # comes with bpy, not before it
-
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "blender")]
 
+from installed import enable  # noqa: E402
 from rig import Rig, grid_object, make_active, update  # noqa: E402
 
-CANDIDATES = ("bl_ext.user_default.sinew", "sinew")
 GOAL = 0.1  # milliseconds an update
-
-
-def enable() -> str:
-    """Enable the installed add-on; its module name."""
-    wanted = os.environ.get("SINEW_ADDON_MODULE")
-    for name in (wanted,) if wanted else CANDIDATES:
-        if addon_utils.enable(name, default_set=True) is not None:
-            return name
-    raise SystemExit("Sinew is not installed in this Blender")
 
 
 def crowd(count: int) -> bpy.types.Object:
@@ -93,7 +82,7 @@ def main() -> None:
     )
     parser.add_argument("--objects", type=int, default=1000)
     parser.add_argument("--moves", type=int, default=300)
-    parser.add_argument("--store", action="store_true")
+    parser.add_argument("--json", type=Path, help="where to store the rows")
     options = parser.parse_args(arguments if bpy.app.binary_path else sys.argv[1:])
     addon = enable()
     rows = [
@@ -106,13 +95,8 @@ def main() -> None:
         counts = f"{row['deformers']:9} {row['vertices']:9,}"
         times = f"{row['handler_ms']:11.4f} {row['handler_ms_95']:8.4f} {row['update_ms']:10.3f}"
         print(f"{counts} {times}{mark}")
-    if options.store:
-        native = sys.modules[f"{addon}.backend"].availability().module
-        sys.modules.setdefault("sinew_native", native)
-        from record import store
-
-        version = ".".join(str(number) for number in bpy.app.version[:2])
-        print(store(f"handler_cost_{version}", rows))
+    if options.json:
+        options.json.write_text(json.dumps({"rows": rows}, indent=1) + "\n", encoding="utf-8")
     sys.stdout.flush()
     os._exit(0)  # Blender as a module may hang or crash on its way out
 

@@ -20,6 +20,7 @@ BUILD = (
     "libeigen3-dev",
     "libgtest-dev",
 )
+BENCHMARKS = ("valgrind",)  # counts instructions
 # Blender does not pull NumPy although its add-ons need it; without libegl1 Workbench aborts.
 BLENDER = ("blender", "python3-numpy", "libegl1", "libgl1")
 BLENDER_TESTS = (*BLENDER, "python3-pytest", "python3-hypothesis")

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds the library, its peers and their environment, then measures: tests/benchmarks/suite.py."""
+
+import sys
+
+from . import debian, environments
+from .dev import build_tree
+from .places import DEV_MODULE, ROOT
+from .shell import run
+
+SUITE = ROOT / "tests" / "benchmarks" / "suite.py"
+ONLY_READS = {"-h", "--help", "--list", "--render"}
+
+
+def main() -> None:
+    words = sys.argv[1:]
+    if not ONLY_READS & set(words):
+        debian.install(debian.BENCHMARKS)
+        for target in ("sinew_native", "sinew_peers", "sinew_frames"):
+            build_tree("dev", target)
+    python = environments.dev().make().python
+    sys.exit(run([python, SUITE, *words], env={"PYTHONPATH": DEV_MODULE}))
+
+
+if __name__ == "__main__":
+    main()
