@@ -102,9 +102,10 @@ void bind_core(py::module_& module)
         .def_readonly("factorizations", &BindReport::factorizations,
                       "Numeric factorisations since the constructor.")
         .def_readonly("analyses", &BindReport::analyses, "Symbolic factorisations since the constructor.")
-        .def_readonly("refactored", &BindReport::refactored,
-                      "Share of the last numeric factorisation that had to be computed; below 1 where a bind\n"
-                      "kept the rest of the factor.")
+        .def_readonly(
+            "refactored", &BindReport::refactored,
+            "Share of the last numeric factorisation that had to be computed; below 1 where a bind\n"
+            "kept the rest of the factor.")
         .def_readonly("factor_bytes", &BindReport::factor_bytes, "Memory of the factors.")
         .def_readonly("seconds", &BindReport::seconds, "Wall clock of the call.")
         .def("__repr__", [](const BindReport& r) {
