@@ -92,7 +92,7 @@ def _update_object(
             try:
                 chain = _take(turn)
             except SinewError as error:
-                _refuse(turn, error)  # it lets through what entered
+                chain = _refuse(turn, error)
     if depsgraph.mode == "VIEWPORT" and changed:
         _report_lost(obj)
         baked.report(obj)
@@ -171,7 +171,7 @@ def _take(turn: Turn) -> Chain:
         return Chain(broken=True)
     if not deformer.is_bound or not regions.has_constraints(turn.settings):
         rig.show_rest(deformer, turn.mode, turn.depsgraph.scene)
-        return turn.chain
+        return turn.chain.through(deformer.uid)
     wait = bpy.app.background or not turn.in_viewport
     if deformer.method not in BY_ID:
         raise OptionError("The method is unknown here - choose one in the menu")
@@ -181,18 +181,20 @@ def _take(turn: Turn) -> Chain:
     if bound is None:
         if session.failed is not None:
             rig.show_rest(deformer, turn.mode, turn.depsgraph.scene)
-        return turn.chain
+        return turn.chain.through(deformer.uid)
     solving.solve(turn, bound, *incoming.find(turn, bound))
     return incoming.after(turn)
 
 
-def _refuse(turn: Turn, error: SinewError) -> None:
-    if not isinstance(error, BackendMissingError):  # then the last solution stays
-        rig.show_rest(turn.deformer, turn.mode, turn.depsgraph.scene)
+def _refuse(turn: Turn, error: SinewError) -> Chain:
     if turn.in_viewport:
         status.fail(turn.deformer.uid, error)
     else:
         turn.note(f"In the render: {error}")
+    if isinstance(error, BackendMissingError):
+        return incoming.after(turn)  # the last solution stays
+    rig.show_rest(turn.deformer, turn.mode, turn.depsgraph.scene)
+    return turn.chain.through(turn.deformer.uid)
 
 
 def settle() -> bool:

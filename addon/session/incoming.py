@@ -43,9 +43,10 @@ def find(turn: Turn, bound: Bound) -> tuple[np.ndarray | None, bool]:
         if len(turn.chain.points) != expected:
             raise TopologyChangedError(TOPOLOGY_CHANGED)
         return turn.chain.points, False
-    if not turn.new_geometry and turn.shown.positions is not None:
+    source = turn.chain.entered
+    if not source and not turn.new_geometry and turn.shown.positions is not None:
         return turn.shown.incoming, turn.shown.displacement
-    found = read_incoming(turn.evaluated.data, *rig.attribute_names(turn.deformer.uid), expected)
+    found = read_incoming(turn.evaluated.data, *rig.attribute_names(source or turn.deformer.uid), expected)
     if found.points is not None and len(bound.rest.not_finite):
         points = found.points.copy()
         points[bound.rest.not_finite] = bound.rest.compact[bound.rest.not_finite]

@@ -19,10 +19,18 @@ class Chain:
 
     ``points`` are the positions that left the one just before, float32 (n, 3), where they are known;
     ``broken`` says that an earlier one is no direct neighbour: only the next evaluation knows what enters.
+    ``entered`` is the key of one that lets through what entered it. Until the next evaluation what enters the
+    later ones is still what it showed before.
     """
 
     points: np.ndarray | None = None
     broken: bool = False
+    entered: str = ""
+
+    def through(self, key: str) -> "Chain":
+        """The deformer of this key lets through what entered."""
+        known = self.points is not None or self.broken or self.entered
+        return self if known else Chain(entered=key)
 
     def after_other_modifier(self) -> "Chain":
         """Another add-on's or Blender's own modifier came between."""

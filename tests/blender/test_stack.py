@@ -180,6 +180,24 @@ def test_the_second_of_two_deformers_is_right_at_once_in_a_jump(plate: Rig):
     assert np.array_equal(once, plate.points())
 
 
+@pytest.mark.parametrize("posed", [True, False])
+def test_the_second_follows_at_once_where_the_first_lets_go(plate: Rig, posed: bool):
+    """What enters it in that evaluation is still what the first one showed before."""
+    plate.bind()
+    control = plate.control
+    bpy.ops.sinew.deformer_add(method="arap")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Top")
+    if posed:
+        move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
+    assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == posed
+    handles = plate.obj.sinew.deformers[0].handles
+    for name in ("Nowhere", "Base"):  # refused, and back again
+        handles[1].vertex_group = name
+        if name == "Nowhere":
+            assert np.abs(plate.points() - plate.rest()).max() < FLOAT32
+    assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == posed
+
+
 def test_modifier_rename_and_reorder_keep_the_tie(plate: Rig):
     armature = add_armature(plate.obj)
     plate.bind()
