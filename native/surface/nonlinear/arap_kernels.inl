@@ -55,21 +55,23 @@ inline void add(Columns& m, double factor, const Columns& n)
     m.z = m.z + factor * n.z;
 }
 
-/// Neighbours come in no order that a processor could foresee, but most lie in the same chunk.
-inline void fetch(const double* numbers, int per_node, int begin, int end)
+/// Neighbours come in no order that a processor could foresee, but most lie ahead not far.
+template <int per_node>
+inline void fetch(const double* numbers, int i)
 {
 #ifdef __GNUC__
-    const double* const last = numbers + per_node * static_cast<std::size_t>(end);
-    for (const double* line = numbers + per_node * static_cast<std::size_t>(begin); line < last; line += 8)
-        __builtin_prefetch(line, 0, 2);
+    constexpr int nodes_ahead = 256;
+    const double* const at = numbers + per_node * (static_cast<std::size_t>(i) + nodes_ahead);
+    for (int k = 0; k < per_node; k += 8)
+        __builtin_prefetch(at + k);
 #endif
 }
 
 void covariances(const ArapView& view, int begin, int end, double* S)
 {
-    fetch(view.base, 4, begin, end);
-    fetch(view.points, 4, begin, end);
     for (int i = begin; i < end; ++i) {
+        fetch<4>(view.base, i);
+        fetch<4>(view.points, i);
         Columns s{constant(0.0), constant(0.0), constant(0.0)};
         const L p = point(view.base, i), q = point(view.points, i);
         if (view.wing_offsets) {
@@ -93,8 +95,8 @@ void covariances(const ArapView& view, int begin, int end, double* S)
 
 void add_neighbours(const ArapView& view, const double* R, int begin, int end, double* S)
 {
-    fetch(R, 12, begin, end);
     for (int i = begin; i < end; ++i) {
+        fetch<12>(R, i);
         Columns s = columns(S, i - begin);
         for (int a = view.offsets[i]; a < view.offsets[i + 1]; ++a) {
             const int j = view.neighbours[a];
@@ -224,6 +226,9 @@ double energy_of(const ArapView& view, const double* R, int begin, int end, doub
     for (int i = begin; i < end; ++i) {
         if (view.idle[i])
             continue;
+        fetch<4>(view.base, i);
+        fetch<4>(view.points, i);
+        fetch<12>(R, i);
         const L p = point(view.base, i), q = point(view.points, i);
         const Columns r = columns(R, i);
         const double own_rigidity = view.rigidity[i];
@@ -259,9 +264,6 @@ double energy_of(const ArapView& view, const double* R, int begin, int end, doub
 
 double energy(const ArapView& view, const double* R, int begin, int end, double* gradient)
 {
-    fetch(view.base, 4, begin, end);
-    fetch(view.points, 4, begin, end);
-    fetch(R, 12, begin, end);
     const auto body = view.wing_offsets
                           ? (view.smoothing > 0 ? energy_of<true, true> : energy_of<true, false>)
                           : (view.smoothing > 0 ? energy_of<false, true> : energy_of<false, false>);
