@@ -63,7 +63,7 @@ std::unique_ptr<FactorEngine> make_engine(const FactorOptions& options, const Sp
     if (backend != FactorBackend::automatic)
         return make_cholmod_factor(backend == FactorBackend::supernodal);
     const bool second_ring = matrix.nonZeros() >= 12 * matrix.cols();
-    return make_cholmod_factor(second_ring || matrix.cols() > (options.many_solves ? 250000 : 60000));
+    return make_cholmod_factor(second_ring || matrix.cols() > 60000);
 }
 
 [[noreturn]] void refuse(int unknown, const char* reason)

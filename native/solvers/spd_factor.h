@@ -12,7 +12,7 @@
 namespace sinew {
 
 /// automatic: CHOLMOD supernodal for second-ring matrices (12 and more entries a row) and
-/// for more than 60,000 unknowns (250,000 where many solves follow), simplicial below, where
+/// for more than 60,000 unknowns, simplicial below, where
 /// its solves are 1.4-2.5 times faster; Eigen's LDL^T in a build without CHOLMOD.
 enum class FactorBackend { automatic, supernodal, simplicial, ldlt };
 
@@ -20,7 +20,6 @@ struct FactorOptions
 {
     FactorBackend backend = FactorBackend::automatic;
     Ordering ordering = Ordering::minimum_degree;
-    bool many_solves = false; ///< dozens a frame: a dearer factor for faster solves
 };
 
 /// Sparse Cholesky factor of a symmetric positive definite matrix.
