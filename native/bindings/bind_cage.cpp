@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/bindings/arguments.h"
+#include "native/bindings/choices.h"
+#include "native/space/cage/mean_value.h"
+
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+namespace sinew::bindings {
+
+namespace {
+
+CageWeightOptions weight_options(const std::string& precision, double threshold)
+{
+    return {choose<WeightPrecision>(precision, "precision",
+                                    {{"single", WeightPrecision::single_precision},
+                                     {"double", WeightPrecision::double_precision}}),
+            threshold};
+}
+
+/// One class a method, with the options that all of them take.
+template <class Method>
+py::class_<Method, CageCoordinates> bind_method(py::module_& module, const char* name, const char* doc)
+{
+    return py::class_<Method, CageCoordinates>(module, name, doc)
+        .def(py::init([](const SurfaceMesh& cage, const std::string& precision, double threshold) {
+                 const CageWeightOptions options = weight_options(precision, threshold);
+                 const py::gil_scoped_release unlocked;
+                 return std::make_unique<Method>(Cage(cage), options);
+             }),
+             py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0, R"(
+cage       SurfaceMesh, the closed rest cage, faces outwards.
+precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
+threshold  weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
+
+Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)");
+}
+
+} // namespace
+
+void bind_cage(py::module_& module)
+{
+    py::class_<CageReport>(module, "CageReport", "What bind() did.")
+        .def_readonly("point_count", &CageReport::point_count)
+        .def_property_readonly(
+            "outside", [](const CageReport& report) { return to_numpy(report.outside); },
+            "Points outside the cage.")
+        .def_readonly("dropped", &CageReport::dropped,
+                      "Largest sum of the magnitudes of the weights dropped at a point.")
+        .def_readonly("error", &CageReport::error,
+                      "Estimate of the largest error of a weight; 0 where the form is closed.")
+        .def_readonly("weight_bytes", &CageReport::weight_bytes, "Memory of the weights.")
+        .def_readonly("seconds", &CageReport::seconds, "Wall clock of bind().");
+
+    py::class_<CageCoordinates>(module, "CageCoordinates", "What every cage method can do.")
+        .def(
+            "bind",
+            [](CageCoordinates& coordinates, const py::object& rest, const py::object& callback) {
+                const FloatArray array = floats(rest, "points");
+                const PointsView view = points<InvalidConstraint>(array, "points");
+                const Progress ticks = progress(callback);
+                const py::gil_scoped_release unlocked;
+                return coordinates.bind(view, ticks);
+            },
+            py::arg("points"), py::arg("progress") = py::none(),
+            R"(Compute the weights of points -> CageReport.
+
+points    (n, 3) rest points, in the frame of the cage.
+progress  None or callable(fraction, stage); returning False cancels.
+
+Raises InvalidConstraint (points not finite, or where the method has no weights), OutOfMemory or Cancelled;
+the object then stays as it was.)")
+        .def(
+            "warp",
+            [](const CageCoordinates& coordinates, const py::object& vertices) {
+                const FloatArray array = floats(vertices, "cage_points");
+                const PointsView view = points<InvalidConstraint>(array, "cage_points");
+                Points positions;
+                {
+                    const py::gil_scoped_release unlocked;
+                    coordinates.warp(view, positions);
+                }
+                return to_numpy(std::move(positions));
+            },
+            py::arg("cage_points"), R"(Where a posed cage takes the bound points -> (n, 3).
+
+cage_points  (c, 3) posed cage vertices.
+
+Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or before bind().)")
+        .def_property_readonly(
+            "vertex_weights",
+            [](const CageCoordinates& coordinates) {
+                const RowMatrix dense = coordinates.weights().dense();
+                return RowMatrix(
+                    dense.leftCols(std::min<Eigen::Index>(coordinates.cage().vertex_count(), dense.cols())));
+            },
+            "(n, c) weights of the cage's vertices.");
+
+    bind_method<MeanValue>(module, "MeanValue",
+                           R"(Mean value coordinates [Ju, Schaefer & Warren 2005], section 5.4.
+
+Sum 1 and linear precision everywhere, outside the cage too; may be negative where a concave cage is seen
+through itself. A closed form: cost O(points x triangles).)");
+}
+
+} // namespace sinew::bindings
