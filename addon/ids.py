@@ -9,6 +9,8 @@ class Operators:
 
     DEFORMER_ADD = "sinew.deformer_add"
     DEFORMER_REMOVE = "sinew.deformer_remove"
+    CAGE_ADD = "sinew.cage_add"
+    CAGE_REST = "sinew.cage_set_rest"
     HANDLE_ADD = "sinew.handle_add"
     HANDLE_REMOVE = "sinew.handle_remove"
     BIND = "sinew.bind"

@@ -5,17 +5,17 @@ from .loader import Availability
 from .native import (
     Diagnosis,
     Factor,
-    Progress,
-    Recipe,
     availability,
     build_factor,
     diagnose,
     limit_memory,
     limit_threads,
 )
+from .recipes import CageRecipe, Progress, Recipe
 
 __all__ = (
     "Availability",
+    "CageRecipe",
     "Diagnosis",
     "Factor",
     "Progress",

@@ -2,10 +2,10 @@
 """Native calls with their errors translated. No other room names a native class."""
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 
 import numpy as np
 
@@ -20,11 +20,9 @@ from ..core.errors import (
     SinewError,
     SolverError,
 )
-from ..core.methods import Method
 from ..core.status import Remedy
 from .loader import Availability, load
-
-Progress = Callable[[float, str], bool]
+from .recipes import CageRecipe, Progress, Recipe
 
 _limits: dict[str, int] = {}  # wanted, by the native function that sets it
 
@@ -100,50 +98,10 @@ class Diagnosis:
     non_manifold_edges: np.ndarray  # (k, 2) edges of three or more faces, by their vertices
 
 
-@dataclass(frozen=True)
-class Recipe:
-    """All that a factor depends on. Arrays are held, and must not change.
-
-    ``points`` (n, 3) float64, ``faces`` (counts, corners); ``options`` of the native constructor. Of each
-    handle its vertices, and its weights and continuity as the native ``set_handles`` takes them.
-    """
-
-    method: Method
-    points: np.ndarray
-    faces: tuple[np.ndarray, np.ndarray]
-    options: dict[str, object]
-    handles: Sequence[np.ndarray]
-    weights: Sequence[object]
-    continuity: Sequence[float] | None = None
-
-    def has_rest_of(self, other: "Recipe") -> bool:
-        """The same shape and faces."""
-        return _same((self.points, *self.faces), (other.points, *other.faces))
-
-    def has_regions_of(self, other: "Recipe") -> bool:
-        """The same handles."""
-        return _same(
-            (self.handles, self.weights, self.continuity), (other.handles, other.weights, other.continuity)
-        )
-
-    def differs_in(self, other: "Recipe") -> set[str]:
-        """Names of the options that are others."""
-        names = self.options.keys() | other.options.keys()
-        return {name for name in names if not _same(self.options.get(name), other.options.get(name))}
-
-
-def _same(a: object, b: object) -> bool:
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return a is b or np.array_equal(a, b)
-    if isinstance(a, tuple | list) and isinstance(b, tuple | list):
-        return len(a) == len(b) and all(map(_same, a, b))
-    return a == b
-
-
 class Factor:
     """A bound method: solve as often as you like, from several threads, until it is handed over."""
 
-    def __init__(self, native, solver, report, diagnosis: Diagnosis, recipe: Recipe) -> None:
+    def __init__(self, native, solver, report, diagnosis: Diagnosis, recipe: Recipe | CageRecipe) -> None:
         self._native = native
         self._solver = solver
         self._lock = threading.Lock()
@@ -153,7 +111,7 @@ class Factor:
         self.recipe = recipe
 
     def solve(self, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
-        """Positions (n, 3) float64 and a report for ``poses`` (k, 3, 4)."""
+        """Positions (n, 3) float64 and a report for ``poses``: (k, 3, 4) of handles, (c, 3) of a cage."""
         with self._lock:
             solver = self._solver
             if solver is None:
@@ -171,12 +129,12 @@ class Factor:
         """It was handed over."""
         return self._solver is None
 
-    def hand_over(self, recipe: Recipe) -> Callable[[Progress | None], "Factor"] | None:
+    def hand_over(self, recipe: Recipe | CageRecipe) -> Callable[[Progress | None], "Factor"] | None:
         """What builds the factor of ``recipe`` in any thread, out of this one, which is spent then.
 
         None where a new solver has to be made, or while somebody solves.
         """
-        change = self._change_to(recipe)
+        change = self.recipe.change_to(recipe, self._solver, self.report)
         with self._lock:
             if change is None or self._solver is None or self._solves:
                 return None
@@ -189,42 +147,14 @@ class Factor:
 
         return rebuild
 
-    def _change_to(self, recipe: Recipe) -> Callable | None:
-        """What binds the solver to another recipe and gives the report; None where only a new solver does."""
-        if self.recipe.method is not recipe.method or not self.recipe.has_rest_of(recipe):
-            return None
-        others, same_regions = self.recipe.differs_in(recipe), self.recipe.has_regions_of(recipe)
-        if not others:
-            return partial(_keep, self.report) if same_regions else partial(_set_handles, recipe)
-        painted = {parameter.id for parameter in recipe.method.paintable}
-        if others <= painted and same_regions and hasattr(self._solver, "set_stiffness"):
-            return partial(_set_stiffness, {name: recipe.options[name] for name in sorted(painted)})
-        return None
 
-
-def build_factor(recipe: Recipe, progress: Progress | None = None) -> Factor:
-    """Assemble and factorise. Needs no bpy: any thread will do."""
+def build_factor(recipe: Recipe | CageRecipe, progress: Progress | None = None) -> Factor:
+    """Assemble and factorise, or compute weights. Needs no bpy: any thread will do."""
     native = _module()
     with _translated(native):
         mesh = native.SurfaceMesh(recipe.points, recipe.faces)
-        solver = getattr(native, recipe.method.native)(mesh, **recipe.options)
-        report = _set_handles(recipe, solver, progress)
+        solver, report = recipe.build(native, mesh, progress)
         return Factor(native, solver, report, _diagnosis(mesh), recipe)
-
-
-def _keep(report, _solver, progress: Progress | None):
-    if progress is not None and not progress(1.0, "bound"):
-        raise CancelledError("Cancelled")
-    return report
-
-
-def _set_handles(recipe: Recipe, solver, progress: Progress | None):
-    boundary = {} if recipe.continuity is None else {"continuity": recipe.continuity}
-    return solver.set_handles(recipe.handles, weights=recipe.weights, progress=progress, **boundary)
-
-
-def _set_stiffness(stiffness: dict[str, object], solver, progress: Progress | None):
-    return solver.set_stiffness(**stiffness, progress=progress)
 
 
 def diagnose(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> Diagnosis:

@@ -41,6 +41,10 @@ class ConstraintError(SinewError):
     """The handles contradict each other, or name vertices that are not there."""
 
 
+class CageError(SinewError):
+    """The cage cannot move the mesh. Elements are those of the cage."""
+
+
 class OptionError(SinewError):
     """A parameter is out of its range."""
 

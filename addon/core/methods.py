@@ -128,6 +128,33 @@ CELLS = (
     ("rims", "Spokes and Rims", "Also the edges opposite to it: firmer, and steadier on sharp triangles"),
 )
 
+PRECISIONS = (
+    ("single", "Single", "Half the memory and time of a frame; exact to a ten-millionth of the cage's size"),
+    ("double", "Double", "As exact as the coordinates themselves"),
+)
+
+CAGE_PARAMETERS = (
+    Float(
+        "threshold",
+        0.0,
+        maximum=0.1,
+        soft_maximum=0.01,
+        precision=5,
+        rebinds=True,
+        label="Sparse Threshold",
+        description="Leave out smaller weights, so that each point follows the near part of the cage "
+        "alone: faster, less exact. 0 keeps all",
+    ),
+    Choice(
+        "precision",
+        "single",
+        PRECISIONS,
+        rebinds=True,
+        label="Precision",
+        description="How exactly the weights are kept",
+    ),
+)
+
 METHODS: tuple[Method, ...] = (
     Method(
         id="thin_shell",
@@ -242,8 +269,21 @@ METHODS: tuple[Method, ...] = (
             ),
         ),
     ),
+    Method(
+        id="mean_value",
+        number=3,
+        label="Mean Value Cage",
+        family=Family.SPACE_LINEAR,
+        control=Control.CAGE,
+        native="MeanValue",
+        section="5.4",
+        paper="Ju, Schaefer & Warren 2005",
+        summary="Any points, inside the cage or outside; limbs that lie side by side pull at each other",
+        parameters=CAGE_PARAMETERS,
+    ),
 )
 
 DEFAULT_METHOD = "arap"  # what Add Handle makes on a mesh without a deformer
+DEFAULT_CAGE_METHOD = "mean_value"  # what Add Cage makes
 
 BY_ID: dict[str, Method] = {method.id: method for method in METHODS}

@@ -26,6 +26,7 @@ class Remedy(Enum):
     PART_REGIONS = "PART_REGIONS"
     OVERRIDE = "OVERRIDE"
     PREFERENCES = "PREFERENCES"
+    CAGE_REST = "CAGE_REST"
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ def target_of(context: Context) -> Object | None:
     if obj is None:
         return None
     is_mesh = obj.type == "MESH"
-    if is_mesh and (obj.sinew.deformers or obj.mode == "EDIT"):
+    if is_mesh and obj.sinew.deformers:
         return obj
     return session.posed_by(obj) or (obj if is_mesh else _posed_with(context, obj))
 

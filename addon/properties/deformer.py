@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A deformer of an object, and the list of them."""
 
+import bpy
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
@@ -39,6 +40,16 @@ def _changed(deformer: "SinewDeformer", _context: Context) -> None:
     deformer.id_data.update_tag(refresh={"OBJECT"})
 
 
+def _cage_changed(deformer: "SinewDeformer", context: Context) -> None:
+    """Another cage rests where it is when it is bound."""
+    deformer.cage_rest = None
+    _changed(deformer, context)
+
+
+def _may_be_cage(deformer: "SinewDeformer", obj: Object) -> bool:
+    return obj.type == "MESH" and obj != deformer.id_data
+
+
 class SinewDeformer(PropertyGroup):
     """Settings of one deformer"""
 
@@ -56,6 +67,25 @@ class SinewDeformer(PropertyGroup):
         update=_changed,
         override=_OVERRIDE,
         description="How the surface follows its handles",
+    )
+    cage: PointerProperty(
+        name="Cage",
+        type=Object,
+        poll=_may_be_cage,
+        update=_cage_changed,
+        override=_OVERRIDE,
+        description="The closed mesh around this one that moves it, as its own modifiers leave it",
+    )
+    cage_rest: PointerProperty(
+        type=Mesh,
+        options={"HIDDEN"},
+        override=_OVERRIDE,
+        description="The cage at bind, in the frame of the mesh",
+    )
+    owns_cage: BoolProperty(
+        description="The cage was made for this deformer, and goes with it",
+        options={"HIDDEN"},
+        override=_OVERRIDE,
     )
     handles: CollectionProperty(type=SinewHandle, override=_LIST)
     active_handle: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
@@ -126,6 +156,12 @@ class SinewDeformer(PropertyGroup):
     def is_bound(self) -> bool:
         """The rest shape is stored; the factor is built from it when needed."""
         return self.rest_in("VIEWPORT") is not None
+
+    @property
+    def cage_missing(self) -> bool:
+        """The cage was deleted, or taken out of every scene."""
+        cage = self.cage
+        return cage is None or not any(cage.name in scene.objects for scene in bpy.data.scenes)
 
     @property
     def renders_differ(self) -> bool:

@@ -4,6 +4,7 @@
 from .apply import apply
 from .baked import find_cache
 from .binding import CANCELLED, busy, cancel, duration, job, summary, unwatched, watch
+from .cages import set_cage, set_rest_cage
 from .census import forget_owners, owners, posed_by
 from .edit import (
     add_deformer,
@@ -75,6 +76,8 @@ __all__ = (
     "select_elements",
     "select_group",
     "serve",
+    "set_cage",
+    "set_rest_cage",
     "settle",
     "side_of_handle",
     "summary",

@@ -15,8 +15,8 @@ from ..core.status import Level, Status
 from ..ids import Keys
 from ..mesh_io import read_rest
 from ..properties import SinewDeformer
-from . import regions, repair, state
-from .regions import BindInput
+from . import repair, state, steering
+from .request import BindInput
 from .state import Bound, Session
 from .work import Work
 
@@ -56,7 +56,7 @@ def ensure(
     """
     rest = deformer.rest_in(mode)
     token = rest.get(Keys.REST_TOKEN, "")
-    key = regions.bind_key(settings, token)
+    key = steering.bind_key(settings, token)
     if session.bound is not None and session.bound.key == key and not session.bound.factor.is_spent:
         return session.bound
     require_backend()
@@ -69,7 +69,8 @@ def ensure(
         job = _jobs.get(deformer.uid)
         if job is not None and job.subject.key == key and not wait:
             return None
-        request = regions.gather(settings, rest, session.rest, len(deformer.id_data.data.vertices))
+        kind, base_count = steering.of(settings), len(deformer.id_data.data.vertices)
+        request = kind.request(settings, rest, session.rest, key, base_count)
         if rest == deformer.rest:
             abandon(deformer.uid)
         session.drop_work()  # its answer would be one of the old factor
@@ -104,7 +105,13 @@ def _install(
 ) -> Bound:
     """Take a factor in; ``say`` so in the panel, which speaks of the viewport."""
     session.bound = Bound(
-        request.key, factor, request.rest, request.handles, request.indices, seconds * 1000.0
+        request.key,
+        factor,
+        request.rest,
+        request.handles,
+        request.indices,
+        request.control,
+        seconds * 1000.0,
     )
     session.failed = None
     session.shown.clear()
@@ -117,10 +124,8 @@ def _install(
 
 def summary(bound: Bound) -> str:
     """The status line of a deformer that is well."""
-    handles = len(bound.handles)
-    plural = "" if handles == 1 else "s"
     time_spent = duration(bound.milliseconds)
-    return f"{len(bound.rest.points):,} vertices, {handles} handle{plural}, bound in {time_spent}"
+    return f"{len(bound.rest.points):,} vertices, {bound.control}, bound in {time_spent}"
 
 
 def duration(milliseconds: float) -> str:
@@ -132,10 +137,7 @@ def duration(milliseconds: float) -> str:
 
 def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
     """What is unusual about the mesh. Elements count the vertices that enter: Select shows the base mesh."""
-    parts, free = factor.report.free_parts, tuple(int(vertex) for vertex in factor.report.free_vertices)
-    text = "1 free part stays at rest" if parts == 1 else f"{parts} free parts stay at rest"
-    elements = (free, "vertex") if request.on_base else ((), "")
-    warnings = (Status(Level.WARNING, text, *elements),) if parts else ()
+    warnings = steering.of_method(request.recipe.method).notes(factor.report, request.on_base)
     diagnosis = replace(factor.diagnosis, not_finite=request.rest.not_finite)
     return (*warnings, *repair.notes(diagnosis, request.on_base))
 

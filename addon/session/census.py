@@ -40,10 +40,11 @@ def owners() -> list[Object]:
 
 
 def posed_by(control: Object) -> Object | None:
-    """The object that owns a handle moved by this control, or by one of its bones."""
+    """The object that this control, one of its bones, or this cage moves."""
     for obj in owners():
-        if any(handle.control == control for deformer in obj.sinew.deformers for handle in deformer.handles):
-            return obj
+        for deformer in obj.sinew.deformers:
+            if deformer.cage == control or any(handle.control == control for handle in deformer.handles):
+                return obj
     return None
 
 

@@ -16,9 +16,7 @@ from ..core.status import Level, Status
 from ..mesh_io import RestShape, group_names, group_weights, read_rest
 from ..preferences import preferences
 from ..properties import SinewDeformer, SinewHandle
-from . import binding, capture, census, controls, curves, poses, regions, rig, state
-
-NO_HANDLES = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
+from . import binding, cages, capture, census, controls, curves, poses, regions, rig, state, steering
 
 
 @state.suspended()
@@ -36,7 +34,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     obj.sinew.active_deformer = len(obj.sinew.deformers) - 1
     rig.ensure(obj, deformer, len(obj.data.vertices))
     census.forget_owners()
-    status.put(deformer.uid, Status(Level.INFO, NO_HANDLES))
+    status.put(deformer.uid, Status(Level.INFO, steering.of(deformer).MISSING))
     return deformer
 
 
@@ -53,6 +51,7 @@ def remove_deformer(obj: Object, index: int) -> None:
     for handle in deformer.handles:
         controls.release(handle)
         _release_group(obj, deformer, handle)
+    cages.release_cage(deformer)
     _forget(obj, index)
 
 
@@ -195,9 +194,10 @@ def remove_handle(obj: Object, deformer: SinewDeformer, index: int) -> None:
     deformer.active_handle = max(0, min(deformer.active_handle, len(deformer.handles) - 1))
     rig.keep_evaluated(obj)
     obj.update_tag()
-    if not regions.has_constraints(deformer):
+    kind = steering.of(deformer)
+    if not kind.is_set(deformer):
         unbind(obj, deformer)
-        status.put(deformer.uid, Status(Level.INFO, NO_HANDLES))
+        status.put(deformer.uid, Status(Level.INFO, kind.MISSING))
 
 
 def _release_group(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
@@ -228,14 +228,15 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
     if deformer.bake.is_baked:
         raise SinewError(f"{deformer.name} is baked - Unbake it first")
     try:
-        if not regions.has_constraints(deformer):
-            raise ConstraintError(NO_HANDLES)
+        kind = steering.of(deformer)
+        if not kind.is_set(deformer):
+            raise ConstraintError(kind.MISSING)
         regions.follow_renamed_groups(obj, deformer)
         meshes = capture.rest_meshes(obj, deformer)
         sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
         rig.hold_rest(deformer, meshes)
         deformer.topology_changed = False
-        controls.complete_rest_frames(obj, deformer)
+        kind.set_rest(obj, deformer)
         rig.ensure(obj, deformer, *sizes)
         rig.keep_evaluated(obj)
         bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
@@ -269,5 +270,6 @@ def unbind(obj: Object, deformer: SinewDeformer) -> None:
     state.drop(deformer.uid)
     for handle in deformer.handles:
         handle.has_rest = handle.has_last_pose = False
+    rig.release_cage(deformer)
     status.put(deformer.uid, Status(Level.INFO, "Not bound - press Bind"))
     obj.update_tag()

@@ -15,7 +15,7 @@ from ..core.methods import BY_ID
 from ..core.status import Level, Remedy, Status
 from ..ids import Inputs
 from ..properties import SinewDeformer
-from . import baked, binding, incoming, regions, rig, solving, state
+from . import baked, binding, incoming, regions, rig, solving, state, steering
 from .census import owners
 from .news import Change, News
 from .state import Seen
@@ -169,7 +169,7 @@ def _take(turn: Turn) -> Chain:
     if rig.is_linked(deformer.proxy):
         status.put(deformer.uid, Status(Level.INFO, LINKED))
         return Chain(broken=True)
-    if not deformer.is_bound or not regions.has_constraints(turn.settings):
+    if not deformer.is_bound or not steering.of(turn.settings).is_set(turn.settings):
         rig.show_rest(deformer, turn.mode, turn.depsgraph.scene)
         return turn.chain.through(deformer.uid)
     wait = bpy.app.background or not turn.in_viewport

@@ -9,7 +9,7 @@ from enum import IntEnum
 
 from bpy.types import Depsgraph, DepsgraphUpdate, Object
 
-from . import poses, state
+from . import poses, state, steering
 from .state import Seen
 
 
@@ -44,9 +44,7 @@ class News:
         """Where the target and its controls are."""
         placed = [poses.fingerprint(evaluated.matrix_world)]
         for deformer in obj.sinew.deformers:
-            for handle in deformer.handles:
-                if handle.kind == "HANDLE":
-                    placed.append(poses.placement(handle, self._depsgraph))
+            placed += steering.of(deformer).placed(deformer, self._depsgraph)
         return tuple(placed)
 
     def seen(self, obj: Object) -> Seen | None:

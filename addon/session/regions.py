@@ -1,54 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From handle settings to what the native module binds: index arrays, weights, options.
+"""From handle settings to what the native module binds: index arrays and weights.
 
 No bpy calls but reads.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 from bpy.types import Mesh, Object
 
 from ..backend import Recipe
-from ..core.errors import ConstraintError, OptionError
+from ..core.errors import ConstraintError
 from ..core.methods import group_property
 from ..core.status import Remedy
 from ..ids import Keys
 from ..mesh_io import RestShape, group_names, group_weights
 from ..properties import SinewDeformer
+from .request import BindInput, options
 
 _IMPLIED = "support"  # the key of the fixed region around a support
 
 
-@dataclass(frozen=True)
-class BindInput:
-    """Everything a worker thread needs to build a factor."""
-
-    key: tuple
-    recipe: Recipe
-    rest: RestShape
-    handles: tuple[str, ...]
-    indices: tuple[np.ndarray, ...]
-    on_base: bool  # the vertices that enter are those of the base mesh
-
-
-def bind_key(settings: SinewDeformer, token: str) -> tuple:
-    """What a factor depends on. Equal keys, equal factors; so undo, load and copies need no bookkeeping."""
-    method = settings.definition
-    values = settings.parameters
-    options = tuple(
-        (parameter.id, getattr(values, parameter.id), getattr(values, group_property(parameter), ""))
-        for parameter in method.parameters
-        if parameter.rebinds
-    )
-    handles = tuple(
-        sorted(  # their order in the list has no meaning
+def key(settings: SinewDeformer) -> tuple:
+    """Which regions there are. Their order in the list has no meaning."""
+    return tuple(
+        sorted(
             (handle.uid, handle.kind, handle.vertex_group, handle.weight, handle.continuity)
             for handle in settings.handles
             if handle.enabled
         )
     )
-    return token, method.id, options, handles
 
 
 def has_constraints(settings: SinewDeformer) -> bool:
@@ -99,7 +78,7 @@ def read_weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
         rest.weights.update(group_weights(mesh, group_names(mesh), wanted))
 
 
-def gather(settings: SinewDeformer, mesh: Mesh, rest: RestShape, base_count: int) -> BindInput:
+def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int) -> BindInput:
     """Arrays for the native module, or the reason why there are none.
 
     ``base_count``: how many vertices the base mesh has.
@@ -149,20 +128,21 @@ def gather(settings: SinewDeformer, mesh: Mesh, rest: RestShape, base_count: int
             "Nothing holds the mesh - select vertices in Edit Mode and Add Handle or Add Fixed"
         )
     return BindInput(
-        key=bind_key(settings, rest.token),
+        key=key,
         recipe=Recipe(
             method,
             rest.points,
             (rest.counts, rest.corners),
-            _options(settings, rest),
+            options(settings, rest),
             tuple(indices),
             tuple(weights),
             tuple(continuity) if method.continuity else None,
         ),
         rest=rest,
+        on_base=count == base_count,
+        control="1 handle" if len(names) == 1 else f"{len(names)} handles",
         handles=tuple(names),
         indices=tuple(indices),
-        on_base=count == base_count,
     )
 
 
@@ -180,31 +160,3 @@ def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: lis
         )
     holder[hard] = len(labels)
     labels.append(name)
-
-
-def _options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
-    values = settings.parameters
-    options: dict[str, object] = {}
-    for parameter in settings.definition.parameters:
-        if not parameter.rebinds:
-            continue
-        value = getattr(values, parameter.id)
-        group = getattr(values, group_property(parameter), "")
-        if group:
-            painted = rest.weights.get(group)
-            if painted is None:
-                raise OptionError(
-                    f"{parameter.label}: vertex group '{group}' is not on the mesh - pick another"
-                )
-            value = np.maximum(value * painted.astype(np.float64), parameter.minimum)
-        options[parameter.id] = value
-    return options
-
-
-def solve_options(settings: SinewDeformer) -> dict[str, object]:
-    """The keywords of ``solve`` that the method takes."""
-    return {
-        parameter.id: getattr(settings.parameters, parameter.id)
-        for parameter in settings.definition.parameters
-        if not parameter.rebinds
-    }

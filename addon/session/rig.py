@@ -180,14 +180,20 @@ def _kept_controls(obj: Object) -> list[tuple[Object, str]]:
     )
 
 
+def _kept_cages(obj: Object) -> list[Object]:
+    """The object's cages, each once."""
+    cages = (deformer.cage for deformer in obj.sinew.deformers)
+    return list(dict.fromkeys(cage for cage in cages if cage is not None))
+
+
 def follow_renamed_bones(obj: Object) -> bool:
     """Blender renames bones in drivers, not in our settings: take the new names from there."""
     curve = obj.animation_data.drivers.find(_KEEP) if obj.animation_data is not None else None
     kept = _kept_controls(obj)
-    if curve is None or len(curve.driver.variables) != len(kept):
+    if curve is None or len(curve.driver.variables) < len(kept):
         return False
     renamed = False
-    for (control, bone), variable in zip(kept, curve.driver.variables, strict=True):
+    for (control, bone), variable in zip(kept, curve.driver.variables, strict=False):
         target = variable.targets[0]
         bones = control.pose.bones if control.pose is not None else ()
         if target.id != control or not bone or bone in bones or target.bone_target not in bones:
@@ -212,26 +218,32 @@ def is_kept(obj: Object) -> bool:
 def keep_evaluated(obj: Object) -> None:
     """One SUM driver, one variable a control: Blender then evaluates hidden and unlinked controls too.
 
-    It has no Python expression, so it also works in files that are not trusted.
+    A cage has two: its dimensions depend on its shape. It has no Python expression, so it also works in
+    files that are not trusted.
     """
     if obj.animation_data is not None:
         for curve in [curve for curve in obj.animation_data.drivers if curve.data_path == _KEEP]:
             obj.animation_data.drivers.remove(curve)
-    controls = _kept_controls(obj)
-    if not controls:
+    controls, cages = _kept_controls(obj), _kept_cages(obj)
+    if not controls and not cages:
         if Keys.KEEP in obj:
             del obj[Keys.KEEP]
         return
     obj[Keys.KEEP] = 0.0
     driver = obj.driver_add(_KEEP).driver
     driver.type = "SUM"
-    for control, bone in controls:
+    for control, bone in (*controls, *((cage, "") for cage in cages)):
         variable = driver.variables.new()
         variable.type = "TRANSFORMS"
         target = variable.targets[0]
         target.id = control
         if bone:
             target.bone_target = bone
+    for cage in cages:
+        variable = driver.variables.new()
+        variable.type = "SINGLE_PROP"
+        target = variable.targets[0]
+        target.id, target.data_path = cage, "dimensions[0]"
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:
@@ -240,6 +252,7 @@ def remove(obj: Object, deformer: SinewDeformer) -> None:
     if modifier is not None:
         obj.modifiers.remove(modifier)
     release_rest(deformer)
+    release_cage(deformer)
     for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):
         free_shape(proxy)
 
@@ -273,6 +286,11 @@ def hold_rest(deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> None
     deformer.rest_render = _put(deformer.rest_render, rendered or bpy.data.meshes.new(Datablocks.REST))
 
 
+def hold_cage(deformer: SinewDeformer, mesh: Mesh) -> None:
+    """Store the rest cage as ``hold_rest`` does; ``mesh`` is used up."""
+    deformer.cage_rest = _put(deformer.cage_rest, mesh)
+
+
 def _put(held: Mesh | None, new: Mesh) -> Mesh:
     """``new`` in the place of ``held``, unless a copy of the target or a library holds that too."""
     if not isinstance(held, Mesh) or held.library is not None or held.users != 1:
@@ -285,6 +303,16 @@ def _put(held: Mesh | None, new: Mesh) -> Mesh:
 def release_rest(deformer: SinewDeformer) -> None:
     """Forget the rest meshes; a copy of the target may still hold them."""
     meshes, deformer.rest, deformer.rest_render = (deformer.rest, deformer.rest_render), None, None
+    _free_meshes(*meshes)
+
+
+def release_cage(deformer: SinewDeformer) -> None:
+    """Forget how the cage rested."""
+    mesh, deformer.cage_rest = deformer.cage_rest, None
+    _free_meshes(mesh)
+
+
+def _free_meshes(*meshes: Mesh | None) -> None:
     for mesh in meshes:
         if isinstance(mesh, Mesh) and mesh.library is None and mesh.users == 0:
             bpy.data.meshes.remove(mesh)

@@ -18,8 +18,9 @@ from ..core.errors import OptionError, SolverError, TopologyChangedError
 from ..core.status import Level, Status
 from ..mesh_io import shape_array, write_shape
 from ..preferences import preferences
-from . import binding, poses, regions, relay
+from . import binding, relay, steering
 from .incoming import TOPOLOGY_CHANGED
+from .request import solve_options
 from .state import Bound, Session, Shown
 from .turn import Turn
 from .work import Work
@@ -35,7 +36,7 @@ class Question:
     signature: tuple
     incoming: np.ndarray | None  # float32 (n, 3), None for rest
     displacement: bool
-    affine: np.ndarray
+    control: np.ndarray  # as ``Factor.solve`` takes it
     options: dict[str, object]
     early: bool
     final: bool
@@ -49,6 +50,8 @@ def solve(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacement: b
     """Bring the shape mesh up to date. ``incoming`` float32 (n, 3), None for rest."""
     shown = turn.shown
     question = _question(turn, bound, incoming, displacement)
+    if question is None:
+        return
     if question.matches(shown) and (shown.converged or question.early):
         if shown.factor != _factor(turn):
             _show(turn, bound, question, shown.shape, shown.converged)
@@ -76,11 +79,16 @@ def _factor(turn: Turn) -> float:
     return min(max(factor, 0.0), 1.0)
 
 
-def _question(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacement: bool) -> Question:
-    affine, from_rest = poses.gather(turn, bound)
-    options = regions.solve_options(turn.settings)
-    signature = (bound.key, affine.tobytes(), from_rest.tobytes(), tuple(options.items()), displacement)
-    options["from_rest"] = from_rest
+def _question(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacement: bool) -> Question | None:
+    """None where the control is lost and nobody knows where it was."""
+    found = steering.of_method(bound.factor.recipe.method).pose(turn, bound)
+    if found is None:
+        return None
+    control, further = found
+    options = solve_options(turn.settings)
+    posed = (control.tobytes(), *(value.tobytes() for value in further.values()))
+    signature = (bound.key, posed, tuple(options.items()), displacement)
+    options.update(further)
     options["incoming"] = None if incoming is None else incoming.astype(np.float64)
     shown = turn.shown
     same = shown.signature == signature and _same(shown.incoming, incoming)
@@ -90,7 +98,7 @@ def _question(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacemen
         options["max_iterations"] = min(turn.session.steps, options["max_iterations"])
         if shown.positions is not None and not shown.displacement:
             options["start"] = shown.positions.astype(np.float64)
-    return Question(signature, incoming, displacement, affine, options, early, final)
+    return Question(signature, incoming, displacement, control, options, early, final)
 
 
 def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
@@ -116,7 +124,7 @@ def _show(turn: Turn, bound: Bound, question: Question, shape: np.ndarray, conve
 
 def _solve_here(turn: Turn, bound: Bound, question: Question) -> np.ndarray:
     begin = time.perf_counter()
-    solved, _report = bound.factor.solve(question.affine, **question.options)
+    solved, _report = bound.factor.solve(question.control, **question.options)
     _learn_price(turn.session, question, time.perf_counter() - begin)
     return solved
 
@@ -175,5 +183,5 @@ def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Qu
 
 def _ask(session: Session, bound: Bound, question: Question) -> None:
     session.work = Work(
-        lambda progress: bound.factor.solve(question.affine, progress=progress, **question.options), question
+        lambda progress: bound.factor.solve(question.control, progress=progress, **question.options), question
     )

@@ -27,6 +27,7 @@ class Bound:
     rest: RestShape
     handles: tuple[str, ...]
     indices: tuple[np.ndarray, ...]
+    control: str  # what moves the mesh, in words
     milliseconds: float
 
 

@@ -5,7 +5,7 @@ from bpy.types import Context, Object, Panel, UILayout
 from bpy.utils import register_classes_factory
 
 from ..backend import availability
-from ..core.methods import Parameter, group_property
+from ..core.methods import Control, Parameter, group_property
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import target_of
@@ -44,7 +44,10 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
         _draw_deformers(layout, obj)
         draw_error(context, layout, deformer)
         _draw_method(layout, obj, deformer)
-        _draw_handles(context, layout, obj, deformer)
+        if deformer.definition.control is Control.CAGE:
+            _draw_cage(layout, deformer)
+        else:
+            _draw_handles(context, layout, obj, deformer)
         _draw_influence(layout, obj, deformer)
         draw_status(context, layout, deformer)
 
@@ -67,7 +70,9 @@ class SINEW_PT_region(_ActiveDeformerPanel, Panel):
     @classmethod
     def poll(cls, context: Context) -> bool:
         deformer = _active_deformer(context)
-        return deformer is not None and 0 <= deformer.active_handle < len(deformer.handles)
+        if deformer is None or deformer.definition.control is not Control.HANDLES:
+            return False
+        return 0 <= deformer.active_handle < len(deformer.handles)
 
     def draw(self, context: Context) -> None:
         obj = target_of(context)
@@ -184,6 +189,17 @@ def _draw_handles(context: Context, layout: UILayout, obj: Object, deformer: Sin
     if several:
         _draw_move(side, Operators.HANDLE_MOVE)
     _draw_add_buttons(context, layout, obj)
+
+
+def _draw_cage(layout: UILayout, deformer: SinewDeformer) -> None:
+    column = _split(layout.column())
+    row = column.row()
+    row.alert = deformer.is_bound and deformer.cage_missing
+    row.prop(deformer, "cage")
+    if deformer.cage is None:
+        layout.operator(Operators.CAGE_ADD, icon="MESH_CUBE").source = "OBJECT"
+    else:
+        layout.operator(Operators.CAGE_REST, icon="MESH_CUBE")
 
 
 def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:

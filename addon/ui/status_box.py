@@ -8,6 +8,7 @@ from bpy.types import Context, UILayout
 from .. import compat, session
 from ..backend import availability
 from ..core import status
+from ..core.methods import Control
 from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
@@ -38,6 +39,7 @@ class Button:
 
 REMEDIES: dict[Remedy, Button] = {
     Remedy.BIND: Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
+    Remedy.CAGE_REST: Button(Operators.CAGE_REST, "Set Rest Cage", "MESH_CUBE"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
     Remedy.OVERRIDE: Button("object.make_override_library", "Make Library Override", "LIBRARY_DATA_OVERRIDE"),
@@ -124,6 +126,10 @@ def headline(deformer: SinewDeformer) -> Status:
 
 
 def _lost_controls(deformer: SinewDeformer) -> tuple[Status, ...]:
+    if deformer.definition.control is Control.CAGE:
+        lost = deformer.is_bound and deformer.cage_missing
+        text = "The cage was deleted, and the last shape stays - pick another"
+        return (Status(Level.WARNING, text),) if lost else ()
     return tuple(
         Status(Level.WARNING, f"{handle.name} has lost its control and stays where it was - pick another")
         for handle in deformer.handles

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a factor is made from, one class a kind of control. Arrays are held, and must not change."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from ..core.errors import CageError, CancelledError
+from ..core.methods import Method
+
+Progress = Callable[[float, str], bool]
+Change = Callable[[object, Progress | None], object]  # binds a solver anew and gives the report
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Of a method with handles.
+
+    ``points`` (n, 3) float64, ``faces`` (counts, corners); ``options`` of the native constructor. Of each
+    handle its vertices, and its weights and continuity as the native ``set_handles`` takes them.
+    """
+
+    method: Method
+    points: np.ndarray
+    faces: tuple[np.ndarray, np.ndarray]
+    options: dict[str, object]
+    handles: Sequence[np.ndarray]
+    weights: Sequence[object]
+    continuity: Sequence[float] | None = None
+
+    def build(self, native, mesh, progress: Progress | None) -> tuple[object, object]:
+        """A bound solver and its report."""
+        solver = getattr(native, self.method.native)(mesh, **self.options)
+        return solver, _set_handles(self, solver, progress)
+
+    def change_to(self, other: object, solver: object, report: object) -> Change | None:
+        """What binds the solver to another recipe; None where only a new solver does."""
+        if type(other) is not Recipe or self.method is not other.method or not self.has_rest_of(other):
+            return None
+        others, same_regions = self.differs_in(other), self.has_regions_of(other)
+        if not others:
+            return partial(_keep, report) if same_regions else partial(_set_handles, other)
+        painted = {parameter.id for parameter in other.method.paintable}
+        if others <= painted and same_regions and hasattr(solver, "set_stiffness"):
+            return partial(_set_stiffness, {name: other.options[name] for name in sorted(painted)})
+        return None
+
+    def has_rest_of(self, other: "Recipe") -> bool:
+        """The same shape and faces."""
+        return _same((self.points, *self.faces), (other.points, *other.faces))
+
+    def has_regions_of(self, other: "Recipe") -> bool:
+        """The same handles."""
+        return _same(
+            (self.handles, self.weights, self.continuity), (other.handles, other.weights, other.continuity)
+        )
+
+    def differs_in(self, other: "Recipe") -> set[str]:
+        """Names of the options that are others."""
+        names = self.options.keys() | other.options.keys()
+        return {name for name in names if not _same(self.options.get(name), other.options.get(name))}
+
+
+@dataclass(frozen=True)
+class CageRecipe:
+    """Of a method with a cage.
+
+    ``points`` (n, 3) float64, ``faces`` (counts, corners) of the mesh; ``options`` of the native constructor;
+    ``cage_points`` (c, 3), ``cage_faces`` (counts, corners) of the rest cage, in the frame of the mesh.
+    """
+
+    method: Method
+    points: np.ndarray
+    faces: tuple[np.ndarray, np.ndarray]
+    options: dict[str, object]
+    cage_points: np.ndarray
+    cage_faces: tuple[np.ndarray, np.ndarray]
+
+    def build(self, native, _mesh, progress: Progress | None) -> tuple[object, object]:
+        """Bound coordinates and their report."""
+        try:
+            cage = native.SurfaceMesh(self.cage_points, self.cage_faces)
+            coordinates = getattr(native, self.method.native)(cage, **self.options)
+        except native.InvalidMesh as error:
+            raise CageError(str(error), tuple(error.elements), f"cage {error.element_kind}") from error
+        return _Warp(coordinates, self.points), coordinates.bind(self.points, progress)
+
+    def change_to(self, other: object, _solver: object, report: object) -> Change | None:
+        """What binds the coordinates to another recipe; None where only new ones do."""
+        same = isinstance(other, CageRecipe) and _same(self._parts(), other._parts())
+        return partial(_keep, report) if same else None
+
+    def _parts(self) -> tuple:
+        names = sorted(self.options)
+        options = tuple((name, self.options[name]) for name in names)
+        return (self.method.id, options, self.points, *self.faces, self.cage_points, *self.cage_faces)
+
+
+class _Warp:
+    """A posed cage in the place of poses: the warp of the rest points, as displacements of what enters."""
+
+    def __init__(self, coordinates: object, rest: np.ndarray) -> None:
+        self._coordinates = coordinates
+        self._rest = rest
+
+    def solve(
+        self, vertices: np.ndarray, *, incoming: np.ndarray | None = None, progress: Progress | None = None
+    ) -> tuple[np.ndarray, None]:
+        """Positions (n, 3) for cage ``vertices`` (c, 3). A product: there is nothing to report."""
+        positions = self._coordinates.warp(vertices)
+        if incoming is not None:
+            positions += incoming - self._rest
+        return positions, None
+
+
+def _same(a: object, b: object) -> bool:
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return a is b or np.array_equal(a, b)
+    if isinstance(a, tuple | list) and isinstance(b, tuple | list):
+        return len(a) == len(b) and all(map(_same, a, b))
+    return a == b
+
+
+def _keep(report, _solver, progress: Progress | None):
+    if progress is not None and not progress(1.0, "bound"):
+        raise CancelledError("Cancelled")
+    return report
+
+
+def _set_handles(recipe: Recipe, solver, progress: Progress | None):
+    boundary = {} if recipe.continuity is None else {"continuity": recipe.continuity}
+    return solver.set_handles(recipe.handles, weights=recipe.weights, progress=progress, **boundary)
+
+
+def _set_stiffness(stiffness: dict[str, object], solver, progress: Progress | None):
+    return solver.set_stiffness(**stiffness, progress=progress)

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A cage moves the mesh: by object, by its vertices, by shape keys and bones, through save and load."""
+
+from __future__ import annotations
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from rig import add_armature, apply_matrix, base_points, evaluated_points, make_active, move_world, update
+
+FLOAT32 = 4e-6
+
+
+def ball(name: str = "Ball", levels: int = 3) -> bpy.types.Object:
+    """A small sphere at the origin."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=levels, radius=0.6)
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def box(name: str = "Cage", size: float = 2.0) -> bpy.types.Object:
+    """A cube around it."""
+    bpy.ops.mesh.primitive_cube_add(size=size)
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+@pytest.fixture
+def caged() -> tuple[str, str]:
+    """A ball and its cage, bound by mean value coordinates; their names."""
+    target, cage = ball(), box()
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method="mean_value") == {"FINISHED"}
+    return target.name, cage.name
+
+
+def target_and_cage(names: tuple[str, str]) -> list[bpy.types.Object]:
+    return [bpy.data.objects[name] for name in names]
+
+
+def shear() -> Matrix:
+    return Matrix(((1.0, 0.4, 0.0, 0.2), (0.0, 1.2, 0.1, 0.0), (0.0, 0.0, 0.8, -0.3), (0.0, 0.0, 0.0, 1.0)))
+
+
+def test_rest_in_rest_out(caged):
+    target, _cage = target_and_cage(caged)
+    assert target.sinew.active.status_level == "INFO", target.sinew.active.status
+    assert "cage of 8" in target.sinew.active.status
+    assert np.abs(evaluated_points(target) - base_points(target)).max() < FLOAT32
+
+
+def test_an_affine_cage_moves_the_mesh_affinely(caged):
+    target, cage = target_and_cage(caged)
+    cage.data.transform(shear())
+    cage.data.update()
+    expected = apply_matrix(shear(), base_points(target))
+    assert np.abs(evaluated_points(target) - expected).max() < FLOAT32
+
+
+def test_the_cage_object_moves_too(caged):
+    target, cage = target_and_cage(caged)
+    target.location, target.rotation_euler.z, target.scale.x = (0.3, 0.0, 0.1), 0.4, 1.5
+    update()
+    before = evaluated_points(target)
+    motion = Matrix.Translation((0.2, 0.5, -0.1)) @ Matrix.Rotation(0.6, 4, (0.0, 0.6, 0.8))
+    frame = target.matrix_world.copy()
+    move_world(cage, motion)
+    expected = apply_matrix(frame.inverted() @ motion @ frame, before)
+    assert np.abs(evaluated_points(target) - expected).max() < 2 * FLOAT32
+
+
+def test_edits_of_the_cage_show_in_edit_mode(caged):
+    target, cage = target_and_cage(caged)
+    before = evaluated_points(target)
+    make_active(cage)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bmesh.from_edit_mesh(cage.data)
+    for vertex in edit.verts:
+        if vertex.co.z > 0:
+            vertex.co.z += 0.5
+    bmesh.update_edit_mesh(cage.data)
+    shown = evaluated_points(target)
+    expected = before.copy()
+    expected[:, 2] = -1.0 + (before[:, 2] + 1.0) * 1.25
+    assert np.abs(shown - expected).max() < FLOAT32
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.abs(evaluated_points(target) - expected).max() < FLOAT32
+
+
+def test_shape_keys_bones_and_modifiers_of_the_cage_count(caged):
+    target, cage = target_and_cage(caged)
+    rest = evaluated_points(target)
+    cage.shape_key_add(name="Basis")
+    key = cage.shape_key_add(name="Up")
+    for point in key.data:
+        point.co.z += 0.5
+    key.value = 1.0
+    assert np.abs(evaluated_points(target) - (rest + (0.0, 0.0, 0.5))).max() < FLOAT32
+    key.value = 0.0
+    armature = add_armature(cage)
+    armature.pose.bones["high"].location.x = 0.7
+    moved = evaluated_points(target)
+    assert moved[:, 0].max() > rest[:, 0].max() + 0.1
+    assert moved[moved[:, 1].argmax(), 0] > moved[moved[:, 1].argmin(), 0] + 0.1
+
+
+def test_a_subdivided_cage_is_a_cage():
+    target, cage = ball(), box(size=3.0)
+    cage.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    make_active(target)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name)
+    assert "cage of 26" in target.sinew.active.status
+    cage.data.transform(shear())
+    cage.data.update()
+    expected = apply_matrix(shear(), base_points(target))
+    assert np.abs(evaluated_points(target) - expected).max() < FLOAT32
+
+
+def test_a_hidden_cage_still_moves_it(caged):
+    target, cage = target_and_cage(caged)
+    cage.hide_viewport = True
+    cage.shape_key_add(name="Basis")
+    key = cage.shape_key_add(name="Up")
+    for point in key.data:
+        point.co.z += 0.5
+    key.value = 1.0
+    assert evaluated_points(target)[:, 2].mean() == pytest.approx(0.5, abs=1e-4)
+
+
+def test_it_survives_save_and_load(caged, tmp_path):
+    target, cage = target_and_cage(caged)
+    cage.data.transform(shear())
+    cage.data.update()
+    before = evaluated_points(target)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "caged.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "caged.blend"))
+    target, cage = target_and_cage(caged)
+    assert np.abs(evaluated_points(target) - before).max() < FLOAT32
+    cage.location.x += 1.0
+    assert np.abs(evaluated_points(target) - (before + (1.0, 0.0, 0.0))).max() < FLOAT32
+
+
+def test_a_deleted_cage_leaves_the_last_shape(caged):
+    target, cage = target_and_cage(caged)
+    cage.data.transform(shear())
+    cage.data.update()
+    before = evaluated_points(target)
+    bpy.data.objects.remove(cage)
+    assert np.abs(evaluated_points(target) - before).max() < FLOAT32
+    assert target.sinew.active.cage_missing
+
+
+def test_a_cage_with_other_vertices_is_refused_and_can_rest_anew(caged):
+    target, cage = target_and_cage(caged)
+    make_active(cage)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.abs(evaluated_points(target) - base_points(target)).max() < FLOAT32
+    deformer = target.sinew.active
+    assert deformer.status_level == "ERROR"
+    assert "26 vertices, at bind it had 8" in deformer.status
+    assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+    assert deformer.status_level == "INFO", deformer.status
+    cage.location.z = 0.4
+    assert np.abs(evaluated_points(target) - base_points(target) - (0.0, 0.0, 0.4)).max() < FLOAT32
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (lambda mesh: mesh.faces.remove(mesh.faces[0]), "open"),
+        (lambda mesh: bmesh.ops.reverse_faces(mesh, faces=mesh.faces[:]), "inside out"),
+        (lambda mesh: mesh.clear(), "vertices"),
+    ],
+)
+def test_a_cage_that_is_none_is_refused(spoil, said):
+    target, cage = ball(), box()
+    edit = bmesh.new()
+    edit.from_mesh(cage.data)
+    edit.faces.ensure_lookup_table()
+    spoil(edit)
+    edit.to_mesh(cage.data)
+    edit.free()
+    make_active(target)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name)
+    assert target.sinew.active.status_level == "ERROR"
+    assert said in target.sinew.active.status
+    assert np.array_equal(evaluated_points(target), base_points(target))
+
+
+def test_one_cage_moves_several_meshes_and_several_cages_one(caged):
+    target, cage = target_and_cage(caged)
+    second = ball("Second", 2)
+    make_active(second)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name)
+    other = box("Other", 4.0)
+    make_active(target)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=other.name)
+    target.sinew.active.factor = 0.5
+    rest, second_rest = base_points(target), base_points(second)
+    cage.location.x, other.location.z = 0.4, 1.0
+    assert np.abs(evaluated_points(second) - second_rest - (0.4, 0.0, 0.0)).max() < FLOAT32
+    assert np.abs(evaluated_points(target) - rest - (0.4, 0.0, 0.5)).max() < FLOAT32
+
+
+def test_undo_and_redo(caged):
+    target, cage = target_and_cage(caged)
+    bpy.ops.ed.undo_push(message="Bound")
+    cage.location.z = 1.0
+    update()
+    bpy.ops.ed.undo_push(message="Moved")
+    bpy.ops.ed.undo()
+    target, cage = target_and_cage(caged)
+    assert np.abs(evaluated_points(target) - base_points(target)).max() < FLOAT32
+    bpy.ops.ed.redo()
+    target, cage = target_and_cage(caged)
+    assert np.abs(evaluated_points(target) - base_points(target) - (0.0, 0.0, 1.0)).max() < FLOAT32
+
+
+def test_the_armature_before_it_still_counts(caged):
+    target, cage = target_and_cage(caged)
+    bpy.ops.sinew.deformer_remove()
+    make_active(target)
+    armature = add_armature(target)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name)
+    rest = evaluated_points(target)
+    armature.pose.bones["high"].location.x = 0.7
+    posed = evaluated_points(target)
+    cage.location.z = 0.5
+    assert np.abs(evaluated_points(target) - posed - (0.0, 0.0, 0.5)).max() < FLOAT32
+    assert np.abs(posed - rest).max() > 0.1
