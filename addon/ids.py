@@ -11,6 +11,7 @@ class Operators:
     DEFORMER_REMOVE = "sinew.deformer_remove"
     CAGE_ADD = "sinew.cage_add"
     CAGE_REST = "sinew.cage_set_rest"
+    CAGE_FLIP = "sinew.cage_flip"
     HANDLE_ADD = "sinew.handle_add"
     HANDLE_REMOVE = "sinew.handle_remove"
     BIND = "sinew.bind"
@@ -40,6 +41,7 @@ class Menus:
     PIE = "SINEW_MT_pie"
     ADD_REGION = "SINEW_MT_add_region"
     HANDLE = "SINEW_MT_handle"
+    CAGE = "SINEW_MT_cage"
     DEFORMER = "SINEW_MT_deformer"
     MANUAL = "SINEW_MT_manual"
     OF_GROUPS = {  # by the kind of region that a vertex group becomes

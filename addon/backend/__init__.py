@@ -5,6 +5,7 @@ from .loader import Availability
 from .native import (
     Diagnosis,
     Factor,
+    automatic_cage,
     availability,
     build_factor,
     diagnose,
@@ -20,6 +21,7 @@ __all__ = (
     "Factor",
     "Progress",
     "Recipe",
+    "automatic_cage",
     "availability",
     "build_factor",
     "diagnose",

@@ -157,6 +157,22 @@ def build_factor(recipe: Recipe | CageRecipe, progress: Progress | None = None) 
         return Factor(native, solver, report, _diagnosis(mesh), recipe)
 
 
+def automatic_cage(
+    points: np.ndarray, faces: tuple[np.ndarray, np.ndarray], progress: Progress | None = None, **options
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A closed mesh around a mesh: its points (c, 3), and (counts, corners) of its faces. Any thread will do.
+
+    ``options`` as the native function takes them.
+    """
+    native = _module()
+    with _translated(native):
+        mesh = native.SurfaceMesh(points, faces)
+        around, polygons, _report = native.automatic_cage(mesh, progress=progress, **options)
+    if isinstance(polygons, tuple):
+        return around, *polygons
+    return around, np.full(len(polygons), 3, dtype=np.int32), polygons.ravel()
+
+
 def diagnose(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> Diagnosis:
     """Look for what Repair can mend. ``points`` (n, 3) float64, ``faces`` (counts, corners).
 

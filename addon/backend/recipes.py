@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.errors import CageError, CancelledError
 from ..core.methods import Method
+from ..core.status import Remedy
 
 Progress = Callable[[float, str], bool]
 Change = Callable[[object, Progress | None], object]  # binds a solver anew and gives the report
@@ -84,7 +85,11 @@ class CageRecipe:
             cage = native.SurfaceMesh(self.cage_points, self.cage_faces)
             coordinates = getattr(native, self.method.native)(cage, **self.options)
         except native.InvalidMesh as error:
-            raise CageError(str(error), tuple(error.elements), f"cage {error.element_kind}") from error
+            flipped = error.element_kind == "face" and len(error.elements) == len(self.cage_faces[0])
+            remedy = Remedy.FLIP_CAGE if flipped else None
+            raise CageError(
+                str(error), tuple(error.elements), f"cage {error.element_kind}", remedy
+            ) from error
         return _Warp(coordinates, self.points), coordinates.bind(self.points, progress)
 
     def change_to(self, other: object, _solver: object, report: object) -> Change | None:

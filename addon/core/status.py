@@ -27,6 +27,7 @@ class Remedy(Enum):
     OVERRIDE = "OVERRIDE"
     PREFERENCES = "PREFERENCES"
     CAGE_REST = "CAGE_REST"
+    FLIP_CAGE = "FLIP_CAGE"
 
 
 @dataclass(frozen=True)

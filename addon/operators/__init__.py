@@ -6,7 +6,7 @@ from bpy.utils import register_classes_factory
 from .apply import SINEW_OT_apply
 from .bake import SINEW_OT_bake, SINEW_OT_unbake
 from .bind import SINEW_OT_bind, SINEW_OT_unbind
-from .cage import SINEW_OT_cage_add, SINEW_OT_cage_set_rest
+from .cage import SINEW_OT_cage_add, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
 from .cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
 from .grab_region import SINEW_OT_grab_region
@@ -28,6 +28,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_deformer_move,
         SINEW_OT_cage_add,
         SINEW_OT_cage_set_rest,
+        SINEW_OT_cage_flip,
         SINEW_OT_handle_add,
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add a cage, and let it rest as it is."""
 
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Object, Operator
 
 from .. import session
@@ -13,6 +13,7 @@ from .target import has_deformer, has_target, object_mode, target_of
 from .waiting import WaitsForBind
 
 _METHODS = tuple(method for method in METHODS if method.control is Control.CAGE)
+_CANCELLED = "No cage was made"
 
 
 class SINEW_OT_cage_add(WaitsForBind, Operator):
@@ -24,8 +25,11 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
 
     source: EnumProperty(
         name="Source",
-        items=(("OBJECT", "Selected Object", "The other selected mesh becomes the cage", 1),),
-        default="OBJECT",
+        items=(
+            ("AUTO", "Automatic", "A coarse mesh around this one, as detailed as you like", 0),
+            ("OBJECT", "Selected Object", "The other selected mesh becomes the cage", 1),
+        ),
+        default="AUTO",
         description="Where the cage comes from",
     )
     method: EnumProperty(
@@ -33,6 +37,32 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
         items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
         default=DEFAULT_CAGE_METHOD,
         description="How points follow the cage. It can be changed later, and the cage stays",
+    )
+    faces: IntProperty(
+        name="Faces",
+        default=300,
+        min=12,
+        max=100_000,
+        soft_max=1000,
+        description="How many triangles the automatic cage has; fewer are easier to pose, more follow closer",
+    )
+    margin: FloatProperty(
+        name="Margin",
+        default=1.0 / 60.0,
+        min=0.004,
+        max=0.25,
+        soft_max=0.1,
+        precision=3,
+        step=1,
+        description="How far from the mesh the automatic cage starts, as a share of the mesh's size",
+    )
+    quads: BoolProperty(
+        name="Quads", description="Join the triangles of the automatic cage in pairs, where that is safe"
+    )
+    symmetric: BoolProperty(
+        name="Symmetric",
+        default=True,
+        description="Give a symmetric mesh a symmetric cage",
     )
     cage: StringProperty(
         name="Cage",
@@ -45,26 +75,65 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
         return has_target(cls, context)
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
-        result = self._run(context, wait=False)
+        self._work = None
+        obj = target_of(context)
+        if self.source != "AUTO" or not session.may_wait(len(obj.data.vertices)):
+            return self._end(context, self._run(context, None, wait=False))
+        try:
+            self._work = session.Work(self._maker(obj))
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.begin(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Context, event: Event) -> set[str]:
+        work = self._work
+        if work is None:
+            return super().modal(context, event)
+        if event.type == "ESC" and event.value == "PRESS":
+            work.cancel()
+            self.report({"WARNING"}, _CANCELLED)
+            self.end(context)
+            return {"CANCELLED"}
+        if not work.done:
+            context.workspace.status_text_set(
+                f"Sinew is making a cage: {work.fraction:.0%} {work.stage}   (Esc cancels)"
+            )
+            return {"PASS_THROUGH"}
+        self._work = None
+        self.end(context)
+        if work.error is not None:
+            self.report({"ERROR"}, str(work.error))
+            return {"CANCELLED"}
+        return self._end(context, self._run(context, work.result, wait=False))
+
+    def execute(self, context: Context) -> set[str]:
+        return self._run(context, None, wait=True)
+
+    def _end(self, context: Context, result: set[str]) -> set[str]:
         deformer = target_of(context).sinew.active
         return result if deformer is None else self.wait_for(context, deformer.uid, result)
 
-    def execute(self, context: Context) -> set[str]:
-        return self._run(context, wait=True)
-
-    def _run(self, context: Context, wait: bool) -> set[str]:
+    def _run(self, context: Context, shape: object, wait: bool) -> set[str]:
+        """``shape`` of an automatic cage, where it is made already."""
         obj = target_of(context)
         try:
-            cage = self._chosen(context, obj)
             with object_mode(context, obj):
-                deformer, is_new = self._deformer(obj)
+                if self.source == "OBJECT":
+                    cage = self._chosen(context, obj)
+                else:
+                    cage = session.add_cage_object(obj, shape or self._maker(obj)(None))
+                deformer, is_new = _deformer(obj, self.method)
                 try:
                     session.set_cage(obj, deformer, cage)
                 except SinewError:
                     if is_new:
                         session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
                     raise
+                deformer.owns_cage = self.source == "AUTO"
                 bound = self._bind(obj, deformer, wait)
+                _show(context, cage)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -72,12 +141,16 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
             self.report({"INFO"}, f"{cage.name}: {deformer.status}")
         return {"FINISHED"}
 
-    def _deformer(self, obj: Object) -> tuple[SinewDeformer, bool]:
-        """The active one where it waits for a cage, else a new one; whether it is new."""
-        active = obj.sinew.active
-        if active is not None and active.definition.control is Control.CAGE and active.cage is None:
-            return active, False
-        return session.add_deformer(obj, self.method), True
+    def _maker(self, obj: Object):
+        symmetry = "automatic" if self.symmetric else "none"
+        return session.cage_maker(
+            obj,
+            _waiting(obj),
+            faces=self.faces,
+            margin=self.margin,
+            quads=self.quads,
+            symmetry=symmetry,
+        )
 
     def _chosen(self, context: Context, obj: Object) -> Object:
         if self.cage:
@@ -100,12 +173,31 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
         return True
 
 
-class SINEW_OT_cage_set_rest(WaitsForBind, Operator):
-    """Take the cage as it is now for its rest shape: the mesh goes back to rest, and later edits are poses"""
+def _waiting(obj: Object) -> SinewDeformer | None:
+    """The active deformer, where it waits for a cage."""
+    active = obj.sinew.active
+    waits = active is not None and active.definition.control is Control.CAGE and active.cage is None
+    return active if waits else None
 
-    bl_idname = Operators.CAGE_REST
-    bl_label = "Set Rest Cage"
-    bl_options = {"REGISTER", "UNDO"}
+
+def _deformer(obj: Object, method: str) -> tuple[SinewDeformer, bool]:
+    """The active one where it waits for a cage, else a new one; whether it is new."""
+    waiting = _waiting(obj)
+    return (session.add_deformer(obj, method), True) if waiting is None else (waiting, False)
+
+
+def _show(context: Context, cage: Object) -> None:
+    """The cage is selected, so Tab edits it and G moves it; the panel stays that of the mesh."""
+    if cage.name not in context.view_layer.objects:
+        return
+    for other in context.selected_objects:
+        other.select_set(False)
+    cage.select_set(True)
+    context.view_layer.objects.active = cage
+
+
+class _Rebinding(WaitsForBind):
+    """Does something to the cage of the active deformer, and binds it anew."""
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -127,10 +219,32 @@ class SINEW_OT_cage_set_rest(WaitsForBind, Operator):
         obj = target_of(context)
         deformer = obj.sinew.active
         try:
-            session.set_rest_cage(obj, deformer)
+            self.change(obj, deformer)
             session.bind(obj, deformer, wait)
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self.report({"INFO"}, deformer.status)
         return {"FINISHED"}
+
+
+class SINEW_OT_cage_set_rest(_Rebinding, Operator):
+    """Take the cage as it is now for its rest shape: the mesh goes back to rest, and later edits are poses"""
+
+    bl_idname = Operators.CAGE_REST
+    bl_label = "Set Rest Cage"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def change(self, obj: Object, deformer: SinewDeformer) -> None:
+        session.set_rest_cage(obj, deformer)
+
+
+class SINEW_OT_cage_flip(_Rebinding, Operator):
+    """Turn the faces of a cage that is inside out, and bind it as it is now"""
+
+    bl_idname = Operators.CAGE_FLIP
+    bl_label = "Flip Cage"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def change(self, _obj: Object, deformer: SinewDeformer) -> None:
+        session.flip_cage(deformer)

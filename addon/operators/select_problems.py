@@ -10,9 +10,11 @@ from ..core import status
 from ..ids import Operators
 from .target import has_deformer, target_of
 
+CAGE = "cage "  # before the kind of elements that are the cage's
+
 
 class SINEW_OT_select_problems(Operator):
-    """Select, in Edit Mode, the vertices or faces that the status speaks of"""
+    """Select, in Edit Mode, the vertices or faces of the mesh or of its cage that the status speaks of"""
 
     bl_idname = Operators.SELECT_PROBLEMS
     bl_label = "Select"
@@ -35,9 +37,17 @@ class SINEW_OT_select_problems(Operator):
         if not lines:
             self.report({"INFO"}, "No problem to show")
             return {"CANCELLED"}
-        if obj.mode != "EDIT":
-            context.view_layer.objects.active = obj
+        of_cage, kind = lines[0].element_kind.startswith(CAGE), lines[0].element_kind.removeprefix(CAGE)
+        shown = obj.sinew.active.cage if of_cage else obj
+        if shown is None or shown.name not in context.view_layer.objects:
+            self.report({"ERROR"}, "The cage is not in this view layer - nothing to select")
+            return {"CANCELLED"}
+        if shown.mode != "EDIT":
+            if context.object is not None and context.object.mode != "OBJECT":
+                bpy.ops.object.mode_set(mode="OBJECT")
+            shown.hide_set(False)
+            context.view_layer.objects.active = shown
             bpy.ops.object.mode_set(mode="EDIT")
-        count = session.select_elements(obj, lines[0].elements, lines[0].element_kind)
+        count = session.select_elements(shown, lines[0].elements, kind)
         self.report({"INFO"}, f"{lines[0].text}: {count} selected")
         return {"FINISHED"}

@@ -15,9 +15,18 @@ class WaitsForBind:
             return result
         self._uid = uid
         session.watch(uid)
+        self.begin(context)
+        return {"RUNNING_MODAL"}
+
+    def begin(self, context: Context) -> None:
+        """Be called for events, and every tenth of a second."""
         self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
         context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+
+    def end(self, context: Context) -> None:
+        """Be called no more."""
+        context.window_manager.event_timer_remove(self._timer)
+        context.workspace.status_text_set(None)
 
     def modal(self, context: Context, event: Event) -> set[str]:
         session.collect()
@@ -33,6 +42,5 @@ class WaitsForBind:
 
     def _finish(self, context: Context) -> set[str]:
         session.watch(self._uid, False)
-        context.window_manager.event_timer_remove(self._timer)
-        context.workspace.status_text_set(None)
+        self.end(context)
         return {"FINISHED"}

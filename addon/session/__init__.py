@@ -3,8 +3,8 @@
 
 from .apply import apply
 from .baked import find_cache
-from .binding import CANCELLED, busy, cancel, duration, job, summary, unwatched, watch
-from .cages import set_cage, set_rest_cage
+from .binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
+from .cages import add_cage_object, cage_maker, flip_cage, set_cage, set_rest_cage
 from .census import forget_owners, owners, posed_by
 from .edit import (
     add_deformer,
@@ -30,6 +30,7 @@ from .repair import summary as repair_summary
 from .rig import attribute_names, find_modifier
 from .state import distrust, drop_all, edited, find, suspended, unsettled
 from .upkeep import collect, copies, has_pending, tidy
+from .work import Work
 
 __all__ = (
     "CANCELLED",
@@ -38,12 +39,15 @@ __all__ = (
     "Grab",
     "MirrorOptions",
     "Mirrored",
+    "Work",
+    "add_cage_object",
     "add_deformer",
     "add_handle",
     "apply",
     "attribute_names",
     "bind",
     "busy",
+    "cage_maker",
     "cancel",
     "collect",
     "copies",
@@ -54,6 +58,7 @@ __all__ = (
     "find",
     "find_cache",
     "find_modifier",
+    "flip_cage",
     "forget_owners",
     "group_from_selection",
     "handles_of_side",
@@ -61,6 +66,7 @@ __all__ = (
     "is_moved_by_control",
     "is_needed",
     "job",
+    "may_wait",
     "mirror",
     "move_deformer",
     "move_handle",

@@ -1,12 +1,58 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What operators and scripts call for cages. Main thread only."""
 
+from collections.abc import Callable
+from functools import partial
+
+import bmesh
 import bpy
+import numpy as np
 from bpy.types import Object
 
+from ..backend import Progress, automatic_cage
 from ..core.errors import CageError
+from ..mesh_io import read_rest
 from ..properties import SinewDeformer
-from . import binding, by_cage, rig, state
+from . import binding, by_cage, capture, rig, state
+
+Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per face, vertex of each corner
+
+
+def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
+    """What makes a cage around what enters the deformer, or would enter a new one. Any thread may call it.
+
+    ``options`` as ``backend.automatic_cage`` takes them.
+    """
+    modifier = None if deformer is None else rig.find_modifier(obj, deformer)
+    position = len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
+    mesh = capture.evaluated_mesh(obj, position)
+    try:
+        rest = read_rest(mesh)
+    finally:
+        bpy.data.meshes.remove(mesh)
+    return partial(_around, rest.points, (rest.counts, rest.corners), options)
+
+
+def _around(
+    points: np.ndarray, faces: tuple[np.ndarray, np.ndarray], options: dict, progress: Progress | None
+) -> Shape:
+    return automatic_cage(points, faces, progress, **options)
+
+
+@state.suspended()
+def add_cage_object(obj: Object, shape: Shape) -> Object:
+    """A new mesh object of this shape in the frame of ``obj``, which carries it along."""
+    points, counts, corners = shape
+    mesh = bpy.data.meshes.new(f"{obj.name} Cage")
+    faces = [face.tolist() for face in np.split(corners, np.cumsum(counts)[:-1])]
+    mesh.from_pydata(points.tolist(), [], faces)
+    cage = bpy.data.objects.new(mesh.name, mesh)
+    for collection in obj.users_collection or (bpy.context.scene.collection,):
+        collection.objects.link(cage)
+    cage.parent = obj
+    cage.show_in_front = True
+    bpy.context.view_layer.update()
+    return cage
 
 
 @state.suspended()
@@ -43,6 +89,25 @@ def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
     """The cage rests as it is now, so the mesh is at rest too; see ``bind``."""
     by_cage.take_rest(obj, deformer)
     binding.abandon(deformer.uid)
+
+
+@state.suspended()
+def flip_cage(deformer: SinewDeformer) -> None:
+    """Turn the faces of the cage round, so that they look outwards; it rests as it is now, see ``bind``."""
+    cage = deformer.cage
+    if cage is None or cage.data.library is not None:
+        raise CageError("There is no cage here that could be flipped - make it local first")
+    edit = bmesh.from_edit_mesh(cage.data) if cage.mode == "EDIT" else bmesh.new()
+    if cage.mode != "EDIT":
+        edit.from_mesh(cage.data)
+    bmesh.ops.reverse_faces(edit, faces=edit.faces[:])
+    if cage.mode == "EDIT":
+        bmesh.update_edit_mesh(cage.data)
+    else:
+        edit.to_mesh(cage.data)
+        edit.free()
+    rig.release_cage(deformer)
+    bpy.context.view_layer.update()
 
 
 def release_cage(deformer: SinewDeformer) -> None:

@@ -60,6 +60,21 @@ class SINEW_MT_add_region(Menu):
             layout.menu(name, icon=_ADDING[kind][1])
 
 
+class SINEW_MT_cage(Menu):
+    """What can be done with the cage of the active deformer"""
+
+    bl_idname = Menus.CAGE
+    bl_label = "Cage"
+
+    def draw(self, _context: Context) -> None:
+        layout = _invoking(self.layout)
+        for source, text in (("AUTO", "Add Automatic Cage"), ("OBJECT", "Use Selected Object as Cage")):
+            layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
+        layout.separator()
+        layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
+        layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
+
+
 class SINEW_MT_handle(Menu):
     """What can be done with the active handle"""
 
@@ -169,6 +184,7 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
     layout.separator()
     layout.menu(Menus.HANDLE, icon="EMPTY_AXIS")
+    layout.menu(Menus.CAGE, icon="MESH_CUBE")
     layout.menu(Menus.DEFORMER, icon="MODIFIER")
     layout.menu(Menus.MANUAL, icon="QUESTION")
 
@@ -199,6 +215,7 @@ _CLASSES = (
     *_GROUP_MENUS,
     SINEW_MT_manual,
     SINEW_MT_add_region,
+    SINEW_MT_cage,
     SINEW_MT_handle,
     SINEW_MT_deformer,
     SINEW_MT_edit_mesh,

@@ -138,6 +138,7 @@ def _draw_start(context: Context, layout: UILayout, obj: Object) -> None:
         hint = "Enter Edit Mode and select vertices, or choose a vertex group here"
     draw_text(context, layout, hint, "INFO")
     _draw_add_buttons(context, layout, obj)
+    _draw_add_cage(layout)
     layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="MOD_MESHDEFORM")
 
 
@@ -197,9 +198,15 @@ def _draw_cage(layout: UILayout, deformer: SinewDeformer) -> None:
     row.alert = deformer.is_bound and deformer.cage_missing
     row.prop(deformer, "cage")
     if deformer.cage is None:
-        layout.operator(Operators.CAGE_ADD, icon="MESH_CUBE").source = "OBJECT"
+        _draw_add_cage(layout)
     else:
-        layout.operator(Operators.CAGE_REST, icon="MESH_CUBE")
+        layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
+
+
+def _draw_add_cage(layout: UILayout) -> None:
+    column = layout.column(align=True)
+    column.operator(Operators.CAGE_ADD, icon="MESH_CUBE").source = "AUTO"
+    column.operator(Operators.CAGE_ADD, text="Use Selected as Cage", icon="MESH_ICOSPHERE").source = "OBJECT"
 
 
 def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:

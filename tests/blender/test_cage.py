@@ -192,6 +192,23 @@ def test_a_cage_that_is_none_is_refused(spoil, said):
     assert np.array_equal(evaluated_points(target), base_points(target))
 
 
+def test_a_cage_inside_out_can_be_flipped():
+    target, cage = ball(), box()
+    cage.data.flip_normals()
+    make_active(target)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name)
+    assert target.sinew.active.status_level == "ERROR"
+    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    assert bpy.context.object == cage
+    assert cage.mode == "EDIT"
+    assert all(face.select for face in bmesh.from_edit_mesh(cage.data).faces)
+    assert bpy.ops.sinew.cage_flip() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert target.sinew.active.status_level == "INFO", target.sinew.active.status
+    cage.location.z = 0.4
+    assert np.abs(evaluated_points(target) - base_points(target) - (0.0, 0.0, 0.4)).max() < FLOAT32
+
+
 def test_one_cage_moves_several_meshes_and_several_cages_one(caged):
     target, cage = target_and_cage(caged)
     second = ball("Second", 2)
