@@ -13,6 +13,7 @@ from ..ids import Operators
 # (identifier, label, description): the identifier is the name of the page's file.
 PAGES = (
     ("surface", "Pose a Surface", "From a selection to a pose: handles, fixed regions, support, methods"),
+    ("cage", "Pose with a Cage", "A coarse closed mesh around yours moves it"),
     ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
     ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
     ("baking", "Bake and Apply", "Hand a shape over to shape keys, caches, or the mesh itself"),

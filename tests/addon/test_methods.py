@@ -18,7 +18,8 @@ def test_ids_and_numbers_are_unique():
 
 def test_numbers_in_files_never_change():
     """Files store the number: extend this table, never edit it."""
-    assert {"thin_shell": 1, "arap": 2}.items() <= {method.id: method.number for method in METHODS}.items()
+    known = {"thin_shell": 1, "arap": 2, "mean_value": 3}
+    assert known.items() <= {method.id: method.number for method in METHODS}.items()
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
@@ -56,7 +57,26 @@ def test_painted_parameters_rebind():
     assert all(parameter.rebinds for method in METHODS for parameter in method.paintable)
 
 
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def of_control(control: Control) -> pytest.MarkDecorator:
+    rows = [method for method in METHODS if method.control is control]
+    return pytest.mark.parametrize("method", rows, ids=lambda method: method.id)
+
+
+@of_control(Control.CAGE)
+def test_the_native_class_of_a_cage_takes_the_parameters(method: methods.Method):
+    native = pytest.importorskip("sinew_native")
+    np = pytest.importorskip("numpy")
+    corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float)
+    cage = native.SurfaceMesh(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
+    options = {parameter.id: parameter.default for parameter in method.parameters if parameter.rebinds}
+    assert len(options) == len(method.parameters)
+    coordinates = getattr(native, method.native)(cage, **options)
+    points = np.array([(0.2, 0.3, 0.1), (0.25, 0.25, 0.25)])
+    coordinates.bind(points)
+    assert np.abs(coordinates.warp(corners) - points).max() < 1e-6
+
+
+@of_control(Control.HANDLES)
 def test_the_native_class_takes_the_parameters(method: methods.Method):
     native = pytest.importorskip("sinew_native")
     np = pytest.importorskip("numpy")

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every method is complete: pair of files, test, binding with its types, row, sample, all under one name.
 
-A pair in a method room that is no row of the registry is part of a method, and says so in one of two ways:
+A pair in a method room that is no row of the registry is part of a method, and says so in one of three ways:
 its name starts with the id of a row and an underscore (``arap_cascade``), or its header has the line
-``// Part of the method thin_shell.``
+``// Part of the method thin_shell.`` or ``// For every method of this room.``
 """
 
 import ast
@@ -20,6 +20,7 @@ METHOD_ROOMS = {
     "SPACE_LINEAR": ("space/lattice", "space/cage", "space/points"),
     "SPACE_NONLINEAR": ("space/nonlinear",),
 }
+FOR_ALL = re.compile(r"^// For every method of this room\.$", re.MULTILINE)
 PART_OF = re.compile(r"^// Part of the method (\w+)\.$", re.MULTILINE)
 
 
@@ -76,7 +77,7 @@ def _row_offences(root: Path, row: Row) -> Iterator[str]:
         if not (root / name).is_file():
             yield f"{place}: {name} is missing"
     bindings = "".join(path.read_text(encoding="utf-8") for path in files(root, "native/bindings", ".cpp"))
-    if not re.search(rf'class_<[^;]*?"{row.native}"', bindings):
+    if not re.search(rf'(class_|bind_method)<[^;]*?"{row.native}"', bindings):
         yield f"{place}: native/bindings binds no class {row.native}"
     types = root / "native/bindings/sinew_native.pyi"
     if not types.is_file() or not re.search(
@@ -96,8 +97,10 @@ def _strays(root: Path, found: list[Row]) -> Iterator[str]:
     ids = {row.id for row in found}
     for room in sorted({room for rooms in METHOD_ROOMS.values() for room in rooms}):
         for header in files(root, f"native/{room}", ".h"):
-            of = PART_OF.search(header.read_text(encoding="utf-8"))
+            text = header.read_text(encoding="utf-8")
+            of = PART_OF.search(text)
             part = any(header.stem.startswith(name + "_") for name in ids) or (of and of.group(1) in ids)
+            part = part or FOR_ALL.search(text)
             if header.stem not in ids and not part:
                 yield f"native/{room}/{header.name}: neither a row of the registry nor part of a method"
         for source in files(root, f"native/{room}", ".cpp"):
