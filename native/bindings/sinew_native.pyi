@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csc_matrix, spmatrix
+from scipy.sparse import csc_matrix, csr_matrix, spmatrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -173,6 +173,42 @@ class Arap:
         progress: Progress | None = None,
     ) -> tuple[Floats, SolveReport]: ...
     def energy(self, positions: ArrayLike) -> float: ...
+
+class SubdivisionSurface:
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        scheme: Literal["catmull_clark", "loop", "bilinear"] = "catmull_clark",
+        level: int = 2,
+        limit: bool = False,
+        creases: tuple[ArrayLike, ArrayLike] | None = None,
+        corners: tuple[ArrayLike, ArrayLike] | None = None,
+        boundary_smooth: Literal["all", "preserve_corners"] = "all",
+        uv_smooth: Literal[
+            "none",
+            "preserve_corners",
+            "preserve_corners_and_junctions",
+            "preserve_corners_junctions_and_concave",
+            "preserve_boundaries",
+            "smooth_all",
+        ] = "preserve_boundaries",
+        face_varying: ArrayLike | None = None,
+    ) -> None: ...
+    def refine(self, points: ArrayLike) -> NDArray[np.float32] | Floats: ...
+    @property
+    def matrix(self) -> csr_matrix: ...
+    @property
+    def faces(self) -> Ints | tuple[Ints, Ints]: ...
+    def normals(self, refined: ArrayLike) -> Floats: ...
+    @property
+    def face_varying_matrix(self) -> csr_matrix: ...
+    @property
+    def face_varying_corners(self) -> Ints: ...
+    @property
+    def vertex_count(self) -> int: ...
+    @property
+    def control_count(self) -> int: ...
 
 class SpdFactor:
     def __init__(
