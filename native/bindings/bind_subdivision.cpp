@@ -65,20 +65,33 @@ SubdivisionSurface make_surface(const SurfaceMesh& mesh, const std::string& sche
     return SubdivisionSurface(mesh, options);
 }
 
-template <class T>
-py::array refine(const SubdivisionSurface& surface, const py::array_t<T, py::array::c_style>& points)
-{
-    py::array_t<T> refined({static_cast<py::ssize_t>(surface.vertex_count()), py::ssize_t{3}});
-    T* const to = refined.mutable_data();
-    const py::gil_scoped_release unlocked;
-    surface.refine(points.data(), to);
-    return refined;
-}
-
 void check_shape(const py::array& array, int rows, const char* name)
 {
     if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != 3)
         throw InvalidConstraint(std::string(name) + ": the shape must be (" + std::to_string(rows) + ", 3)");
+}
+
+/// Into `out` where it is given, so that a frame needs no new memory.
+template <class T>
+py::array refine(const SubdivisionSurface& surface, const py::array_t<T, py::array::c_style>& points,
+                 const py::object& out)
+{
+    check_shape(points, surface.control_count(), "points");
+    py::array_t<T> refined;
+    if (out.is_none()) {
+        refined = py::array_t<T>({static_cast<py::ssize_t>(surface.vertex_count()), py::ssize_t{3}});
+    } else {
+        if (!py::isinstance<py::array_t<T, py::array::c_style>>(out))
+            throw py::type_error("out: a C-contiguous array of the type of the points is needed");
+        refined = out.cast<py::array_t<T, py::array::c_style>>();
+        check_shape(refined, surface.vertex_count(), "out");
+    }
+    T* const to = refined.mutable_data(); // refuses a read-only array
+    {
+        const py::gil_scoped_release unlocked;
+        surface.refine(points.data(), to);
+    }
+    return refined;
 }
 
 /// (m, k) where all faces have k corners, else (counts, indices).
@@ -120,18 +133,15 @@ Cost: about 1 us a refined vertex. Raises InvalidMesh for faces that the scheme 
 edges that the mesh has not, OutOfMemory above limit_memory().)")
         .def(
             "refine",
-            [](const SubdivisionSurface& surface, const py::object& object) -> py::array {
-                if (py::isinstance<py::array_t<float, py::array::c_style>>(object)) {
-                    const auto single = object.cast<py::array_t<float, py::array::c_style>>();
-                    check_shape(single, surface.control_count(), "points");
-                    return refine<float>(surface, single);
-                }
-                const FloatArray array = floats(object, "points");
-                check_shape(array, surface.control_count(), "points");
-                return refine<double>(surface, array);
+            [](const SubdivisionSurface& surface, const py::object& object, const py::object& out) {
+                using Single = py::array_t<float, py::array::c_style>;
+                if (py::isinstance<Single>(object))
+                    return refine<float>(surface, object.cast<Single>(), out);
+                return refine<double>(surface, floats(object, "points"), out);
             },
-            py::arg("points"),
-            "(n, 3) control points -> (m, 3) refined points, float32 for float32. One pass over the weights.")
+            py::arg("points"), py::arg("out") = py::none(), R"(
+(n, 3) control points -> (m, 3) refined points, float32 for float32, else float64; written into `out`
+where one is given. One pass over the weights.)")
         .def_property_readonly("matrix", &SubdivisionSurface::matrix,
                                "(m, n) SciPy CSR; refined points are this times the control points.")
         .def_property_readonly(

@@ -3,14 +3,14 @@
 
 namespace sinew {
 
-/// Rows [begin, end) of a sparse matrix times points of four numbers each, the last one unused; three numbers a row
-/// come out. Every set of kernels does the same operations in the same order, without fused ones.
+/// Rows [begin, end) of a sparse matrix times points of four numbers each, the last one unused; three numbers
+/// a row come out. Every set of kernels does the same operations in the same order, without fused ones.
 struct StencilKernels
 {
     void (*in_double)(const int* offsets, const int* indices, const double* weights, const double* points,
                       int begin, int end, double* to);
-    void (*in_float)(const int* offsets, const int* indices, const float* weights, const float* points, int begin,
-                     int end, float* to);
+    void (*in_float)(const int* offsets, const int* indices, const float* weights, const float* points,
+                     int begin, int end, float* to);
 };
 
 /// The widest kernels that this processor runs.

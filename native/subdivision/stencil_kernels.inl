@@ -12,7 +12,8 @@ inline Lanes<T> weighted_point(const int* indices, const T* weights, const T* po
 }
 
 template <class T>
-void rows(const int* offsets, const int* indices, const T* weights, const T* points, int begin, int end, T* to)
+void rows(const int* offsets, const int* indices, const T* weights, const T* points, int begin, int end,
+          T* to)
 {
     for (int i = begin; i < end; ++i) {
         // Two sums, so that an addition need not wait for the one before it.

@@ -12,8 +12,9 @@ using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// A sparse matrix that is applied to points every frame.
 ///
-/// Cost of apply(): one pass over the entries, 8 bytes each in float and 12 in double. The sum of a row is formed
-/// in one order, so results agree to the last bit on any number of threads and with any instruction set.
+/// Cost of apply(): one pass over the entries, 8 bytes each in float and 12 in double. The sum of a row is
+/// formed in one order, so results agree to the last bit on any number of threads and with any instruction
+/// set.
 class Stencils
 {
 public:

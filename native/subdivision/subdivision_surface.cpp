@@ -103,7 +103,8 @@ void check(const SurfaceMesh& mesh, const SubdivisionOptions& options,
         if (v < 0 || v >= mesh.vertex_count())
             outside.push_back(v);
     if (!outside.empty())
-        throw InvalidOption("corners: no such vertices: " + list_some(outside), Error::Element::vertex, outside);
+        throw InvalidOption("corners: no such vertices: " + list_some(outside), Error::Element::vertex,
+                            outside);
 
     std::size_t corners = 0;
     for (int f = 0; f < faces; ++f)
@@ -119,7 +120,8 @@ void check(const SurfaceMesh& mesh, const SubdivisionOptions& options,
 void require_room(const SurfaceMesh& mesh, const SubdivisionOptions& options, std::int64_t edges)
 {
     const bool loop = options.scheme == SubdivisionScheme::loop;
-    std::int64_t vertices = mesh.vertex_count(), faces = mesh.face_count(), corners = 0, all_vertices = vertices;
+    std::int64_t vertices = mesh.vertex_count(), faces = mesh.face_count(), corners = 0,
+                 all_vertices = vertices;
     for (int f = 0; f < mesh.face_count(); ++f)
         corners += static_cast<std::int64_t>(mesh.face(f).size());
     for (int level = 0; level < options.level; ++level) {
@@ -129,8 +131,9 @@ void require_room(const SurfaceMesh& mesh, const SubdivisionOptions& options, st
         corners = loop ? 3 * faces : 4 * faces;
         all_vertices += vertices;
     }
-    // A vertex has 4 faces and 4 edges, in OpenSubdiv's tables about 190 bytes; its row about 18 entries, which the
-    // stencil table, the matrix and its floats hold at once, those of a limit matrix and its product too.
+    // A vertex has 4 faces and 4 edges, in OpenSubdiv's tables about 190 bytes; its row about 18 entries,
+    // which the stencil table, the matrix and its floats hold at once, those of a limit matrix and its
+    // product too.
     const std::int64_t entries = vertices * 18;
     const std::int64_t bytes = 190 * all_vertices + entries * (options.limit ? 44 : 28) + 8 * corners;
     if (corners > std::numeric_limits<int>::max() || entries > std::numeric_limits<int>::max())
@@ -153,9 +156,12 @@ void silence()
 Sdc::SchemeType scheme(SubdivisionScheme scheme)
 {
     switch (scheme) {
-    case SubdivisionScheme::loop: return Sdc::SCHEME_LOOP;
-    case SubdivisionScheme::bilinear: return Sdc::SCHEME_BILINEAR;
-    default: return Sdc::SCHEME_CATMARK;
+    case SubdivisionScheme::loop:
+        return Sdc::SCHEME_LOOP;
+    case SubdivisionScheme::bilinear:
+        return Sdc::SCHEME_BILINEAR;
+    default:
+        return Sdc::SCHEME_CATMARK;
     }
 }
 
@@ -173,7 +179,7 @@ Sdc::Options sdc_options(const SubdivisionOptions& options)
     return sdc;
 }
 
-std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptions& options)
+std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptions& options, int depth)
 {
     std::vector<int> counts, corners;
     for (int f = 0; f < mesh.face_count(); ++f) {
@@ -207,7 +213,7 @@ std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptio
         Factory::Create(topology, Factory::Options(scheme(options.scheme), sdc_options(options))));
     if (!refiner)
         throw InvalidMesh("faces: OpenSubdiv cannot read this mesh");
-    Refiner::UniformOptions uniform(options.level);
+    Refiner::UniformOptions uniform(depth);
     uniform.fullTopologyInLastLevel = true; // for the limit
     refiner->RefineUniform(uniform);
     return refiner;
@@ -248,7 +254,8 @@ RowMatrix stencils(const Refiner& refiner, int level, int controls, bool face_va
     }
     using Factory = Far::StencilTableFactoryReal<double>;
     Factory::Options options;
-    options.interpolationMode = face_varying ? Factory::INTERPOLATE_FACE_VARYING : Factory::INTERPOLATE_VERTEX;
+    options.interpolationMode =
+        face_varying ? Factory::INTERPOLATE_FACE_VARYING : Factory::INTERPOLATE_VERTEX;
     options.generateIntermediateLevels = false;
     options.generateOffsets = false;
     options.maxLevel = static_cast<unsigned>(level);
@@ -270,23 +277,22 @@ struct Numbers
     int operator[](int point) const { return point; }
 };
 
-/// (n, n) from the points of the last level to those of the limit.
-RowMatrix limits(const Refiner& refiner)
+/// (count, n) from the points of the last level to the first of the limit.
+RowMatrix limits(const Refiner& refiner, int count)
 {
-    const int count = refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices();
-    std::vector<Row> rows(count);
+    std::vector<Row> rows(refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
     const Numbers numbers;
     Far::PrimvarRefinerReal<double>(refiner).Limit(numbers, rows);
     std::vector<int> sizes, indices;
     std::vector<double> weights;
-    for (const Row& row : rows) {
-        sizes.push_back(static_cast<int>(row.entries.size()));
-        for (const auto& [point, weight] : row.entries) {
+    for (int i = 0; i < count; ++i) {
+        sizes.push_back(static_cast<int>(rows[i].entries.size()));
+        for (const auto& [point, weight] : rows[i].entries) {
             indices.push_back(point);
             weights.push_back(weight);
         }
     }
-    return ascending(count, sizes, indices, weights);
+    return ascending(static_cast<int>(rows.size()), sizes, indices, weights);
 }
 
 } // namespace
@@ -296,12 +302,21 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     const auto edges = mesh.edges();
     check(mesh, options, edges);
     require_room(mesh, options, static_cast<std::int64_t>(edges.size()));
+    if (mesh.face_count() == 0) { // OpenSubdiv knows no such mesh
+        RowMatrix identity(mesh.vertex_count(), mesh.vertex_count());
+        identity.setIdentity();
+        stencils_ = Stencils(std::move(identity));
+        around_offsets_.assign(mesh.vertex_count() + 1, 0);
+        return;
+    }
     silence();
-    const std::unique_ptr<Refiner> refiner = refined(mesh, options);
+    // The limit masks are those of quads, which all faces are from level 1 on.
+    const int depth = std::max(options.level, options.limit ? 1 : 0);
+    const std::unique_ptr<Refiner> refiner = refined(mesh, options, depth);
 
-    RowMatrix matrix = stencils(*refiner, options.level, mesh.vertex_count(), false);
+    RowMatrix matrix = stencils(*refiner, depth, mesh.vertex_count(), false);
     if (options.limit)
-        matrix = RowMatrix(limits(*refiner) * matrix);
+        matrix = RowMatrix(limits(*refiner, refiner->GetLevel(options.level).GetNumVertices()) * matrix);
     stencils_ = Stencils(std::move(matrix));
 
     const auto& last = refiner->GetLevel(options.level);

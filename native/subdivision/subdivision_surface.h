@@ -37,27 +37,29 @@ struct SubdivisionOptions
     BoundarySmooth boundary_smooth = BoundarySmooth::all;
     UvSmooth uv_smooth = UvSmooth::preserve_boundaries;
 
-    /// Creased edges and sharp vertices. A sharpness of s is sharp for s levels and smooth after them; from 10 on,
-    /// for ever. Blender's creases c in [0, 1] are the sharpness 10 c^2.
+    /// Creased edges and sharp vertices. A sharpness of s is sharp for s levels and smooth after them; from
+    /// 10 on, for ever. Blender's creases c in [0, 1] are the sharpness 10 c^2.
     std::vector<std::array<int, 2>> crease_edges;
     std::vector<double> crease_sharpness; ///< (edges), >= 0
     std::vector<int> corner_vertices;
     std::vector<double> corner_sharpness; ///< (vertices), >= 0
 
-    /// The value of a face-varying channel (UVs) at each face corner, by index, face after face; empty for none.
+    /// The value of a face-varying channel (UVs) at each face corner, by index, face after face; empty for
+    /// none.
     std::vector<int> face_varying;
 };
 
 /// A mesh refined by OpenSubdiv: every refined point is a weighted sum of the control points.
 ///
-/// E. Catmull, J. Clark. "Recursively Generated B-Spline Surfaces on Arbitrary Topological Meshes." Computer-Aided
-/// Design 10(6), 1978, pp. 350-355. C. Loop. "Smooth Subdivision Surfaces Based on Triangles." University of Utah,
-/// 1987. Creases: T. DeRose, M. Kass, T. Truong. "Subdivision Surfaces in Character Animation." SIGGRAPH 1998.
+/// E. Catmull, J. Clark. "Recursively Generated B-Spline Surfaces on Arbitrary Topological Meshes."
+/// Computer-Aided Design 10(6), 1978, pp. 350-355. C. Loop. "Smooth Subdivision Surfaces Based on Triangles."
+/// University of Utah, 1987. Creases: T. DeRose, M. Kass, T. Truong. "Subdivision Surfaces in Character
+/// Animation." SIGGRAPH 1998.
 ///
-/// The same library with the same options as Blender's Subdivision modifier, in another order: the first vertices
-/// are those of the mesh, then come those that each level adds. Edges of three and more faces, and edges along
-/// which both faces run the same way, are sharp; loose vertices stay.
-/// With `limit`, sharpness that is left after `level` levels counts as endless.
+/// The same library with the same options as Blender's Subdivision modifier, in another order: the first
+/// vertices are those of the mesh, then come those that each level adds. Edges of three and more faces, and
+/// edges along which both faces run the same way, are sharp; loose vertices stay. With `limit`, sharpness
+/// that is left after `level` levels counts as endless.
 ///
 ///   call           repeat it when ...              cost
 ///   constructor    the faces or options changed    O(refined vertices): about 1 us each
@@ -65,12 +67,15 @@ struct SubdivisionOptions
 class SubdivisionSurface
 {
 public:
-    /// \throw InvalidMesh    `loop` and a face that is no triangle; a face with a corner twice; a vertex or face of
+    /// \throw InvalidMesh    `loop` and a face that is no triangle; a face with a corner twice; a vertex or
+    /// face of
     ///                       more than 65535 edges.
-    /// \throw InvalidOption  a level outside [0, 10]; as many sharpnesses as edges or vertices are needed, >= 0;
-    ///                       an edge that the mesh has not; a vertex out of range; face_varying of another length,
-    ///                       or below 0.
-    /// \throw OutOfMemory    the refined mesh would take more than limit_memory() allows, or has 2^31 corners.
+    /// \throw InvalidOption  a level outside [0, 10]; as many sharpnesses as edges or vertices are needed, >=
+    /// 0;
+    ///                       an edge that the mesh has not; a vertex out of range; face_varying of another
+    ///                       length, or below 0.
+    /// \throw OutOfMemory    the refined mesh would take more than limit_memory() allows, or has 2^31
+    /// corners.
     explicit SubdivisionSurface(const SurfaceMesh& mesh, const SubdivisionOptions& options = {});
 
     int control_count() const { return static_cast<int>(stencils_.matrix().cols()); }

@@ -20,6 +20,7 @@ BUILD = (
     "libeigen3-dev",
     "libgtest-dev",
     "libosd-dev",
+    "libcgal-dev",  # headers alone, as Boost's
 )
 BENCHMARKS = ("valgrind",)  # counts instructions
 # Blender does not pull NumPy although its add-ons need it; without libegl1 Workbench aborts.
