@@ -12,6 +12,8 @@ void bind_thin_shell(py::module_& module);
 void bind_affine_basis(py::module_& module);
 void bind_arap(py::module_& module);
 void bind_cage(py::module_& module);
+void bind_subdivision(py::module_& module);
+void bind_automatic_cage(py::module_& module);
 } // namespace sinew::bindings
 
 PYBIND11_MODULE(sinew_native, module)
@@ -28,4 +30,6 @@ PYBIND11_MODULE(sinew_native, module)
     bind_affine_basis(module);
     bind_arap(module);
     bind_cage(module);
+    bind_subdivision(module);
+    bind_automatic_cage(module);
 }

@@ -6,7 +6,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csc_matrix, spmatrix
+from scipy.sparse import csc_matrix, csr_matrix, spmatrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -198,6 +198,80 @@ class MeanValue(CageCoordinates):
     def __init__(
         self, cage: SurfaceMesh, *, precision: Literal["single", "double"] = "single", threshold: float = 0.0
     ) -> None: ...
+class SubdivisionSurface:
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        scheme: Literal["catmull_clark", "loop", "bilinear"] = "catmull_clark",
+        level: int = 2,
+        limit: bool = False,
+        creases: tuple[ArrayLike, ArrayLike] | None = None,
+        corners: tuple[ArrayLike, ArrayLike] | None = None,
+        boundary_smooth: Literal["all", "preserve_corners"] = "all",
+        uv_smooth: Literal[
+            "none",
+            "preserve_corners",
+            "preserve_corners_and_junctions",
+            "preserve_corners_junctions_and_concave",
+            "preserve_boundaries",
+            "smooth_all",
+        ] = "preserve_boundaries",
+        face_varying: ArrayLike | None = None,
+    ) -> None: ...
+    def refine(
+        self, points: ArrayLike, out: NDArray[np.float32] | Floats | None = None
+    ) -> NDArray[np.float32] | Floats: ...
+    @property
+    def matrix(self) -> csr_matrix: ...
+    @property
+    def faces(self) -> Ints | tuple[Ints, Ints]: ...
+    def normals(self, refined: ArrayLike) -> Floats: ...
+    @property
+    def face_varying_matrix(self) -> csr_matrix: ...
+    @property
+    def face_varying_corners(self) -> Ints: ...
+    @property
+    def vertex_count(self) -> int: ...
+    @property
+    def control_count(self) -> int: ...
+
+class AutomaticCageReport:
+    @property
+    def faces(self) -> int: ...
+    @property
+    def quads(self) -> int: ...
+    @property
+    def reached(self) -> bool: ...
+    @property
+    def mirror_axis(self) -> int: ...
+    @property
+    def wrap_faces(self) -> int: ...
+    @property
+    def margin(self) -> float: ...
+    @property
+    def clearance(self) -> float: ...
+    @property
+    def seconds(self) -> float: ...
+
+class CageDiagnosis:
+    @property
+    def open_edges(self) -> Ints: ...
+    @property
+    def non_manifold_edges(self) -> Ints: ...
+    @property
+    def inverted_faces(self) -> Ints: ...
+    @property
+    def degenerate_faces(self) -> Ints: ...
+    @property
+    def crossing_faces(self) -> Ints: ...
+    @property
+    def outside_points(self) -> Ints: ...
+    @property
+    def component_count(self) -> int: ...
+    @property
+    def clean(self) -> bool: ...
+    def summary(self) -> str: ...
 
 class SpdFactor:
     def __init__(
@@ -221,6 +295,16 @@ class SpdFactor:
     @property
     def analyses(self) -> int: ...
 
+def automatic_cage(
+    mesh: SurfaceMesh,
+    faces: int = 300,
+    margin: float = 1 / 60,
+    *,
+    symmetry: Literal["automatic", "none", "x", "y", "z"] = "automatic",
+    quads: bool = False,
+    progress: Progress | None = None,
+) -> tuple[Floats, Ints | tuple[Ints, Ints], AutomaticCageReport]: ...
+def diagnose_cage(cage: SurfaceMesh, points: ArrayLike | None = None) -> CageDiagnosis: ...
 def laplacian(mesh: SurfaceMesh, discretization: Discretization = "cotan_voronoi") -> csc_matrix: ...
 def mass(mesh: SurfaceMesh, discretization: Discretization = "cotan_voronoi") -> Floats: ...
 def laplacian_power(

@@ -36,3 +36,13 @@ function(sinew_compile_for_avx2 target)
     target_compile_definitions(${target} PRIVATE SINEW_HAVE_AVX2)
   endif()
 endfunction()
+
+# CGAL counts on the rounding mode that it sets. Its exact numbers are Boost's: as quick here as GMP's, and nothing
+# that a wheel has to carry.
+function(sinew_compile_with_cgal target)
+  target_include_directories(${target} SYSTEM PRIVATE ${CGAL_INCLUDE_DIR})
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_DEFINITIONS CGAL_DISABLE_GMP=1)
+  if(NOT MSVC)
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -frounding-math)
+  endif()
+endfunction()

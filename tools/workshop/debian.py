@@ -19,6 +19,8 @@ BUILD = (
     "libtbb-dev",
     "libeigen3-dev",
     "libgtest-dev",
+    "libosd-dev",
+    "libcgal-dev",  # headers alone, as Boost's
 )
 BENCHMARKS = ("valgrind",)  # counts instructions
 # Blender does not pull NumPy although its add-ons need it; without libegl1 Workbench aborts.

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/bindings/arguments.h"
+#include "native/bindings/choices.h"
+#include "native/space/cage/automatic_cage.h"
+#include "native/space/cage/cage_diagnosis.h"
+
+namespace sinew::bindings {
+
+namespace {
+
+py::array_t<int> pair_array(const std::vector<std::array<int, 2>>& pairs)
+{
+    return py::array_t<int>({static_cast<py::ssize_t>(pairs.size()), py::ssize_t{2}},
+                            pairs.empty() ? nullptr : pairs.front().data());
+}
+
+py::tuple make_cage(const SurfaceMesh& mesh, int faces, double margin, const std::string& symmetry,
+                    bool quads, const py::object& progress)
+{
+    using Symmetry = AutomaticCageOptions::Symmetry;
+    AutomaticCageOptions options{.faces = faces, .margin = margin, .quads = quads};
+    options.symmetry = choose<Symmetry>(symmetry, "symmetry",
+                                        {{"automatic", Symmetry::automatic},
+                                         {"none", Symmetry::none},
+                                         {"x", Symmetry::x},
+                                         {"y", Symmetry::y},
+                                         {"z", Symmetry::z}});
+    const Progress ticks = bindings::progress(progress);
+    AutomaticCage cage;
+    {
+        const py::gil_scoped_release unlocked;
+        cage = automatic_cage(mesh, options, ticks);
+    }
+    py::object polygons = py::make_tuple(to_numpy(cage.counts), to_numpy(cage.corners));
+    if (!quads)
+        polygons = py::array_t<int>({static_cast<py::ssize_t>(cage.counts.size()), py::ssize_t{3}},
+                                    cage.corners.data());
+    return py::make_tuple(to_numpy(std::move(cage.points)), polygons, cage.report);
+}
+
+} // namespace
+
+void bind_automatic_cage(py::module_& module)
+{
+    py::class_<AutomaticCageReport>(module, "AutomaticCageReport",
+                                    "What automatic_cage() did; lengths are shares of the target's diagonal.")
+        .def_readonly("faces", &AutomaticCageReport::faces, "Triangles, a quad counts as two.")
+        .def_readonly("quads", &AutomaticCageReport::quads, "Pairs of them that are quads.")
+        .def_readonly("reached", &AutomaticCageReport::reached, "No more faces than were wanted.")
+        .def_readonly("mirror_axis", &AutomaticCageReport::mirror_axis, "0 to 2, or -1 for none.")
+        .def_readonly("wrap_faces", &AutomaticCageReport::wrap_faces,
+                      "Faces of the fine surface that was simplified.")
+        .def_readonly("margin", &AutomaticCageReport::margin, "At which the target was wrapped.")
+        .def_readonly("clearance", &AutomaticCageReport::clearance,
+                      "Distance of the cage from the closest vertex of the target.")
+        .def_readonly("seconds", &AutomaticCageReport::seconds);
+
+    module.def("automatic_cage", &make_cage, py::arg("mesh"), py::arg("faces") = 300,
+               py::arg("margin") = 1.0 / 60.0, py::kw_only(), py::arg("symmetry") = "automatic",
+               py::arg("quads") = false, py::arg("progress") = py::none(), R"(
+A coarse cage around any mesh: closed, embedded, looking outward, all of the mesh inside (checked).
+
+mesh      SurfaceMesh; any parts, holes, crossings; loose vertices count.
+faces     triangles wanted, a quad counts as two; 12 to 100000.
+margin    how far from the mesh the cage starts, as a share of its diagonal; 0.004 to 0.25.
+symmetry  'automatic' (about the first of x, y, z in which the vertices mirror), 'none', 'x', 'y' or 'z'.
+quads     join triangles into quads where either diagonal is safe.
+progress  callable (fraction, stage); return False to cancel.
+
+Returns (points (n, 3), faces (m, 3) or, with quads, (counts, indices), AutomaticCageReport).
+Cost: about 1 s at the default margin, as 1 / margin^2. Raises InvalidMesh where nothing can be enclosed.)");
+
+    py::class_<CageDiagnosis>(module, "CageDiagnosis",
+                              "What keeps a mesh from being a good cage, by element.")
+        .def_property_readonly(
+            "open_edges", [](const CageDiagnosis& d) { return pair_array(d.open_edges); },
+            "(k, 2) vertices of edges of one face.")
+        .def_property_readonly(
+            "non_manifold_edges", [](const CageDiagnosis& d) { return pair_array(d.non_manifold_edges); },
+            "(k, 2) vertices of edges of three or more faces.")
+        .def_property_readonly(
+            "inverted_faces", [](const CageDiagnosis& d) { return to_numpy(d.inverted_faces); },
+            "(k,) faces that look inward; cavities may.")
+        .def_property_readonly(
+            "degenerate_faces", [](const CageDiagnosis& d) { return to_numpy(d.degenerate_faces); },
+            "(k,) faces with a triangle of no area.")
+        .def_property_readonly(
+            "crossing_faces", [](const CageDiagnosis& d) { return pair_array(d.crossing_faces); },
+            "(k, 2) pairs of faces that meet beside what they share.")
+        .def_property_readonly(
+            "outside_points", [](const CageDiagnosis& d) { return to_numpy(d.outside_points); },
+            "(k,) points outside the cage.")
+        .def_readonly("component_count", &CageDiagnosis::component_count, "Connected parts with faces.")
+        .def_property_readonly("clean", [](const CageDiagnosis& d) { return summary(d) == "clean"; })
+        .def(
+            "summary", [](const CageDiagnosis& d) { return summary(d); },
+            "One line with the counts, or 'clean'.")
+        .def("__repr__", [](const CageDiagnosis& d) { return "<CageDiagnosis: " + summary(d) + ">"; });
+
+    module.def(
+        "diagnose_cage",
+        [](const SurfaceMesh& cage, const py::object& object) {
+            if (object.is_none()) {
+                const py::gil_scoped_release unlocked;
+                return diagnose_cage(cage);
+            }
+            const FloatArray array = floats(object, "points");
+            const PointsView target = points<InvalidConstraint>(array, "points");
+            const py::gil_scoped_release unlocked;
+            return diagnose_cage(cage, target);
+        },
+        py::arg("cage"), py::arg("points") = py::none(), R"(
+What is wrong with a cage, and which of the points (n, 3) of its target lie outside, by element index.
+
+Cost: points times faces. Raises InvalidConstraint for NaN or infinite points.)");
+}
+
+} // namespace sinew::bindings

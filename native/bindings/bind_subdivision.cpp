@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/bindings/arguments.h"
+#include "native/bindings/choices.h"
+#include "native/subdivision/subdivision_surface.h"
+
+#include <pybind11/eigen.h>
+
+namespace sinew::bindings {
+
+namespace {
+
+/// None, or a pair (elements, sharpness); one sharpness stands for all.
+std::vector<double> sharpness(const py::object& pair, const char* name, std::vector<int>& elements,
+                              py::ssize_t columns)
+{
+    if (pair.is_none())
+        return {};
+    if (!py::isinstance<py::sequence>(pair) || py::len(pair) != 2)
+        throw py::type_error(std::string(name) + ": a pair (elements, sharpness) is needed");
+    const py::object first = pair[py::int_(0)];
+    elements = integers(first, name);
+    const auto count = static_cast<py::ssize_t>(elements.size()) / columns;
+    if (columns > 1 && !elements.empty()) {
+        const py::array shape = py::array::ensure(first);
+        if (shape.ndim() != 2 || shape.shape(1) != columns)
+            throw InvalidOption(std::string(name) + ": the edges must be (k, 2) pairs of vertices");
+    }
+    const FloatArray values = floats(pair[py::int_(1)], name);
+    if (values.ndim() == 0)
+        return std::vector<double>(static_cast<std::size_t>(count), *values.data());
+    return {values.data(), values.data() + values.size()};
+}
+
+SubdivisionSurface make_surface(const SurfaceMesh& mesh, const std::string& scheme, int level, bool limit,
+                                const py::object& creases, const py::object& corners,
+                                const std::string& boundary_smooth, const std::string& uv_smooth,
+                                const py::object& face_varying)
+{
+    SubdivisionOptions options;
+    options.scheme = choose<SubdivisionScheme>(scheme, "scheme",
+                                               {{"catmull_clark", SubdivisionScheme::catmull_clark},
+                                                {"loop", SubdivisionScheme::loop},
+                                                {"bilinear", SubdivisionScheme::bilinear}});
+    options.level = level;
+    options.limit = limit;
+    options.boundary_smooth = choose<BoundarySmooth>(
+        boundary_smooth, "boundary_smooth",
+        {{"all", BoundarySmooth::all}, {"preserve_corners", BoundarySmooth::preserve_corners}});
+    options.uv_smooth = choose<UvSmooth>(
+        uv_smooth, "uv_smooth",
+        {{"none", UvSmooth::none},
+         {"preserve_corners", UvSmooth::preserve_corners},
+         {"preserve_corners_and_junctions", UvSmooth::preserve_corners_and_junctions},
+         {"preserve_corners_junctions_and_concave", UvSmooth::preserve_corners_junctions_and_concave},
+         {"preserve_boundaries", UvSmooth::preserve_boundaries},
+         {"smooth_all", UvSmooth::smooth_all}});
+    std::vector<int> ends;
+    options.crease_sharpness = sharpness(creases, "creases", ends, 2);
+    for (std::size_t k = 0; k + 1 < ends.size(); k += 2)
+        options.crease_edges.push_back({ends[k], ends[k + 1]});
+    options.corner_sharpness = sharpness(corners, "corners", options.corner_vertices, 1);
+    if (!face_varying.is_none())
+        options.face_varying = integers(face_varying, "face_varying");
+    const py::gil_scoped_release unlocked;
+    return SubdivisionSurface(mesh, options);
+}
+
+void check_shape(const py::array& array, int rows, const char* name)
+{
+    if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != 3)
+        throw InvalidConstraint(std::string(name) + ": the shape must be (" + std::to_string(rows) + ", 3)");
+}
+
+/// Into `out` where it is given, so that a frame needs no new memory.
+template <class T>
+py::array refine(const SubdivisionSurface& surface, const py::array_t<T, py::array::c_style>& points,
+                 const py::object& out)
+{
+    check_shape(points, surface.control_count(), "points");
+    py::array_t<T> refined;
+    if (out.is_none()) {
+        refined = py::array_t<T>({static_cast<py::ssize_t>(surface.vertex_count()), py::ssize_t{3}});
+    } else {
+        if (!py::isinstance<py::array_t<T, py::array::c_style>>(out))
+            throw py::type_error("out: a C-contiguous array of the type of the points is needed");
+        refined = out.cast<py::array_t<T, py::array::c_style>>();
+        check_shape(refined, surface.vertex_count(), "out");
+    }
+    T* const to = refined.mutable_data(); // refuses a read-only array
+    {
+        const py::gil_scoped_release unlocked;
+        surface.refine(points.data(), to);
+    }
+    return refined;
+}
+
+/// (m, k) where all faces have k corners, else (counts, indices).
+py::object face_array(const std::vector<int>& counts, const std::vector<int>& corners)
+{
+    const auto faces = static_cast<py::ssize_t>(counts.size());
+    const int size = counts.empty() ? 4 : counts.front();
+    if (static_cast<std::size_t>(faces) * size == corners.size() &&
+        std::all_of(counts.begin(), counts.end(), [size](int count) { return count == size; }))
+        return py::array_t<int>({faces, static_cast<py::ssize_t>(size)}, corners.data());
+    return py::make_tuple(to_numpy(counts), to_numpy(corners));
+}
+
+} // namespace
+
+void bind_subdivision(py::module_& module)
+{
+    py::class_<SubdivisionSurface>(module, "SubdivisionSurface", R"(A mesh refined by OpenSubdiv.
+
+Catmull & Clark 1978, Loop 1987, creases of DeRose, Kass & Truong 1998; results as of Blender's Subdivision
+modifier. The first vertices are those of the mesh, then come those that each level adds.)")
+        .def(py::init(&make_surface), py::arg("mesh"), py::kw_only(), py::arg("scheme") = "catmull_clark",
+             py::arg("level") = 2, py::arg("limit") = false, py::arg("creases") = py::none(),
+             py::arg("corners") = py::none(), py::arg("boundary_smooth") = "all",
+             py::arg("uv_smooth") = "preserve_boundaries", py::arg("face_varying") = py::none(), R"(
+scheme           'catmull_clark', 'loop' (triangles alone) or 'bilinear'.
+level            how often faces are split, 0 to 10.
+limit            the vertices lie where endless subdivision takes them (Blender: use limit surface); sharpness
+                 that is left after `level` levels then counts as endless.
+creases          (edges (k, 2), sharpness (k,) or one number): sharp for so many levels, for ever from 10 on.
+                 Blender's creases c in [0, 1] are 10 c^2.
+corners          (vertices (k,), sharpness (k,) or one number).
+boundary_smooth  'all' or 'preserve_corners'.
+uv_smooth        'none', 'preserve_corners', 'preserve_corners_and_junctions',
+                 'preserve_corners_junctions_and_concave', 'preserve_boundaries' or 'smooth_all'.
+face_varying     (corners,) index of a value, a UV say, at each face corner; None for no such channel.
+
+Cost: about 1 us a refined vertex. Raises InvalidMesh for faces that the scheme cannot take, InvalidOption for
+edges that the mesh has not, OutOfMemory above limit_memory().)")
+        .def(
+            "refine",
+            [](const SubdivisionSurface& surface, const py::object& object, const py::object& out) {
+                using Single = py::array_t<float, py::array::c_style>;
+                if (py::isinstance<Single>(object))
+                    return refine<float>(surface, object.cast<Single>(), out);
+                return refine<double>(surface, floats(object, "points"), out);
+            },
+            py::arg("points"), py::arg("out") = py::none(), R"(
+(n, 3) control points -> (m, 3) refined points, float32 for float32, else float64; written into `out`
+where one is given. One pass over the weights.)")
+        .def_property_readonly("matrix", &SubdivisionSurface::matrix,
+                               "(m, n) SciPy CSR; refined points are this times the control points.")
+        .def_property_readonly(
+            "faces",
+            [](const SubdivisionSurface& s) { return face_array(s.face_counts(), s.face_corners()); },
+            "(f, 4) refined faces, (f, 3) of loop; at level 0 (counts, indices) where sizes differ.")
+        .def(
+            "normals",
+            [](const SubdivisionSurface& surface, const py::object& object) {
+                const FloatArray array = floats(object, "refined");
+                check_shape(array, surface.vertex_count(), "refined");
+                const PointsView refined(array.data(), array.shape(0), 3);
+                Points normals;
+                {
+                    const py::gil_scoped_release unlocked;
+                    normals = surface.normals(refined);
+                }
+                return to_numpy(std::move(normals));
+            },
+            py::arg("refined"), "(m, 3) refined points -> (m, 3) unit normals: faces around each, by area.")
+        .def_property_readonly("face_varying_matrix", &SubdivisionSurface::face_varying_matrix,
+                               "(p, q) SciPy CSR; refined values are this times the values, both (., d).")
+        .def_property_readonly(
+            "face_varying_corners",
+            [](const SubdivisionSurface& s) { return to_numpy(s.face_varying_corners()); },
+            "(corners,) the refined value at each refined face corner.")
+        .def_property_readonly("vertex_count", &SubdivisionSurface::vertex_count)
+        .def_property_readonly("control_count", &SubdivisionSurface::control_count)
+        .def("__repr__", [](const SubdivisionSurface& s) {
+            return "<SubdivisionSurface: " + std::to_string(s.control_count()) + " vertices -> " +
+                   std::to_string(s.vertex_count()) + ">";
+        });
+}
+
+} // namespace sinew::bindings

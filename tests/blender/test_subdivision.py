@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""SubdivisionSurface next to Blender's own Subdivision modifier, which orders the vertices in another way."""
+
+from __future__ import annotations
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+from mathutils.kdtree import KDTree
+
+TOLERANCE = 1e-5  # of the bounding box: Blender computes in single precision
+Faces = list[tuple[int, ...]]
+
+
+@pytest.fixture
+def native(room):
+    return room("backend.loader").load().module
+
+
+def prism() -> tuple[np.ndarray, Faces]:
+    """Two hexagons and six quads, closed, of no symmetry."""
+    angles = np.arange(6) * np.pi / 3
+    ring = np.column_stack((np.cos(angles), np.sin(angles), np.zeros(6)))
+    points = np.vstack((ring, 0.7 * ring + (0.1, 0.2, 1.3)))
+    sides = [(k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6) for k in range(6)]
+    return points, [tuple(range(5, -1, -1)), tuple(range(6, 12)), *sides]
+
+
+def sheet() -> tuple[np.ndarray, Faces]:
+    """An open sheet of 5 x 4 quads with a triangle, a pentagon, a hole and a part of one face."""
+    points = np.array([(x, y, 0.0) for y in range(5) for x in range(6)])
+    points += np.random.default_rng(3).uniform(-0.2, 0.2, points.shape)
+    faces = [(a, a + 1, a + 7, a + 6) for y in range(4) for a in range(6 * y, 6 * y + 5)]
+    faces.remove((8, 9, 15, 14))
+    faces.remove((13, 14, 20, 19))
+    faces.remove((14, 15, 21, 20))
+    faces += [(13, 14, 15, 20, 19), (15, 21, 20)]
+    corner = len(points)
+    points = np.vstack((points, [(9, 0, 0), (10, 0, 0.5), (10, 1, 0), (9, 1, 0.3)]))
+    return points, [*faces, tuple(range(corner, corner + 4))]
+
+
+def fin() -> tuple[np.ndarray, Faces]:
+    """Three quads at one edge."""
+    points = np.array([(0, 0, 0), (0, 1, 0), (1, 0, 0.1), (1, 1, 0), (-1, 0, 0), (-1, 1, 0.2), (0, 0, 1), (0, 1, 1.2)])
+    return points, [(0, 2, 3, 1), (0, 1, 5, 4), (0, 1, 7, 6)]
+
+
+SHAPES = {"prism": prism, "sheet": sheet, "fin": fin}
+
+
+def mesh_object(points: np.ndarray, faces: Faces, creases: dict, corners: dict) -> bpy.types.Object:
+    mesh = bpy.data.meshes.new("Subdivided")
+    mesh.from_pydata(points.tolist(), [], faces)
+    editable = bmesh.new()
+    editable.from_mesh(mesh)
+    for elements, values, name in (
+        (editable.edges, creases, "crease_edge"),
+        (editable.verts, corners, "crease_vert"),
+    ):
+        before = getattr(elements.layers, "crease", None)  # up to 3.6
+        layer = before.verify() if before is not None else elements.layers.float.new(name)
+        for element in elements:
+            ends = tuple(sorted(v.index for v in getattr(element, "verts", ())))
+            element[layer] = values.get(ends or element.index, 0.0)
+    editable.to_mesh(mesh)
+    editable.free()
+    obj = bpy.data.objects.new("Subdivided", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def blender_points(obj: bpy.types.Object, **settings: object) -> np.ndarray:
+    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.show_only_control_edges = False
+    for name, value in settings.items():
+        setattr(modifier, name, value)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    vertices = obj.evaluated_get(depsgraph).data.vertices
+    flat = np.empty(3 * len(vertices), np.float32)
+    vertices.foreach_get("co", flat)
+    obj.modifiers.remove(modifier)
+    return flat.reshape(-1, 3).astype(float)
+
+
+def our_points(native, points: np.ndarray, faces: Faces, **options: object) -> np.ndarray:
+    counts, corners = [len(face) for face in faces], [v for face in faces for v in face]
+    return native.SubdivisionSurface(native.SurfaceMesh(points, (counts, corners)), **options).refine(points)
+
+
+def sharpness(values: dict) -> tuple[list, list] | None:
+    """As Blender maps its creases."""
+    return (list(values), [10.0 * c * c for c in values.values()]) if values else None
+
+
+def farthest(ours: np.ndarray, blenders: np.ndarray) -> float:
+    """Each of Blender's vertices has one of ours to itself; the largest distance, in bounding boxes."""
+    assert len(ours) == len(blenders)
+    tree = KDTree(len(ours))
+    for index, point in enumerate(ours):
+        tree.insert(Vector(point), index)
+    tree.balance()
+    found = [tree.find(Vector(point)) for point in blenders]
+    assert len({index for _, index, _ in found}) == len(ours)
+    return max(distance for _, _, distance in found) / np.linalg.norm(np.ptp(ours, axis=0))
+
+
+@pytest.mark.parametrize("limit", [False, True])
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("boundary", ["all", "preserve_corners"])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_shapes_are_those_of_blender(shape: str, boundary: str, level: int, limit: bool, native) -> None:
+    points, faces = SHAPES[shape]()
+    expected = blender_points(
+        mesh_object(points, faces, {}, {}),
+        levels=level,
+        use_limit_surface=limit,
+        quality=10,
+        boundary_smooth=boundary.upper(),
+    )
+    ours = our_points(native, points, faces, level=level, limit=limit, boundary_smooth=boundary)
+    assert farthest(ours, expected) < TOLERANCE
+
+
+CREASES = {(0, 1): 1.0, (1, 2): 0.4, (2, 3): 0.2, (3, 9): 0.55}
+CORNERS = {0: 1.0, 7: 0.5, 10: 0.3}
+
+
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("shape", ["prism", "sheet"])
+def test_creases_and_corners_are_those_of_blender(shape: str, level: int, native) -> None:
+    points, faces = SHAPES[shape]()
+    creases = {edge: c for edge, c in CREASES.items() if any(set(edge) <= set(face) for face in faces)}
+    obj = mesh_object(points, faces, creases, CORNERS)
+    expected = blender_points(obj, levels=level, use_limit_surface=False, use_creases=True)
+    keywords = {"creases": sharpness(creases), "corners": sharpness(CORNERS)}
+    assert farthest(our_points(native, points, faces, level=level, **keywords), expected) < TOLERANCE
+    expected = blender_points(obj, levels=level, use_limit_surface=False, use_creases=False)
+    assert farthest(our_points(native, points, faces, level=level), expected) < TOLERANCE
+
+
+@pytest.mark.parametrize("level", [2, 3])
+def test_limits_of_creases_are_those_of_blender(level: int, native) -> None:
+    """Of edges that are sharp for ever, or no longer after these levels."""
+    points, faces = prism()
+    creases = {(0, 1): 1.0, (1, 2): 0.3, (2, 3): 0.44, (3, 9): 0.2}
+    obj = mesh_object(points, faces, creases, {10: 1.0})
+    expected = blender_points(obj, levels=level, use_limit_surface=True, quality=10, use_creases=True)
+    keywords = {"creases": sharpness(creases), "corners": sharpness({10: 1.0})}
+    ours = our_points(native, points, faces, level=level, limit=True, **keywords)
+    assert farthest(ours, expected) < TOLERANCE
+
+
+@pytest.mark.parametrize("level", [1, 3])
+@pytest.mark.parametrize("shape", ["prism", "sheet"])
+def test_bilinear_is_what_blender_calls_simple(shape: str, level: int, native) -> None:
+    points, faces = SHAPES[shape]()
+    obj = mesh_object(points, faces, {}, {})
+    expected = blender_points(obj, levels=level, subdivision_type="SIMPLE", use_limit_surface=False)
+    ours = our_points(native, points, faces, level=level, scheme="bilinear")
+    assert farthest(ours, expected) < TOLERANCE

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/subdivision/stencils.h"
+
+#include "native/core/parallel.h"
+#include "native/subdivision/stencil_kernels.h"
+#include "tests/native/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+namespace sinew {
+
+namespace {
+
+/// Rows of 0 to 19 entries.
+RowMatrix random_matrix(int rows, int columns)
+{
+    shapes::Random random(5);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int i = 0; i < rows; ++i)
+        for (int k = 0; k < i % 20; ++k)
+            entries.emplace_back(i, random.below(columns), random.signed_unit());
+    RowMatrix matrix(rows, columns);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+}
+
+Points random_points(int count)
+{
+    shapes::Random random(6);
+    Points points(count, 3);
+    for (int i = 0; i < count; ++i)
+        points.row(i) = random.vector().transpose();
+    return points;
+}
+
+} // namespace
+
+TEST(Stencils, give_what_the_matrix_gives)
+{
+    const RowMatrix matrix = random_matrix(20'011, 300);
+    const Stencils stencils(matrix);
+    const Points points = random_points(300);
+    Points found(matrix.rows(), 3);
+    stencils.apply(points.data(), found.data());
+    EXPECT_LT(shapes::distance(found, matrix * points), 1e-14); // another order of sums of 20 numbers below 1
+
+    using Single = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+    const Single narrow = points.cast<float>();
+    Single single(matrix.rows(), 3);
+    stencils.apply(narrow.data(), single.data());
+    EXPECT_LT(shapes::distance(found, single.cast<double>()), 5e-6); // 20 roundings of 6e-8 each, twice
+}
+
+TEST(Stencils, do_not_depend_on_threads_or_instructions)
+{
+    const RowMatrix matrix = random_matrix(20'011, 300);
+    const Stencils stencils(matrix);
+    const Points points = random_points(300);
+    Points one(matrix.rows(), 3), many(matrix.rows(), 3), wide = Points::Zero(matrix.rows(), 3);
+    limit_threads(1);
+    stencils.apply(points.data(), one.data());
+    limit_threads(0);
+    stencils.apply(points.data(), many.data());
+    const std::size_t bytes = sizeof(double) * one.size();
+    EXPECT_EQ(std::memcmp(one.data(), many.data(), bytes), 0);
+
+    Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> padded(points.rows(), 4);
+    padded << points, VectorX::Zero(points.rows());
+    for (const StencilKernels* kernels : {&baseline_stencil_kernels(), avx2_stencil_kernels()}) {
+        if (!kernels)
+            continue;
+        kernels->in_double(matrix.outerIndexPtr(), matrix.innerIndexPtr(), matrix.valuePtr(), padded.data(),
+                           0, static_cast<int>(matrix.rows()), wide.data());
+        EXPECT_EQ(std::memcmp(one.data(), wide.data(), bytes), 0);
+    }
+}
+
+TEST(Stencils, of_no_row_or_no_entry_give_zero)
+{
+    const Stencils stencils(RowMatrix(3, 2));
+    const Points points = random_points(2);
+    Points found = Points::Ones(3, 3);
+    stencils.apply(points.data(), found.data());
+    EXPECT_EQ(found, Points::Zero(3, 3));
+    Stencils(RowMatrix(0, 2)).apply(points.data(), found.data());
+}
+
+} // namespace sinew
