@@ -68,7 +68,7 @@ CageGeometry::CageGeometry(const Cage& cage)
         for (int k = 0; k < 3; ++k)
             triangle.cosines[k] = outward[(k + 1) % 3].dot(outward[(k + 2) % 3]);
         // Elsewhere the common sum loses 1e-16 / h of the integral, times these shares: 1e-12 of it at most.
-        triangle.near = 1e-4 * *std::max_element(triangle.inverse_height, triangle.inverse_height + 3);
+        triangle.near = 3e-4 * *std::max_element(triangle.inverse_height, triangle.inverse_height + 3);
         triangles_.push_back(triangle);
         kept_.push_back(t);
     }

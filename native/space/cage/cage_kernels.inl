@@ -168,6 +168,12 @@ void mean_value(const CageTables& cage, const double* points, double* scratch, d
     }
 }
 
+/// The inner product with a vector whose coordinates lie that far apart.
+inline double along(const double* direction, const double* v, int stride)
+{
+    return direction[0] * v[0] + direction[1] * v[stride] + direction[2] * v[2 * stride];
+}
+
 /// A point is near a side where its distances from the ends sum up to less than this times its length.
 constexpr double near_side = 1.001;
 
@@ -185,10 +191,14 @@ struct NearSide
         const double* const b = at(rays, 4 * edge.b) + lane;
         const bool nearer_a = a[12] <= b[12];
         const double* const from = nearer_a ? a : b;
-        const double t = edge.direction[0] * from[0] + edge.direction[1] * from[4] + edge.direction[2] * from[8];
+        const double t = along(edge.direction, from, 4);
+        for (int axis = 0; axis < 3; ++axis)
+            foot[axis] = from[4 * axis] - t * edge.direction[axis];
+        // Again: what rounding left along the side is much beside a short foot.
+        const double rest = along(edge.direction, foot, 1);
         square = 0.0;
         for (int axis = 0; axis < 3; ++axis) {
-            foot[axis] = from[4 * axis] - t * edge.direction[axis];
+            foot[axis] -= rest * edge.direction[axis];
             square += foot[axis] * foot[axis];
         }
         begin = nearer_a ? t : t - edge.length;
@@ -202,11 +212,6 @@ struct NearSide
 
     bool touches() const { return square <= 1e-26 && begin <= 1e-13 && end >= -1e-13; }
 };
-
-inline double along(const double* direction, const double* v, int stride)
-{
-    return direction[0] * v[0] + direction[1] * v[stride] + direction[2] * v[2 * stride];
-}
 
 /// h, p and the solid angle at one point near side k.
 struct NearTriangle
