@@ -90,7 +90,7 @@ inline Lanes<double> log_of_ratio(Lanes<double> a, Lanes<double> b)
 /// An angle's tangent as numerator / denominator, |ratio| <= tan(pi / 8), and what must be added.
 struct ReducedAngle
 {
-    Lanes<double> numerator, denominator, base, rest;
+    Lanes<double> numerator, denominator, base;
 };
 
 /// For y >= 0: of atan2(y, |x|).
@@ -101,9 +101,7 @@ inline ReducedAngle reduce(Lanes<double> y, Lanes<double> x)
     const auto steep = above(y, constant(2.4142135623730951) * flat);
     return {choose(steep, zero - flat, choose(oblique, y - flat, y)),
             choose(steep, y, choose(oblique, y + flat, flat)),
-            choose(steep, constant(1.5707963267948966), choose(oblique, constant(0.78539816339744831), zero)),
-            choose(steep, constant(6.123233995736766e-17),
-                   choose(oblique, constant(3.061616997868383e-17), zero))};
+            choose(steep, constant(1.5707963267948966), choose(oblique, constant(0.78539816339744831), zero))};
 }
 
 /// The angle in [0, pi] whose reduced tangent is t; x tells on which side.
@@ -118,7 +116,7 @@ inline Lanes<double> angle_of(const ReducedAngle& reduced, Lanes<double> t, Lane
     const Lanes<double> high = (constant(-0.0508544973794026) + constant(0.03923165829558719) * u) +
                                constant(-0.01917688711906226) * u2;
     const Lanes<double> series = low + (middle + high * u4) * u4;
-    const Lanes<double> angle = reduced.base + (t + (t * (u * series) + reduced.rest));
+    const Lanes<double> angle = reduced.base + (t + t * (u * series));
     return choose(above(constant(0.0), x), constant(3.1415926535897931) - angle, angle);
 }
 

@@ -40,13 +40,14 @@ struct CageTables
 /// results agree to the last bit.
 struct CageKernels
 {
-    /// Mean value weights, not yet divided by their sum.
+    /// Mean value weights.
     /// \param points        (3) x, y, z
     /// \param scratch       (16 vertex_count + 8 edge_count) plain numbers, whatever stands in them
-    /// \param[out] weights  (vertex_count)
+    /// \param[out] weights  (vertex_count), divided by their sum
+    /// \param[out] sums     (1) that sum, divided by the sum of the magnitudes
     /// \param[out] on       the triangle that each point lies on, or -1
     void (*mean_value)(const CageTables& cage, const double* points, double* scratch, double* weights,
-                       int* on);
+                       double* sums, int* on);
     /// Green coordinates: phi, psi, and the winding number of the cage around each point.
     /// \param[out] phi      (vertex_count)
     /// \param[out] psi      (triangle_count), in units of the cage's size

@@ -115,7 +115,8 @@ inline double integral_beyond(const CageTables& cage, const CageTriangle& triang
 
 constexpr double touch = 1e-14; ///< a point that near lies on it
 
-void mean_value(const CageTables& cage, const double* points, double* scratch, double* weights, int* on)
+void mean_value(const CageTables& cage, const double* points, double* scratch, double* weights, double* sums,
+                int* on)
 {
     double* const rays = scratch;
     double* const integrals = scratch + 16 * static_cast<std::size_t>(cage.vertex_count);
@@ -166,6 +167,17 @@ void mean_value(const CageTables& cage, const double* points, double* scratch, d
         store(w1, load(w1) + constant(triangle.inverse_height[1]) * (p1 * T + (g1 + c0 * g2 + c2 * g0)));
         store(w2, load(w2) + constant(triangle.inverse_height[2]) * (p2 * T + (g2 + c1 * g0 + c0 * g1)));
     }
+
+    L sum = constant(0.0), magnitudes = sum;
+    for (int v = 0; v < cage.vertex_count; ++v) {
+        const L w = load(at(weights, v));
+        sum = sum + w;
+        magnitudes = magnitudes + magnitude(w);
+    }
+    const L factor = constant(1.0) / sum;
+    for (int v = 0; v < cage.vertex_count; ++v)
+        store(at(weights, v), factor * load(at(weights, v)));
+    store(sums, sum / magnitudes);
 }
 
 /// The inner product with a vector whose coordinates lie that far apart.

@@ -63,10 +63,10 @@ CageWeights::CageWeights(int points, const Points& rest_controls, int vertices,
     }
     const auto dense = [&](auto& store, auto number) {
         using T = decltype(number);
-        const std::size_t size = blocks_of(points, block_points<T>) * block_points<T> *
-                                 static_cast<std::size_t>(column_count());
-        require_memory(static_cast<std::int64_t>(size * sizeof(T)));
-        store.blocks.resize(size);
+        dense_size_ = blocks_of(points, block_points<T>) * block_points<T> *
+                      static_cast<std::size_t>(column_count());
+        require_memory(static_cast<std::int64_t>(dense_size_ * sizeof(T)));
+        store.blocks = std::make_unique_for_overwrite<T[]>(dense_size_);
     };
     if (is_single())
         dense(singles_, 0.0f);
@@ -88,8 +88,10 @@ void CageWeights::fill(Store<T>& store, int first, const RowMatrix& rows)
     constexpr int block = block_points<T>;
     const int columns = column_count(), count = static_cast<int>(rows.rows());
     for (int i = 0; i < count; i += block) {
-        T* const to = store.blocks.data() + static_cast<std::size_t>(first + i) * columns;
+        T* const to = store.blocks.get() + static_cast<std::size_t>(first + i) * columns;
         const int some = std::min(block, count - i);
+        if (some < block)
+            std::fill(to, to + static_cast<std::size_t>(block) * columns, T(0));
         for (int k = 0; k < some; ++k) {
             const double* const row = rows.data() + static_cast<std::size_t>(i + k) * columns;
             for (int c = 0; c < columns; ++c)
@@ -203,7 +205,7 @@ void CageWeights::apply(const Store<T>& store, const Points& moves, const Points
         static_cast<int>(blocks_of(points_, block)),
         [&](int b) {
             std::array<T, 3 * block> sums;
-            const T* const own = store.blocks.data() + static_cast<std::size_t>(b) * block * columns;
+            const T* const own = store.blocks.get() + static_cast<std::size_t>(b) * block * columns;
             if constexpr (std::is_same_v<T, float>)
                 kernels.product_of_floats(own, columns, factors.data(), sums.data());
             else
@@ -225,7 +227,7 @@ void CageWeights::visit(Visit&& entry) const
                 for (int k = offsets_[own][i % part]; k < offsets_[own][i % part + 1]; ++k)
                     entry(i, columns_[own][k], static_cast<double>(store.values[own][k]));
             } else {
-                const auto* const from = store.blocks.data() +
+                const auto* const from = store.blocks.get() +
                                          static_cast<std::size_t>(i / block) * block * column_count() +
                                          i % block;
                 for (int c = 0; c < column_count(); ++c)
@@ -265,16 +267,14 @@ double CageWeights::dropped() const
 
 std::int64_t CageWeights::bytes() const
 {
-    const auto of = [](const auto& store) {
-        std::size_t numbers = store.blocks.size();
-        for (const auto& values : store.values)
-            numbers += values.size();
-        return numbers * (store.blocks.empty() && store.values.empty() ? 0 : sizeof(store.blocks[0]));
-    };
-    std::size_t indices = 0;
-    for (const auto& own : columns_)
+    std::size_t kept = 0, indices = 0;
+    for (const auto& own : columns_) {
+        kept += own.size();
         indices += own.size() + part + 1;
-    return static_cast<std::int64_t>(of(singles_) + of(doubles_) + sizeof(int) * indices);
+    }
+    const std::size_t numbers = is_sparse() ? kept : dense_size_;
+    return static_cast<std::int64_t>(numbers * (is_single() ? sizeof(float) : sizeof(double)) +
+                                     indices * sizeof(int));
 }
 
 template void CageWeights::apply(const Points&, const Points&, double*) const;

@@ -8,7 +8,9 @@
 
 #include <Eigen/SparseCore>
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace sinew {
@@ -73,8 +75,9 @@ private:
     template <class T>
     struct Store
     {
-        /// Dense: by blocks of block_points<T> points, one column after the other.
-        std::vector<T> blocks;
+        /// Dense: by blocks of block_points<T> points, one column after the other. Not cleared: whoever sets
+        /// the rows touches the memory first.
+        std::unique_ptr<T[]> blocks;
         /// Sparse: one of each a part.
         std::vector<std::vector<T>> values;
     };
@@ -91,6 +94,7 @@ private:
     bool is_single() const { return options_.precision == WeightPrecision::single_precision; }
 
     int points_ = 0, vertices_ = 0;
+    std::size_t dense_size_ = 0; ///< numbers in the blocks
     CageWeightOptions options_;
     Points controls_;
     Store<float> singles_;

@@ -25,29 +25,22 @@ void MeanValue::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& o
             four.set(lane, x[lane]);
         }
         std::array<int, 4> on;
-        kernels.mean_value(tables, four.lanes, scratch.data(), weights.data(), on.data());
+        std::array<double, 4> sums;
+        kernels.mean_value(tables, four.lanes, scratch.data(), weights.data(), sums.data(), on.data());
         for (int lane = 0; lane < std::min(4, count - first); ++lane) {
-            auto row = rows.row(first + lane);
-            double sum = 0.0, magnitude = 0.0;
-            for (int v = 0; v < vertices; ++v) {
-                const double w = weights[4 * static_cast<std::size_t>(v) + lane];
-                row[v] = w;
-                sum += w;
-                magnitude += std::abs(w);
-            }
-            if (on[lane] >= 0) {
+            double* const row = rows.row(first + lane).data();
+            for (int v = 0; v < vertices; ++v)
+                row[v] = weights[4 * static_cast<std::size_t>(v) + lane];
+            const bool on_face = on[lane] >= 0, balanced = !(std::abs(sums[lane]) > 1e-13);
+            if (on_face || balanced)
+                std::fill(row, row + vertices, 0.0);
+            if (on_face) {
                 const Vector3 shares = geometry_.barycentric(on[lane], x[lane]);
-                row.setZero();
                 for (int k = 0; k < 3; ++k)
                     row[tables.triangles[on[lane]].corners[k]] = shares[k];
-                continue;
             }
             // A ray crosses a closed surface by turns outwards and inwards, and the nearer crossing counts more.
-            outside[static_cast<std::size_t>(first + lane)] = !(sum > 0.0);
-            if (std::abs(sum) > 1e-13 * magnitude)
-                row /= sum;
-            else
-                row.setZero();
+            outside[static_cast<std::size_t>(first + lane)] = !on_face && !(sums[lane] > 0.0);
         }
     }
 }
