@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
+#include "native/space/cage/green.h"
 #include "native/space/cage/mean_value.h"
 
 #include <pybind11/eigen.h>
@@ -16,6 +17,43 @@ CageWeightOptions weight_options(const std::string& precision, double threshold)
                                     {{"single", WeightPrecision::single_precision},
                                      {"double", WeightPrecision::double_precision}}),
             threshold};
+}
+
+/// `out` as an (n, 3) array of T to write into, or nothing where it is another type.
+template <class T>
+T* writable(const py::object& out, Eigen::Index count)
+{
+    if (!py::isinstance<py::array_t<T, py::array::c_style>>(out))
+        return nullptr;
+    auto array = py::reinterpret_borrow<py::array_t<T, py::array::c_style>>(out);
+    if (array.ndim() != 2 || array.shape(0) != count || array.shape(1) != 3)
+        throw InvalidConstraint("out: shape is not (" + std::to_string(count) + ", 3)");
+    return array.mutable_data(); // throws where it is read-only
+}
+
+py::object warp(const CageCoordinates& coordinates, const py::object& vertices, const py::object& out)
+{
+    const FloatArray array = floats(vertices, "cage_points");
+    const PointsView view = points<InvalidConstraint>(array, "cage_points");
+    if (!out.is_none()) {
+        const Eigen::Index count = coordinates.points().rows();
+        if (float* const singles = writable<float>(out, count)) {
+            const py::gil_scoped_release unlocked;
+            coordinates.warp(view, singles);
+        } else if (double* const doubles = writable<double>(out, count)) {
+            const py::gil_scoped_release unlocked;
+            coordinates.warp(view, doubles);
+        } else {
+            throw py::type_error("out: a C-contiguous float32 or float64 array is needed");
+        }
+        return out;
+    }
+    Points positions;
+    {
+        const py::gil_scoped_release unlocked;
+        coordinates.warp(view, positions);
+    }
+    return to_numpy(std::move(positions));
 }
 
 /// One class a method, with the options that all of them take.
@@ -46,7 +84,8 @@ void bind_cage(py::module_& module)
             "outside", [](const CageReport& report) { return to_numpy(report.outside); },
             "Points outside the cage.")
         .def_readonly("dropped", &CageReport::dropped,
-                      "Largest sum of the magnitudes of the weights dropped at a point.")
+                      "What the threshold changed in the weights of a point, at most: times the longest move of "
+                      "a cage vertex, a bound of how far a warped point is off.")
         .def_readonly("error", &CageReport::error,
                       "Estimate of the largest error of a weight; 0 where the form is closed.")
         .def_readonly("weight_bytes", &CageReport::weight_bytes, "Memory of the weights.")
@@ -70,21 +109,13 @@ progress  None or callable(fraction, stage); returning False cancels.
 
 Raises InvalidConstraint (points not finite, or where the method has no weights), OutOfMemory or Cancelled;
 the object then stays as it was.)")
-        .def(
-            "warp",
-            [](const CageCoordinates& coordinates, const py::object& vertices) {
-                const FloatArray array = floats(vertices, "cage_points");
-                const PointsView view = points<InvalidConstraint>(array, "cage_points");
-                Points positions;
-                {
-                    const py::gil_scoped_release unlocked;
-                    coordinates.warp(view, positions);
-                }
-                return to_numpy(std::move(positions));
-            },
-            py::arg("cage_points"), R"(Where a posed cage takes the bound points -> (n, 3).
+        .def("warp", &warp, py::arg("cage_points"), py::arg("out") = py::none(),
+             R"(Where a posed cage takes the bound points -> (n, 3).
 
 cage_points  (c, 3) posed cage vertices.
+out          None, or a C-contiguous (n, 3) float32 or float64 array to write into, which is returned.
+
+The rest cage gives the rest points back to the last bit.
 
 Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or before bind().)")
         .def_property_readonly(
@@ -95,6 +126,37 @@ Raises InvalidConstraint for a wrong count or shape, a number that is not finite
                     dense.leftCols(std::min<Eigen::Index>(coordinates.cage().vertex_count(), dense.cols())));
             },
             "(n, c) weights of the cage's vertices.");
+
+    py::class_<Green, CageCoordinates>(module, "Green",
+                                       R"(Green coordinates [Lipman, Levin & Cohen-Or 2008], section 5.4.
+
+Shapes are kept: similarities of the cage are reproduced, shears are not. A closed form: cost
+O(points x triangles).)")
+        .def(py::init([](const SurfaceMesh& cage, const std::string& precision, double threshold,
+                         const std::string& outside, int exit_face) {
+                 GreenOptions options;
+                 options.weights = weight_options(precision, threshold);
+                 options.outside = choose<GreenOutside>(outside, "outside",
+                                                        {{"nearest", GreenOutside::nearest},
+                                                         {"face", GreenOutside::face},
+                                                         {"refuse", GreenOutside::refuse}});
+                 options.exit_face = exit_face;
+                 const py::gil_scoped_release unlocked;
+                 return std::make_unique<Green>(Cage(cage), options);
+             }),
+             py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0,
+             py::arg("outside") = "nearest", py::arg("exit_face") = -1, R"(
+cage       SurfaceMesh, the closed rest cage, faces outwards.
+precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
+threshold  weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
+outside    what becomes of points outside: continued through the 'nearest' triangle, through one 'face', or
+           'refuse'.
+exit_face  of the cage, for outside='face'.
+
+Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)")
+        .def_property_readonly("face_weights", &Green::face_weights,
+                               "(n, t) weights of the normals of the triangles that the cage's faces are cut into, "
+                               "in the cage's units of length.");
 
     bind_method<MeanValue>(module, "MeanValue",
                            R"(Mean value coordinates [Ju, Schaefer & Warren 2005], section 5.4.

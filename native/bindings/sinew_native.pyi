@@ -2,7 +2,7 @@
 """Shape deformation: NumPy in, NumPy out. See help() of each name for shapes, units and errors."""
 
 from collections.abc import Callable, Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -190,9 +190,22 @@ class CageReport:
 
 class CageCoordinates:
     def bind(self, points: ArrayLike, progress: Progress | None = None) -> CageReport: ...
-    def warp(self, cage_points: ArrayLike) -> Floats: ...
+    def warp(self, cage_points: ArrayLike, out: NDArray[Any] | None = None) -> NDArray[Any]: ...
     @property
     def vertex_weights(self) -> Floats: ...
+
+class Green(CageCoordinates):
+    def __init__(
+        self,
+        cage: SurfaceMesh,
+        *,
+        precision: Literal["single", "double"] = "single",
+        threshold: float = 0.0,
+        outside: Literal["nearest", "face", "refuse"] = "nearest",
+        exit_face: int = -1,
+    ) -> None: ...
+    @property
+    def face_weights(self) -> Floats: ...
 
 class MeanValue(CageCoordinates):
     def __init__(

@@ -4,6 +4,8 @@
 
 #ifndef __GNUC__
 #include <cmath>
+#elif defined(__SSE2__)
+#include <immintrin.h>
 #endif
 
 namespace {
@@ -62,8 +64,18 @@ inline void transpose(Lanes<double>& a, Lanes<double>& b, Lanes<double>& c, Lane
 inline Lanes<double> constant(double value) { return Lanes<double>{value, value, value, value}; }
 inline Lanes<double> root(Lanes<double> a)
 {
+    // The compiler keeps the call that sets errno otherwise, lane by lane.
+#if defined(__AVX__)
+    return _mm256_sqrt_pd(a);
+#elif defined(__SSE2__)
+    typedef double Half __attribute__((vector_size(16)));
+    const Half low = _mm_sqrt_pd(__builtin_shufflevector(a, a, 0, 1));
+    const Half high = _mm_sqrt_pd(__builtin_shufflevector(a, a, 2, 3));
+    return __builtin_shufflevector(low, high, 0, 1, 2, 3);
+#else
     return Lanes<double>{__builtin_sqrt(a[0]), __builtin_sqrt(a[1]), __builtin_sqrt(a[2]),
                          __builtin_sqrt(a[3])};
+#endif
 }
 /// Lane by lane: where a > b.
 inline auto above(Lanes<double> a, Lanes<double> b) { return a > b; }
@@ -76,6 +88,20 @@ template <class Mask>
 inline bool all(Mask mask)
 {
     return mask[0] && mask[1] && mask[2] && mask[3];
+}
+/// Bit k: what lane k of a mask of doubles says.
+template <class Mask>
+inline int mask_bits(Mask mask)
+{
+#if defined(__AVX__)
+    return _mm256_movemask_pd((Lanes<double>)mask);
+#elif defined(__SSE2__)
+    const Lanes<double> lanes = (Lanes<double>)mask;
+    return _mm_movemask_pd(__builtin_shufflevector(lanes, lanes, 0, 1)) |
+           _mm_movemask_pd(__builtin_shufflevector(lanes, lanes, 2, 3)) << 2;
+#else
+    return (mask[0] ? 1 : 0) | (mask[1] ? 2 : 0) | (mask[2] ? 4 : 0) | (mask[3] ? 8 : 0);
+#endif
 }
 #else
 template <class T>
@@ -169,6 +195,10 @@ inline Lanes<double> choose(const LaneMask& mask, const Lanes<double>& yes, cons
     return result;
 }
 inline bool all(const LaneMask& mask) { return mask[0] && mask[1] && mask[2] && mask[3]; }
+inline int mask_bits(const LaneMask& mask)
+{
+    return (mask[0] ? 1 : 0) | (mask[1] ? 2 : 0) | (mask[2] ? 4 : 0) | (mask[3] ? 8 : 0);
+}
 #endif
 
 } // namespace

@@ -9,16 +9,13 @@
 
 namespace sinew {
 
-namespace {
-
-constexpr int block = 256;          // points a block: its weights stay in the cache
-constexpr int slab = 16 * block;    // points between two ticks
-
-} // namespace
-
 CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
 {
-    const auto begin = std::chrono::steady_clock::now();
+    using Clock = std::chrono::steady_clock;
+    const auto since = [](Clock::time_point begin) {
+        return std::chrono::duration<double>(Clock::now() - begin).count();
+    };
+    const auto begin = Clock::now();
     const int count = static_cast<int>(points.rows());
     std::vector<int> bad;
     for (int i = 0; i < count; ++i)
@@ -27,21 +24,29 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
     if (!bad.empty())
         throw InvalidConstraint("points " + list_some(bad) + " are not finite", Error::Element::vertex, bad);
 
-    CageWeights weights(count, columns(), options_);
+    Points rest_controls;
+    controls(view(cage_.rest().points()), rest_controls);
+    CageWeights weights(count, rest_controls, cage_.vertex_count(), options_);
     std::vector<char> outside(static_cast<std::size_t>(count), 0);
-    for (int first = 0; first < count; first += slab) {
+    // From tick to tick a tenth of a second or so; what a point gets does not depend on where they fall.
+    const int block = block_size();
+    int slab = 4 * block;
+    for (int first = 0; first < count;) {
         progress.tick(static_cast<double>(first) / count, "computing weights");
-        parallel_chunks(std::min(slab, count - first), block, [&](int from, int to) {
+        const auto slab_begin = Clock::now();
+        const int some = std::min(slab, count - first);
+        parallel_chunks(some, block, [&](int from, int to) {
             RowMatrix rows;
             std::vector<char> out;
-            const PointsView part(points.data() + 3 * static_cast<std::ptrdiff_t>(first + from), to - from,
-                                  3);
-            evaluate(part, rows, out);
+            const PointsView chunk(points.data() + 3 * static_cast<std::ptrdiff_t>(first + from), to - from, 3);
+            evaluate(chunk, rows, out);
             weights.set_rows(first + from, rows);
             std::copy(out.begin(), out.end(), outside.begin() + first + from);
         });
+        first += some;
+        if (since(slab_begin) < 0.05)
+            slab = std::min(2 * slab, 1 << 20);
     }
-    weights.finish();
 
     CageReport report;
     for (int i = 0; i < count; ++i)
@@ -55,20 +60,40 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
     report.weight_bytes = weights.bytes();
     finish(report);
     progress.tick(1.0, "computing weights");
+    points_ = points;
+    rest_controls_ = std::move(rest_controls);
     weights_ = std::move(weights);
     bound_ = true;
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    report.seconds = since(begin);
     return report;
 }
 
-void CageCoordinates::warp(PointsView vertices, Points& positions) const
+void CageCoordinates::moves(PointsView vertices, Points& moves) const
 {
     if (!bound_)
         throw InvalidConstraint("no points are bound to the cage: call bind() first");
     cage_.check_pose(vertices);
-    Points columns;
-    controls(vertices, columns);
-    weights_.apply(columns, positions);
+    controls(vertices, moves);
+    moves -= rest_controls_;
 }
+
+void CageCoordinates::warp(PointsView vertices, Points& positions) const
+{
+    Points moved;
+    moves(vertices, moved);
+    positions.resize(points_.rows(), 3);
+    weights_.apply(moved, points_, positions.data());
+}
+
+template <class Real>
+void CageCoordinates::warp(PointsView vertices, Real* positions) const
+{
+    Points moved;
+    moves(vertices, moved);
+    weights_.apply(moved, points_, positions);
+}
+
+template void CageCoordinates::warp(PointsView, float*) const;
+template void CageCoordinates::warp(PointsView, double*) const;
 
 } // namespace sinew

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The peers of the benchmarks as a Python module: CHOLMOD called directly, Eigen's LDL^T, and how fast
 // the machine reads memory.
+#include "tests/benchmarks/peers/cage_peers.h"
+
 #include <cholmod.h>
 #ifdef SINEW_HAVE_OPENMP
 #include <omp.h>
@@ -28,6 +30,7 @@ namespace {
 
 using Ints = py::array_t<int, py::array::c_style | py::array::forcecast>;
 using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using Singles = py::array_t<float, py::array::c_style>;
 using Columns = py::array_t<double, py::array::f_style | py::array::forcecast>;
 
 /// One thread for CHOLMOD's own OpenMP loops and for its BLAS, which are its fastest settings here.
@@ -199,6 +202,12 @@ double read_bandwidth(std::size_t bytes, int threads, int repeats)
     return static_cast<double>(count * sizeof(double)) * passes / best;
 }
 
+PeerCage cage(const Doubles& vertices, const Ints& triangles)
+{
+    return {vertices.data(), triangles.data(), static_cast<int>(vertices.shape(0)),
+            static_cast<int>(triangles.shape(0))};
+}
+
 } // namespace
 
 PYBIND11_MODULE(sinew_peers, m)
@@ -224,5 +233,27 @@ PYBIND11_MODULE(sinew_peers, m)
         .def(py::init<Eigen::SparseMatrix<double>>(), "matrix"_a)
         .def("factorize", &EigenLdlt::factorize)
         .def("solve", &EigenLdlt::solve, "rhs"_a);
+    m.def(
+        "mean_value",
+        [](Doubles vertices, Ints triangles, Doubles points, Doubles weights) {
+            peer_mean_value(cage(vertices, triangles), points.data(), static_cast<int>(points.shape(0)),
+                            weights.mutable_data());
+        },
+        "vertices"_a, "triangles"_a, "points"_a, "weights"_a.noconvert());
+    m.def(
+        "green",
+        [](Doubles vertices, Ints triangles, Doubles points, Doubles phi, Doubles psi) {
+            peer_green(cage(vertices, triangles), points.data(), static_cast<int>(points.shape(0)),
+                       phi.mutable_data(), psi.mutable_data());
+        },
+        "vertices"_a, "triangles"_a, "points"_a, "phi"_a.noconvert(), "psi"_a.noconvert());
+    m.def(
+        "sgemm",
+        [](Singles weights, Singles factors, Singles result) {
+            const Tamed tamed;
+            peer_sgemm(weights.data(), static_cast<int>(weights.shape(0)), static_cast<int>(weights.shape(1)),
+                       factors.data(), result.mutable_data());
+        },
+        "weights"_a.noconvert(), "factors"_a.noconvert(), "result"_a.noconvert());
     m.def("read_bandwidth", &read_bandwidth, "bytes"_a, "threads"_a = 1, "repeats"_a = 7);
 }

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+// Part of the method mean_value.
+
+namespace sinew {
+
+// The cage as the kernels read it: moved to the origin and scaled to size 1, without triangles so thin that
+// they have no plane. Lengths are in units of its size.
+
+struct CageEdge
+{
+    int a, b;
+    double length;
+    double direction[3]; ///< from a to b
+};
+
+/// Corner k lies opposite side k.
+struct CageTriangle
+{
+    int corners[3], edges[3];
+    double normal[3];
+    double outward[3][3];     ///< normals of the sides, in the plane
+    double inverse_height[3]; ///< over side k
+    double cosines[3];        ///< of the outward normals but k-th with each other
+    double double_area;
+    double near; ///< nearer to its plane than this, mean value takes care beyond its sides
+};
+
+struct CageTables
+{
+    const double* vertices; ///< (vertex_count, 3)
+    const CageEdge* edges;
+    const CageTriangle* triangles;
+    int vertex_count, edge_count, triangle_count;
+};
+
+/// The loops of the closed forms, four points at a time: what is told of them holds four numbers an entry.
+/// Both sets of kernels do the same operations in the same order, without fused ones, and call no library:
+/// results agree to the last bit.
+struct CageKernels
+{
+    /// Mean value weights.
+    /// \param points        (3) x, y, z
+    /// \param scratch       (16 vertex_count + 8 edge_count) plain numbers, whatever stands in them
+    /// \param[out] weights  (vertex_count), divided by their sum
+    /// \param[out] sums     (1) that sum, divided by the sum of the magnitudes
+    /// \param[out] on       the triangle that each point lies on, or -1
+    void (*mean_value)(const CageTables& cage, const double* points, double* scratch, double* weights,
+                       double* sums, int* on);
+    /// Green coordinates: phi, psi, and the winding number of the cage around each point.
+    /// \param[out] phi      (vertex_count)
+    /// \param[out] psi      (triangle_count), in units of the cage's size
+    /// \param[out] winding  (1)
+    /// \return bit k: point k lies on an edge or vertex, and what is told of it has no meaning
+    int (*green)(const CageTables& cage, const double* points, double* scratch, double* phi, double* psi,
+                 double* winding);
+    /// sums (3, points a block) = block * factors (columns, 3); a block holds one column of its points after
+    /// the other: 8 doubles or 16 floats.
+    void (*product_of_doubles)(const double* block, int columns, const double* factors, double* sums);
+    void (*product_of_floats)(const float* block, int columns, const float* factors, float* sums);
+    /// sums (rows, 4) = weights * factors (columns, 4); row i of the weights is [offsets[i], offsets[i + 1]).
+    void (*sparse_product_of_doubles)(const double* weights, const int* columns, const int* offsets, int rows,
+                                      const double* factors, double* sums);
+    void (*sparse_product_of_floats)(const float* weights, const int* columns, const int* offsets, int rows,
+                                     const float* factors, float* sums);
+};
+
+/// The widest kernels that this processor runs.
+const CageKernels& cage_kernels();
+
+/// By name, for tests: the kernels every processor runs, and those with AVX2 (null where it has none).
+const CageKernels& baseline_cage_kernels();
+const CageKernels* avx2_cage_kernels();
+
+} // namespace sinew

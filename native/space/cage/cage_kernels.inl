@@ -1,0 +1,410 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The bodies of CageKernels, compiled once for each instruction set; see core/lane_types.inl.
+//
+// Seen from a point x, a triangle has: h, the height of x below its plane; p_k, the distance of x's foot from
+// side k (negative beyond it); t_a < t_b, where side k begins and ends, from the foot of x on its line; and
+// D_k = sqrt(h^2 + p_k^2), the distance of x from that line. One integral a side and, for Green coordinates,
+// the solid angle give everything; sides are shared by two triangles.
+
+#include "native/core/lane_math.inl"
+
+namespace {
+
+using sinew::CageEdge;
+using sinew::CageTables;
+using sinew::CageTriangle;
+using L = Lanes<double>;
+
+struct Vector
+{
+    L x, y, z;
+};
+
+inline L dot(const Vector& a, const Vector& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline L dot(const double* a, const Vector& b)
+{
+    return constant(a[0]) * b.x + constant(a[1]) * b.y + constant(a[2]) * b.z;
+}
+inline Vector cross(const Vector& a, const Vector& b)
+{
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Entry i of an array of four lanes each.
+inline double* at(double* lanes, int i) { return lanes + 4 * static_cast<std::size_t>(i); }
+inline const double* at(const double* lanes, int i) { return lanes + 4 * static_cast<std::size_t>(i); }
+
+inline Vector vector_at(const double* rays, int vertex)
+{
+    return {load(at(rays, 4 * vertex)), load(at(rays, 4 * vertex + 1)), load(at(rays, 4 * vertex + 2))};
+}
+
+/// From the points to every vertex: x, y, z and the distance, of which mean value does without.
+template <bool distances>
+inline void aim(const CageTables& cage, const double* points, double* rays)
+{
+    const L x = load(points), y = load(points + 4), z = load(points + 8);
+    for (int v = 0; v < cage.vertex_count; ++v) {
+        const double* const vertex = cage.vertices + 3 * static_cast<std::size_t>(v);
+        const Vector r{constant(vertex[0]) - x, constant(vertex[1]) - y, constant(vertex[2]) - z};
+        store(at(rays, 4 * v), r.x);
+        store(at(rays, 4 * v + 1), r.y);
+        store(at(rays, 4 * v + 2), r.z);
+        if constexpr (distances)
+            store(at(rays, 4 * v + 3), root(dot(r, r)));
+    }
+}
+
+inline void clear(double* lanes, int count)
+{
+    for (int i = 0; i < count; ++i)
+        store(at(lanes, i), constant(0.0));
+}
+
+inline double size_of(double a) { return a < 0.0 ? -a : a; }
+inline double root(double a) { return root(constant(a))[0]; }
+inline double angle_between(double y, double x) { return angle_between(constant(y), constant(x))[0]; }
+
+/// The integral over a side of ds / ((D^2 + s^2)(p^2 + s^2)), times p.
+inline double edge_integral(double h, double p, double begin, double end)
+{
+    const double square = h * h + p * p, distance = root(square), length = end - begin;
+    const double angle = angle_between(length * distance, square + begin * end);
+    if (distance <= 32.0 * size_of(h)) {
+        // By partial fractions: the angle in the plane less the one in space, over h^2 = D^2 - p^2.
+        const double side = size_of(p);
+        const double flat = side > 0.0 ? angle_between(length * side, side * side + begin * end) : 0.0;
+        return (p < 0.0 ? -1.0 : 1.0) * (flat - angle * side / distance) / (h * h);
+    }
+    // 1 / (p^2 + s^2) = sum of h^(2m) / (D^2 + s^2)^(m + 1): integrals of powers of 1 / (D^2 + s^2), each from
+    // the one before.
+    const double at_begin = 1.0 / (square + begin * begin), at_end = 1.0 / (square + end * end);
+    double from = begin, to = end, integral = angle / distance, sum = 0.0, power = 1.0;
+    for (int m = 1; m <= 6; ++m) {
+        from *= at_begin, to *= at_end;
+        integral = ((to - from) + (2 * m - 1) * integral) / (2 * m * square);
+        sum += power * integral;
+        power *= h * h;
+    }
+    return p * sum;
+}
+
+inline double along(const CageEdge& edge, const double* rays, int vertex, int lane)
+{
+    double sum = 0.0;
+    for (int axis = 0; axis < 3; ++axis)
+        sum += edge.direction[axis] * at(rays, 4 * vertex + axis)[lane];
+    return sum;
+}
+
+/// What mean value multiplies p_k with, h times the integral over the triangle of 1 / |y - x|^4, for one point
+/// whose foot lies beyond a side. The sum over the sides that serves elsewhere would leave of some 1 / h only
+/// some h; here each side's own integral is taken, small as the whole.
+inline double integral_beyond(const CageTables& cage, const CageTriangle& triangle, const double* rays,
+                              double h, const double* p, int lane)
+{
+    double sum = 0.0;
+    if (size_of(h) > 1e-100) // nothing comes from a triangle in a plane with the point
+        for (int k = 0; k < 3; ++k) {
+            const CageEdge& edge = cage.edges[triangle.edges[k]];
+            const double begin = along(edge, rays, edge.a, lane);
+            sum += edge_integral(h, p[k], begin, begin + edge.length);
+        }
+    return -0.5 * h * sum;
+}
+
+constexpr double touch = 1e-14; ///< a point that near lies on it
+
+void mean_value(const CageTables& cage, const double* points, double* scratch, double* weights, double* sums,
+                int* on)
+{
+    double* const rays = scratch;
+    double* const integrals = scratch + 16 * static_cast<std::size_t>(cage.vertex_count);
+    aim<false>(cage, points, rays);
+    clear(weights, cage.vertex_count);
+    for (int lane = 0; lane < 4; ++lane)
+        on[lane] = -1;
+
+    // J, the integral of 1 / |y - x|^2 over an edge: its angle over its distance.
+    for (int e = 0; e < cage.edge_count; ++e) {
+        const CageEdge& edge = cage.edges[e];
+        const Vector a = vector_at(rays, edge.a), b = vector_at(rays, edge.b), c = cross(a, b);
+        const L sine = root(dot(c, c) + constant(1e-60));
+        store(at(integrals, e), constant(edge.length) * angle_over_sine(sine, dot(a, b)));
+    }
+
+    for (int t = 0; t < cage.triangle_count; ++t) {
+        const CageTriangle& triangle = cage.triangles[t];
+        const Vector r0 = vector_at(rays, triangle.corners[0]), r1 = vector_at(rays, triangle.corners[1]),
+                     r2 = vector_at(rays, triangle.corners[2]);
+        const L h = dot(triangle.normal, r0);
+        const L p0 = dot(triangle.outward[0], r1), p1 = dot(triangle.outward[1], r2),
+                p2 = dot(triangle.outward[2], r0);
+        const L J0 = load(at(integrals, triangle.edges[0])), J1 = load(at(integrals, triangle.edges[1])),
+                J2 = load(at(integrals, triangle.edges[2]));
+        const L half = constant(0.5);
+        L T = half * (p0 * J0 + p1 * J1 + p2 * J2) / h;
+        if (const int near = mask_bits(above(constant(triangle.near), magnitude(h)))) {
+            for (int lane = 0; lane < 4; ++lane) {
+                if (!(near >> lane & 1))
+                    continue;
+                const double p[3] = {p0[lane], p1[lane], p2[lane]};
+                if (p[0] >= -touch && p[1] >= -touch && p[2] >= -touch && size_of(h[lane]) <= touch) {
+                    on[lane] = on[lane] < 0 ? t : on[lane];
+                    T[lane] = 0.0;
+                } else if (p[0] < 0.0 || p[1] < 0.0 || p[2] < 0.0) {
+                    T[lane] = integral_beyond(cage, triangle, rays, h[lane], p, lane);
+                }
+            }
+        }
+        const L g = half * h, g0 = g * J0, g1 = g * J1, g2 = g * J2;
+        const L c0 = constant(triangle.cosines[0]), c1 = constant(triangle.cosines[1]),
+                c2 = constant(triangle.cosines[2]);
+        double* const w0 = at(weights, triangle.corners[0]);
+        double* const w1 = at(weights, triangle.corners[1]);
+        double* const w2 = at(weights, triangle.corners[2]);
+        store(w0, load(w0) + constant(triangle.inverse_height[0]) * (p0 * T + (g0 + c2 * g1 + c1 * g2)));
+        store(w1, load(w1) + constant(triangle.inverse_height[1]) * (p1 * T + (g1 + c0 * g2 + c2 * g0)));
+        store(w2, load(w2) + constant(triangle.inverse_height[2]) * (p2 * T + (g2 + c1 * g0 + c0 * g1)));
+    }
+
+    L sum = constant(0.0), magnitudes = sum;
+    for (int v = 0; v < cage.vertex_count; ++v) {
+        const L w = load(at(weights, v));
+        sum = sum + w;
+        magnitudes = magnitudes + magnitude(w);
+    }
+    const L factor = constant(1.0) / sum;
+    for (int v = 0; v < cage.vertex_count; ++v)
+        store(at(weights, v), factor * load(at(weights, v)));
+    store(sums, sum / magnitudes);
+}
+
+/// The inner product with a vector whose coordinates lie that far apart.
+inline double along(const double* direction, const double* v, int stride)
+{
+    return direction[0] * v[0] + direction[1] * v[stride] + direction[2] * v[2 * stride];
+}
+
+/// A point is near a side where its distances from the ends sum up to less than this times its length.
+constexpr double near_side = 1.001;
+
+/// A point near a side, so near that distances would say nothing about how near: all of it from `foot`, the
+/// vector from the point to its foot on the side's line, which two triangles at the side share.
+struct NearSide
+{
+    double foot[3], begin, end, square; ///< t_a, t_b, D^2
+    double to_a, to_b;                  ///< distances of the ends
+    double gap;                         ///< |a| |b| + a.b, zero on the side
+
+    NearSide(const CageEdge& edge, const double* rays, int lane)
+    {
+        const double* const a = at(rays, 4 * edge.a) + lane;
+        const double* const b = at(rays, 4 * edge.b) + lane;
+        const bool nearer_a = a[12] <= b[12];
+        const double* const from = nearer_a ? a : b;
+        const double t = along(edge.direction, from, 4);
+        for (int axis = 0; axis < 3; ++axis)
+            foot[axis] = from[4 * axis] - t * edge.direction[axis];
+        // Again: what rounding left along the side is much beside a short foot.
+        const double rest = along(edge.direction, foot, 1);
+        square = 0.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            foot[axis] -= rest * edge.direction[axis];
+            square += foot[axis] * foot[axis];
+        }
+        begin = nearer_a ? t : t - edge.length;
+        end = nearer_a ? t + edge.length : t;
+        to_a = root(square + begin * begin);
+        to_b = root(square + end * end);
+        const double product = square + begin * end;
+        gap = product < 0.0 ? edge.length * edge.length * square / (to_a * to_b - product)
+                            : to_a * to_b + product;
+    }
+
+    bool touches() const { return square <= 1e-26 && begin <= 1e-13 && end >= -1e-13; }
+};
+
+/// h, p and the solid angle at one point near side k.
+struct NearTriangle
+{
+    double h, p[3], half_angle; ///< half the solid angle, negative from above
+
+    NearTriangle(const CageTables& cage, const CageTriangle& triangle, const double* rays, int k, int lane)
+    {
+        const CageEdge& edge = cage.edges[triangle.edges[k]];
+        const NearSide side(edge, rays, lane);
+        const double* const r[3] = {at(rays, 4 * triangle.corners[0]) + lane,
+                                    at(rays, 4 * triangle.corners[1]) + lane,
+                                    at(rays, 4 * triangle.corners[2]) + lane};
+        h = along(triangle.normal, side.foot, 1);
+        for (int i = 0; i < 3; ++i)
+            p[i] = along(triangle.outward[i], r[(i + 1) % 3], 4);
+        p[k] = along(triangle.outward[k], side.foot, 1);
+        // The denominator of the solid angle is |c| gap + (b |a| + a |b|).c; a and b are the foot and begin
+        // or end along the edge, so that nothing but what is small is left of the bracket.
+        const double across = along(side.foot, r[k], 4), parallel = along(edge.direction, r[k], 4);
+        const double sum = side.to_a + side.to_b;
+        const double lean =
+            side.begin < 0.0 && side.end > 0.0
+                ? side.square * (side.end * side.end - side.begin * side.begin) /
+                      (side.end * side.to_a - side.begin * side.to_b)
+                : side.end * side.to_a + side.begin * side.to_b;
+        const double x = r[k][12] * side.gap + across * sum + parallel * lean;
+        const double y = size_of(h) * triangle.double_area;
+        half_angle = y > 0.0 || x != 0.0 ? angle_between(y, x) : 0.0;
+        half_angle = h < 0.0 ? -half_angle : half_angle;
+    }
+};
+
+int green(const CageTables& cage, const double* points, double* scratch, double* phi, double* psi,
+          double* winding)
+{
+    constexpr double quarter = 0.079577471545947668; // 1 / (4 pi)
+    double* const rays = scratch;
+    double* const logs = scratch + 16 * static_cast<std::size_t>(cage.vertex_count);
+    aim<true>(cage, points, rays);
+    clear(phi, cage.vertex_count);
+    L around = constant(0.0);
+    int touching = 0;
+
+    // The integral of 1 / |y - x| over an edge, over 4 pi, and the inner product of the rays to its ends.
+    for (int e = 0; e < cage.edge_count; ++e) {
+        const CageEdge& edge = cage.edges[e];
+        const L sum = load(at(rays, 4 * edge.a + 3)) + load(at(rays, 4 * edge.b + 3));
+        const L length = constant(edge.length), gap = sum - length;
+        const auto near_lanes = above(constant(near_side * edge.length), sum);
+        L l = constant(quarter) * log_of_ratio(sum + length, choose(near_lanes, length, gap));
+        if (const int near = mask_bits(near_lanes))
+            for (int lane = 0; lane < 4; ++lane)
+                if (near >> lane & 1) {
+                    const NearSide side(edge, rays, lane);
+                    const double s = side.to_a + side.to_b + edge.length;
+                    l[lane] = quarter * log_of_ratio(constant(s * s), constant(2.0 * side.gap + 1e-60))[0];
+                    touching |= side.touches() ? 1 << lane : 0;
+                }
+        store(at(logs, 2 * e), l);
+        store(at(logs, 2 * e + 1), dot(vector_at(rays, edge.a), vector_at(rays, edge.b)));
+    }
+
+    for (int t = 0; t < cage.triangle_count; ++t) {
+        const CageTriangle& triangle = cage.triangles[t];
+        const int *const v = triangle.corners, *const e = triangle.edges;
+        const Vector r0 = vector_at(rays, v[0]), r1 = vector_at(rays, v[1]), r2 = vector_at(rays, v[2]);
+        const L d0 = load(at(rays, 4 * v[0] + 3)), d1 = load(at(rays, 4 * v[1] + 3)),
+                d2 = load(at(rays, 4 * v[2] + 3));
+        L h = dot(triangle.normal, r0);
+        L p[3] = {dot(triangle.outward[0], r1), dot(triangle.outward[1], r2), dot(triangle.outward[2], r0)};
+        const L l0 = load(at(logs, 2 * e[0])), l1 = load(at(logs, 2 * e[1])), l2 = load(at(logs, 2 * e[2]));
+        const L cosine = d0 * d1 * d2 + load(at(logs, 2 * e[0] + 1)) * d0 +
+                         load(at(logs, 2 * e[1] + 1)) * d1 + load(at(logs, 2 * e[2] + 1)) * d2;
+        L angle = signed_as(angle_between(constant(triangle.double_area) * magnitude(h), cosine), h);
+        const L gap0 = d1 + d2 - constant(near_side * cage.edges[e[0]].length),
+                gap1 = d2 + d0 - constant(near_side * cage.edges[e[1]].length),
+                gap2 = d0 + d1 - constant(near_side * cage.edges[e[2]].length);
+        const L smaller = choose(above(gap0, gap1), gap1, gap0);
+        const L least = choose(above(smaller, gap2), gap2, smaller);
+        if (const int near = mask_bits(above(constant(0.0), least)))
+            for (int lane = 0; lane < 4; ++lane)
+                if (near >> lane & 1) {
+                    const int k = gap0[lane] == least[lane] ? 0 : gap1[lane] == least[lane] ? 1 : 2;
+                    const NearTriangle close(cage, triangle, rays, k, lane);
+                    h[lane] = close.h;
+                    for (int i = 0; i < 3; ++i)
+                        p[i][lane] = close.p[i];
+                    angle[lane] = close.half_angle;
+                }
+        angle = constant(2.0 * quarter) * angle;
+        around = around + angle;
+        store(at(psi, t), p[0] * l0 + p[1] * l1 + p[2] * l2 - h * angle);
+        const L g0 = h * l0, g1 = h * l1, g2 = h * l2;
+        const L c0 = constant(triangle.cosines[0]), c1 = constant(triangle.cosines[1]),
+                c2 = constant(triangle.cosines[2]);
+        double* const f0 = at(phi, v[0]);
+        double* const f1 = at(phi, v[1]);
+        double* const f2 = at(phi, v[2]);
+        store(f0, load(f0) + constant(triangle.inverse_height[0]) * (p[0] * angle + (g0 + c2 * g1 + c1 * g2)));
+        store(f1, load(f1) + constant(triangle.inverse_height[1]) * (p[1] * angle + (g1 + c0 * g2 + c2 * g0)));
+        store(f2, load(f2) + constant(triangle.inverse_height[2]) * (p[2] * angle + (g2 + c1 * g0 + c0 * g1)));
+    }
+    store(winding, around);
+    return touching;
+}
+
+/// sums (rows, 4) = weights, row i of which stands in [offsets[i], offsets[i + 1]), times factors (k, 4).
+template <class T>
+void sparse_product(const T* weights, const int* columns, const int* offsets, int rows, const T* factors, T* sums)
+{
+    for (int i = 0; i < rows; ++i) {
+        Lanes<T> even = T(0) * load(factors), odd = even;
+        int k = offsets[i];
+        for (; k + 1 < offsets[i + 1]; k += 2) {
+            even = even + weights[k] * load(factors + 4 * static_cast<std::size_t>(columns[k]));
+            odd = odd + weights[k + 1] * load(factors + 4 * static_cast<std::size_t>(columns[k + 1]));
+        }
+        if (k < offsets[i + 1])
+            even = even + weights[k] * load(factors + 4 * static_cast<std::size_t>(columns[k]));
+        store(sums + 4 * static_cast<std::size_t>(i), even + odd);
+    }
+}
+
+#ifdef __GNUC__
+template <class T>
+struct WideOf;
+template <>
+struct WideOf<double>
+{
+    typedef double type __attribute__((vector_size(32), aligned(8)));
+};
+template <>
+struct WideOf<float>
+{
+    typedef float type __attribute__((vector_size(32), aligned(4)));
+};
+
+/// Two vectors of points, three columns: six sums side by side.
+template <class T>
+void product(const T* block, int columns, const T* factors, T* sums)
+{
+    using Wide = typename WideOf<T>::type;
+    constexpr int width = 32 / sizeof(T);
+    const auto read = [](const T* from) { return *reinterpret_cast<const Wide*>(from); };
+    Wide total[6] = {};
+    while (columns > 0) {
+        // Sums of some columns each are added up: rounding grows with their number, not with that of columns.
+        const int some = columns < 64 ? columns : 64;
+        Wide sum[6] = {};
+        for (int c = 0; c < some; ++c, block += 2 * width, factors += 3) {
+            const Wide b[2] = {read(block), read(block + width)};
+            for (int k = 0; k < 6; ++k)
+                sum[k] = sum[k] + factors[k / 2] * b[k % 2];
+        }
+        for (int k = 0; k < 6; ++k)
+            total[k] = total[k] + sum[k];
+        columns -= some;
+    }
+    for (int k = 0; k < 6; ++k)
+        *reinterpret_cast<Wide*>(sums + width * k) = total[k];
+}
+#else
+template <class T>
+void product(const T* block, int columns, const T* factors, T* sums)
+{
+    constexpr int points = 64 / sizeof(T);
+    T total[3 * points] = {};
+    while (columns > 0) {
+        const int some = columns < 64 ? columns : 64;
+        T sum[3 * points] = {};
+        for (int c = 0; c < some; ++c, block += points, factors += 3)
+            for (int k = 0; k < 3 * points; ++k)
+                sum[k] = sum[k] + factors[k / points] * block[k % points];
+        for (int k = 0; k < 3 * points; ++k)
+            total[k] = total[k] + sum[k];
+        columns -= some;
+    }
+    for (int k = 0; k < 3 * points; ++k)
+        sums[k] = total[k];
+}
+#endif
+
+} // namespace

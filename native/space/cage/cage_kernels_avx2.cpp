@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Compiled with AVX2, and run only where the processor has it.
+#include "native/space/cage/cage_kernels.h"
+
+#include <cstddef>
+
+#include "native/space/cage/cage_kernels.inl"
+
+namespace sinew {
+
+extern const CageKernels cage_kernels_with_avx2;
+const CageKernels cage_kernels_with_avx2{mean_value, green, product<double>, product<float>, sparse_product<double>, sparse_product<float>};
+
+} // namespace sinew

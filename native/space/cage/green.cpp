@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/cage/green.h"
+
+#include "native/core/errors.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace sinew {
+
+namespace {
+
+/// s n' of a triangle with rest sides u, v: the paper's equation 9.
+Vector3 stretched_normal(const Vector3& u, const Vector3& v, Vector3 to_u, Vector3 to_v)
+{
+    const double scale = std::max(to_u.cwiseAbs().maxCoeff(), to_v.cwiseAbs().maxCoeff());
+    if (!(scale > 0.0))
+        return Vector3::Zero();
+    to_u /= scale, to_v /= scale; // poses of any size: squares of squares below
+    const Vector3 area = to_u.cross(to_v);
+    const double double_area = area.norm();
+    if (!(double_area > 1e-14))
+        return Vector3::Zero();
+    const double square = to_u.squaredNorm() * v.squaredNorm() - 2.0 * to_u.dot(to_v) * u.dot(v) +
+                          to_v.squaredNorm() * u.squaredNorm();
+    const double stretch = std::sqrt(std::max(0.0, 0.5 * square)) / u.cross(v).norm();
+    return (scale * stretch / double_area) * area;
+}
+
+} // namespace
+
+Green::Green(Cage cage, const GreenOptions& options)
+    : CageCoordinates(std::move(cage), options.weights), geometry_(this->cage()), outside_(options.outside)
+{
+    if (outside_ != GreenOutside::face)
+        return;
+    const std::vector<int>& faces = this->cage().rest().triangle_faces();
+    const int count = geometry_.tables().triangle_count;
+    for (int t = 0; t < count && exit_ < 0; ++t)
+        if (faces[static_cast<std::size_t>(geometry_.cage_triangle(t))] == options.exit_face)
+            exit_ = t;
+    if (exit_ < 0)
+        throw InvalidOption("exit face " + std::to_string(options.exit_face) +
+                            " is no face of the cage that has an area");
+}
+
+int Green::columns() const
+{
+    return cage().vertex_count() + static_cast<int>(cage().triangles().size());
+}
+
+RowMatrix Green::face_weights() const
+{
+    const RowMatrix all = weights().dense();
+    return cage().size() * all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
+}
+
+void Green::controls(PointsView vertices, Points& controls) const
+{
+    const CageTables tables = geometry_.tables();
+    controls.setZero(columns(), 3);
+    controls.topRows(cage().vertex_count()) = vertices;
+    for (int t = 0; t < tables.triangle_count; ++t) {
+        const int* const v = tables.triangles[t].corners;
+        const auto side = [&](int k) -> Vector3 {
+            return Vector3::Map(tables.vertices + 3 * v[k]) - Vector3::Map(tables.vertices + 3 * v[0]);
+        };
+        const auto to_side = [&](int k) -> Vector3 { return vertices.row(v[k]) - vertices.row(v[0]); };
+        controls.row(cage().vertex_count() + geometry_.cage_triangle(t)) =
+            stretched_normal(side(1), side(2), to_side(1), to_side(2)).transpose();
+    }
+}
+
+struct Green::Four
+{
+    std::vector<double> scratch, phi, psi;
+    std::array<double, 4> winding;
+    int touching = 0;
+
+    explicit Four(const CageGeometry& geometry)
+        : scratch(geometry.scratch_size()), phi(4 * static_cast<std::size_t>(geometry.tables().vertex_count)),
+          psi(4 * static_cast<std::size_t>(geometry.tables().triangle_count))
+    {
+    }
+    void run(const CageTables& tables, const FourPoints& points)
+    {
+        touching = cage_kernels().green(tables, points.lanes, scratch.data(), phi.data(), psi.data(),
+                                        winding.data());
+    }
+};
+
+void Green::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+{
+    const CageTables tables = geometry_.tables();
+    const int vertices = cage().vertex_count(), count = static_cast<int>(block.rows());
+    Four four(geometry_), alone(geometry_);
+    rows.setZero(count, columns());
+    outside.assign(static_cast<std::size_t>(count), 0);
+    for (int first = 0; first < count; first += 4) {
+        std::array<Vector3, 4> x;
+        FourPoints points;
+        for (int lane = 0; lane < 4; ++lane) {
+            x[lane] = geometry_.seen(block.row(std::min(first + lane, count - 1)));
+            points.set(lane, geometry_.within_reach(x[lane]));
+        }
+        four.run(tables, points);
+        for (int lane = 0; lane < std::min(4, count - first); ++lane) {
+            const Four* from = &four;
+            if (four.touching >> lane & 1) {
+                FourPoints same;
+                for (int k = 0; k < 4; ++k)
+                    same.set(k, moved_in(x[lane]));
+                alone.run(tables, same);
+                from = &alone;
+            }
+            auto row = rows.row(first + lane);
+            const double times = std::round(from->winding[lane]);
+            const double factor = times == 0.0 ? 1.0 : 1.0 / times;
+            for (int v = 0; v < vertices; ++v)
+                row[v] = factor * from->phi[4 * static_cast<std::size_t>(v) + lane];
+            for (int t = 0; t < tables.triangle_count; ++t)
+                row[vertices + geometry_.cage_triangle(t)] =
+                    factor * from->psi[4 * static_cast<std::size_t>(t) + lane];
+            outside[static_cast<std::size_t>(first + lane)] = times < 1.0;
+            if (times == 0.0)
+                continue_through(x[lane], row);
+        }
+    }
+}
+
+template <class Row>
+void Green::continue_through(const Vector3& x, Row&& row) const
+{
+    const int exit = exit_ >= 0 ? exit_ : geometry_.nearest(x);
+    const Vector3 alpha = geometry_.barycentric(exit, x);
+    for (int k = 0; k < 3; ++k)
+        row[geometry_.tables().triangles[exit].corners[k]] += alpha[k];
+    row[cage().vertex_count() + geometry_.cage_triangle(exit)] -= geometry_.depth(exit, x);
+}
+
+Vector3 Green::moved_in(const Vector3& x) const
+{
+    const CageTables tables = geometry_.tables();
+    Vector3 outwards = Vector3::Zero();
+    for (int t = 0; t < tables.triangle_count; ++t)
+        if (geometry_.square_distance(t, x) <= 1e-25)
+            outwards += Vector3::Map(tables.triangles[t].normal);
+    return x - 1e-12 * outwards.stableNormalized();
+}
+
+} // namespace sinew
