@@ -158,19 +158,19 @@ def build_factor(recipe: Recipe | CageRecipe, progress: Progress | None = None) 
 
 
 def automatic_cage(
-    points: np.ndarray, faces: tuple[np.ndarray, np.ndarray], progress: Progress | None = None, **options
+    points: np.ndarray, polygons: tuple[np.ndarray, np.ndarray], progress: Progress | None = None, **options
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A closed mesh around a mesh: its points (c, 3), and (counts, corners) of its faces. Any thread will do.
 
-    ``options`` as the native function takes them.
+    ``polygons`` (counts, corners); ``options`` as the native function takes them.
     """
     native = _module()
     with _translated(native):
-        mesh = native.SurfaceMesh(points, faces)
-        around, polygons, _report = native.automatic_cage(mesh, progress=progress, **options)
-    if isinstance(polygons, tuple):
-        return around, *polygons
-    return around, np.full(len(polygons), 3, dtype=np.int32), polygons.ravel()
+        mesh = native.SurfaceMesh(points, polygons)
+        around, faces, _report = native.automatic_cage(mesh, progress=progress, **options)
+    if isinstance(faces, tuple):
+        return around, *faces
+    return around, np.full(len(faces), 3, dtype=np.int32), faces.ravel()
 
 
 def diagnose(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> Diagnosis:

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
+from probe import render_points
 from rig import add_armature, apply_matrix, base_points, evaluated_points, make_active, move_world, update
 
 FLOAT32 = 4e-6
@@ -224,6 +225,30 @@ def test_one_cage_moves_several_meshes_and_several_cages_one(caged):
     assert np.abs(evaluated_points(target) - rest - (0.4, 0.0, 0.5)).max() < FLOAT32
 
 
+def test_renders_and_frames_show_the_pose(caged):
+    """The cage itself is hidden in renders."""
+    target, cage = target_and_cage(caged)
+    assert cage.hide_render
+    rest = base_points(target)
+    cage.shape_key_add(name="Basis")
+    key = cage.shape_key_add(name="Up")
+    for point in key.data:
+        point.co.z += 1.0
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    cage.keyframe_insert("location", frame=1)
+    cage.location.x = 1.0
+    cage.keyframe_insert("location", frame=11)
+    for frame in (11, 1, 6):
+        bpy.context.scene.frame_set(frame)
+        shown = evaluated_points(target)
+        assert np.array_equal(render_points(target), shown)
+        share = shown[0] - rest[0]
+        assert np.abs(shown - rest - share).max() < FLOAT32
+        assert {1: share.max() < FLOAT32, 6: 0.3 < share[0] < 0.7, 11: share[0] > 0.999}[frame]
+
+
 def test_undo_and_redo(caged):
     target, cage = target_and_cage(caged)
     bpy.ops.ed.undo_push(message="Bound")
@@ -250,3 +275,27 @@ def test_the_armature_before_it_still_counts(caged):
     cage.location.z = 0.5
     assert np.abs(evaluated_points(target) - posed - (0.0, 0.0, 0.5)).max() < FLOAT32
     assert np.abs(posed - rest).max() > 0.1
+
+
+def test_an_automatic_cage_holds_the_mesh_and_moves_it(room):
+    target = ball()
+    target.location.x = 2.0
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(faces=80) == {"FINISHED"}
+    deformer = target.sinew.active
+    cage = deformer.cage
+    assert bpy.context.object == cage
+    assert len(cage.data.polygons) <= 80
+    assert cage.parent == target
+    assert deformer.status_level == "INFO", deformer.status
+    assert room("core.status").notes(deformer.uid) == ()
+    rest = base_points(target)
+    assert np.abs(evaluated_points(target) - rest).max() < FLOAT32
+    target.location.y = 1.0
+    assert np.abs(evaluated_points(target) - rest).max() < FLOAT32
+    cage.location.z = 0.5
+    assert np.abs(evaluated_points(target) - rest - (0.0, 0.0, 0.5)).max() < FLOAT32
+    name = cage.name
+    make_active(target)
+    bpy.ops.sinew.deformer_remove()
+    assert name not in bpy.data.objects
