@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A deformer of an object, and the list of them."""
 
+from collections.abc import Sequence
+
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
@@ -122,6 +124,11 @@ class SinewDeformer(PropertyGroup):
         """The parameters of the method in use, by name."""
         return getattr(self, self.definition.id)
 
+    def complete(self) -> None:
+        """Let Blender make all settings now, so that no render thread has to: see ``deformers_of``."""
+        for group in ("bake", *BY_ID):
+            getattr(self, group)
+
     @property
     def is_bound(self) -> bool:
         """The rest shape is stored; the factor is built from it when needed."""
@@ -147,6 +154,15 @@ class SinewDeformer(PropertyGroup):
 
 for _method in METHODS:
     SinewDeformer.__annotations__[_method.id] = PointerProperty(type=GROUPS[_method.id], override=_OVERRIDE)
+
+
+def deformers_of(obj: Object) -> Sequence[SinewDeformer]:
+    """The deformers of any object.
+
+    Blender makes settings that are not there when they are first read, off the main thread too, where two
+    may write at once. This leaves an object without settings as it is.
+    """
+    return obj.sinew.deformers if obj.is_property_set("sinew") else ()
 
 
 class SinewObject(PropertyGroup):
