@@ -27,8 +27,8 @@ constexpr int most_window = 16;
 
 } // namespace
 
-/// The last correction pairs, in single precision: s and L^-1 y, whose products with the gradient are all that
-/// the recursion needs. An iteration reads each of them twice.
+/// The last correction pairs, in single precision: s and L^-1 y, whose products with the gradient are all
+/// that the recursion needs. An iteration reads each of them twice.
 class LbfgsWorkspace::History
 {
 public:
@@ -63,9 +63,9 @@ public:
         older_.resize(static_cast<std::size_t>(2 * size_) * chunks);
         parallel_chunks(numbers_, grain, [&](int begin, int end) {
             const int chunk = begin / grain, count = end - begin;
-            parts_[chunk] = kernels_.pair(g.data() + begin, g1.data() + begin, z.data() + begin,
-                                          z1.data() + begin, fresh.s.get() + begin, count,
-                                          fresh.Ly.get() + begin);
+            parts_[chunk] =
+                kernels_.pair(g.data() + begin, g1.data() + begin, z.data() + begin, z1.data() + begin,
+                              fresh.s.get() + begin, count, fresh.Ly.get() + begin);
             double* const older = older_.data() + static_cast<std::size_t>(2 * size_) * chunk;
             for (int k = 0; k < size_; ++k) {
                 older[2 * k] = kernels_.dot(at(k).s.get() + begin, g1.data() + begin, count);
@@ -137,8 +137,8 @@ public:
                 s[k] = at(k).s.get() + begin;
                 Ly[k] = at(k).Ly.get() + begin;
             }
-            kernels_.step(x.data() + begin, z.data() + begin, size_, s, Ly, share_s.data(), share_Ly.data(), t,
-                          end - begin, trial.data() + begin,
+            kernels_.step(x.data() + begin, z.data() + begin, size_, s, Ly, share_s.data(), share_Ly.data(),
+                          t, end - begin, trial.data() + begin,
                           window_ > 0 ? at(size_).s.get() + begin : nullptr);
         });
     }

@@ -35,8 +35,8 @@ void step(const double* x, const double* z, int pairs, const float* const* s, co
         for (int k = 0; k < pairs; ++k) {
             const float *s_k = s[k] + at, *Ly_k = Ly[k] + at;
             for (int j = 0; j < block / 4; ++j)
-                d[j] = d[j] + (share_s[k] * widened(load(s_k + 4 * j)) -
-                               share_Ly[k] * widened(load(Ly_k + 4 * j)));
+                d[j] = d[j] +
+                       (share_s[k] * widened(load(s_k + 4 * j)) - share_Ly[k] * widened(load(Ly_k + 4 * j)));
         }
         for (int j = 0; j < block / 4; ++j) {
             d[j] = t * d[j];

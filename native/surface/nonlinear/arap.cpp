@@ -60,8 +60,7 @@ void add_triangles(ArapGraph& graph, const SurfaceMesh& mesh, const TriangleMetr
         ArapTriangle triangle;
         for (int k = 0; k < 3; ++k) {
             triangle.corner[k] = mesh.triangles()[t][k];
-            triangle.across[k] =
-                std::clamp(metric.half_cotan[t][k], least_weight * mean, most_weight * mean);
+            triangle.across[k] = std::clamp(metric.half_cotan[t][k], least_weight * mean, most_weight * mean);
         }
         graph.triangles.push_back(triangle);
     }
@@ -105,7 +104,7 @@ ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
                 graph.neighbours.push_back(static_cast<int>(it.row()));
                 graph.weights.push_back(
                     graph.rims ? -it.value()
-                                     : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
+                               : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
             }
         graph.offsets.push_back(static_cast<int>(graph.neighbours.size()));
     }

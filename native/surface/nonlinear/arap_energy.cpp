@@ -250,6 +250,7 @@ ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const P
       own_buffers_(buffers ? nullptr : std::make_unique<ArapBuffers>()),
       buffers_(buffers ? *buffers : *own_buffers_)
 {
+    buffers_.energies.resize(graph.chunks.size());
     pack(base, buffers_.base);
     pack(view(targets), buffers_.points);
     std::copy_n(buffers_.base.data(), 3 * static_cast<std::size_t>(graph.free_count()),
@@ -270,27 +271,29 @@ ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const P
     parallel_for(graph.size, [&](int i) {
         Eigen::Map<Packed>(first.data() + entries * static_cast<std::size_t>(i)).setIdentity();
     });
-    settle_the_others();
-    const int moving = graph.moving_count();
-    for (int k : {1, 2}) // what does not move stands in all of them
-        std::copy(first.begin() + entries * static_cast<std::ptrdiff_t>(moving), first.end(),
-                  buffers_.rotations[k].begin() + entries * static_cast<std::ptrdiff_t>(moving));
 }
 
-/// Rotations and energy of the cells that no free node belongs to.
+/// Rotations and energy of the cells that no free node belongs to, once.
 void ArapProblem::settle_the_others()
 {
+    if (settled_)
+        return;
+    settled_ = true;
     const int count = static_cast<int>(graph_.chunks.size()) - graph_.moving_chunks;
-    buffers_.energies.resize(graph_.chunks.size());
     parallel_chunks(count, 1, [&](int c, int) {
         const ArapChunk& chunk = graph_.chunks[graph_.moving_chunks + c];
         std::array<double, columns*(arap_chunk + 1)> S;
         kernels_.covariances(view_, chunk, S.data());
-        fit(chunk, S.data(), buffers_.rotations[0], tie, buffers_.rotations[0]);
+        fit(chunk, S.data(), buffers_.rotations[current_], tie, buffers_.rotations[current_]);
     });
+    const std::ptrdiff_t moving = entries * static_cast<std::ptrdiff_t>(graph_.moving_count());
+    const Matrices& settled = buffers_.rotations[current_];
+    for (Matrices& rotations : buffers_.rotations)
+        if (&rotations != &settled)
+            std::copy(settled.begin() + moving, settled.end(), rotations.begin() + moving);
     parallel_chunks(count, 1, [&](int c, int) {
         const ArapChunk& chunk = graph_.chunks[graph_.moving_chunks + c];
-        buffers_.energies[c] = kernels_.energy(view_, chunk, buffers_.rotations[0].data(), nullptr);
+        buffers_.energies[c] = kernels_.energy(view_, chunk, settled.data(), nullptr);
     });
     energy_of_others_ = std::accumulate(buffers_.energies.begin(), buffers_.energies.begin() + count, 0.0);
 }
@@ -303,14 +306,14 @@ Matrix3 ArapProblem::rotation(int i) const
 
 void ArapProblem::set_rotation(int i, const Matrix3& R)
 {
-    if (i < graph_.moving_count())
-        Eigen::Map<Packed>(buffers_.rotations[current_].data() + entries * static_cast<std::size_t>(i)) = R;
+    Eigen::Map<Packed>(buffers_.rotations[current_].data() + entries * static_cast<std::size_t>(i)) = R;
 }
 
 void ArapProblem::move_to(const Points& x)
 {
     parallel_chunks(graph_.free_count(), 16384, [&](int begin, int end) {
-        std::copy(x.data() + 3 * static_cast<std::size_t>(begin), x.data() + 3 * static_cast<std::size_t>(end),
+        std::copy(x.data() + 3 * static_cast<std::size_t>(begin),
+                  x.data() + 3 * static_cast<std::size_t>(end),
                   buffers_.points.data() + 3 * static_cast<std::size_t>(begin));
     });
 }
@@ -383,6 +386,7 @@ void ArapProblem::turn_rotation_field()
 void ArapProblem::fit_rotations(const Points& x)
 {
     move_to(x);
+    settle_the_others();
     const Matrices& before = buffers_.rotations[current_];
     const int next = current_ == kept_ ? spare(current_) : current_;
     for_each_moving([&](const ArapChunk& chunk) {
@@ -398,8 +402,8 @@ double ArapProblem::energy_and_gradient(Points& gradient) const
     gradient.resize(graph_.free_count(), 3);
     std::vector<double>& energies = buffers_.energies;
     parallel_chunks(graph_.moving_chunks, 1, [&](int c, int) {
-        energies[c] = kernels_.energy(view_, graph_.chunks[c], buffers_.rotations[current_].data(),
-                                      gradient.data());
+        energies[c] =
+            kernels_.energy(view_, graph_.chunks[c], buffers_.rotations[current_].data(), gradient.data());
     });
     double energy =
         std::accumulate(energies.begin(), energies.begin() + graph_.moving_chunks, energy_of_others_) /
@@ -420,13 +424,13 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
 {
     if (graph_.smoothing > 0) {
         move_to(x);
+        settle_the_others();
         buffers_.covariances.resize(columns * static_cast<std::size_t>(graph_.size));
         turn_rotation_field();
         const Matrices& before = buffers_.rotations[current_];
         const int next = spare(current_);
         for_each_moving([&](const ArapChunk& chunk) {
-            double* const S =
-                buffers_.covariances.data() + columns * static_cast<std::size_t>(chunk.begin);
+            double* const S = buffers_.covariances.data() + columns * static_cast<std::size_t>(chunk.begin);
             kernels_.add_neighbours(view_, chunk, before.data(), S);
             fit(chunk, S, before, 0.0, buffers_.rotations[next]);
         });

@@ -53,8 +53,9 @@ struct ArapGraph
     double scale(const PointsView& base) const;
     std::int64_t factor_bytes() const { return position_factor.bytes() + rotation_factor.bytes(); }
 
-    /// After renumber(): the nodes in chunks, as ArapKernels take them. The cells of the first ones, the moving
-    /// ones, depend on free nodes; of those in the others, which are none with smoothing, rotations stay.
+    /// After renumber(): the nodes in chunks, as ArapKernels take them. The cells of the first ones, the
+    /// moving ones, depend on free nodes; of those in the others, which are none with smoothing, rotations
+    /// stay.
     std::vector<ArapChunk> chunks;
     int moving_chunks = 0;
     std::vector<int> chunk_edges, chunk_ends; ///< see ArapView
@@ -106,7 +107,7 @@ public:
                 ArapBuffers* buffers = nullptr);
 
     Matrix3 rotation(int i) const;
-    /// Of a moving node; the others keep theirs.
+    /// Of a moving node, or before the first evaluation, which settles the others' for good.
     void set_rotation(int i, const Matrix3& R);
 
     /// Free positions that answer the current rotations: a linear solve, and one for what it left.
@@ -150,6 +151,7 @@ private:
     ArapBuffers& buffers_;
     ArapView view_;
     int current_ = 0, kept_ = -1;
+    bool settled_ = false;
     double energy_of_others_ = 0.0; ///< of the cells without a free node
 };
 

@@ -50,8 +50,8 @@ struct ArapKernels
     void (*torques)(const double* S, const double* R, int count, double* t);
     /// to_i = turn(omega_i) R_i by Cayley's formula, |omega| cut to 1; may be in place.
     void (*turn)(const double* omega, const double* R, int count, double* to);
-    /// to_i = the rotation closest to S_i + tie |S_i| R_i; safe_i says where it was found. Where not, to_i stays
-    /// as it is. May be in place.
+    /// to_i = the rotation closest to S_i + tie |S_i| R_i; safe_i says where it was found. Where not, to_i
+    /// stays as it is. May be in place.
     void (*fit)(const double* S, const double* R, double tie, int count, double* to, bool* safe);
     /// E of the chunk's cells, and what of its gradient belongs to its free nodes.
     double (*energy)(const ArapView& view, const ArapChunk& chunk, const double* R, double* gradient);

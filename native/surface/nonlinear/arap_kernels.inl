@@ -109,8 +109,7 @@ void covariances(const ArapView& view, const ArapChunk& chunk, double* S)
             const L e_b = point(view.base, b) - p, e_c = point(view.base, c) - p;
             const L d_b = point(view.points, b) - q, d_c = point(view.points, c) - q;
             const L rim = t.across[0] * (e_c - e_b);
-            const Columns all =
-                outer(d_b, t.across[2] * e_b - rim) + outer(d_c, t.across[1] * e_c + rim);
+            const Columns all = outer(d_b, t.across[2] * e_b - rim) + outer(d_c, t.across[1] * e_c + rim);
             for (int corner : t.corner) {
                 const int at = slot(chunk, corner);
                 store(S, at, columns(S, at) + all);
@@ -195,8 +194,8 @@ void turn(const double* omega, const double* R, int count, double* to)
     }
 }
 
-/// Entries row-major of the four matrices from `i` on, of `numbers` in columns of `rows`; those beyond `count`
-/// repeat the last one.
+/// Entries row-major of the four matrices from `i` on, of `numbers` in columns of `rows`; those beyond
+/// `count` repeat the last one.
 template <int rows>
 inline void gather(const double* matrices, int i, int count, L* entries)
 {
