@@ -115,16 +115,23 @@ void ArapGraph::factorize(const Points& rest)
         L.emplace_back(place[pull.node], place[pull.node], pull.stiffness);
     SparseMatrix matrix(free_nodes.size(), free_nodes.size());
     matrix.setFromTriplets(L.begin(), L.end());
-    position_factor.factorize(matrix);
-
-    if (smoothing > 0) {
+    if (!(smoothing > 0)) {
+        position_factor.factorize(matrix);
+    } else {
         // A node without edges, or of a part shrunk to a point, still needs a pivot.
         const double least = 1e-12 * std::max(1e-280, *std::ranges::max_element(moment));
         for (int i = 0; i < size; ++i)
             M.emplace_back(i, i, moment[i] + least);
         SparseMatrix field(size, size);
         field.setFromTriplets(M.begin(), M.end());
-        rotation_factor.factorize(field);
+        // What is left of an ordering without the held nodes is one for the free ones.
+        const std::vector<int> order = fill_reducing_order(field);
+        rotation_factor.factorize(field, order);
+        std::vector<int> free_order;
+        for (int i : order)
+            if (place[i] >= 0)
+                free_order.push_back(place[i]);
+        position_factor.factorize(matrix, free_order);
     }
 }
 
@@ -284,7 +291,8 @@ void ArapProblem::settle_the_others()
         const ArapChunk& chunk = graph_.chunks[graph_.moving_chunks + c];
         std::array<double, columns*(arap_chunk + 1)> S;
         kernels_.covariances(view_, chunk, S.data());
-        fit(chunk, S.data(), buffers_.rotations[current_], tie, buffers_.rotations[current_]);
+        for (int k = 0; k < 2; ++k) // from anywhere, and from there: the tie changes nothing any longer
+            fit(chunk, S.data(), buffers_.rotations[current_], tie, buffers_.rotations[current_]);
     });
     const std::ptrdiff_t moving = entries * static_cast<std::ptrdiff_t>(graph_.moving_count());
     const Matrices& settled = buffers_.rotations[current_];
