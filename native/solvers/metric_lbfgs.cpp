@@ -22,7 +22,7 @@ constexpr double rounding = 1e-12;
 /// Of s.y, relative to |s| |y|: below, rounding to single precision could turn its sign.
 constexpr double least_curvature = 1e-6;
 
-constexpr int grain = 4096; ///< numbers a parallel chunk: its vectors stay in the cache between two loops
+constexpr int grain = 2048; ///< numbers a parallel chunk: its vectors stay in the cache between two loops
 constexpr int most_window = 16;
 
 } // namespace
@@ -66,11 +66,10 @@ public:
             parts_[chunk] =
                 kernels_.pair(g.data() + begin, g1.data() + begin, z.data() + begin, z1.data() + begin,
                               fresh.s.get() + begin, count, fresh.Ly.get() + begin);
-            double* const older = older_.data() + static_cast<std::size_t>(2 * size_) * chunk;
-            for (int k = 0; k < size_; ++k) {
-                older[2 * k] = kernels_.dot(at(k).s.get() + begin, g1.data() + begin, count);
-                older[2 * k + 1] = kernels_.dot(at(k).Ly.get() + begin, g1.data() + begin, count);
-            }
+            const float *s[most_window], *Ly[most_window];
+            collect(begin, s, Ly);
+            kernels_.products(g1.data() + begin, size_, s, Ly, count,
+                              older_.data() + static_cast<std::size_t>(2 * size_) * chunk);
         });
         PairProducts sums{};
         for (const PairProducts& part : parts_) {
@@ -133,10 +132,7 @@ public:
         }
         parallel_chunks(numbers_, grain, [&](int begin, int end) {
             const float *s[most_window], *Ly[most_window];
-            for (int k = 0; k < size_; ++k) {
-                s[k] = at(k).s.get() + begin;
-                Ly[k] = at(k).Ly.get() + begin;
-            }
+            collect(begin, s, Ly);
             kernels_.step(x.data() + begin, z.data() + begin, size_, s, Ly, share_s.data(), share_Ly.data(),
                           t, end - begin, trial.data() + begin,
                           window_ > 0 ? at(size_).s.get() + begin : nullptr);
@@ -158,6 +154,15 @@ private:
     };
 
     Pair& at(int k) { return *pairs_[k]; }
+
+    /// Where the vectors of the pairs stand, from number `begin` on.
+    void collect(int begin, const float** s, const float** Ly)
+    {
+        for (int k = 0; k < size_; ++k) {
+            s[k] = at(k).s.get() + begin;
+            Ly[k] = at(k).Ly.get() + begin;
+        }
+    }
 
     const LbfgsKernels& kernels_ = lbfgs_kernels();
     int window_ = 0, numbers_ = 0, size_ = 0;

@@ -11,7 +11,7 @@ extern const LbfgsKernels lbfgs_kernels_with_avx2;
 
 const LbfgsKernels& baseline_lbfgs_kernels()
 {
-    static constexpr LbfgsKernels kernels{step, pair, dot};
+    static constexpr LbfgsKernels kernels{step, pair, products};
     return kernels;
 }
 

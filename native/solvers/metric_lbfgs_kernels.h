@@ -21,7 +21,9 @@ struct LbfgsKernels
     /// With y = g - old_g: Ly = z - old_z, and the products of s, y, Ly, g and z.
     PairProducts (*pair)(const double* old_g, const double* g, const double* old_z, const double* z,
                          const float* s, int count, float* Ly);
-    double (*dot)(const float* a, const double* b, int count);
+    /// Of g with some pairs: products[2 k] with s[k], products[2 k + 1] with Ly[k].
+    void (*products)(const double* g, int pairs, const float* const* s, const float* const* Ly, int count,
+                     double* products);
 };
 
 /// The widest kernels that this processor runs.

@@ -89,20 +89,30 @@ PairProducts pair(const double* old_g, const double* g, const double* old_z, con
     return sums;
 }
 
-double dot(const float* a, const double* b, int count)
+void products(const double* g, int pairs, const float* const* s, const float* const* Ly, int count,
+              double* products)
 {
     constexpr int width = 4;
-    D sums[width];
-    for (D& part : sums)
-        part = constant(0.0);
-    int k = 0;
-    for (; k + 4 * width <= count; k += 4 * width)
+    for (int pair = 0; pair < pairs; ++pair) {
+        D with_s[width], with_Ly[width];
         for (int j = 0; j < width; ++j)
-            sums[j] = sums[j] + widened(load(a + k + 4 * j)) * load(b + k + 4 * j);
-    double total = sum((sums[0] + sums[1]) + (sums[2] + sums[3]));
-    for (; k < count; ++k)
-        total += a[k] * b[k];
-    return total;
+            with_s[j] = with_Ly[j] = constant(0.0);
+        int k = 0;
+        for (; k + 4 * width <= count; k += 4 * width)
+            for (int j = 0; j < width; ++j) {
+                const D g_k = load(g + k + 4 * j);
+                with_s[j] = with_s[j] + widened(load(s[pair] + k + 4 * j)) * g_k;
+                with_Ly[j] = with_Ly[j] + widened(load(Ly[pair] + k + 4 * j)) * g_k;
+            }
+        double s_g = sum((with_s[0] + with_s[1]) + (with_s[2] + with_s[3]));
+        double Ly_g = sum((with_Ly[0] + with_Ly[1]) + (with_Ly[2] + with_Ly[3]));
+        for (; k < count; ++k) {
+            s_g += s[pair][k] * g[k];
+            Ly_g += Ly[pair][k] * g[k];
+        }
+        products[2 * pair] = s_g;
+        products[2 * pair + 1] = Ly_g;
+    }
 }
 
 } // namespace

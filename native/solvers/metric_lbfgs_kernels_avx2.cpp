@@ -7,6 +7,6 @@
 namespace sinew {
 
 extern const LbfgsKernels lbfgs_kernels_with_avx2;
-const LbfgsKernels lbfgs_kernels_with_avx2{step, pair, dot};
+const LbfgsKernels lbfgs_kernels_with_avx2{step, pair, products};
 
 } // namespace sinew

@@ -277,7 +277,8 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
         if (request.start) {
             self.to_nodes(*request.start, fine.x);
             fine.x.conservativeResize(self.graph.free_count(), 3);
-            problem.fit_rotations(fine.x);
+            if (self.graph.smoothing > 0) // else the first evaluation does
+                problem.fit_rotations(fine.x);
         } else {
             self.cascade.start(problem, self.graph, targets, work->levels);
             problem.positions_for_rotations(fine.x);

@@ -21,6 +21,7 @@ constexpr double tie = 1e-8;
 constexpr int lanes = 4, columns = arap_columns;
 constexpr int entries = 9; ///< numbers of a rotation
 using Packed = Eigen::Matrix<double, 3, 3>;
+constexpr std::size_t chunk_numbers = columns * (arap_chunk + 1); ///< of a chunk's covariances
 
 /// Places along a curve that fills the bounding box: G. M. Morton, 1966.
 std::vector<std::uint64_t> morton_codes(const Points& points)
@@ -289,7 +290,7 @@ void ArapProblem::settle_the_others()
     const int count = static_cast<int>(graph_.chunks.size()) - graph_.moving_chunks;
     parallel_chunks(count, 1, [&](int c, int) {
         const ArapChunk& chunk = graph_.chunks[graph_.moving_chunks + c];
-        std::array<double, columns*(arap_chunk + 1)> S;
+        std::array<double, chunk_numbers> S;
         kernels_.covariances(view_, chunk, S.data());
         for (int k = 0; k < 2; ++k) // from anywhere, and from there: the tie changes nothing any longer
             fit(chunk, S.data(), buffers_.rotations[current_], tie, buffers_.rotations[current_]);
@@ -364,6 +365,11 @@ void ArapProblem::fit(const ArapChunk& chunk, const double* S, const Matrices& b
     }
 }
 
+double* ArapProblem::covariances_of(const ArapChunk& chunk) const
+{
+    return buffers_.covariances.data() + (&chunk - graph_.chunks.data()) * chunk_numbers;
+}
+
 /// One linearised step of all rotations together: (moment + 4 alpha A L) omega = torque. The
 /// cell-by-cell fit alone passes a turn on by one ring an iteration.
 void ArapProblem::turn_rotation_field()
@@ -373,13 +379,10 @@ void ArapProblem::turn_rotation_field()
     if (torque.rows() != graph_.size)
         torque.setZero(graph_.size, 3); // that of idle nodes stays
     for_each_moving([&](const ArapChunk& chunk) {
-        std::array<double, columns*(arap_chunk + 1)> S;
-        kernels_.covariances(view_, chunk, S.data());
-        std::copy_n(S.data(), columns * (chunk.end - chunk.begin),
-                    buffers_.covariances.data() + columns * static_cast<std::size_t>(chunk.begin));
-        kernels_.add_neighbours(view_, chunk, before.data(), S.data());
-        kernels_.torques(S.data(), before.data() + entries * static_cast<std::size_t>(chunk.begin),
-                         chunk.end - chunk.begin, torque.data() + 3 * static_cast<std::size_t>(chunk.begin));
+        double* const S = covariances_of(chunk);
+        kernels_.covariances(view_, chunk, S);
+        kernels_.torques(view_, chunk, S, before.data(),
+                         torque.data() + 3 * static_cast<std::size_t>(chunk.begin));
     });
     graph_.rotation_factor.solve(torque, torque);
     const int turned = current_ == kept_ ? spare(current_) : current_;
@@ -398,7 +401,7 @@ void ArapProblem::fit_rotations(const Points& x)
     const Matrices& before = buffers_.rotations[current_];
     const int next = current_ == kept_ ? spare(current_) : current_;
     for_each_moving([&](const ArapChunk& chunk) {
-        std::array<double, columns*(arap_chunk + 1)> S;
+        std::array<double, chunk_numbers> S;
         kernels_.covariances(view_, chunk, S.data());
         fit(chunk, S.data(), before, tie, buffers_.rotations[next]);
     });
@@ -433,12 +436,12 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
     if (graph_.smoothing > 0) {
         move_to(x);
         settle_the_others();
-        buffers_.covariances.resize(columns * static_cast<std::size_t>(graph_.size));
+        buffers_.covariances.resize(graph_.moving_chunks * chunk_numbers);
         turn_rotation_field();
         const Matrices& before = buffers_.rotations[current_];
         const int next = spare(current_);
         for_each_moving([&](const ArapChunk& chunk) {
-            double* const S = buffers_.covariances.data() + columns * static_cast<std::size_t>(chunk.begin);
+            double* const S = covariances_of(chunk);
             kernels_.add_neighbours(view_, chunk, before.data(), S);
             fit(chunk, S, before, 0.0, buffers_.rotations[next]);
         });

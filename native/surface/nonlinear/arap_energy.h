@@ -141,6 +141,7 @@ private:
     void fit(const ArapChunk& chunk, const double* S, const Matrices& before, double tie,
              Matrices& after) const;
     void settle_the_others();
+    double* covariances_of(const ArapChunk& chunk) const;
     void turn_rotation_field();
     double energy_and_gradient(Points& gradient) const;
 

@@ -46,8 +46,10 @@ struct ArapKernels
     void (*covariances)(const ArapView& view, const ArapChunk& chunk, double* S);
     /// S_i += 2 alpha A sum_j r_ij w_ij R_j
     void (*add_neighbours)(const ArapView& view, const ArapChunk& chunk, const double* R, double* S);
-    /// t_i = vee(S_i R_i^T), three numbers each: how S_i pulls at R_i.
-    void (*torques)(const double* S, const double* R, int count, double* t);
+    /// t_i = vee((S_i + 2 alpha A sum_j r_ij w_ij R_j) R_i^T), three numbers each: how the cell and its
+    /// neighbours pull at R_i. Those of the chunk's first node come first in S and t.
+    void (*torques)(const ArapView& view, const ArapChunk& chunk, const double* S, const double* R,
+                    double* t);
     /// to_i = turn(omega_i) R_i by Cayley's formula, |omega| cut to 1; may be in place.
     void (*turn)(const double* omega, const double* R, int count, double* to);
     /// to_i = the rotation closest to S_i + tie |S_i| R_i; safe_i says where it was found. Where not, to_i

@@ -67,8 +67,6 @@ inline Columns outer(L a, L b) { return {a * splat<0>(b), a * splat<1>(b), a * s
 
 inline Columns operator+(const Columns& a, const Columns& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 
-inline L cross(L a, L b) { return turned(a * turned(b) - turned(a) * b); }
-
 inline double sum(L a) { return a[0] + a[1] + a[2]; }
 
 inline L squares(const Columns& m) { return m.x * m.x + m.y * m.y + m.z * m.z; }
@@ -164,12 +162,30 @@ void add_neighbours(const ArapView& view, const ArapChunk& chunk, const double* 
     }
 }
 
-void torques(const double* S, const double* R, int count, double* t)
+void torques(const ArapView& view, const ArapChunk& chunk, const double* S, const double* R, double* t)
 {
-    for (int i = 0; i < count; ++i) {
-        const Columns s = columns(S, i), r = packed(R, i);
-        const L torque = cross(r.x, s.x) + cross(r.y, s.y) + cross(r.z, s.z);
-        store_three(t + 3 * static_cast<std::size_t>(i), torque);
+    L sums[sinew::arap_chunk]; // of turned cross products: both ends of an edge feel opposite ones
+    for (int i = chunk.begin; i < chunk.end; ++i)
+        sums[i - chunk.begin] = constant(0.0);
+    for (int i = chunk.begin; i < chunk.end; ++i) {
+        fetch<9>(R, i);
+        const Columns r = packed(R, i), s = columns(S, i - chunk.begin);
+        const Columns turned_r{turned(r.x), turned(r.y), turned(r.z)};
+        const auto cross_with = [&](const Columns& m) {
+            return (r.x * turned(m.x) - turned_r.x * m.x) + (r.y * turned(m.y) - turned_r.y * m.y) +
+                   (r.z * turned(m.z) - turned_r.z * m.z);
+        };
+        L sum = sums[i - chunk.begin] + cross_with(s);
+        const int* const edges = view.edges + 2 * static_cast<std::size_t>(i);
+        for (int a = edges[0]; a < edges[2]; ++a) {
+            const int j = view.ends[a];
+            const double w = view.smoothing * view.weights[a] * (view.rigidity[i] + view.rigidity[j]);
+            const L pull = w * cross_with(packed(R, j));
+            sum = sum + pull;
+            if (a < edges[1])
+                sums[j - chunk.begin] = sums[j - chunk.begin] - pull;
+        }
+        store_three(t + 3 * static_cast<std::size_t>(i - chunk.begin), turned(sum));
     }
 }
 

@@ -99,9 +99,9 @@ TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
                     const ArapKernels& kernels = k ? *wide : plain;
                     S[k].resize(arap_columns * (count + 1));
                     kernels.covariances(view, chunk, S[k].data());
-                    kernels.add_neighbours(view, chunk, R.data(), S[k].data());
                     torque[k].resize(3 * count);
-                    kernels.torques(S[k].data(), own, count, torque[k].data());
+                    kernels.torques(view, chunk, S[k].data(), R.data(), torque[k].data());
+                    kernels.add_neighbours(view, chunk, R.data(), S[k].data());
                     turned[k].resize(9 * count);
                     kernels.turn(torque[k].data(), own, count, turned[k].data());
                     fitted[k].resize(9 * count);
@@ -187,19 +187,28 @@ TEST(ArapKernels, turn_is_a_rotation_by_the_vector_to_second_order_and_by_two_ar
 
 TEST(ArapKernels, torques_are_the_slope_of_the_fit)
 {
-    shapes::Random random(6);
-    for (int trial = 0; trial < 20; ++trial) {
-        const Matrix3 S = random.matrix(), R = random.rotation();
-        const std::vector<double> s = lanes_of({S}), r = packed(std::vector{R});
-        Vector3 torque;
-        arap_kernels().torques(s.data(), r.data(), 1, torque.data());
-        for (int axis = 0; axis < 3; ++axis) {
-            const double step = 1e-6;
-            const auto turned = [&](double angle) {
-                const Matrix3 T = Eigen::AngleAxisd(angle, Vector3::Unit(axis)).toRotationMatrix();
-                return ((T * R).transpose() * S).trace();
-            };
-            EXPECT_NEAR(torque[axis], (turned(step) - turned(-step)) / (2 * step), 1e-8);
+    for (double smoothness : {0.0, 0.02}) {
+        const Example example(false, smoothness);
+        const ArapView view = example.view();
+        const ArapChunk& chunk = example.graph.chunks.front();
+        const int count = chunk.end - chunk.begin;
+        std::vector<double> S(arap_columns * (count + 1)), t(3 * count);
+        arap_kernels().covariances(view, chunk, S.data());
+        arap_kernels().torques(view, chunk, S.data(), example.rotations.data(), t.data());
+        arap_kernels().add_neighbours(view, chunk, example.rotations.data(), S.data());
+        for (int i = 0; i < count; i += 7) {
+            Matrix3 pulls;
+            for (int column = 0; column < 3; ++column)
+                for (int row = 0; row < 3; ++row)
+                    pulls(row, column) = S[arap_columns * i + 4 * column + row];
+            for (int axis = 0; axis < 3; ++axis) {
+                const double step = 1e-6;
+                const auto turned = [&](double angle) {
+                    const Matrix3 T = Eigen::AngleAxisd(angle, Vector3::Unit(axis)).toRotationMatrix();
+                    return ((T * matrix(example.rotations, chunk.begin + i)).transpose() * pulls).trace();
+                };
+                EXPECT_NEAR(t[3 * i + axis], (turned(step) - turned(-step)) / (2 * step), 1e-8);
+            }
         }
     }
 }
