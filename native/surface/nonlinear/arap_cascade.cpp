@@ -339,6 +339,7 @@ void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const 
         const double scale = targets.incoming ? graph.scale(local.base()) : graph.rest_scale;
         minimize(problem, work[l].x, {.max_iterations = 20, .tolerance = 1e-4, .floor = 1e-14 * scale}, {},
                  &work[l].descent);
+        problem.refresh(work[l].x);
         work[l].rotations.resize(graph.size);
         parallel_for(graph.size,
                      [&](int i) { work[l].rotations[i] = Eigen::Quaterniond(problem.rotation(i)); });

@@ -273,12 +273,16 @@ ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const P
              .base = buffers_.base.data(),
              .points = buffers_.points.data(),
              .smoothing = graph.smoothing};
-    for (Matrices& rotations : buffers_.rotations)
+    const int present = graph.chunks.empty() ? 0 : graph.chunks.back().end;
+    for (int k = 0; k < (graph.smoothing > 0 ? 3 : 1); ++k) {
+        Matrices& rotations = buffers_.rotations[k];
         rotations.resize(entries * static_cast<std::size_t>(graph.size) + 1);
-    Matrices& first = buffers_.rotations[0];
-    parallel_for(graph.size, [&](int i) {
-        Eigen::Map<Packed>(first.data() + entries * static_cast<std::size_t>(i)).setIdentity();
-    });
+        const int first = k == 0 ? 0 : present; // idle nodes keep theirs in all of them
+        parallel_for(graph.size - first, [&](int i) {
+            Eigen::Map<Packed>(rotations.data() + entries * static_cast<std::size_t>(first + i))
+                .setIdentity();
+        });
+    }
 }
 
 /// Rotations and energy of the cells that no free node belongs to, once.
@@ -295,14 +299,9 @@ void ArapProblem::settle_the_others()
         for (int k = 0; k < 2; ++k) // from anywhere, and from there: the tie changes nothing any longer
             fit(chunk, S.data(), buffers_.rotations[current_], tie, buffers_.rotations[current_]);
     });
-    const std::ptrdiff_t moving = entries * static_cast<std::ptrdiff_t>(graph_.moving_count());
-    const Matrices& settled = buffers_.rotations[current_];
-    for (Matrices& rotations : buffers_.rotations)
-        if (&rotations != &settled)
-            std::copy(settled.begin() + moving, settled.end(), rotations.begin() + moving);
     parallel_chunks(count, 1, [&](int c, int) {
         const ArapChunk& chunk = graph_.chunks[graph_.moving_chunks + c];
-        buffers_.energies[c] = kernels_.energy(view_, chunk, settled.data(), nullptr);
+        buffers_.energies[c] = kernels_.energy(view_, chunk, buffers_.rotations[current_].data(), nullptr);
     });
     energy_of_others_ = std::accumulate(buffers_.energies.begin(), buffers_.energies.begin() + count, 0.0);
 }
@@ -398,6 +397,7 @@ void ArapProblem::fit_rotations(const Points& x)
 {
     move_to(x);
     settle_the_others();
+    stale_ = false;
     const Matrices& before = buffers_.rotations[current_];
     const int next = current_ == kept_ ? spare(current_) : current_;
     for_each_moving([&](const ArapChunk& chunk) {

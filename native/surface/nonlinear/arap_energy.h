@@ -88,10 +88,10 @@ private:
 struct ArapBuffers
 {
     std::vector<double> base, points;       ///< three numbers a node
-    std::vector<double> rotations[3];       ///< nine a node: those kept, and two to work with
-    std::vector<double> covariances;        ///< with smoothing
+    std::vector<double> rotations[3]; ///< nine a node; with smoothing those kept, and two to work with
+    std::vector<double> covariances; ///< with smoothing
     Points torque, gradient;
-    std::vector<double> energies;           ///< one a chunk
+    std::vector<double> energies; ///< one a chunk
 };
 
 /// One solve's state on one graph: positions and rotations. F = E / energy_factor() as a
@@ -123,8 +123,21 @@ public:
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;
-    void keep_state() override { kept_ = current_; }
-    void restore_state() override { current_ = kept_; }
+    /// Without smoothing rotations depend on the points alone: they are not kept, but fitted again.
+    void keep_state() override { kept_ = graph_.smoothing > 0 ? current_ : -1; }
+    void restore_state() override
+    {
+        if (graph_.smoothing > 0)
+            current_ = kept_;
+        else
+            stale_ = true;
+    }
+    /// After restore_state(), with the points that were kept: their rotations for rotation() to tell.
+    void refresh(const Points& x)
+    {
+        if (stale_)
+            fit_rotations(x);
+    }
 
     /// All nodes, the free ones at x.
     PointsView place(const Points& x);
@@ -152,7 +165,7 @@ private:
     ArapBuffers& buffers_;
     ArapView view_;
     int current_ = 0, kept_ = -1;
-    bool settled_ = false;
+    bool settled_ = false, stale_ = false;
     double energy_of_others_ = 0.0; ///< of the cells without a free node
 };
 
