@@ -237,15 +237,19 @@ void fit(const double* S, const double* R, double tie, int count, double* to, bo
             L s[9], r[9];
             gather<4>(S, first + 4 * g, count, s);
             gather<3>(R, first + 4 * g, count, r);
-            L square = s[0] * s[0], trace = s[0] * r[0];
-            for (int k = 1; k < 9; ++k) {
-                square = square + s[k] * s[k];
+            L trace = s[0] * r[0];
+            for (int k = 1; k < 9; ++k)
                 trace = trace + s[k] * r[k];
+            if (tie > 0) {
+                L square = s[0] * s[0];
+                for (int k = 1; k < 9; ++k)
+                    square = square + s[k] * s[k];
+                const L share = constant(tie) * root(square);
+                for (int k = 0; k < 9; ++k)
+                    s[k] = s[k] + share * r[k];
+                trace = trace + constant(3.0) * share;
             }
-            const L share = constant(tie) * root(square);
-            for (int k = 0; k < 9; ++k)
-                s[k] = s[k] + share * r[k];
-            fits[g].begin(s, trace + constant(3.0) * share);
+            fits[g].begin(s, trace);
         }
         bool done = false;
         for (int step = 0; step < most_newton_steps && !done; ++step) {
