@@ -245,19 +245,26 @@ struct SupernodalSolve<T>::Impl
         idle.push_back(std::move(work));
     }
 
-    /// Reads the right sides by read(unknown, lanes) and gives the solutions to write(unknown, lanes).
-    template <class Read, class Write>
-    void run(Read&& read, Write&& write) const
+    template <class Fill, class Read>
+    void run(Fill&& fill, Read&& read) const
     {
-        constexpr int grain = 16384;
         std::unique_ptr<Workspace> work = take();
         work->points.resize(static_cast<std::size_t>(f.size) * lane_count);
         T* points = work->points.data();
-        const auto lanes = [&](int i) { return points + lane_count * static_cast<std::size_t>(i); };
-        parallel_for(f.size, [&](int i) { read(f.permutation[i], lanes(i)); }, grain);
+        fill(points);
         sweep(points, *work);
-        parallel_for(f.size, [&](int i) { write(f.permutation[i], lanes(i)); }, grain);
+        read(points);
         give_back(std::move(work));
+    }
+
+    /// body(unknown, lanes) for each point.
+    template <class Body>
+    void each(T* points, const Body& body) const
+    {
+        constexpr int grain = 16384;
+        parallel_for(
+            f.size, [&](int i) { body(f.permutation[i], points + lane_count * static_cast<std::size_t>(i)); },
+            grain);
     }
 
     BasicSupernodalFactor<T> f;
@@ -291,13 +298,17 @@ void SupernodalSolve<T>::solve(const MatrixX& rhs, MatrixX& solution) const
     const int k = static_cast<int>(rhs.cols());
     solution.resize(rhs.rows(), k);
     impl_->run(
-        [&](int unknown, T* point) {
-            for (int c = 0; c < lane_count; ++c)
-                point[c] = c < k ? static_cast<T>(rhs(unknown, c)) : T(0);
+        [&](T* points) {
+            impl_->each(points, [&](int unknown, T* point) {
+                for (int c = 0; c < lane_count; ++c)
+                    point[c] = c < k ? static_cast<T>(rhs(unknown, c)) : T(0);
+            });
         },
-        [&](int unknown, const T* point) {
-            for (int c = 0; c < k; ++c)
-                solution(unknown, c) = point[c];
+        [&](T* points) {
+            impl_->each(points, [&](int unknown, const T* point) {
+                for (int c = 0; c < k; ++c)
+                    solution(unknown, c) = point[c];
+            });
         });
 }
 
@@ -305,22 +316,25 @@ template <class T>
 void SupernodalSolve<T>::solve_rows(RowMatrix& x, int first, int k) const
 {
     impl_->run(
-        [&](int unknown, T* point) {
-            for (int c = 0; c < lane_count; ++c)
-                point[c] = c < k ? static_cast<T>(x(unknown, first + c)) : T(0);
+        [&](T* points) {
+            impl_->each(points, [&](int unknown, T* point) {
+                for (int c = 0; c < lane_count; ++c)
+                    point[c] = c < k ? static_cast<T>(x(unknown, first + c)) : T(0);
+            });
         },
-        [&](int unknown, const T* point) {
-            for (int c = 0; c < k; ++c)
-                x(unknown, first + c) = point[c];
+        [&](T* points) {
+            impl_->each(points, [&](int unknown, const T* point) {
+                for (int c = 0; c < k; ++c)
+                    x(unknown, first + c) = point[c];
+            });
         });
 }
 
 template <class T>
-void SupernodalSolve<T>::sweep(T* points) const
+void SupernodalSolve<T>::sweep(const std::function<void(T*)>& fill,
+                               const std::function<void(const T*)>& read) const
 {
-    std::unique_ptr<typename Impl::Workspace> work = impl_->take();
-    impl_->sweep(points, *work);
-    impl_->give_back(std::move(work));
+    impl_->run(fill, read);
 }
 
 template class SupernodalSolve<double>;

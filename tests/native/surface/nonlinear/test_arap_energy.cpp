@@ -35,10 +35,13 @@ struct Setting
         : graph(make(mesh, variant)), goals(graph, Targets{bent, view(mesh.points()), {}, nullptr})
     {
     }
-    ArapProblem problem() const { return {graph, view(mesh.points()), goals.targets, goals.pulls}; }
+    ArapProblem problem() const
+    {
+        return ArapProblem(graph, view(mesh.points()), goals.targets, goals.pulls);
+    }
 
 private:
-    static ArapGraph make(const SurfaceMesh& mesh, const Variant& variant)
+    static ArapGraph make(SurfaceMesh& mesh, const Variant& variant)
     {
         std::vector<Handle> handles{{shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
                                     {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
