@@ -5,6 +5,7 @@
 #include "native/core/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -178,22 +179,73 @@ void ConstrainedQuadratic::right_side_row(int row, const RowMatrix& x, const Row
 
 RowMatrix ConstrainedQuadratic::right_side(const RowMatrix& x, const RowMatrix* rhs) const
 {
+    RowMatrix b;
+    right_side(x, rhs, b);
+    return b;
+}
+
+void ConstrainedQuadratic::right_side(const RowMatrix& x, const RowMatrix* rhs, RowMatrix& b) const
+{
     const int unknowns = static_cast<int>(problem_.unknowns.size());
-    RowMatrix b(unknowns, x.cols());
+    b.resize(unknowns, x.cols());
     parallel_for(unknowns,
                  [&](int u) { right_side_row(problem_.unknowns[u], x, rhs, b.data() + b.cols() * u); });
-    return b;
 }
 
 void ConstrainedQuadratic::solve(RowMatrix& x, const RowMatrix* rhs) const
 {
-    RowMatrix solution = right_side(x, rhs);
-    factor_.solve_rows(solution);
+    Workspace work;
+    solve(x, rhs, work);
+}
+
+void ConstrainedQuadratic::solve(RowMatrix& x, const RowMatrix* rhs, Workspace& work) const
+{
+    right_side(x, rhs, work.unknowns);
+    factor_.solve_rows(work.unknowns);
+    const auto columns = x.cols();
     parallel_for(static_cast<int>(problem_.unknowns.size()), [&](int u) {
         const int row = problem_.unknowns[u];
         if (problem_.free[row])
-            x.row(row) = solution.row(u);
+            for (Eigen::Index c = 0; c < columns; ++c)
+                x(row, c) = work.unknowns(u, c);
     });
+}
+
+ConstrainedQuadratic::Norms ConstrainedQuadratic::norms(const RowMatrix& x, const RowMatrix* rhs) const
+{
+    constexpr int smallest = 512, most_chunks = 64;
+    const SparseMatrix& A = *problem_.matrix;
+    const int n = static_cast<int>(A.cols());
+    const auto columns = x.cols();
+    const int grain = std::max(smallest, (n + most_chunks - 1) / most_chunks);
+    std::vector<Norms> sums((n + grain - 1) / grain);
+    parallel_chunks(n, grain, [&](int begin, int end) {
+        Norms sum;
+        std::vector<double> product(columns), load(columns);
+        for (int i = begin; i < end; ++i) {
+            const double* own = x.data() + columns * i;
+            multiply_row(A, i, x, product.data());
+            for (Eigen::Index c = 0; c < columns; ++c)
+                sum.energy += own[c] * product[c];
+            if (!problem_.free[i])
+                continue;
+            for (Eigen::Index c = 0; c < columns; ++c)
+                sum.residual += std::pow(rhs ? product[c] - (*rhs)(i, c) : product[c], 2);
+            if (!rhs && !bordering_[i])
+                continue;
+            right_side_row(i, x, rhs, load.data());
+            for (Eigen::Index c = 0; c < columns; ++c)
+                sum.load += load[c] * load[c];
+        }
+        sums[begin / grain] = sum;
+    });
+    Norms total;
+    for (const Norms& part : sums) {
+        total.energy += part.energy;
+        total.residual += part.residual;
+        total.load += part.load;
+    }
+    return total;
 }
 
 ConstrainedQuadratic::Forms ConstrainedQuadratic::forms(const RowMatrix& x, const RowMatrix* rhs) const

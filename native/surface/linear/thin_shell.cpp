@@ -2,6 +2,8 @@
 #include "native/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
 #include "native/solvers/constrained_quadratic.h"
 #include "native/solvers/sparse_columns.h"
 #include "native/surface/linear/affine_basis.h"
@@ -81,6 +83,14 @@ struct Coefficients
     std::vector<double> stretching, bending, variation;
 };
 
+/// What a frame needs. Rows of x that are neither given nor solved for stay zero, as those of the pull where
+/// nothing pulls.
+struct Frame
+{
+    RowMatrix x, pull;
+    ConstrainedQuadratic::Workspace solve;
+};
+
 /// What a bind makes. Replaced as a whole, so a bind that fails changes nothing.
 struct Binding
 {
@@ -91,6 +101,13 @@ struct Binding
     std::vector<double> soft_stiffness;
     ConstrainedQuadratic system; ///< of A, soft terms on its diagonal
     std::unique_ptr<AffineBasis> basis;
+    std::unique_ptr<Pool<Frame>> frames = std::make_unique<Pool<Frame>>();
+
+    bool is_soft(std::size_t row) const { return row >= constraints.size() - soft_stiffness.size(); }
+    double stiffness(std::size_t row) const
+    {
+        return soft_stiffness[row + soft_stiffness.size() - constraints.size()];
+    }
 };
 
 } // namespace
@@ -273,16 +290,14 @@ ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
     if (!bound.soft_stiffness.empty())
         pull = RowMatrix::Zero(n, columns);
     MatrixX soft_energy = MatrixX::Zero(columns, columns);
-    const auto hard_count = bound.constraints.size() - bound.soft_stiffness.size();
     for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
         const int vertex = bound.constraints[row].vertex;
         const auto target = constraints.row(row);
-        if (row < hard_count) {
-            x.row(vertex) = target;
+        if (bound.is_soft(row)) {
+            pull->row(vertex) += bound.stiffness(row) * target;
+            soft_energy += bound.stiffness(row) * target.transpose() * target;
         } else {
-            const double stiffness = bound.soft_stiffness[row - hard_count];
-            pull->row(vertex) += stiffness * target;
-            soft_energy += stiffness * target.transpose() * target;
+            x.row(vertex) = target;
         }
     }
 
@@ -314,20 +329,51 @@ SolveReport ThinShell::solve(const Poses& poses, Points& positions, const std::o
         return bound.basis->solve(poses, positions);
 
     const PointsView base = targets.base();
-    MatrixX constraints(bound.constraints.size(), 3);
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
+    const int n = rest().vertex_count();
+    const bool soft = !bound.soft_stiffness.empty();
+    const auto frame = bound.frames->take([&] {
+        auto made = std::make_unique<Frame>();
+        made->x = RowMatrix::Zero(n, 3);
+        made->pull = RowMatrix::Zero(soft ? n : 0, 3);
+        return made;
+    });
+    RowMatrix& x = frame->x;
+    const RowMatrix* const pull = soft ? &frame->pull : nullptr;
+    const auto displacement = [&](std::size_t row) -> Vector3 {
         const auto [vertex, handle] = bound.constraints[row];
-        constraints.row(row) = targets.of(vertex, handle).transpose() - base.row(vertex);
+        return targets.of(vertex, handle) - base.row(vertex).transpose();
+    };
+    for (std::size_t row = 0; row < bound.constraints.size(); ++row)
+        if (bound.is_soft(row))
+            frame->pull.row(bound.constraints[row].vertex).setZero();
+    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
+        const int vertex = bound.constraints[row].vertex;
+        if (bound.is_soft(row))
+            frame->pull.row(vertex) += bound.stiffness(row) * displacement(row).transpose();
+        else
+            x.row(vertex) = displacement(row).transpose();
     }
-    const ThinShellResponse response = respond(constraints);
-    positions = base + response.displacement;
+
+    bound.system.solve(x, pull, frame->solve);
+    const ConstrainedQuadratic::Norms norms = bound.system.norms(x, pull);
+    double energy = norms.energy; // as in respond()
+    for (std::size_t row = 0; row < bound.constraints.size(); ++row)
+        if (bound.is_soft(row)) {
+            const Vector3 target = displacement(row),
+                          found = x.row(bound.constraints[row].vertex).transpose();
+            energy += bound.stiffness(row) * (target - 2 * found).dot(target);
+        }
+    positions.resize(n, 3);
+    parallel_for(n, [&](int i) {
+        for (int axis = 0; axis < 3; ++axis)
+            positions(i, axis) = base(i, axis) + x(i, axis);
+    });
 
     SolveReport report;
     report.iterations = 1;
     report.converged = true;
-    report.energy = 0.5 * response.energy.trace();
-    const double load = response.load.trace();
-    report.residual = load > 0 ? std::sqrt(response.residual.trace() / load) : 0.0;
+    report.energy = 0.5 * energy;
+    report.residual = norms.load > 0 ? std::sqrt(norms.residual / norms.load) : 0.0;
     return report;
 }
 
