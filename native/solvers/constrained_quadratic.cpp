@@ -39,42 +39,10 @@ void multiply_row(const SparseMatrix& A, int i, const RowMatrix& x, double* y)
 
 } // namespace
 
-SparseMatrix ConstrainedQuadratic::block(const Problem& problem) const
+void ConstrainedQuadratic::factorize(std::shared_ptr<const SparseMatrix> matrix,
+                                     const std::vector<bool>& free)
 {
-    const SparseMatrix& A = *problem.matrix;
-    const int unknowns = static_cast<int>(problem.unknowns.size());
-    std::vector<int> place(A.cols(), -1);
-    for (int u = 0; u < unknowns; ++u)
-        place[problem.unknowns[u]] = u;
-    SparseMatrix block(unknowns, unknowns);
-    int* offsets = block.outerIndexPtr();
-    parallel_for(unknowns, [&](int u) {
-        int count = 0;
-        for (SparseMatrix::InnerIterator it(A, problem.unknowns[u]); it; ++it)
-            count += place[it.row()] >= 0;
-        offsets[u + 1] = count;
-    });
-    for (int u = 0; u < unknowns; ++u)
-        offsets[u + 1] += offsets[u];
-    block.resizeNonZeros(offsets[unknowns]);
-    parallel_for(unknowns, [&](int u) {
-        const int column = problem.unknowns[u];
-        int at = offsets[u];
-        for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
-            const int row = static_cast<int>(it.row());
-            if (place[row] < 0)
-                continue;
-            const bool both = problem.free[row] && problem.free[column];
-            block.innerIndexPtr()[at] = place[row];
-            block.valuePtr()[at++] = both ? it.value() : row == column ? 1.0 : 0.0;
-        }
-    });
-    return block;
-}
-
-void ConstrainedQuadratic::factorize(SparseMatrix matrix, const std::vector<bool>& free)
-{
-    Problem next{std::make_shared<SparseMatrix>(std::move(matrix)), free, problem_.unknowns};
+    Problem next{std::move(matrix), free, problem_.unknowns};
     if (update(next)) {
         adopt(std::move(next));
         return;
@@ -96,7 +64,7 @@ void ConstrainedQuadratic::factorize(Problem next)
         return;
     }
     try {
-        factor_.factorize(block(next));
+        factor_.factorize(PrincipalBlock(*next.matrix, next.unknowns, next.free));
     } catch (const FactorizationFailed& error) {
         if (error.elements().empty())
             throw;
@@ -147,7 +115,7 @@ bool ConstrainedQuadratic::update(const Problem& next)
     for (int u = 0; u < static_cast<int>(changed.size()); ++u)
         if (changed[u])
             list.push_back(u);
-    return factor_.update(block(next), list);
+    return factor_.update(PrincipalBlock(after, next.unknowns, next.free), list);
 }
 
 void ConstrainedQuadratic::adopt(Problem next)

@@ -51,11 +51,11 @@ public:
     /// Where some of the free rows became given ones and some entries others, under the same pattern, only
     /// what they reach in the factor is computed again, if that is little.
     ///
-    /// \param matrix  (n, n) symmetric positive semi-definite, both triangles stored.
+    /// \param matrix  (n, n) symmetric positive semi-definite, both triangles stored; kept.
     /// \param free    (n) true where x is unknown. A_ff must be positive definite.
     /// \throw FactorizationFailed  A_ff is singular; the element named is a row of `matrix`. restore() then
     ///   brings back the last problem().
-    void factorize(SparseMatrix matrix, const std::vector<bool>& free);
+    void factorize(std::shared_ptr<const SparseMatrix> matrix, const std::vector<bool>& free);
 
     /// Factorises what problem() was before, to the same bits.
     void restore(Problem problem);
@@ -77,7 +77,6 @@ public:
     const SpdFactor& factor() const { return factor_; }
 
 private:
-    SparseMatrix block(const Problem& problem) const;
     bool update(const Problem& next);
     void factorize(Problem next);
     void adopt(Problem next);

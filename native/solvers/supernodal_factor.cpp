@@ -57,8 +57,8 @@ struct Workspace
 class Factorization
 {
 public:
-    Factorization(const SupernodalFactor& factor, const SparseMatrix& matrix, const std::vector<char>& chosen,
-                  bool parallel)
+    Factorization(const SupernodalFactor& factor, const PrincipalBlock& matrix,
+                  const std::vector<char>& chosen, bool parallel)
         : f_(factor), matrix_(matrix), chosen_(chosen), parallel_(parallel), tree_(factor),
           position_(f_.size), next_row_(f_.supernodes), sources_(f_.supernodes)
     {
@@ -182,11 +182,11 @@ private:
         for (int c = begin; c < end; ++c) {
             double* column = block + static_cast<std::size_t>(c) * height;
             std::fill_n(column, height, 0.0);
-            for (SparseMatrix::InnerIterator it(matrix_, f_.permutation[first + c]); it; ++it) {
-                const int row = position_[it.row()];
+            matrix_.column(f_.permutation[first + c], [&](int unknown, double value) {
+                const int row = position_[unknown];
                 if (row >= first + c)
-                    column[work.place[row]] = it.value();
-            }
+                    column[work.place[row]] = value;
+            });
         }
         for (const Source& source : sources) {
             const int* rows = f_.rows_of(source.supernode);
@@ -254,7 +254,7 @@ private:
     }
 
     const SupernodalFactor& f_;
-    const SparseMatrix& matrix_;
+    const PrincipalBlock& matrix_;
     const std::vector<char>& chosen_;
     const bool parallel_;
     const SupernodalTree tree_;
@@ -290,10 +290,10 @@ std::vector<double> supernodal_work(const SupernodalFactor& factor)
     return work;
 }
 
-int factorize_supernodal(const SupernodalFactor& factor, const SparseMatrix& matrix,
+int factorize_supernodal(const SupernodalFactor& factor, const PrincipalBlock& block,
                          const std::vector<char>& chosen, bool parallel)
 {
-    return Factorization(factor, matrix, chosen, parallel).run();
+    return Factorization(factor, block, chosen, parallel).run();
 }
 
 } // namespace sinew

@@ -146,24 +146,27 @@ struct ThinShell::Impl
     }
 
     /// A of the header, without soft terms.
-    SparseMatrix assemble(const Regions& regions, const Coefficients& k, const TriangleMetric& metric) const
+    /// Eigen's matrices are copied where others move: they change hands by swap.
+    std::shared_ptr<SparseMatrix> assemble(const Regions& regions, const Coefficients& k,
+                                           const TriangleMetric& metric) const
     {
         const int n = rest.vertex_count();
         const auto laplacian = [&](const ElementScale& scale) {
             return laplacian_matrix(rest, options.laplacian, metric, scale);
         };
-        SparseMatrix A(n, n);
-        if (!k.stretching.empty())
-            A = laplacian([&](std::span<const int> element) { return mean_over(k.stretching, element); });
-        if (k.bending.empty() && k.variation.empty())
-            return A;
-
-        const auto add = [&A](SparseMatrix term) {
+        auto sum = std::make_shared<SparseMatrix>(n, n);
+        SparseMatrix& A = *sum;
+        const auto add = [&A](SparseMatrix&& term) {
             if (A.nonZeros() == 0)
-                A = std::move(term);
+                A.swap(term);
             else
                 A += term;
         };
+        if (!k.stretching.empty())
+            add(laplacian([&](std::span<const int> element) { return mean_over(k.stretching, element); }));
+        if (k.bending.empty() && k.variation.empty())
+            return sum;
+
         const SparseMatrix L = laplacian({});
         VectorX CM = divisible_mass(rest, options.laplacian, metric).cwiseInverse();
         for (int i = 0; i < n; ++i)
@@ -178,7 +181,7 @@ struct ThinShell::Impl
             });
             add(sparse_product(U.transpose(), ones, sparse_product(L_kv, ones, U)));
         }
-        return A;
+        return sum;
     }
 
     static void add_soft_terms(Binding& next, SparseMatrix& A)
@@ -207,13 +210,13 @@ struct ThinShell::Impl
         next.regions = Regions(next.handles, parts);
         next.constraints = next.regions.constraints();
         int degenerate = 0;
-        SparseMatrix A;
+        std::shared_ptr<SparseMatrix> A;
         {
             const TriangleMetric metric = triangle_metric(rest, least_area(next.k));
             degenerate = degenerate_face_count(rest, metric);
             A = assemble(next.regions, next.k, metric);
         }
-        add_soft_terms(next, A);
+        add_soft_terms(next, *A);
 
         progress.tick(0.2, "factorising");
         std::swap(bound, next);
@@ -242,7 +245,7 @@ struct ThinShell::Impl
         return report;
     }
 
-    void factorize(SparseMatrix A)
+    void factorize(std::shared_ptr<const SparseMatrix> A)
     {
         std::vector<bool> free(rest.vertex_count());
         for (int v = 0; v < rest.vertex_count(); ++v)
