@@ -3,13 +3,13 @@
 
 #ifdef SINEW_HAVE_CHOLMOD
 
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <numeric>
 #include <utility>
 
@@ -47,7 +47,7 @@ void divide(int rows, int columns, const double* L, int stride, double* b, int s
     dtrsm_("R", "L", "T", "N", &rows, &columns, &one, L, &stride, b, &stride_b);
 }
 
-/// What a thread needs of its own; others take one as they start.
+/// What a thread needs of its own.
 struct Workspace
 {
     std::vector<int> place; ///< (size) line of a row in the supernode at hand
@@ -57,8 +57,8 @@ struct Workspace
 class Factorization
 {
 public:
-    Factorization(const SupernodalFactor& factor, const SparseMatrix& matrix, const std::vector<char>& chosen,
-                  bool parallel)
+    Factorization(const SupernodalFactor& factor, const PrincipalBlock& matrix,
+                  const std::vector<char>& chosen, bool parallel)
         : f_(factor), matrix_(matrix), chosen_(chosen), parallel_(parallel), tree_(factor),
           position_(f_.size), next_row_(f_.supernodes), sources_(f_.supernodes)
     {
@@ -165,9 +165,11 @@ private:
         }
         const int width = f_.columns(s);
         each((width + panel_width - 1) / panel_width, parallel, [&](int panel) {
-            std::unique_ptr<Workspace> work = take(s);
+            const auto work = workspaces_.take([] { return std::make_unique<Workspace>(); });
+            work->place.resize(f_.size);
+            for (int r = 0; r < f_.height(s); ++r)
+                work->place[f_.rows_of(s)[r]] = r;
             gather(s, panel * panel_width, std::min((panel + 1) * panel_width, width), sources, *work);
-            give_back(std::move(work));
         });
         return factorize_block(s, parallel);
     }
@@ -180,11 +182,11 @@ private:
         for (int c = begin; c < end; ++c) {
             double* column = block + static_cast<std::size_t>(c) * height;
             std::fill_n(column, height, 0.0);
-            for (SparseMatrix::InnerIterator it(matrix_, f_.permutation[first + c]); it; ++it) {
-                const int row = position_[it.row()];
+            matrix_.column(f_.permutation[first + c], [&](int unknown, double value) {
+                const int row = position_[unknown];
                 if (row >= first + c)
-                    column[work.place[row]] = it.value();
-            }
+                    column[work.place[row]] = value;
+            });
         }
         for (const Source& source : sources) {
             const int* rows = f_.rows_of(source.supernode);
@@ -251,42 +253,15 @@ private:
         return -1;
     }
 
-    std::unique_ptr<Workspace> take(int s)
-    {
-        std::unique_ptr<Workspace> work;
-        {
-            const std::lock_guard lock(mutex_);
-            if (!idle_.empty()) {
-                work = std::move(idle_.back());
-                idle_.pop_back();
-            }
-        }
-        if (!work) {
-            work = std::make_unique<Workspace>();
-            work->place.resize(f_.size);
-        }
-        const int* rows = f_.rows_of(s);
-        for (int r = 0; r < f_.height(s); ++r)
-            work->place[rows[r]] = r;
-        return work;
-    }
-
-    void give_back(std::unique_ptr<Workspace> work)
-    {
-        const std::lock_guard lock(mutex_);
-        idle_.push_back(std::move(work));
-    }
-
     const SupernodalFactor& f_;
-    const SparseMatrix& matrix_;
+    const PrincipalBlock& matrix_;
     const std::vector<char>& chosen_;
     const bool parallel_;
     const SupernodalTree tree_;
     std::vector<int> position_;            ///< (size) of each unknown
     std::vector<int> next_row_;            ///< of each supernode: the first row not yet used above
     std::vector<std::vector<int>> sources_; ///< what flows into each supernode next
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<Workspace>> idle_;
+    Pool<Workspace> workspaces_;
 };
 
 } // namespace
@@ -315,10 +290,10 @@ std::vector<double> supernodal_work(const SupernodalFactor& factor)
     return work;
 }
 
-int factorize_supernodal(const SupernodalFactor& factor, const SparseMatrix& matrix,
+int factorize_supernodal(const SupernodalFactor& factor, const PrincipalBlock& block,
                          const std::vector<char>& chosen, bool parallel)
 {
-    return Factorization(factor, matrix, chosen, parallel).run();
+    return Factorization(factor, block, chosen, parallel).run();
 }
 
 } // namespace sinew
