@@ -142,10 +142,11 @@ struct Arap::Impl
         node_rest = rest.points();
     }
 
-    void to_nodes(const PointsView& points, Points& nodes) const
+    /// The points of the first `count` nodes.
+    void to_nodes(const PointsView& points, int count, Points& nodes) const
     {
-        nodes.resize(points.rows(), 3);
-        parallel_for(graph.size, [&](int i) { nodes.row(i) = points.row(vertex[i]); });
+        nodes.resize(count, 3);
+        parallel_for(count, [&](int i) { nodes.row(i) = points.row(vertex[i]); });
     }
     void to_vertices(const PointsView& nodes, Points& points) const
     {
@@ -263,7 +264,7 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
     ArapWorkspace& fine = work->fine;
     Targets targets{poses, view(self.node_rest), {}, request.from_rest};
     if (request.incoming) {
-        self.to_nodes(*request.incoming, work->incoming);
+        self.to_nodes(*request.incoming, self.graph.size, work->incoming);
         targets.incoming.emplace(view(work->incoming));
     }
     fine.goals.set(self.graph, targets);
@@ -275,8 +276,7 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
         options.floor =
             rounding_floor * (request.incoming ? self.graph.scale(targets.base()) : self.graph.rest_scale);
         if (request.start) {
-            self.to_nodes(*request.start, fine.x);
-            fine.x.conservativeResize(self.graph.free_count(), 3);
+            self.to_nodes(*request.start, self.graph.free_count(), fine.x);
             if (self.graph.smoothing > 0) // else the first evaluation does
                 problem.fit_rotations(fine.x);
         } else {
@@ -296,7 +296,7 @@ double Arap::energy(const PointsView& positions) const
     const Impl& self = *impl_;
     self.require_same_size(positions, "positions");
     Points all;
-    self.to_nodes(positions, all);
+    self.to_nodes(positions, self.graph.size, all);
     Points pulls(self.graph.pulls.size(), 3); // already where they would go: no energy
     for (std::size_t k = 0; k < self.graph.pulls.size(); ++k)
         pulls.row(k) = all.row(self.graph.pulls[k].node);
