@@ -9,6 +9,7 @@ from .rest import (
     read_faces,
     read_rest,
     replace_rest,
+    same_topology,
     weights_attribute,
 )
 from .shape import read_shape, resize_shape, shape_array, shape_mesh, write_shape
@@ -28,6 +29,7 @@ __all__ = (
     "read_triangles",
     "replace_rest",
     "resize_shape",
+    "same_topology",
     "shape_array",
     "shape_mesh",
     "weights_attribute",
