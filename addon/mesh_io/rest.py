@@ -8,7 +8,7 @@ import bmesh
 import numpy as np
 from bpy.types import Mesh
 
-from ..compat import read_positions
+from ..compat import read_faces, read_positions
 from ..core import frames
 from ..ids import Keys
 
@@ -100,15 +100,6 @@ def _stand_ins(points: np.ndarray, counts: np.ndarray, corners: np.ndarray, lost
         number = numbers[around].sum()
         places[row] = sums[around].sum(axis=0) / number if number else everywhere
     return places
-
-
-def read_faces(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Corners per face int32 (m,), and the vertex of each corner, face after face."""
-    counts = np.empty(len(mesh.polygons), dtype=np.int32)
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.polygons.foreach_get("loop_total", counts)
-    mesh.loops.foreach_get("vertex_index", corners)
-    return counts, corners
 
 
 def group_names(mesh: Mesh) -> list[str]:
