@@ -5,20 +5,24 @@ No bpy calls but reads.
 """
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from bpy.types import Mesh, Object
 
 from ..backend import Recipe
 from ..core.errors import ConstraintError, OptionError
-from ..core.methods import Method, group_property
+from ..core.methods import METHODS, group_property
 from ..core.status import Remedy
 from ..ids import Keys
 from ..mesh_io import RestShape, group_names, group_weights
 from ..properties import SinewDeformer
 
 _IMPLIED = "support"  # the key of the fixed region around a support
+_BINDING_NAMES = {  # the properties that a factor depends on, by method
+    method.id: tuple(parameter.id for parameter in method.parameters if parameter.rebinds)
+    + tuple(group_property(parameter) for parameter in method.paintable if parameter.rebinds)
+    for method in METHODS
+}
 
 
 @dataclass(frozen=True)
@@ -37,7 +41,7 @@ def bind_key(settings: SinewDeformer, token: str) -> tuple:
     """What a factor depends on. Equal keys, equal factors; so undo, load and copies need no bookkeeping."""
     method = settings.definition
     values = settings.parameters
-    options = tuple((name, getattr(values, name)) for name in _binding_names(method))
+    options = tuple((name, getattr(values, name)) for name in _BINDING_NAMES[method.id])
     handles = tuple(
         sorted(  # their order in the list has no meaning
             (handle.uid, handle.kind, handle.vertex_group, handle.weight, handle.continuity)
@@ -46,15 +50,6 @@ def bind_key(settings: SinewDeformer, token: str) -> tuple:
         )
     )
     return token, method.id, options, handles
-
-
-@lru_cache
-def _binding_names(method: Method) -> tuple[str, ...]:
-    """The properties of the method that a factor depends on."""
-    return (
-        *(parameter.id for parameter in method.parameters if parameter.rebinds),
-        *(group_property(parameter) for parameter in method.paintable if parameter.rebinds),
-    )
 
 
 def has_constraints(settings: SinewDeformer) -> bool:
