@@ -153,7 +153,7 @@ class Factor:
         self.recipe = recipe
 
     def solve(self, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
-        """Positions (n, 3) float64 and a report for ``poses`` (k, 3, 4)."""
+        """Positions (n, 3) float64, or the float32 ``out``, and a report for ``poses`` (k, 3, 4)."""
         with self._lock:
             solver = self._solver
             if solver is None:

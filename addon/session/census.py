@@ -33,10 +33,11 @@ def owners() -> list[Object]:
     """Objects that own deformers, without copies that still share the shapes of another."""
     if _census.objects != len(bpy.data.objects):
         _take()
-    found = [bpy.data.objects.get(key) for key in _census.owners]
-    if not all(obj is not None and deformers_of(obj) for obj in found):
+    objects = bpy.data.objects
+    found = [objects.get(key) for key in _census.owners]
+    if not all(obj is not None and len(deformers_of(obj)) for obj in found):
         _take()  # renamed, or removed while another was added
-        found = [bpy.data.objects[key] for key in _census.owners]
+        found = [objects[key] for key in _census.owners]
     return found
 
 

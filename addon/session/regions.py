@@ -11,13 +11,18 @@ from bpy.types import Mesh, Object
 
 from ..backend import Recipe
 from ..core.errors import ConstraintError, OptionError
-from ..core.methods import group_property
+from ..core.methods import METHODS, group_property
 from ..core.status import Remedy
 from ..ids import Keys
 from ..mesh_io import RestShape, group_names, group_weights
 from ..properties import SinewDeformer
 
 _IMPLIED = "support"  # the key of the fixed region around a support
+_BINDING_NAMES = {  # the properties that a factor depends on, by method
+    method.id: tuple(parameter.id for parameter in method.parameters if parameter.rebinds)
+    + tuple(group_property(parameter) for parameter in method.paintable if parameter.rebinds)
+    for method in METHODS
+}
 
 
 @dataclass(frozen=True)
@@ -36,11 +41,7 @@ def bind_key(settings: SinewDeformer, token: str) -> tuple:
     """What a factor depends on. Equal keys, equal factors; so undo, load and copies need no bookkeeping."""
     method = settings.definition
     values = settings.parameters
-    options = tuple(
-        (parameter.id, getattr(values, parameter.id), getattr(values, group_property(parameter), ""))
-        for parameter in method.parameters
-        if parameter.rebinds
-    )
+    options = tuple((name, getattr(values, name)) for name in _BINDING_NAMES[method.id])
     handles = tuple(
         sorted(  # their order in the list has no meaning
             (handle.uid, handle.kind, handle.vertex_group, handle.weight, handle.continuity)
