@@ -16,6 +16,9 @@
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #ifdef __GNUC__
 // Absent unless the BLAS is OpenBLAS.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
@@ -316,6 +319,9 @@ private:
     int factorize_supernodes(const PrincipalBlock& block, cholmod_common* common)
     {
         if (!factor_->x) {
+#ifdef __GLIBC__
+            malloc_trim(0); // what ordering and analysis took is no longer needed, and the factor is large
+#endif
             factor_->x = cholmod_malloc(factor_->xsize, sizeof(double), common);
             if (!factor_->x)
                 refuse(common->status);

@@ -29,6 +29,7 @@ namespace {
 
 constexpr int most_parts = 32;
 constexpr int panel_width = 96;         ///< columns of a supernode that one thread updates
+constexpr int strip_width = 48;         ///< columns of a product
 constexpr int panel_height = 256;       ///< rows of a panel's lower part that one thread solves
 constexpr double least_parallel = 5e6;  ///< operations; below, one thread is faster
 constexpr double least_shared = 2e6;    ///< the same for one supernode
@@ -50,8 +51,14 @@ void divide(int rows, int columns, const double* L, int stride, double* b, int s
 /// What a thread needs of its own.
 struct Workspace
 {
+    /// Rows from `begin` on that follow each other from `line` on in the supernode at hand.
+    struct Run
+    {
+        int begin, line;
+    };
     std::vector<int> place; ///< (size) line of a row in the supernode at hand
     std::vector<double> product;
+    std::vector<Run> runs;
 };
 
 class Factorization
@@ -201,8 +208,15 @@ private:
         }
     }
 
-    /// block(s) -= L_k(from.., :) L_k(from..to, :)^T
+    /// block(s) -= L_k(from.., :) L_k(from..to, :)^T, in strips, so that little is computed above the
+    /// diagonal.
     void subtract(int s, int k, int from, int to, Workspace& work)
+    {
+        for (int begin = from; begin < to; begin += strip_width)
+            subtract_strip(s, k, begin, std::min(begin + strip_width, to), work);
+    }
+
+    void subtract_strip(int s, int k, int from, int to, Workspace& work)
     {
         const int height = f_.height(s), stride = f_.height(k), inner = f_.columns(k);
         const int tall = stride - from, wide = to - from;
@@ -218,10 +232,21 @@ private:
         work.product.resize(std::max(work.product.size(), static_cast<std::size_t>(tall) * wide));
         double* product = work.product.data();
         multiply(tall, wide, inner, 1.0, a, stride, a, stride, 0.0, product, tall);
+        work.runs.clear(); // of rows that are neighbours there, too
+        for (int r = 0; r < tall; ++r) {
+            const int there = work.place[rows[r]];
+            if (work.runs.empty() || work.runs.back().line + r - work.runs.back().begin != there)
+                work.runs.push_back({r, there});
+        }
         for (int c = 0; c < wide; ++c, product += tall) {
             double* into = block + static_cast<std::size_t>(rows[c] - f_.first[s]) * height;
-            for (int r = c; r < tall; ++r)
-                into[work.place[rows[r]]] -= product[r];
+            for (std::size_t run = 0; run < work.runs.size(); ++run) {
+                const auto [begin, there] = work.runs[run];
+                const int end = run + 1 < work.runs.size() ? work.runs[run + 1].begin : tall;
+                double* to_line = into + there - begin;
+                for (int r = std::max(begin, c); r < end; ++r)
+                    to_line[r] -= product[r];
+            }
         }
     }
 
