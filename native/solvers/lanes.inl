@@ -158,9 +158,9 @@ inline void subtract_dots(const T* L, std::ptrdiff_t stride, int height, const T
         }
     Lanes<T> point[4] = {};
     for (int k = 0; k < lanes; ++k) {
-        Lanes<T> across[4] = {};
-        for (int c = 0; c < columns; ++c)
-            across[c] = folded(sum[c][k]);
+        Lanes<T> across[4]; // beyond the columns nobody looks
+        for (int c = 0; c < 4; ++c)
+            across[c] = folded(sum[least(c, columns - 1)][k]);
         transpose(across[0], across[1], across[2], across[3]);
         point[k] = (across[0] + across[1]) + (across[2] + across[3]);
     }

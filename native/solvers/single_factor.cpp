@@ -122,6 +122,7 @@ void SingleFactor::solve_rows(const Rows& rhs, Rows& solution) const
     const double scale = 1.0 / largest;
     const int k = static_cast<int>(rhs.cols());
     supernodal_->sweep(
+        k,
         [&](float* points) {
             parallel_for(
                 size_,

@@ -259,10 +259,10 @@ void SupernodalSolve<T>::solve_rows(RowMatrix& x, int first, int k) const
 }
 
 template <class T>
-void SupernodalSolve<T>::sweep(const std::function<void(T*)>& fill,
+void SupernodalSolve<T>::sweep(int k, const std::function<void(T*)>& fill,
                                const std::function<void(const T*)>& read) const
 {
-    impl_->run(lane_count, fill, read);
+    impl_->run(std::max(k, 3), fill, read);
 }
 
 template class SupernodalSolve<double>;
