@@ -111,7 +111,10 @@ class Factor:
         self.recipe = recipe
 
     def solve(self, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
-        """Positions (n, 3) float64 and a report for ``poses``: (k, 3, 4) of handles, (c, 3) of a cage."""
+        """Positions (n, 3) float64, or the float32 ``out``, and a report.
+
+        ``poses``: (k, 3, 4) of handles, (c, 3) of a cage.
+        """
         with self._lock:
             solver = self._solver
             if solver is None:

@@ -111,12 +111,17 @@ class _Warp:
         self._rest = rest
 
     def solve(
-        self, vertices: np.ndarray, *, incoming: np.ndarray | None = None, progress: Progress | None = None
+        self,
+        vertices: np.ndarray,
+        *,
+        incoming: np.ndarray | None = None,
+        out: np.ndarray | None = None,
+        progress: Progress | None = None,
     ) -> tuple[np.ndarray, None]:
         """Positions (n, 3) for cage ``vertices`` (c, 3). A product: there is nothing to report."""
-        positions = self._coordinates.warp(vertices)
+        positions = self._coordinates.warp(vertices, out=out)
         if incoming is not None:
-            positions += incoming - self._rest
+            np.add(positions, incoming - self._rest, out=positions, casting="same_kind")
         return positions, None
 
 

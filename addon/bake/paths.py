@@ -8,7 +8,7 @@ import bpy
 from bpy.types import Object
 
 from ..core.errors import SinewError
-from ..properties import SinewDeformer
+from ..properties import SinewDeformer, deformers_of
 from .files import SUFFIXES
 
 FOLDER = "sinew_cache"
@@ -41,7 +41,7 @@ def is_free(path: str, deformer: SinewDeformer) -> bool:
         other.uid != deformer.uid and other.bake.is_baked and _same(other.bake.filepath, path)
         for obj in bpy.data.objects
         if obj.library is None
-        for other in obj.sinew.deformers
+        for other in deformers_of(obj)
     )
 
 

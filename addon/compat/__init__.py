@@ -13,7 +13,7 @@ from .interface import (
     set_modifier_input,
 )
 from .layout import draw_keymap_item, draw_progress, text_width
-from .mesh import read_positions, write_positions
+from .mesh import read_edges, read_faces, read_positions, read_triangles, write_positions
 from .modifiers import move_modifier
 from .nodes import enabled_socket
 from .shape_keys import read_key, write_key
@@ -30,8 +30,11 @@ __all__ = (
     "is_bone_selected",
     "modifier_input",
     "move_modifier",
+    "read_edges",
+    "read_faces",
     "read_key",
     "read_positions",
+    "read_triangles",
     "remove_action_curve",
     "select_bone",
     "set_modifier_input",

@@ -6,13 +6,12 @@ from .rest import (
     RestShape,
     group_names,
     group_weights,
-    read_faces,
     read_rest,
     replace_rest,
+    same_topology,
     weights_attribute,
 )
 from .shape import read_shape, resize_shape, shape_array, shape_mesh, write_shape
-from .triangles import read_edges, read_triangles
 
 __all__ = (
     "Incoming",
@@ -20,14 +19,12 @@ __all__ = (
     "group_names",
     "group_weights",
     "read_attributes",
-    "read_edges",
-    "read_faces",
     "read_incoming",
     "read_rest",
     "read_shape",
-    "read_triangles",
     "replace_rest",
     "resize_shape",
+    "same_topology",
     "shape_array",
     "shape_mesh",
     "weights_attribute",

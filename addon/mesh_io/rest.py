@@ -8,9 +8,11 @@ import bmesh
 import numpy as np
 from bpy.types import Mesh
 
-from ..compat import read_positions
+from ..compat import read_faces, read_positions
 from ..core import frames
 from ..ids import Keys
+
+_WEIGHTS = ".sinew_weight_"  # how the attributes begin that keep the weights of groups
 
 
 @dataclass
@@ -46,16 +48,41 @@ def read_rest(mesh: Mesh) -> RestShape:
 
 
 def replace_rest(held: Mesh, new: Mesh) -> None:
-    """Let ``held`` be what ``new`` is. Its identity stays."""
-    copy = bmesh.new()
-    copy.from_mesh(new, face_normals=False)
-    copy.to_mesh(held)
-    copy.free()
+    """Let ``held`` be what ``new`` is, to those who read a rest mesh. Its identity stays."""
+    if not _take_weights(held, new):
+        copy = bmesh.new()
+        copy.from_mesh(new, face_normals=False)
+        copy.to_mesh(held)
+        copy.free()
     for key in (Keys.REST_TOKEN, Keys.REST_GROUPS):
         if key in new:
             held[key] = new[key]
         elif key in held:
             del held[key]
+
+
+def _take_weights(held: Mesh, new: Mesh) -> bool:
+    """Where the shape is the same and all weights are attributes, copy only these: a tenth of the time."""
+    wanted = [weights_attribute(index) for index in range(len(group_names(new)))]
+    if not all(name in new.attributes for name in wanted):
+        return False
+    if not same_topology(held, new) or not np.array_equal(read_positions(held), read_positions(new)):
+        return False
+    for name in [attribute.name for attribute in held.attributes]:
+        if name.startswith(_WEIGHTS):
+            held.attributes.remove(held.attributes[name])
+    weights = np.empty(len(new.vertices), dtype=np.float32)
+    for name in wanted:
+        new.attributes[name].data.foreach_get("value", weights)
+        held.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", weights)
+    return True
+
+
+def same_topology(a: Mesh, b: Mesh) -> bool:
+    """Equal numbers of vertices, and the same faces."""
+    if len(a.vertices) != len(b.vertices):
+        return False
+    return all(np.array_equal(x, y) for x, y in zip(read_faces(a), read_faces(b), strict=True))
 
 
 def _stand_ins(points: np.ndarray, counts: np.ndarray, corners: np.ndarray, lost: np.ndarray) -> np.ndarray:
@@ -75,15 +102,6 @@ def _stand_ins(points: np.ndarray, counts: np.ndarray, corners: np.ndarray, lost
     return places
 
 
-def read_faces(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Corners per face int32 (m,), and the vertex of each corner, face after face."""
-    counts = np.empty(len(mesh.polygons), dtype=np.int32)
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.polygons.foreach_get("loop_total", counts)
-    mesh.loops.foreach_get("vertex_index", corners)
-    return counts, corners
-
-
 def group_names(mesh: Mesh) -> list[str]:
     """The vertex groups that a rest mesh had, in their order."""
     names = mesh.get(Keys.REST_GROUPS)
@@ -94,7 +112,7 @@ def group_names(mesh: Mesh) -> list[str]:
 
 def weights_attribute(index: int) -> str:
     """Where a rest mesh keeps the weights of its ``index``-th vertex group for a quick read."""
-    return f".sinew_weight_{index}"
+    return f"{_WEIGHTS}{index}"
 
 
 def group_weights(mesh: Mesh, names: list[str], wanted: set[str]) -> dict[str, np.ndarray]:

@@ -28,12 +28,9 @@ def resize_shape(mesh: Mesh, vertex_count: int) -> None:
     write_shape(mesh, np.zeros((vertex_count + 1, 3), dtype=np.float32), 0.0, False)
 
 
-def shape_array(positions: np.ndarray) -> np.ndarray:
-    """Room for a shape mesh, float32 (n + 1, 3), with ``positions`` (n, 3) in it; infinite where too far."""
-    shape = np.empty((len(positions) + 1, 3), dtype=np.float32)
-    with np.errstate(over="ignore"):
-        shape[:-1] = positions
-    return shape
+def shape_array(vertex_count: int) -> np.ndarray:
+    """Room for a shape mesh, float32 (n + 1, 3)."""
+    return np.empty((vertex_count + 1, 3), dtype=np.float32)
 
 
 def write_shape(mesh: Mesh, shape: np.ndarray, factor: float, displacement: bool) -> bool:

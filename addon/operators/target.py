@@ -9,7 +9,7 @@ from bpy.types import Context, Object
 
 from .. import session
 from ..core.errors import SinewError
-from ..properties import SinewDeformer
+from ..properties import SinewDeformer, deformers_of
 
 
 def target_of(context: Context) -> Object | None:
@@ -18,7 +18,7 @@ def target_of(context: Context) -> Object | None:
     if obj is None:
         return None
     is_mesh = obj.type == "MESH"
-    if is_mesh and obj.sinew.deformers:
+    if is_mesh and deformers_of(obj):
         return obj
     return session.posed_by(obj) or (obj if is_mesh else _posed_with(context, obj))
 
@@ -47,7 +47,7 @@ def has_deformer(operator: type, context: Context) -> bool:
     """A poll: an editable mesh object with a deformer is at hand."""
     if not has_target(operator, context):
         return False
-    if not target_of(context).sinew.deformers:
+    if not deformers_of(target_of(context)):
         operator.poll_message_set("Add a deformer first")
         return False
     return True

@@ -7,7 +7,7 @@ from bpy.props import PointerProperty
 from . import bake, deformer, handle, parameters, scene
 from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
-from .deformer import SinewDeformer, SinewObject, method_items
+from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
 from .handle import KINDS as HANDLE_KINDS
 from .handle import SinewHandle
 from .scene import SinewScene
@@ -20,6 +20,7 @@ __all__ = (
     "SinewHandle",
     "SinewObject",
     "SinewScene",
+    "deformers_of",
     "method_items",
     "register",
     "unregister",

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A deformer of an object, and the list of them."""
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -152,6 +154,11 @@ class SinewDeformer(PropertyGroup):
         """The parameters of the method in use, by name."""
         return getattr(self, self.definition.id)
 
+    def complete(self) -> None:
+        """Let Blender make all settings now, so that no render thread has to: see ``deformers_of``."""
+        for group in ("bake", *BY_ID):
+            getattr(self, group)
+
     @property
     def is_bound(self) -> bool:
         """The rest shape is stored; the factor is built from it when needed."""
@@ -171,7 +178,9 @@ class SinewDeformer(PropertyGroup):
     def shape(self, mode: str) -> Object | None:
         """The hidden object that shows the deformation in VIEWPORT or RENDER, where Sinew made it."""
         shape = self.proxy_render if mode == "RENDER" else self.proxy
-        if shape is None or shape.type != "MESH" or Keys.SHAPE not in shape.data or not shape.data.vertices:
+        if shape is None or shape.type != "MESH" or Keys.SHAPE not in shape.data:
+            return None
+        if len(shape.data.vertices) == 0:  # their truth value would ask for write access, which copies them
             return None
         return None if mode == "RENDER" and shape == self.proxy else shape
 
@@ -183,6 +192,15 @@ class SinewDeformer(PropertyGroup):
 
 for _method in METHODS:
     SinewDeformer.__annotations__[_method.id] = PointerProperty(type=GROUPS[_method.id], override=_OVERRIDE)
+
+
+def deformers_of(obj: Object) -> Sequence[SinewDeformer]:
+    """The deformers of any object.
+
+    Blender makes settings that are not there when they are first read, off the main thread too, where two
+    may write at once. This leaves an object without settings as it is.
+    """
+    return obj.sinew.deformers if obj.is_property_set("sinew") else ()
 
 
 class SinewObject(PropertyGroup):

@@ -9,14 +9,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import bpy
-import numpy as np
 from bpy.types import Mesh, Modifier, Object
 
 from ..core.errors import MeshError
 from ..ids import Datablocks, Keys
-from ..mesh_io import read_faces, weights_attribute
+from ..mesh_io import same_topology, weights_attribute
 from ..properties import SinewDeformer
 from . import node_group, regions, rig, state
+
+FEW_GROUPS = 8  # so many are kept for a quick read, in use or not: the next bind then copies weights alone
 
 
 @contextmanager
@@ -122,13 +123,6 @@ def _as_rendered(copy: Object) -> Iterator[None]:
             render.use_simplify = True
 
 
-def same_topology(a: Mesh, b: Mesh) -> bool:
-    """Equal numbers of vertices, and the same faces."""
-    if len(a.vertices) != len(b.vertices):
-        return False
-    return all(np.array_equal(x, y) for x, y in zip(read_faces(a), read_faces(b), strict=True))
-
-
 def _position(obj: Object, deformer: SinewDeformer) -> int:
     modifier = rig.find_modifier(obj, deformer)
     return len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
@@ -136,9 +130,8 @@ def _position(obj: Object, deformer: SinewDeformer) -> int:
 
 def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
     names = [group.name for group in obj.vertex_groups]
-    painted = {
-        weights_attribute(names.index(name)): name for name in regions.groups_of(deformer) & set(names)
-    }
+    wanted = names if len(names) <= FEW_GROUPS else regions.groups_of(deformer) & set(names)
+    painted = {weights_attribute(names.index(name)): name for name in wanted}
     with node_group.keeping_weights(copy, painted):
         mesh = _new_mesh(copy)
     if len(mesh.vertices) == 0:

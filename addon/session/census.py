@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.types import Object
 
+from ..properties import deformers_of
 from . import rig
 
 _Key = str | tuple[str, str]  # how ``bpy.data.objects`` finds an object: by name, or by name and library
@@ -32,10 +33,11 @@ def owners() -> list[Object]:
     """Objects that own deformers, without copies that still share the shapes of another."""
     if _census.objects != len(bpy.data.objects):
         _take()
-    found = [bpy.data.objects.get(key) for key in _census.owners]
-    if not all(obj is not None and obj.sinew.deformers for obj in found):
+    objects = bpy.data.objects
+    found = [objects.get(key) for key in _census.owners]
+    if not all(obj is not None and len(deformers_of(obj)) for obj in found):
         _take()  # renamed, or removed while another was added
-        found = [bpy.data.objects[key] for key in _census.owners]
+        found = [objects[key] for key in _census.owners]
     return found
 
 
@@ -59,14 +61,14 @@ def _take() -> None:
     keys: list[_Key] = []
     _census.has_copies = False
     for obj in bpy.data.objects:
-        uids = [deformer.uid for deformer in obj.sinew.deformers]
+        uids = [deformer.uid for deformer in deformers_of(obj)]
         if len(set(uids)) < len(uids):
             _census.has_copies = True
         if any(uid in seen for uid in uids):
             _census.has_copies = True
         elif uids:
             keys.append((obj.name, obj.library.filepath) if obj.library else obj.name)
-            if obj.library is None and any(rig.is_linked(deformer.proxy) for deformer in obj.sinew.deformers):
+            if obj.library is None and any(rig.is_linked(deformer.proxy) for deformer in deformers_of(obj)):
                 _census.has_copies = True
         seen.update(uids)
     _census.objects, _census.owners = len(bpy.data.objects), tuple(keys)

@@ -11,7 +11,7 @@ from mathutils import Matrix
 from ..core import frames
 from ..core.errors import ConstraintError
 from ..mesh_io import RestShape
-from ..properties import SinewDeformer, SinewHandle
+from ..properties import SinewDeformer, SinewHandle, deformers_of
 from . import poses
 
 
@@ -76,12 +76,12 @@ def complete_rest_frames(obj: Object, deformer: SinewDeformer) -> None:
 def release(handle: SinewHandle) -> None:
     """Remove the empty made for a handle, unless another handle uses it."""
     control, handle.control = handle.control, None
-    if control is None or not handle.owns_control or control.library is not None or control.sinew.deformers:
+    if control is None or not handle.owns_control or control.library is not None or deformers_of(control):
         return
     used = any(
         other.control == control
         for obj in bpy.data.objects
-        for deformer in obj.sinew.deformers
+        for deformer in deformers_of(obj)
         for other in deformer.handles
     )
     if not used:

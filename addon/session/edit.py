@@ -25,6 +25,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     if method not in BY_ID:
         raise SinewError(f"There is no method '{method}' - choose one of: {', '.join(BY_ID)}")
     deformer = obj.sinew.deformers.add()
+    deformer.complete()
     deformer.uid = rig.new_key()
     deformer.name = name or _unique(
         BY_ID[method].label, [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]

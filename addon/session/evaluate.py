@@ -84,6 +84,7 @@ def _update_object(
             obj, evaluated, depsgraph, modifier, deformer, settings, session, chain, preview, new_geometry
         )
         if turn.in_viewport and changed:
+            deformer.complete()
             if regions.follow_renamed_groups(obj, deformer):
                 session.rest = None  # its weights go by the old names
             if rig.connect_mask(obj, modifier, deformer):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where the controls are, as poses in the object space of the target."""
 
+from functools import lru_cache
+
 import numpy as np
 from bpy.types import Depsgraph
 from mathutils import Matrix
@@ -46,6 +48,16 @@ def fingerprint(matrix: Matrix) -> int:
     return hash(matrix.copy().freeze())
 
 
+def _inverse(matrix: Matrix, whose: str) -> np.ndarray:
+    """The inverse (4, 4) of what rests from frame to frame: it is not even read into an array again."""
+    return _inverse_of_frozen(matrix.copy().freeze(), whose)
+
+
+@lru_cache(maxsize=256)
+def _inverse_of_frozen(matrix: Matrix, whose: str) -> np.ndarray:
+    return frames.inverse(np.array(matrix.copy(), dtype=np.float64), whose)
+
+
 def rest_of(handle: SinewHandle) -> np.ndarray:
     """The control relative to the target at rest, (4, 4)."""
     return np.array(handle.rest_matrix, dtype=np.float64).reshape(4, 4, order="F")
@@ -73,7 +85,7 @@ def gather(turn: Turn, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
     A control that was deleted leaves its handle where it was last; one that was exchanged takes over there.
     """
     deformer, depsgraph, session = turn.deformer, turn.depsgraph, turn.session
-    world = np.array(turn.evaluated.matrix_world, dtype=np.float64)
+    world = turn.evaluated.matrix_world
     by_key = {handle.uid: handle for handle in deformer.handles}
     poses = np.empty((len(bound.handles), 3, 4))
     from_rest = np.zeros(len(bound.handles), dtype=bool)
@@ -88,10 +100,12 @@ def gather(turn: Turn, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
             control = control_matrix(handle, depsgraph)
         if control is not None and not handle.has_rest and turn.in_viewport:
             last = session.poses.get(key)
-            capture_rest(handle, world, control, _last_pose(deformer, bound, row) if last is None else last)
+            last = _last_pose(deformer, bound, row) if last is None else last
+            capture_rest(handle, np.array(world, dtype=np.float64), control, last)
             session.rewire, handle.has_last_pose = True, False
         if control is not None and handle.has_rest:
-            poses[row] = frames.pose(world, control, rest_of(handle), f"The control of {handle.name}")
+            to_rest = _inverse(handle.rest_matrix, f"The control of {handle.name}")
+            poses[row] = (_inverse(world, "The mesh object") @ control @ to_rest)[:3]
             session.poses[key] = poses[row].copy()
         else:
             if key not in session.poses:

@@ -12,7 +12,7 @@ from bpy.types import Mesh, Object
 
 from ..compat import read_positions, write_positions
 from ..core.errors import SinewError
-from ..mesh_io import read_rest
+from ..mesh_io import read_rest, same_topology
 from ..properties import SinewDeformer
 from . import capture, edit, regions, rig, state
 
@@ -46,7 +46,7 @@ def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
     except SinewError:  # no vertices: the evaluation says so
         return False
     held = (deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER") if deformer.renders_differ else None)
-    if not capture.same_topology(held[0], meshes[0]):
+    if not same_topology(held[0], meshes[0]):
         _discard(meshes)
         _change_topology(obj, deformer)
         return True
@@ -70,7 +70,7 @@ def _fits(old: Mesh | None, new: Mesh | None) -> bool:
     """Renders get the vertices that they had at bind. Else what enters there now is their rest shape."""
     if old is None or new is None:
         return old is new
-    return capture.same_topology(old, new)
+    return same_topology(old, new)
 
 
 def _same_weights(old: Mesh | None, new: Mesh | None, deformer: SinewDeformer) -> bool:

@@ -7,9 +7,16 @@ import numpy as np
 
 from ..backend import CageRecipe, Recipe
 from ..core.errors import OptionError
-from ..core.methods import group_property
+from ..core.methods import METHODS, group_property
 from ..mesh_io import RestShape
 from ..properties import SinewDeformer
+
+
+_BINDING_NAMES = {  # the properties that a factor depends on, by method
+    method.id: tuple(parameter.id for parameter in method.parameters if parameter.rebinds)
+    + tuple(group_property(parameter) for parameter in method.paintable if parameter.rebinds)
+    for method in METHODS
+}
 
 
 @dataclass(frozen=True)
@@ -31,11 +38,7 @@ class BindInput:
 def option_values(settings: SinewDeformer) -> tuple:
     """The settings that a factor depends on, to compare."""
     values = settings.parameters
-    return tuple(
-        (parameter.id, getattr(values, parameter.id), getattr(values, group_property(parameter), ""))
-        for parameter in settings.definition.parameters
-        if parameter.rebinds
-    )
+    return tuple((name, getattr(values, name)) for name in _BINDING_NAMES[settings.definition.id])
 
 
 def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:

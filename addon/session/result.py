@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from bpy.types import Object
 
+from ..compat import read_triangles
 from ..core import distortion
 from ..core.distortion import Measure, RestMetric
-from ..mesh_io import RestShape, group_names, group_weights, read_triangles
+from ..mesh_io import RestShape, group_names, group_weights
 from ..properties import SinewDeformer
 from . import state
 from .state import Bound

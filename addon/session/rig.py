@@ -15,7 +15,7 @@ from bpy.types import Mesh, NodesModifier, Object, Scene
 from .. import compat
 from ..ids import Datablocks, Inputs, Keys
 from ..mesh_io import replace_rest, resize_shape, shape_mesh, write_shape
-from ..properties import SinewDeformer
+from ..properties import SinewDeformer, deformers_of
 from . import node_group, relay, state
 
 _KEY_LENGTH = 16
@@ -271,7 +271,7 @@ def _shape_owners(proxy: Object) -> int:
     return sum(
         proxy in (deformer.proxy, deformer.proxy_render)
         for obj in bpy.data.objects
-        for deformer in obj.sinew.deformers
+        for deformer in deformers_of(obj)
     )
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
+from ..backend import Progress
 from ..core import status
 from ..core.errors import OptionError, SolverError, TopologyChangedError
 from ..core.status import Level, Status
@@ -60,14 +61,11 @@ def solve(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacement: b
         answer = _from_thread(turn.session, bound, question)
         if answer is None:
             return
-        question, solved = answer
+        question, shape = answer
     else:
         if turn.in_viewport:
             turn.session.drop_work()
-        solved = _solve_here(turn, bound, question)
-    shape = shape_array(solved - bound.rest.points if question.displacement else solved)
-    if not np.isfinite(shape[:-1]).all():
-        raise SolverError("The solution is not finite - check the scale of the controls")
+        shape = _solve_here(turn, bound, question)
     _show(turn, bound, question, shape, converged=not question.early)
 
 
@@ -89,7 +87,7 @@ def _question(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacemen
     posed = (control.tobytes(), *(value.tobytes() for value in further.values()))
     signature = (bound.key, posed, tuple(options.items()), displacement)
     options.update(further)
-    options["incoming"] = None if incoming is None else incoming.astype(np.float64)
+    options["incoming"] = incoming
     shown = turn.shown
     same = shown.signature == signature and _same(shown.incoming, incoming)
     final = turn.session.settle and same and turn.in_viewport
@@ -97,7 +95,7 @@ def _question(turn: Turn, bound: Bound, incoming: np.ndarray | None, displacemen
     if early:
         options["max_iterations"] = min(turn.session.steps, options["max_iterations"])
         if shown.positions is not None and not shown.displacement:
-            options["start"] = shown.positions.astype(np.float64)
+            options["start"] = shown.positions
     return Question(signature, incoming, displacement, control, options, early, final)
 
 
@@ -124,9 +122,24 @@ def _show(turn: Turn, bound: Bound, question: Question, shape: np.ndarray, conve
 
 def _solve_here(turn: Turn, bound: Bound, question: Question) -> np.ndarray:
     begin = time.perf_counter()
-    solved, _report = bound.factor.solve(question.control, **question.options)
+    shape = _answer(bound, question)
     _learn_price(turn.session, question, time.perf_counter() - begin)
-    return solved
+    return shape
+
+
+def _answer(bound: Bound, question: Question, progress: Progress | None = None) -> np.ndarray:
+    """A ``shape_array`` with the answer. Touches no Blender data: any thread will do."""
+    shape = shape_array(len(bound.rest.points))
+    out = shape[:-1]
+    if not question.displacement:
+        bound.factor.solve(question.control, out=out, progress=progress, **question.options)
+        return shape
+    solved, _report = bound.factor.solve(question.control, progress=progress, **question.options)
+    with np.errstate(over="ignore"):
+        np.subtract(solved, bound.rest.points, out=out, casting="same_kind")
+    if not np.isfinite(out).all():
+        raise SolverError("The solution is not finite - check the scale of the controls")
+    return shape
 
 
 def _learn_price(session: Session, question: Question, seconds: float) -> None:
@@ -156,7 +169,7 @@ def _may_be_late(turn: Turn, bound: Bound, question: Question) -> bool:
 
 
 def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Question, np.ndarray] | None:
-    """What a thread has found, perhaps for an earlier question; None until there is something."""
+    """The shape that a thread has found, perhaps for an earlier question; None until there is something."""
     work = session.work
     if work is not None and not work.done:
         if question.matches(work.subject) or not work.subject.final:
@@ -178,10 +191,8 @@ def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Qu
         _ask(session, bound, question)
         if answered.final:
             return None
-    return answered, work.result[0]
+    return answered, work.result
 
 
 def _ask(session: Session, bound: Bound, question: Question) -> None:
-    session.work = Work(
-        lambda progress: bound.factor.solve(question.control, progress=progress, **question.options), question
-    )
+    session.work = Work(lambda progress: _answer(bound, question, progress), question)

@@ -12,10 +12,10 @@ import bmesh
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 
-from ..compat import read_positions
+from ..compat import read_edges, read_positions, read_triangles
 from ..core import status
 from ..core.status import Level
-from ..mesh_io import read_attributes, read_edges, read_incoming, read_triangles
+from ..mesh_io import read_attributes, read_incoming
 from ..properties import SinewDeformer
 from . import rig
 from .result import Result

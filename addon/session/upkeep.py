@@ -10,6 +10,7 @@ import bpy
 from bpy.types import Object
 
 from ..ids import Datablocks
+from ..properties import deformers_of
 from . import binding, census, rig, state
 
 
@@ -18,10 +19,8 @@ def copies() -> list[Object]:
     seen: set[str] = set()
     found = []
     for obj in bpy.data.objects:
-        keys = [deformer.uid for deformer in obj.sinew.deformers]
-        linked = obj.library is None and any(
-            rig.is_linked(deformer.proxy) for deformer in obj.sinew.deformers
-        )
+        keys = [deformer.uid for deformer in deformers_of(obj)]
+        linked = obj.library is None and any(rig.is_linked(deformer.proxy) for deformer in deformers_of(obj))
         if linked or len(set(keys)) < len(keys) or any(key in seen for key in keys):
             found.append(obj)
         seen.update(keys)

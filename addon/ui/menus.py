@@ -9,6 +9,7 @@ from bpy.types import Context, Menu, UILayout
 
 from ..ids import Menus, Operators
 from ..operators import PAGES, target_of
+from ..properties import deformers_of
 
 
 class SINEW_MT_edit_mesh(Menu):
@@ -207,7 +208,7 @@ def _at_the_end(menu: Menu, context: Context) -> None:
 def _in_object_context_menu(menu: Menu, context: Context) -> None:
     """Only for meshes that have a deformer, and for controls: the menu is long already."""
     obj = target_of(context)
-    if obj is not None and obj.sinew.deformers:
+    if obj is not None and deformers_of(obj):
         _at_the_end(menu, context)
 
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 
+#include "native/core/parallel.h"
+
 #include <algorithm>
+#include <atomic>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -150,6 +154,38 @@ Progress progress(const py::object& callback)
         const py::object answer = py::reinterpret_borrow<py::object>(function)(fraction, stage);
         return answer.is_none() || answer.cast<bool>();
     });
+}
+
+SinglePoints singles(const py::object& object, const char* name, py::ssize_t rows)
+{
+    using Array = py::array_t<float, py::array::c_style>;
+    constexpr int fit = py::detail::npy_api::NPY_ARRAY_WRITEABLE_ | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
+    if (!py::isinstance<Array>(object) || (py::reinterpret_borrow<py::array>(object).flags() & fit) != fit)
+        throw py::type_error(std::string(name) + ": a writable C-contiguous float32 array is needed");
+    auto array = py::reinterpret_borrow<Array>(object);
+    if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != 3)
+        throw InvalidConstraint(std::string(name) + ": the shape must be (" + std::to_string(rows) + ", 3)");
+    return {array.mutable_data(), rows, 3};
+}
+
+void round_into(const Points& positions, SinglePoints& out)
+{
+    std::atomic<bool> finite{true};
+    parallel_chunks(static_cast<int>(positions.rows()), 8192, [&](int begin, int end) {
+        const double* from = positions.data() + 3 * static_cast<std::size_t>(begin);
+        float* to = out.data() + 3 * static_cast<std::size_t>(begin);
+        const std::size_t count = 3 * static_cast<std::size_t>(end - begin);
+        std::uint32_t largest = 0; // of the bits without the sign, which have the order of the numbers
+        for (std::size_t k = 0; k < count; ++k) {
+            to[k] = static_cast<float>(from[k]);
+            largest = std::max(largest, std::bit_cast<std::uint32_t>(to[k]) & 0x7FFFFFFFU);
+        }
+        if (largest >= 0x7F800000U)
+            finite = false;
+    });
+    if (!finite)
+        throw InvalidConstraint(
+            "the solution is not finite in single precision - check the scale of the poses");
 }
 
 py::array_t<double> to_numpy(Points&& points)

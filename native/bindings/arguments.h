@@ -59,6 +59,16 @@ std::optional<std::vector<bool>> flags(const py::object& object, std::size_t cou
 /// Ticks into a Python callable (None for none) under the GIL and lets Ctrl-C through.
 Progress progress(const py::object& callback);
 
+/// (n, 3) view of the float32 array that a caller wants filled: C-contiguous, writable, of `rows` rows.
+/// \throw py::type_error     naming the argument, for what else it is.
+/// \throw InvalidConstraint  another shape.
+using SinglePoints = Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
+SinglePoints singles(const py::object& object, const char* name, py::ssize_t rows);
+
+/// Rounds to single precision. Needs no GIL.
+/// \throw InvalidConstraint  a position is not finite then.
+void round_into(const Points& positions, SinglePoints& out);
+
 /// Moves points into a NumPy array without a copy.
 py::array_t<double> to_numpy(Points&& points);
 

@@ -63,17 +63,18 @@ Raises InvalidConstraint, FactorizationFailed or Cancelled; the object then stay
             "solve",
             [](const Arap& arap, const py::object& poses, const py::object& incoming,
                const py::object& from_rest, const py::object& start, std::optional<int> max_iterations,
-               std::optional<double> tolerance, const py::object& callback) {
+               std::optional<double> tolerance, const py::object& callback, const py::object& out) {
                 const SolveArguments in(poses, incoming, from_rest, start);
                 const Arap::Request request{in.incoming, in.from_rest(), in.start, max_iterations, tolerance};
                 const Progress ticks = progress(callback);
-                return solved(
-                    [&](Points& positions) { return arap.solve(in.poses, positions, request, ticks); });
+                return solved(out, arap.rest().vertex_count(), [&](Points& positions) {
+                    return arap.solve(in.poses, positions, request, ticks);
+                });
             },
             py::arg("poses"), py::kw_only(), py::arg("incoming") = py::none(),
             py::arg("from_rest") = py::none(), py::arg("start") = py::none(),
             py::arg("max_iterations") = py::none(), py::arg("tolerance") = py::none(),
-            py::arg("progress") = py::none(),
+            py::arg("progress") = py::none(), py::arg("out") = py::none(),
             R"(Deform -> (positions (n, 3), SolveReport). No factorisation; safe from several threads.
 
 poses           (k, 3, 4) affine map of each handle from its rest frame, object space.
@@ -83,6 +84,7 @@ start           None: the result depends on the poses alone. (n, 3): warm start 
 max_iterations  other budget for this call; 0 gives the start itself.
 tolerance       other tolerance for this call.
 progress        None or callable(fraction, stage); returning False cancels.
+out             None, or a float32 array (n, 3) to write into and return; half written after an error.
 
 Raises InvalidConstraint, InvalidOption or Cancelled. A spent budget is in the report, not an error.)")
         .def(

@@ -73,21 +73,24 @@ Raises InvalidConstraint, FactorizationFailed or Cancelled; the object then stay
         .def(
             "solve",
             [](const ThinShell& shell, const py::object& poses, const py::object& incoming,
-               const py::object& from_rest, const py::object&, const py::object&, const py::object&) {
+               const py::object& from_rest, const py::object&, const py::object&, const py::object&,
+               const py::object& out) {
                 const SolveArguments in(poses, incoming, from_rest, py::none());
-                return solved([&](Points& positions) {
+                return solved(out, shell.rest().vertex_count(), [&](Points& positions) {
                     return shell.solve(in.poses, positions, in.incoming, in.from_rest());
                 });
             },
             py::arg("poses"), py::kw_only(), py::arg("incoming") = py::none(),
             py::arg("from_rest") = py::none(), py::arg("start") = py::none(),
             py::arg("max_iterations") = py::none(), py::arg("progress") = py::none(),
+            py::arg("out") = py::none(),
             R"(Deform -> (positions (n, 3), SolveReport). No factorisation; safe from several threads.
 
 poses      (k, 3, 4) affine map of each handle from its rest frame, object space.
 incoming   (n, 3) what entered this frame; None for rest. Handle targets are pose * incoming.
 from_rest  None, a flag, or (k,) flags: handles whose targets are pose * rest.
 start, max_iterations, progress: accepted as by every surface method; a linear one needs none.
+out        None, or a float32 array (n, 3) to write into and return; half written after an error.
 
 Raises InvalidConstraint for a wrong count, shape or non-finite number.)");
 }

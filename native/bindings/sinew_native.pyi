@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csc_matrix, csr_matrix, spmatrix
 
 Floats = NDArray[np.float64]
+Singles = NDArray[np.float32]
 Ints = NDArray[np.int32]
 Progress = Callable[[float, str], bool | None]
 Discretization = Literal["uniform", "cotan", "cotan_voronoi"]
@@ -136,7 +137,8 @@ class ThinShell:
         start: ArrayLike | None = None,
         max_iterations: int | None = None,
         progress: Progress | None = None,
-    ) -> tuple[Floats, SolveReport]: ...
+        out: Singles | None = None,
+    ) -> tuple[Floats | Singles, SolveReport]: ...
 
 class AffineBasis:
     def __init__(self, thin_shell: ThinShell) -> None: ...
@@ -171,7 +173,8 @@ class Arap:
         max_iterations: int | None = None,
         tolerance: float | None = None,
         progress: Progress | None = None,
-    ) -> tuple[Floats, SolveReport]: ...
+        out: Singles | None = None,
+    ) -> tuple[Floats | Singles, SolveReport]: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
 class CageReport:

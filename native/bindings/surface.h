@@ -50,4 +50,23 @@ py::tuple solved(Solve&& solve)
     return py::make_tuple(to_numpy(std::move(positions)), report);
 }
 
+/// The same; unless `out` is None, the positions go there, rounded to single precision.
+template <class Solve>
+py::tuple solved(const py::object& out, int vertex_count, Solve&& solve)
+{
+    if (out.is_none())
+        return solved(std::forward<Solve>(solve));
+    SinglePoints single = singles(out, "out", vertex_count);
+    SolveReport report;
+    {
+        const py::gil_scoped_release unlocked;
+        thread_local Points kept; // its pages stay mapped from frame to frame
+        Points positions = std::exchange(kept, {}); // taken out: a progress call may come in here again
+        report = solve(positions);
+        round_into(positions, single);
+        kept = std::move(positions);
+    }
+    return py::make_tuple(out, report);
+}
+
 } // namespace sinew::bindings

@@ -62,15 +62,13 @@ inline void transpose(Lanes<double>& a, Lanes<double>& b, Lanes<double>& c, Lane
     d = __builtin_shufflevector(ab13, cd13, 2, 3, 6, 7);
 }
 inline Lanes<double> constant(double value) { return Lanes<double>{value, value, value, value}; }
-inline Lanes<double> root(Lanes<double> a)
+inline Lanes<double> root(Lanes<double> a) // one by one each would look whether errno is to be set
 {
-    // The compiler keeps the call that sets errno otherwise, lane by lane.
 #if defined(__AVX__)
     return _mm256_sqrt_pd(a);
 #elif defined(__SSE2__)
-    typedef double Half __attribute__((vector_size(16)));
-    const Half low = _mm_sqrt_pd(__builtin_shufflevector(a, a, 0, 1));
-    const Half high = _mm_sqrt_pd(__builtin_shufflevector(a, a, 2, 3));
+    const __m128d low = _mm_sqrt_pd(__builtin_shufflevector(a, a, 0, 1));
+    const __m128d high = _mm_sqrt_pd(__builtin_shufflevector(a, a, 2, 3));
     return __builtin_shufflevector(low, high, 0, 1, 2, 3);
 #else
     return Lanes<double>{__builtin_sqrt(a[0]), __builtin_sqrt(a[1]), __builtin_sqrt(a[2]),

@@ -2,7 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace sinew {
 
@@ -14,5 +18,52 @@ void require_memory(std::int64_t bytes);
 
 /// "3.1 GB", "310 MB" or "0.4 MB", for messages; a GB is 1024^3 bytes, as Blender counts.
 std::string in_words(std::int64_t bytes);
+
+/// Workspaces that stay from call to call, so that only the first call allocates; calls at the same time have
+/// one each.
+template <class T>
+class Pool
+{
+public:
+    /// A workspace that goes back to its pool in the end.
+    class Lease
+    {
+    public:
+        Lease(Pool& pool, std::unique_ptr<T> work) : pool_(pool), work_(std::move(work)) {}
+        ~Lease()
+        {
+            const std::lock_guard lock(pool_.mutex_);
+            pool_.idle_.push_back(std::move(work_));
+        }
+        Lease(const Lease&) = delete;
+        Lease& operator=(const Lease&) = delete;
+
+        T& operator*() const { return *work_; }
+        T* operator->() const { return work_.get(); }
+
+    private:
+        Pool& pool_;
+        std::unique_ptr<T> work_;
+    };
+
+    /// \param make  gives a std::unique_ptr<T> where none is idle.
+    template <class Make>
+    Lease take(Make&& make)
+    {
+        {
+            const std::lock_guard lock(mutex_);
+            if (!idle_.empty()) {
+                std::unique_ptr<T> work = std::move(idle_.back());
+                idle_.pop_back();
+                return {*this, std::move(work)};
+            }
+        }
+        return {*this, make()};
+    }
+
+private:
+    std::mutex mutex_;
+    std::vector<std::unique_ptr<T>> idle_;
+};
 
 } // namespace sinew

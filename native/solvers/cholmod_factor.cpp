@@ -16,6 +16,9 @@
 #ifdef __linux__
 #include <sys/mman.h>
 #endif
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #ifdef __GNUC__
 // Absent unless the BLAS is OpenBLAS.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
@@ -172,8 +175,15 @@ public:
     {
         own_.reset();
         Workspace workspace;
-        if (factor_->is_super)
-            return factorize_supernodes(matrix, workspace.get());
+        if (factor_->is_super) {
+            std::vector<int> all(matrix.cols());
+            std::iota(all.begin(), all.end(), 0);
+            const std::vector<bool> free(matrix.cols(), true);
+            if (has_upper_triangle(matrix))
+                return factorize_supernodes({matrix, all, free}, workspace.get());
+            const SparseMatrix both = matrix.selfadjointView<Eigen::Lower>();
+            return factorize_supernodes({both, all, free}, workspace.get());
+        }
         cholmod_sparse a = view(matrix);
         cholmod_factorize(&a, factor_, workspace.get());
         if (workspace.get()->status == CHOLMOD_NOT_POSDEF)
@@ -184,7 +194,16 @@ public:
         return -1;
     }
 
-    std::optional<int> update(const SparseMatrix& matrix, const std::vector<int>& changed, double most,
+    int factorize(const PrincipalBlock& block) override
+    {
+        if (!factor_->is_super)
+            return factorize(block.copy());
+        own_.reset();
+        Workspace workspace;
+        return factorize_supernodes(block, workspace.get());
+    }
+
+    std::optional<int> update(const PrincipalBlock& block, const std::vector<int>& changed, double most,
                               double& share) override
     {
         if (!own_)
@@ -207,7 +226,7 @@ public:
             return {};
         share = done / total;
         Workspace workspace;
-        const int broken = compute(matrix, chosen);
+        const int broken = compute(block, chosen);
         if (broken < 0)
             own_->renew(chosen);
         return broken;
@@ -297,9 +316,12 @@ private:
     }
 
     /// Numbers for CHOLMOD's structure, in its own place: its solve serves many columns.
-    int factorize_supernodes(const SparseMatrix& matrix, cholmod_common* common)
+    int factorize_supernodes(const PrincipalBlock& block, cholmod_common* common)
     {
         if (!factor_->x) {
+#ifdef __GLIBC__
+            malloc_trim(0); // what ordering and analysis took is no longer needed, and the factor is large
+#endif
             factor_->x = cholmod_malloc(factor_->xsize, sizeof(double), common);
             if (!factor_->x)
                 refuse(common->status);
@@ -307,21 +329,17 @@ private:
             ask_for_large_pages(factor_->x, factor_->xsize * sizeof(double));
         }
         nonzeros_ = count_entries();
-        const int broken = compute(matrix, {});
+        const int broken = compute(block, {});
         if (broken < 0)
             own_ = std::make_unique<SupernodalSolve<double>>(supernodes());
         return broken;
     }
 
     /// Values of the chosen supernodes; of all where none are named.
-    int compute(const SparseMatrix& matrix, const std::vector<char>& chosen)
+    int compute(const PrincipalBlock& block, const std::vector<char>& chosen)
     {
         const SupernodalFactor structure = supernodes();
-        const bool parallel = blas() != Blas::serial;
-        const int broken =
-            has_upper_triangle(matrix)
-                ? factorize_supernodal(structure, matrix, chosen, parallel)
-                : factorize_supernodal(structure, matrix.selfadjointView<Eigen::Lower>(), chosen, parallel);
+        const int broken = factorize_supernodal(structure, block, chosen, blas() != Blas::serial);
         return broken < 0 ? -1 : structure.permutation[broken];
     }
 

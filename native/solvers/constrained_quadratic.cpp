@@ -5,6 +5,7 @@
 #include "native/core/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -38,42 +39,10 @@ void multiply_row(const SparseMatrix& A, int i, const RowMatrix& x, double* y)
 
 } // namespace
 
-SparseMatrix ConstrainedQuadratic::block(const Problem& problem) const
+void ConstrainedQuadratic::factorize(std::shared_ptr<const SparseMatrix> matrix,
+                                     const std::vector<bool>& free)
 {
-    const SparseMatrix& A = *problem.matrix;
-    const int unknowns = static_cast<int>(problem.unknowns.size());
-    std::vector<int> place(A.cols(), -1);
-    for (int u = 0; u < unknowns; ++u)
-        place[problem.unknowns[u]] = u;
-    SparseMatrix block(unknowns, unknowns);
-    int* offsets = block.outerIndexPtr();
-    parallel_for(unknowns, [&](int u) {
-        int count = 0;
-        for (SparseMatrix::InnerIterator it(A, problem.unknowns[u]); it; ++it)
-            count += place[it.row()] >= 0;
-        offsets[u + 1] = count;
-    });
-    for (int u = 0; u < unknowns; ++u)
-        offsets[u + 1] += offsets[u];
-    block.resizeNonZeros(offsets[unknowns]);
-    parallel_for(unknowns, [&](int u) {
-        const int column = problem.unknowns[u];
-        int at = offsets[u];
-        for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
-            const int row = static_cast<int>(it.row());
-            if (place[row] < 0)
-                continue;
-            const bool both = problem.free[row] && problem.free[column];
-            block.innerIndexPtr()[at] = place[row];
-            block.valuePtr()[at++] = both ? it.value() : row == column ? 1.0 : 0.0;
-        }
-    });
-    return block;
-}
-
-void ConstrainedQuadratic::factorize(SparseMatrix matrix, const std::vector<bool>& free)
-{
-    Problem next{std::make_shared<SparseMatrix>(std::move(matrix)), free, problem_.unknowns};
+    Problem next{std::move(matrix), free, problem_.unknowns};
     if (update(next)) {
         adopt(std::move(next));
         return;
@@ -95,7 +64,7 @@ void ConstrainedQuadratic::factorize(Problem next)
         return;
     }
     try {
-        factor_.factorize(block(next));
+        factor_.factorize(PrincipalBlock(*next.matrix, next.unknowns, next.free));
     } catch (const FactorizationFailed& error) {
         if (error.elements().empty())
             throw;
@@ -146,7 +115,7 @@ bool ConstrainedQuadratic::update(const Problem& next)
     for (int u = 0; u < static_cast<int>(changed.size()); ++u)
         if (changed[u])
             list.push_back(u);
-    return factor_.update(block(next), list);
+    return factor_.update(PrincipalBlock(after, next.unknowns, next.free), list);
 }
 
 void ConstrainedQuadratic::adopt(Problem next)
@@ -178,22 +147,73 @@ void ConstrainedQuadratic::right_side_row(int row, const RowMatrix& x, const Row
 
 RowMatrix ConstrainedQuadratic::right_side(const RowMatrix& x, const RowMatrix* rhs) const
 {
+    RowMatrix b;
+    right_side(x, rhs, b);
+    return b;
+}
+
+void ConstrainedQuadratic::right_side(const RowMatrix& x, const RowMatrix* rhs, RowMatrix& b) const
+{
     const int unknowns = static_cast<int>(problem_.unknowns.size());
-    RowMatrix b(unknowns, x.cols());
+    b.resize(unknowns, x.cols());
     parallel_for(unknowns,
                  [&](int u) { right_side_row(problem_.unknowns[u], x, rhs, b.data() + b.cols() * u); });
-    return b;
 }
 
 void ConstrainedQuadratic::solve(RowMatrix& x, const RowMatrix* rhs) const
 {
-    RowMatrix solution = right_side(x, rhs);
-    factor_.solve_rows(solution);
+    Workspace work;
+    solve(x, rhs, work);
+}
+
+void ConstrainedQuadratic::solve(RowMatrix& x, const RowMatrix* rhs, Workspace& work) const
+{
+    right_side(x, rhs, work.unknowns);
+    factor_.solve_rows(work.unknowns);
+    const auto columns = x.cols();
     parallel_for(static_cast<int>(problem_.unknowns.size()), [&](int u) {
         const int row = problem_.unknowns[u];
         if (problem_.free[row])
-            x.row(row) = solution.row(u);
+            for (Eigen::Index c = 0; c < columns; ++c)
+                x(row, c) = work.unknowns(u, c);
     });
+}
+
+ConstrainedQuadratic::Norms ConstrainedQuadratic::norms(const RowMatrix& x, const RowMatrix* rhs) const
+{
+    constexpr int smallest = 512, most_chunks = 64;
+    const SparseMatrix& A = *problem_.matrix;
+    const int n = static_cast<int>(A.cols());
+    const auto columns = x.cols();
+    const int grain = std::max(smallest, (n + most_chunks - 1) / most_chunks);
+    std::vector<Norms> sums((n + grain - 1) / grain);
+    parallel_chunks(n, grain, [&](int begin, int end) {
+        Norms sum;
+        std::vector<double> product(columns), load(columns);
+        for (int i = begin; i < end; ++i) {
+            const double* own = x.data() + columns * i;
+            multiply_row(A, i, x, product.data());
+            for (Eigen::Index c = 0; c < columns; ++c)
+                sum.energy += own[c] * product[c];
+            if (!problem_.free[i])
+                continue;
+            for (Eigen::Index c = 0; c < columns; ++c)
+                sum.residual += std::pow(rhs ? product[c] - (*rhs)(i, c) : product[c], 2);
+            if (!rhs && !bordering_[i])
+                continue;
+            right_side_row(i, x, rhs, load.data());
+            for (Eigen::Index c = 0; c < columns; ++c)
+                sum.load += load[c] * load[c];
+        }
+        sums[begin / grain] = sum;
+    });
+    Norms total;
+    for (const Norms& part : sums) {
+        total.energy += part.energy;
+        total.residual += part.residual;
+        total.load += part.load;
+    }
+    return total;
 }
 
 ConstrainedQuadratic::Forms ConstrainedQuadratic::forms(const RowMatrix& x, const RowMatrix* rhs) const

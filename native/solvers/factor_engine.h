@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/core/types.h"
+#include "native/solvers/principal_block.h"
 #include "native/solvers/supernodal_tree.h"
 
 #include <cstdint>
@@ -26,12 +27,13 @@ public:
     /// Numeric factorisation of a matrix with the analysed pattern. Returns the unknown at
     /// which it broke down, or -1.
     virtual int factorize(const SparseMatrix& matrix) = 0;
+    virtual int factorize(const PrincipalBlock& block) { return factorize(block.copy()); }
 
-    /// The same after the `changed` columns and rows of the matrix alone became others: only what they reach
+    /// The same after the `changed` columns and rows of the block alone became others: only what they reach
     /// is computed, and the result is that of factorize() to the last bit. Empty, and nothing is done, where
     /// the engine cannot, or where more than `most` of the work were to be done again.
     /// \param[out] share  of the work of factorize() that was done.
-    virtual std::optional<int> update(const SparseMatrix& /*matrix*/, const std::vector<int>& /*changed*/,
+    virtual std::optional<int> update(const PrincipalBlock& /*block*/, const std::vector<int>& /*changed*/,
                                       double /*most*/, double& /*share*/)
     {
         return {};

@@ -15,8 +15,7 @@ extern const LaneKernels<float> lane_kernels_of_floats_with_avx2;
 template <class T>
 const LaneKernels<T>& baseline_lane_kernels()
 {
-    static constexpr LaneKernels<T> kernels{subtract_product, subtract_transposed, triangle,
-                                            triangle_transposed, product_of_eight};
+    static constexpr LaneKernels<T> kernels{forward_lanes, backward_lanes, product_of_eight};
     return kernels;
 }
 

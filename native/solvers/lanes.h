@@ -1,27 +1,43 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
+
 namespace sinew {
 
 /// Right-hand sides solved side by side: x, y, z and one to spare.
 constexpr int lane_count = 4;
 
-/// Products of a dense block with points of four lanes. `block` is column-major with leading dimension
-/// `stride`; `points` and `rows` hold four numbers an entry. T is double or float. Every set of kernels does
-/// the same operations in the same order, without fused ones: results agree to the last bit.
+/// A supernode of a Cholesky factor as SupernodalSolve prepares it: `values` is column-major, `height`
+/// numbers a column, its first `width` rows the triangle of its own columns. In blocks of triangle_width
+/// columns stands the inverse of each triangle: its diagonal in `diagonal`, its strict part transposed above
+/// that of `values`. Seven numbers past a column may be read, so another one follows wherever width < height.
+template <class T>
+struct LaneSupernode
+{
+    static constexpr int triangle_width = 16;
+
+    const T* values;
+    const T* diagonal; ///< (width)
+    const int* rows;   ///< (height - width) places of the rows below its own
+    int width, height;
+
+    /// Numbers of workspace that the kernels need.
+    static constexpr std::size_t workspace(int height) { return 4 * (static_cast<std::size_t>(height) + 16); }
+};
+
+/// Loops over points of four lanes. T is double or float. Every set of kernels does the same operations in
+/// the same order, without fused ones: results agree to the last bit.
 template <class T>
 struct LaneKernels
 {
-    /// rows -= block * points
-    void (*subtract_product)(const T* block, int stride, int columns, int height, const T* points, T* rows);
-    /// points -= block^T * rows
-    void (*subtract_transposed)(const T* block, int stride, int columns, int height, const T* rows,
-                                T* points);
-    /// points = T * points, T lower triangular; its strict part stands transposed in the upper triangle
-    /// of `block`, its diagonal in `diagonal`.
-    void (*triangle)(const T* block, int stride, int columns, const T* diagonal, T* points);
-    /// points = T^T * points
-    void (*triangle_transposed)(const T* block, int stride, int columns, const T* diagonal, T* points);
+    /// own = L^-1 own for the (width) points of one supernode; the rows below take what these give them: row
+    /// r < inside at points + 4 r, others at sums + 4 place[r]. `lanes`: 3 where the fourth is left alone, or
+    /// 4.
+    void (*forward)(const LaneSupernode<T>& s, int lanes, T* own, T* points, int inside, T* sums,
+                    const int* place, T* workspace);
+    /// own = L^-T own, given the rows below at points + 4 r.
+    void (*backward)(const LaneSupernode<T>& s, int lanes, T* own, const T* points, T* workspace);
     /// sums (8, 3) = start (8, 3) + matrix (8, columns) * factors (columns, 3). `block` holds start and then
     /// matrix, `sums` the same shape as start, all column-major; factors is row-major.
     void (*product_of_eight)(const T* block, int columns, const T* factors, T* sums);

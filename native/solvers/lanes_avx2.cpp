@@ -8,9 +8,7 @@ namespace sinew {
 
 extern const LaneKernels<double> lane_kernels_of_doubles_with_avx2;
 extern const LaneKernels<float> lane_kernels_of_floats_with_avx2;
-const LaneKernels<double> lane_kernels_of_doubles_with_avx2{subtract_product, subtract_transposed, triangle,
-                                                            triangle_transposed, product_of_eight};
-const LaneKernels<float> lane_kernels_of_floats_with_avx2{subtract_product, subtract_transposed, triangle,
-                                                          triangle_transposed, product_of_eight};
+const LaneKernels<double> lane_kernels_of_doubles_with_avx2{forward_lanes, backward_lanes, product_of_eight};
+const LaneKernels<float> lane_kernels_of_floats_with_avx2{forward_lanes, backward_lanes, product_of_eight};
 
 } // namespace sinew

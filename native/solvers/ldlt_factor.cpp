@@ -33,6 +33,7 @@ public:
         ldlt_.analyzePattern(permuted_);
     }
 
+    using FactorEngine::factorize;
     int factorize(const SparseMatrix& matrix) override
     {
         permute(matrix);

@@ -2,6 +2,7 @@
 #include "native/solvers/metric_lbfgs.h"
 
 #include "native/core/parallel.h"
+#include "native/solvers/metric_lbfgs_kernels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,85 +22,85 @@ constexpr double rounding = 1e-12;
 /// Of s.y, relative to |s| |y|: below, rounding to single precision could turn its sign.
 constexpr double least_curvature = 1e-6;
 
-constexpr int grain = 4096; ///< rows a parallel chunk: its vectors stay in the cache between two loops
+constexpr int grain = 2048; ///< numbers a parallel chunk: its vectors stay in the cache between two loops
+constexpr int most_window = 16;
 
-/// Sums over the entries of two vectors, each by several counters side by side.
-template <class A, class B>
-double dot(const A* a, const B* b, int count)
-{
-    constexpr int width = 8;
-    double sums[width] = {};
-    int k = 0;
-    for (; k + width <= count; k += width)
-        for (int j = 0; j < width; ++j)
-            sums[j] += static_cast<double>(a[k + j]) * static_cast<double>(b[k + j]);
-    for (; k < count; ++k)
-        sums[0] += static_cast<double>(a[k]) * static_cast<double>(b[k]);
-    return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-}
+} // namespace
 
-/// The last correction pairs, in single precision: s, y and L^-1 y. The recursion runs on their inner
-/// products alone, so that an iteration reads each of them twice.
-class History
+/// The last correction pairs, in single precision: s and L^-1 y, whose products with the gradient are all
+/// that the recursion needs. An iteration reads each of them twice.
+class LbfgsWorkspace::History
 {
 public:
-    History(int window, Eigen::Index numbers) : window_(window), numbers_(static_cast<int>(numbers)) {}
+    /// Forgets everything.
+    void reset(int window, Eigen::Index numbers)
+    {
+        if (numbers_ != numbers || window_ != window)
+            pairs_.clear();
+        window_ = window;
+        numbers_ = static_cast<int>(numbers);
+        size_ = 0;
+        while (static_cast<int>(pairs_.size()) < window_ + (window_ > 0))
+            pairs_.push_back(std::make_unique<Pair>(numbers_, window_));
+    }
 
     int size() const { return size_; }
     void clear() { size_ = 0; }
 
-    /// Takes in the pair from (x, g, z) to (x1, g1, z1), unless its curvature is not positive.
-    void extend(const Points& x, const Points& x1, const Points& g, const Points& g1, const Points& z,
-                const Points& z1)
+    /// Takes in the pair of the last step() and of what it changed: (g, z) to (g1, z1). Left out where its
+    /// curvature is not positive.
+    void extend(const Points& g, const Points& g1, const Points& z, const Points& z1)
     {
         if (window_ == 0)
             return;
         if (size_ == window_) { // the oldest goes
-            std::rotate(pairs_.begin(), pairs_.begin() + 1, pairs_.begin() + size_);
+            std::rotate(pairs_.begin(), pairs_.begin() + 1, pairs_.end());
             --size_;
         }
-        if (static_cast<int>(pairs_.size()) == size_)
-            pairs_.push_back(std::make_unique<Pair>(numbers_, window_));
         Pair& fresh = at(size_);
-        enum { ss, yy, sy, y_Ly, s_g, y_z, fresh_sums };
-        const std::vector<double> sums =
-            gather(fresh_sums + 2 * size_, [&](int begin, int count, double* sums) {
-                float *s = fresh.s.get() + begin, *y = fresh.y.get() + begin, *Ly = fresh.Ly.get() + begin;
-                for (int k = 0; k < count; ++k) {
-                    s[k] = static_cast<float>(x1.data()[begin + k] - x.data()[begin + k]);
-                    y[k] = static_cast<float>(g1.data()[begin + k] - g.data()[begin + k]);
-                    Ly[k] = static_cast<float>(z1.data()[begin + k] - z.data()[begin + k]);
-                }
-                sums[ss] = dot(s, s, count);
-                sums[yy] = dot(y, y, count);
-                sums[sy] = dot(s, y, count);
-                sums[y_Ly] = dot(y, Ly, count);
-                sums[s_g] = dot(s, g1.data() + begin, count);
-                sums[y_z] = dot(y, z1.data() + begin, count);
-                for (int k = 0; k < size_; ++k) {
-                    sums[fresh_sums + 2 * k] = dot(at(k).s.get() + begin, g1.data() + begin, count);
-                    sums[fresh_sums + 2 * k + 1] = dot(at(k).y.get() + begin, z1.data() + begin, count);
-                }
-            });
+        const int chunks = (numbers_ + grain - 1) / grain;
+        parts_.resize(chunks);
+        older_.resize(static_cast<std::size_t>(2 * size_) * chunks);
+        parallel_chunks(numbers_, grain, [&](int begin, int end) {
+            const int chunk = begin / grain, count = end - begin;
+            parts_[chunk] =
+                kernels_.pair(g.data() + begin, g1.data() + begin, z.data() + begin, z1.data() + begin,
+                              fresh.s.get() + begin, count, fresh.Ly.get() + begin);
+            const float *s[most_window], *Ly[most_window];
+            collect(begin, s, Ly);
+            kernels_.products(g1.data() + begin, size_, s, Ly, count,
+                              older_.data() + static_cast<std::size_t>(2 * size_) * chunk);
+        });
+        PairProducts sums{};
+        for (const PairProducts& part : parts_) {
+            sums.ss += part.ss, sums.yy += part.yy, sums.sy += part.sy, sums.y_Ly += part.y_Ly;
+            sums.s_g += part.s_g, sums.Ly_g += part.Ly_g, sums.z_g += part.z_g;
+        }
+        z_g_ = sums.z_g;
         // What changed between g and g1 is y of the new pair.
         for (int k = 0; k < size_; ++k) {
-            at(k).later_s_y[size_ - k] = sums[fresh_sums + 2 * k] - at(k).s_g;
-            at(k).later_y_Ly[size_ - k] = sums[fresh_sums + 2 * k + 1] - at(k).y_z;
-            at(k).s_g = sums[fresh_sums + 2 * k];
-            at(k).y_z = sums[fresh_sums + 2 * k + 1];
+            double s_g = 0.0, Ly_g = 0.0;
+            for (int chunk = 0; chunk < chunks; ++chunk) {
+                s_g += older_[static_cast<std::size_t>(2 * size_) * chunk + 2 * k];
+                Ly_g += older_[static_cast<std::size_t>(2 * size_) * chunk + 2 * k + 1];
+            }
+            at(k).later_s_y[size_ - k] = s_g - at(k).s_g;
+            at(k).later_y_Ly[size_ - k] = Ly_g - at(k).Ly_g;
+            at(k).s_g = s_g;
+            at(k).Ly_g = Ly_g;
         }
-        if (!(sums[sy] > least_curvature * std::sqrt(sums[ss] * sums[yy])))
+        if (!(sums.sy > least_curvature * std::sqrt(sums.ss * sums.yy)))
             return;
-        fresh.s_g = sums[s_g];
-        fresh.y_z = sums[y_z];
-        fresh.later_s_y[0] = sums[sy];
-        fresh.later_y_Ly[0] = sums[y_Ly];
+        fresh.s_g = sums.s_g;
+        fresh.Ly_g = sums.Ly_g;
+        fresh.later_s_y[0] = sums.sy;
+        fresh.later_y_Ly[0] = sums.y_Ly;
         ++size_;
     }
 
     /// d = H g by the two-loop recursion, with z = L^-1 g in place of a solve in its middle: the shares of
-    /// s and L^-1 y that it adds to z.
-    void recur()
+    /// s and L^-1 y that it adds to z. Returns the slope g.d.
+    double recur()
     {
         for (int k = size_ - 1; k >= 0; --k) {
             double s_q = at(k).s_g;
@@ -107,79 +108,85 @@ public:
                 s_q -= at(j).share_Ly * at(k).later_s_y[j - k];
             at(k).share_Ly = s_q / at(k).later_s_y[0];
         }
+        double slope = z_g_;
         for (int k = 0; k < size_; ++k) {
-            double y_r = at(k).y_z;
+            double y_r = at(k).Ly_g; // y.z
             for (int j = 0; j < size_; ++j)
                 y_r -= at(j).share_Ly * at(std::min(j, k)).later_y_Ly[std::abs(j - k)];
             for (int j = 0; j < k; ++j)
                 y_r += at(j).share_s * at(j).later_s_y[k - j];
             at(k).share_s = at(k).share_Ly - y_r / at(k).later_s_y[0];
+            slope += at(k).share_s * at(k).s_g - at(k).share_Ly * at(k).Ly_g;
         }
+        return slope;
     }
 
-    /// trial = x - t d, and the slope g.d.
-    double step(const Points& x, const Points& g, const Points& z, double t, Points& trial) const
+    /// trial = x - t d, which the next pair's s is taken from.
+    void step(const Points& x, const Points& z, double t, Points& trial)
     {
         trial.resize(x.rows(), 3);
-        return gather(1, [&](int begin, int count, double* sums) {
-            double* const d = trial.data() + begin;
-            std::copy_n(z.data() + begin, count, d);
-            for (int k = 0; k < size_; ++k) {
-                const float *s = at(k).s.get() + begin, *Ly = at(k).Ly.get() + begin;
-                const double share_s = at(k).share_s, share_Ly = at(k).share_Ly;
-                for (int j = 0; j < count; ++j)
-                    d[j] += share_s * s[j] - share_Ly * Ly[j];
-            }
-            sums[0] = dot(d, g.data() + begin, count);
-            for (int j = 0; j < count; ++j)
-                d[j] = x.data()[begin + j] - t * d[j];
-        })[0];
+        std::vector<double> share_s(size_), share_Ly(size_);
+        for (int k = 0; k < size_; ++k) {
+            share_s[k] = at(k).share_s;
+            share_Ly[k] = at(k).share_Ly;
+        }
+        parallel_chunks(numbers_, grain, [&](int begin, int end) {
+            const float *s[most_window], *Ly[most_window];
+            collect(begin, s, Ly);
+            kernels_.step(x.data() + begin, z.data() + begin, size_, s, Ly, share_s.data(), share_Ly.data(),
+                          t, end - begin, trial.data() + begin,
+                          window_ > 0 ? at(size_).s.get() + begin : nullptr);
+        });
     }
 
 private:
     struct Pair
     {
         Pair(int numbers, int window)
-            : s(new float[numbers]), y(new float[numbers]), Ly(new float[numbers]), later_s_y(window),
-              later_y_Ly(window)
+            : s(new float[numbers]), Ly(new float[numbers]), later_s_y(window), later_y_Ly(window)
         {
         }
-        std::unique_ptr<float[]> s, y, Ly; ///< step, change of the gradient, L^-1 y
-        double s_g = 0.0, y_z = 0.0;       ///< with the present g and z
-        /// Its s with the y, and its y with the L^-1 y, of itself and of the pairs after it.
+        std::unique_ptr<float[]> s, Ly; ///< step, L^-1 y for the change y of the gradient
+        double s_g = 0.0, Ly_g = 0.0;   ///< with the present g
+        /// Its s and its L^-1 y with the y of itself and of the pairs after it.
         std::vector<double> later_s_y, later_y_Ly;
         double share_s = 0.0, share_Ly = 0.0;
     };
 
     Pair& at(int k) { return *pairs_[k]; }
-    const Pair& at(int k) const { return *pairs_[k]; }
 
-    /// Sums of `count` numbers that body(begin, count, sums) finds in each chunk, in a fixed order.
-    template <class Body>
-    std::vector<double> gather(int count, const Body& body) const
+    /// Where the vectors of the pairs stand, from number `begin` on.
+    void collect(int begin, const float** s, const float** Ly)
     {
-        const int chunks = (numbers_ + grain - 1) / grain;
-        std::vector<double> parts(static_cast<std::size_t>(chunks) * count), total(count, 0.0);
-        parallel_chunks(numbers_, grain, [&](int begin, int end) {
-            body(begin, end - begin, parts.data() + static_cast<std::size_t>(begin / grain) * count);
-        });
-        for (int chunk = 0; chunk < chunks; ++chunk)
-            for (int k = 0; k < count; ++k)
-                total[k] += parts[static_cast<std::size_t>(chunk) * count + k];
-        return total;
+        for (int k = 0; k < size_; ++k) {
+            s[k] = at(k).s.get() + begin;
+            Ly[k] = at(k).Ly.get() + begin;
+        }
     }
 
-    int window_, numbers_, size_ = 0;
-    std::vector<std::unique_ptr<Pair>> pairs_; ///< those in use first, oldest first
+    const LbfgsKernels& kernels_ = lbfgs_kernels();
+    int window_ = 0, numbers_ = 0, size_ = 0;
+    double z_g_ = 0.0; ///< with the present z and g
+    std::vector<std::unique_ptr<Pair>> pairs_; ///< those in use first, oldest first; then one for the next
+    std::vector<PairProducts> parts_;
+    std::vector<double> older_;
 };
 
-} // namespace
+LbfgsWorkspace::LbfgsWorkspace() : history(std::make_unique<History>()) {}
+LbfgsWorkspace::~LbfgsWorkspace() = default;
+LbfgsWorkspace::LbfgsWorkspace(LbfgsWorkspace&&) noexcept = default;
 
-SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress)
+SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress,
+                     LbfgsWorkspace* work)
 {
+    if (!work) {
+        LbfgsWorkspace own;
+        return minimize(problem, x, options, progress, &own);
+    }
     SolveReport report;
-    Points g, z, trial, trial_g, trial_z;
-    History history(options.window, x.size());
+    auto& [g, z, trial, trial_g, trial_z, kept] = *work;
+    LbfgsWorkspace::History& history = *kept;
+    history.reset(std::min(options.window, most_window), x.size());
     int small_steps = 0;
 
     double F = problem.evaluate(x, g);
@@ -191,16 +198,16 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         problem.precondition(g, z);
     while (!done()) {
         progress.tick(static_cast<double>(report.iterations) / options.max_iterations, "solving");
-        history.recur();
+        const double slope = history.recur();
         problem.keep_state();
 
         double F_trial = F;
         bool accepted = false;
         double t = 1.0;
         for (int k = 0; k < most_trials && history.size() > 0; ++k) {
-            const double slope = history.step(x, g, z, t, trial);
             if (!(slope > 0))
                 break;
+            history.step(x, z, t, trial);
             F_trial = problem.evaluate(trial, trial_g);
             ++report.iterations;
             accepted = F_trial <= F - armijo * t * slope;
@@ -213,7 +220,7 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         }
         if (!accepted && report.iterations < options.max_iterations) {
             history.clear();
-            history.step(x, g, z, 1.0, trial);
+            history.step(x, z, 1.0, trial);
             F_trial = problem.evaluate(trial, trial_g);
             ++report.iterations;
             accepted = F_trial <= F;
@@ -230,7 +237,7 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
         if (report.iterations < options.max_iterations && small_steps < 2) {
             problem.precondition(trial_g, trial_z);
-            history.extend(x, trial, g, trial_g, z, trial_z);
+            history.extend(g, trial_g, z, trial_z);
         }
         F = F_trial;
         std::swap(x, trial);

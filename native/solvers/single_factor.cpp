@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/single_factor.h"
 
+#include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/solvers/cholmod_factor.h"
 #include "native/solvers/lanes.h"
 
 #include <algorithm>
-#include <numeric>
+#include <new>
 #include <optional>
+#include <string>
 
 namespace sinew {
 
@@ -15,24 +17,64 @@ namespace {
 
 constexpr int grain = 4096;
 
+/// The lower triangle of the matrix with its unknown order[i] as number i.
+SparseMatrix ordered(const SparseMatrix& matrix, const std::vector<int>& order)
+{
+    std::vector<int> place(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        place[order[i]] = static_cast<int>(i);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int c = 0; c < matrix.cols(); ++c)
+        for (SparseMatrix::InnerIterator it(matrix, c); it; ++it)
+            if (it.row() >= c)
+                entries.emplace_back(std::max(place[it.row()], place[c]), std::min(place[it.row()], place[c]),
+                                     it.value());
+    SparseMatrix lower(matrix.rows(), matrix.cols());
+    lower.setFromTriplets(entries.begin(), entries.end());
+    return lower;
+}
+
 } // namespace
 
-void SingleFactor::factorize(const SparseMatrix& matrix, Ordering ordering)
+std::vector<int> fill_reducing_order(const SparseMatrix& matrix)
+{
+    if (matrix.cols() == 0)
+        return {};
+    try {
+        return elimination_order(matrix,
+                                 have_cholmod() ? Ordering::nested_dissection : Ordering::minimum_degree);
+    } catch (const std::bad_alloc&) {
+        throw OutOfMemory("memory ran out before the size of the factor was known: use fewer vertices");
+    }
+}
+
+void SingleFactor::factorize(const SparseMatrix& matrix, const std::vector<int>& order)
 {
     const auto backend = have_cholmod() ? FactorBackend::supernodal : FactorBackend::automatic;
-    auto factor = std::make_unique<SpdFactor>(FactorOptions{.backend = backend, .ordering = ordering});
-    factor->factorize(matrix);
+    auto factor =
+        std::make_unique<SpdFactor>(FactorOptions{.backend = backend, .ordering = Ordering::natural});
+    try {
+        factor->factorize(ordered(matrix, order));
+    } catch (const OutOfMemory&) {
+        throw;
+    } catch (const FactorizationFailed& failure) {
+        if (failure.elements().empty())
+            throw;
+        const int unknown = order[failure.elements().front()];
+        throw FactorizationFailed("the matrix is not positive definite at unknown " + std::to_string(unknown),
+                                  Error::Element::vertex, {unknown});
+    }
     size_ = factor->size();
     other_.reset();
     supernodal_.reset();
     const std::optional<SupernodalFactor> f = factor->supernodal();
     if (!f) {
-        order_.resize(size_);
-        std::iota(order_.begin(), order_.end(), 0);
+        order_ = order;
         other_ = std::move(factor);
         return;
     }
-    order_.assign(f->permutation, f->permutation + size_);
+    order_.resize(size_);
+    std::transform(f->permutation, f->permutation + size_, order_.begin(), [&](int i) { return order[i]; });
     first_.assign(f->first, f->first + f->supernodes + 1);
     row_begin_.assign(f->row_begin, f->row_begin + f->supernodes + 1);
     block_begin_.assign(f->block_begin, f->block_begin + f->supernodes + 1);
@@ -59,35 +101,48 @@ void SingleFactor::solve_rows(const Rows& rhs, Rows& solution) const
     if (size_ == 0)
         return;
     if (other_) {
-        solution = other_->solve(rhs);
+        MatrixX x(size_, rhs.cols());
+        for (int i = 0; i < size_; ++i)
+            x.row(i) = rhs.row(order_[i]);
+        x = other_->solve(x);
+        for (int i = 0; i < size_; ++i)
+            solution.row(order_[i]) = x.row(i);
         return;
     }
     // Scaled to 1: a right side near convergence would fall below the least float.
-    const double largest = rhs.cwiseAbs().maxCoeff();
+    std::vector<double> peaks((size_ + grain - 1) / grain);
+    parallel_chunks(size_, grain, [&](int begin, int end) {
+        peaks[begin / grain] = rhs.middleRows(begin, end - begin).cwiseAbs().maxCoeff();
+    });
+    const double largest = *std::ranges::max_element(peaks);
     if (!(largest > 0)) {
         solution.setZero();
         return;
     }
     const double scale = 1.0 / largest;
     const int k = static_cast<int>(rhs.cols());
-    const std::unique_ptr<float[]> lanes(new float[static_cast<std::size_t>(size_) * lane_count]);
-    parallel_for(
-        size_,
-        [&](int i) {
-            float* const lane = lanes.get() + lane_count * static_cast<std::size_t>(i);
-            for (int c = 0; c < lane_count; ++c)
-                lane[c] = c < k ? static_cast<float>(rhs(order_[i], c) * scale) : 0.0f;
+    supernodal_->sweep(
+        k,
+        [&](float* points) {
+            parallel_for(
+                size_,
+                [&](int i) {
+                    float* const lane = points + lane_count * static_cast<std::size_t>(i);
+                    for (int c = 0; c < lane_count; ++c)
+                        lane[c] = c < k ? static_cast<float>(rhs(order_[i], c) * scale) : 0.0f;
+                },
+                grain);
         },
-        grain);
-    supernodal_->sweep(lanes.get());
-    parallel_for(
-        size_,
-        [&](int i) {
-            const float* const lane = lanes.get() + lane_count * static_cast<std::size_t>(i);
-            for (int c = 0; c < k; ++c)
-                solution(order_[i], c) = largest * lane[c];
-        },
-        grain);
+        [&](const float* points) {
+            parallel_for(
+                size_,
+                [&](int i) {
+                    const float* const lane = points + lane_count * static_cast<std::size_t>(i);
+                    for (int c = 0; c < k; ++c)
+                        solution(order_[i], c) = largest * lane[c];
+                },
+                grain);
+        });
 }
 
 void SingleFactor::solve(const Points& rhs, Points& solution) const { solve_rows(rhs, solution); }

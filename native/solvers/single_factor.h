@@ -12,6 +12,10 @@
 
 namespace sinew {
 
+/// The order in which factorize() eliminates the unknowns of a (n, n) symmetric matrix, by its pattern alone:
+/// nested dissection where it is to be had, else minimum degree.
+std::vector<int> fill_reducing_order(const SparseMatrix& matrix);
+
 /// A factor kept in single precision, for solves that need no more: preconditioners, Newton steps.
 ///
 /// Half the memory of SpdFactor, and where that fits into a cache and the double one does not, two to three
@@ -26,7 +30,9 @@ class SingleFactor
 public:
     /// \param matrix  (n, n) symmetric, both triangles or the lower one stored.
     /// \throw as SpdFactor::factorize
-    void factorize(const SparseMatrix& matrix, Ordering ordering = Ordering::nested_dissection);
+    void factorize(const SparseMatrix& matrix) { factorize(matrix, fill_reducing_order(matrix)); }
+    /// The same with unknown order[i] eliminated as number i, or nearby.
+    void factorize(const SparseMatrix& matrix, const std::vector<int>& order);
 
     /// X = A^-1 B. Safe from several threads at once; B may be X.
     /// \param rhs  (n, k) with k <= 4.

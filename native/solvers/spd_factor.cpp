@@ -3,7 +3,6 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
-#include "native/core/parallel.h"
 #include "native/solvers/cholmod_factor.h"
 #include "native/solvers/ldlt_factor.h"
 
@@ -24,31 +23,6 @@ constexpr double rounding = 1e-14;
 
 /// Above this share of the work a new ordering is worth its price: it knows what is held.
 constexpr double most_updated = 0.8;
-
-/// Of the pattern alone: sums of mixed indices, so that no copy of the pattern is kept.
-std::uint64_t digest(const SparseMatrix& matrix)
-{
-    const auto mix = [](std::uint64_t x) {
-        x = (x ^ (x >> 31)) * 0x9fb21c651e98df25ULL;
-        x = (x ^ (x >> 29)) * 0xd6e8feb86659fd93ULL;
-        return x ^ (x >> 32);
-    };
-    const int* offsets = matrix.outerIndexPtr();
-    const int* rows = matrix.innerIndexPtr();
-    constexpr int grain = 8192;
-    std::vector<std::uint64_t> sums((matrix.cols() + grain - 1) / grain, 0);
-    parallel_chunks(static_cast<int>(matrix.cols()), grain, [&](int begin, int end) {
-        std::uint64_t sum = 0;
-        for (int c = begin; c < end; ++c)
-            for (int at = offsets[c]; at < offsets[c + 1]; ++at)
-                sum += mix((static_cast<std::uint64_t>(c) << 32) + static_cast<std::uint32_t>(rows[at]));
-        sums[begin / grain] = sum;
-    });
-    std::uint64_t sum = static_cast<std::uint64_t>(matrix.nonZeros());
-    for (const std::uint64_t part : sums)
-        sum += part;
-    return sum;
-}
 
 std::unique_ptr<FactorEngine> make_engine(const FactorOptions& options, const SparseMatrix& matrix)
 {
@@ -94,52 +68,70 @@ void SpdFactor::analyze(const SparseMatrix& matrix, std::uint64_t pattern)
     ++analyses_;
 }
 
-void SpdFactor::factorize(const SparseMatrix& matrix)
+template <class Matrix>
+int SpdFactor::compute(const Matrix& matrix)
 {
-    if (matrix.cols() == 0) {
-        engine_.reset();
-        size_ = 0;
-        return;
-    }
-    const std::uint64_t pattern = digest(matrix);
-    if (!engine_ || matrix.cols() != size_ || pattern != pattern_)
-        analyze(matrix, pattern);
     stands_ = false;
-    int broken = -1;
+    share_ = 1;
     try {
-        broken = engine_->factorize(matrix);
+        return engine_->factorize(matrix);
     } catch (const std::bad_alloc&) {
         const std::string needed = in_words(engine_->bytes());
         engine_.reset();
         throw OutOfMemory("the factor needs " + needed +
                           ", more than is left on this machine: close other programs or use fewer vertices");
     }
-    share_ = 1;
-    check(matrix, broken);
 }
 
-bool SpdFactor::update(const SparseMatrix& matrix, const std::vector<int>& changed)
+void SpdFactor::forget()
 {
-    if (!stands_ || !engine_ || matrix.cols() != size_ || digest(matrix) != pattern_)
+    engine_.reset();
+    size_ = 0;
+}
+
+void SpdFactor::factorize(const SparseMatrix& matrix)
+{
+    if (matrix.cols() == 0)
+        return forget();
+    const std::uint64_t pattern = digest(matrix);
+    if (!engine_ || matrix.cols() != size_ || pattern != pattern_)
+        analyze(matrix, pattern);
+    const int broken = compute(matrix);
+    check(matrix.diagonal(), broken);
+}
+
+void SpdFactor::factorize(const PrincipalBlock& block)
+{
+    if (block.size() == 0)
+        return forget();
+    const std::uint64_t pattern = block.digest();
+    if (!engine_ || block.size() != size_ || pattern != pattern_)
+        analyze(block.copy(), pattern); // a copy for the pattern only, gone before the factor grows
+    const int broken = compute(block);
+    check(block.diagonal(), broken);
+}
+
+bool SpdFactor::update(const PrincipalBlock& block, const std::vector<int>& changed)
+{
+    if (!stands_ || !engine_ || block.size() != size_ || block.digest() != pattern_)
         return false;
     require_memory(engine_->bytes());
     double share = 0;
-    const std::optional<int> broken = engine_->update(matrix, changed, most_updated, share);
+    const std::optional<int> broken = engine_->update(block, changed, most_updated, share);
     if (!broken)
         return false;
     stands_ = false;
     share_ = share;
-    check(matrix, *broken);
+    check(block.diagonal(), *broken);
     return true;
 }
 
-void SpdFactor::check(const SparseMatrix& matrix, int broken)
+void SpdFactor::check(const VectorX& diagonal, int broken)
 {
     ++factorizations_;
     if (broken >= 0)
         refuse(broken, "is not positive definite; it broke down");
     const VectorX pivots = engine_->pivots();
-    const VectorX diagonal = matrix.diagonal();
     for (int i = 0; i < size_; ++i)
         if (!(pivots[i] > rounding * diagonal[i]))
             refuse(i, "is singular to working precision; it broke down");

@@ -43,11 +43,14 @@ public:
     ///   stood here untouched; or above what the machine has.
     void factorize(const SparseMatrix& matrix);
 
-    /// The same for a matrix that differs in `changed` columns and rows alone. False, and nothing is done,
+    /// The same for some rows and columns of a matrix.
+    void factorize(const PrincipalBlock& block);
+
+    /// The same for a block that differs in `changed` columns and rows alone. False, and nothing is done,
     /// where that is not faster than factorize(): another pattern, another engine, too many columns reached.
     /// The factor is that of factorize() to the last bit.
     /// \throw FactorizationFailed, OutOfMemory  as factorize().
-    bool update(const SparseMatrix& matrix, const std::vector<int>& changed);
+    bool update(const PrincipalBlock& block, const std::vector<int>& changed);
 
     /// \param rhs  (n, k), any number of columns; x, y and z together cost 1.3-1.7 times one.
     /// \throw FactorizationFailed  the last matrix was refused.
@@ -70,7 +73,10 @@ public:
 
 private:
     void analyze(const SparseMatrix& matrix, std::uint64_t pattern);
-    void check(const SparseMatrix& matrix, int broken);
+    void forget();
+    template <class Matrix>
+    int compute(const Matrix& matrix);
+    void check(const VectorX& diagonal, int broken);
     void require_factor(Eigen::Index rows) const;
 
     FactorOptions options_;

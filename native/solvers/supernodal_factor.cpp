@@ -3,13 +3,13 @@
 
 #ifdef SINEW_HAVE_CHOLMOD
 
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <numeric>
 #include <utility>
 
@@ -29,6 +29,7 @@ namespace {
 
 constexpr int most_parts = 32;
 constexpr int panel_width = 96;         ///< columns of a supernode that one thread updates
+constexpr int strip_width = 48;         ///< columns of a product
 constexpr int panel_height = 256;       ///< rows of a panel's lower part that one thread solves
 constexpr double least_parallel = 5e6;  ///< operations; below, one thread is faster
 constexpr double least_shared = 2e6;    ///< the same for one supernode
@@ -47,18 +48,24 @@ void divide(int rows, int columns, const double* L, int stride, double* b, int s
     dtrsm_("R", "L", "T", "N", &rows, &columns, &one, L, &stride, b, &stride_b);
 }
 
-/// What a thread needs of its own; others take one as they start.
+/// What a thread needs of its own.
 struct Workspace
 {
+    /// Rows from `begin` on that follow each other from `line` on in the supernode at hand.
+    struct Run
+    {
+        int begin, line;
+    };
     std::vector<int> place; ///< (size) line of a row in the supernode at hand
     std::vector<double> product;
+    std::vector<Run> runs;
 };
 
 class Factorization
 {
 public:
-    Factorization(const SupernodalFactor& factor, const SparseMatrix& matrix, const std::vector<char>& chosen,
-                  bool parallel)
+    Factorization(const SupernodalFactor& factor, const PrincipalBlock& matrix,
+                  const std::vector<char>& chosen, bool parallel)
         : f_(factor), matrix_(matrix), chosen_(chosen), parallel_(parallel), tree_(factor),
           position_(f_.size), next_row_(f_.supernodes), sources_(f_.supernodes)
     {
@@ -165,9 +172,11 @@ private:
         }
         const int width = f_.columns(s);
         each((width + panel_width - 1) / panel_width, parallel, [&](int panel) {
-            std::unique_ptr<Workspace> work = take(s);
+            const auto work = workspaces_.take([] { return std::make_unique<Workspace>(); });
+            work->place.resize(f_.size);
+            for (int r = 0; r < f_.height(s); ++r)
+                work->place[f_.rows_of(s)[r]] = r;
             gather(s, panel * panel_width, std::min((panel + 1) * panel_width, width), sources, *work);
-            give_back(std::move(work));
         });
         return factorize_block(s, parallel);
     }
@@ -180,11 +189,11 @@ private:
         for (int c = begin; c < end; ++c) {
             double* column = block + static_cast<std::size_t>(c) * height;
             std::fill_n(column, height, 0.0);
-            for (SparseMatrix::InnerIterator it(matrix_, f_.permutation[first + c]); it; ++it) {
-                const int row = position_[it.row()];
+            matrix_.column(f_.permutation[first + c], [&](int unknown, double value) {
+                const int row = position_[unknown];
                 if (row >= first + c)
-                    column[work.place[row]] = it.value();
-            }
+                    column[work.place[row]] = value;
+            });
         }
         for (const Source& source : sources) {
             const int* rows = f_.rows_of(source.supernode);
@@ -199,8 +208,15 @@ private:
         }
     }
 
-    /// block(s) -= L_k(from.., :) L_k(from..to, :)^T
+    /// block(s) -= L_k(from.., :) L_k(from..to, :)^T, in strips, so that little is computed above the
+    /// diagonal.
     void subtract(int s, int k, int from, int to, Workspace& work)
+    {
+        for (int begin = from; begin < to; begin += strip_width)
+            subtract_strip(s, k, begin, std::min(begin + strip_width, to), work);
+    }
+
+    void subtract_strip(int s, int k, int from, int to, Workspace& work)
     {
         const int height = f_.height(s), stride = f_.height(k), inner = f_.columns(k);
         const int tall = stride - from, wide = to - from;
@@ -216,10 +232,21 @@ private:
         work.product.resize(std::max(work.product.size(), static_cast<std::size_t>(tall) * wide));
         double* product = work.product.data();
         multiply(tall, wide, inner, 1.0, a, stride, a, stride, 0.0, product, tall);
+        work.runs.clear(); // of rows that are neighbours there, too
+        for (int r = 0; r < tall; ++r) {
+            const int there = work.place[rows[r]];
+            if (work.runs.empty() || work.runs.back().line + r - work.runs.back().begin != there)
+                work.runs.push_back({r, there});
+        }
         for (int c = 0; c < wide; ++c, product += tall) {
             double* into = block + static_cast<std::size_t>(rows[c] - f_.first[s]) * height;
-            for (int r = c; r < tall; ++r)
-                into[work.place[rows[r]]] -= product[r];
+            for (std::size_t run = 0; run < work.runs.size(); ++run) {
+                const auto [begin, there] = work.runs[run];
+                const int end = run + 1 < work.runs.size() ? work.runs[run + 1].begin : tall;
+                double* to_line = into + there - begin;
+                for (int r = std::max(begin, c); r < end; ++r)
+                    to_line[r] -= product[r];
+            }
         }
     }
 
@@ -251,42 +278,15 @@ private:
         return -1;
     }
 
-    std::unique_ptr<Workspace> take(int s)
-    {
-        std::unique_ptr<Workspace> work;
-        {
-            const std::lock_guard lock(mutex_);
-            if (!idle_.empty()) {
-                work = std::move(idle_.back());
-                idle_.pop_back();
-            }
-        }
-        if (!work) {
-            work = std::make_unique<Workspace>();
-            work->place.resize(f_.size);
-        }
-        const int* rows = f_.rows_of(s);
-        for (int r = 0; r < f_.height(s); ++r)
-            work->place[rows[r]] = r;
-        return work;
-    }
-
-    void give_back(std::unique_ptr<Workspace> work)
-    {
-        const std::lock_guard lock(mutex_);
-        idle_.push_back(std::move(work));
-    }
-
     const SupernodalFactor& f_;
-    const SparseMatrix& matrix_;
+    const PrincipalBlock& matrix_;
     const std::vector<char>& chosen_;
     const bool parallel_;
     const SupernodalTree tree_;
     std::vector<int> position_;            ///< (size) of each unknown
     std::vector<int> next_row_;            ///< of each supernode: the first row not yet used above
     std::vector<std::vector<int>> sources_; ///< what flows into each supernode next
-    std::mutex mutex_;
-    std::vector<std::unique_ptr<Workspace>> idle_;
+    Pool<Workspace> workspaces_;
 };
 
 } // namespace
@@ -315,10 +315,10 @@ std::vector<double> supernodal_work(const SupernodalFactor& factor)
     return work;
 }
 
-int factorize_supernodal(const SupernodalFactor& factor, const SparseMatrix& matrix,
+int factorize_supernodal(const SupernodalFactor& factor, const PrincipalBlock& block,
                          const std::vector<char>& chosen, bool parallel)
 {
-    return Factorization(factor, matrix, chosen, parallel).run();
+    return Factorization(factor, block, chosen, parallel).run();
 }
 
 } // namespace sinew

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/core/types.h"
+#include "native/solvers/principal_block.h"
 #include "native/solvers/supernodal_tree.h"
 
 #include <vector>
@@ -26,11 +26,11 @@ std::vector<double> supernodal_work(const SupernodalFactor& factor);
 /// are formed in which order depends on the structure alone: any number of threads gives the same bits, and
 /// so does recomputing only `chosen` after a change that touched no others.
 ///
-/// \param matrix    (n, n) symmetric with both triangles stored, of the analysed pattern or less.
+/// \param block     of the analysed pattern or less.
 /// \param chosen    (supernodes) the ones to compute, closed under supernodes_above(); empty: all.
 /// \param parallel  false where the BLAS bears one caller at a time.
 /// \return the position at which it broke down, or -1.
-int factorize_supernodal(const SupernodalFactor& factor, const SparseMatrix& matrix,
+int factorize_supernodal(const SupernodalFactor& factor, const PrincipalBlock& block,
                          const std::vector<char>& chosen = {}, bool parallel = true);
 
 } // namespace sinew

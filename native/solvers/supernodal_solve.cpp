@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/supernodal_solve.h"
 
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/solvers/lanes.h"
 
 #include <algorithm>
-#include <mutex>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -14,11 +14,9 @@ namespace sinew {
 
 namespace {
 
-constexpr int block_width = 16;
+constexpr int block_width = LaneSupernode<double>::triangle_width;
 constexpr int most_subtrees = 16;
 constexpr double least_parallel = 1.5e5; ///< factor entries; below, one thread is faster
-
-constexpr int fetched_ahead = 2048; ///< factor entries
 
 } // namespace
 
@@ -37,8 +35,7 @@ struct SupernodalSolve<T>::Impl
     {
         std::vector<T> points;            ///< (n) lanes in elimination order, for solve()
         std::vector<std::vector<T>> sums; ///< one a subtree: lanes of the unknowns above all subtrees
-        std::vector<std::vector<T>>
-            rows; ///< one a subtree, the last for the top: lanes of one supernode's rows
+        std::vector<std::vector<T>> spaces; ///< of the kernels: one a subtree, the last for the top
     };
 
     explicit Impl(const BasicSupernodalFactor<T>& factor) : f(factor), kernels(lane_kernels<T>())
@@ -101,49 +98,22 @@ struct SupernodalSolve<T>::Impl
                     top_position[c] = top_count++;
     }
 
-    /// Small blocks are too short for the processor to see where the reading goes: fetch what comes after
-    /// (or before) the block of s, some kilobytes ahead.
-    void fetch(int s, std::ptrdiff_t ahead) const
+    LaneSupernode<T> supernode(int s) const
     {
-#ifdef __GNUC__
-        constexpr int line = 64 / sizeof(T);
-        const T* const end = f.values + f.block_begin[s + 1] + ahead;
-        for (const T* at = f.values + f.block_begin[s] + ahead; at < end; at += line)
-            __builtin_prefetch(at);
-#endif
+        return {block(s), reciprocals.data() + f.first[s], f.rows_of(s) + columns(s), columns(s), height(s)};
     }
 
-    /// x = L^-1 x for one supernode's own columns; returns -L21 x for the rows below, in `below`.
-    void forward(int s, T* points, T* below) const
+    /// The rows from `inside` on add to `sums`.
+    void forward(int s, int lanes, T* points, int inside, T* sums, T* space) const
     {
-        const int width = columns(s), stride = height(s), rest = stride - width;
-        T* own = points + lane_count * static_cast<std::size_t>(f.first[s]);
-        fetch(s, fetched_ahead);
-        std::fill_n(below, lane_count * rest, 0.0);
-        for (int c = 0; c < width; c += block_width) {
-            const int part = std::min(block_width, width - c);
-            const T* L = block(s) + static_cast<std::size_t>(c) * stride;
-            kernels.triangle(L + c, stride, part, reciprocals.data() + f.first[s] + c, own + lane_count * c);
-            kernels.subtract_product(L + c + part, stride, part, width - c - part, own + lane_count * c,
-                                     own + lane_count * (c + part));
-            kernels.subtract_product(L + width, stride, part, rest, own + lane_count * c, below);
-        }
+        kernels.forward(supernode(s), lanes, points + lane_count * static_cast<std::size_t>(f.first[s]),
+                        points, inside, sums, top_position.data(), space);
     }
 
-    /// x = L^-T x for one supernode's own columns, given the rows below.
-    void backward(int s, T* points, const T* below) const
+    void backward(int s, int lanes, T* points, T* space) const
     {
-        const int width = columns(s), stride = height(s), rest = stride - width;
-        T* own = points + lane_count * static_cast<std::size_t>(f.first[s]);
-        for (int c = (width - 1) / block_width * block_width; c >= 0; c -= block_width) {
-            const int part = std::min(block_width, width - c);
-            const T* L = block(s) + static_cast<std::size_t>(c) * stride;
-            kernels.subtract_transposed(L + c + part, stride, part, width - c - part,
-                                        own + lane_count * (c + part), own + lane_count * c);
-            kernels.subtract_transposed(L + width, stride, part, rest, below, own + lane_count * c);
-            kernels.triangle_transposed(L + c, stride, part, reciprocals.data() + f.first[s] + c,
-                                        own + lane_count * c);
-        }
+        kernels.backward(supernode(s), lanes, points + lane_count * static_cast<std::size_t>(f.first[s]),
+                         points, space);
     }
 
     static void add(T* to, const T* from)
@@ -152,54 +122,22 @@ struct SupernodalSolve<T>::Impl
             to[k] += from[k];
     }
 
-    static void copy(T* to, const T* from) { std::copy_n(from, lane_count, to); }
-
-    void forward_subtree(const Subtree& subtree, T* points, T* sums, T* below) const
+    void sweep(T* points, int lanes, Workspace& work) const
     {
-        for (int s = subtree.begin; s < subtree.end; ++s) {
-            forward(s, points, below);
-            const int* rows = f.rows + f.row_begin[s] + columns(s);
-            const int rest = height(s) - columns(s);
-            int r = 0;
-            for (; r < rest && rows[r] < subtree.last_column; ++r)
-                add(points + lane_count * static_cast<std::size_t>(rows[r]), below + lane_count * r);
-            for (; r < rest; ++r)
-                add(sums + lane_count * static_cast<std::size_t>(top_position[rows[r]]),
-                    below + lane_count * r);
-        }
-    }
-
-    void forward_alone(int s, T* points, T* below) const
-    {
-        forward(s, points, below);
-        const int* rows = f.rows + f.row_begin[s] + columns(s);
-        for (int r = 0; r < height(s) - columns(s); ++r)
-            add(points + lane_count * static_cast<std::size_t>(rows[r]), below + lane_count * r);
-    }
-
-    void backward_alone(int s, T* points, T* below) const
-    {
-        const int* rows = f.rows + f.row_begin[s] + columns(s);
-        fetch(s, -fetched_ahead);
-        for (int r = 0; r < height(s) - columns(s); ++r)
-            copy(below + lane_count * r, points + lane_count * static_cast<std::size_t>(rows[r]));
-        backward(s, points, below);
-    }
-
-    void sweep(T* points, Workspace& work) const
-    {
-        T* top_rows = work.rows.back().data();
+        T* const space = work.spaces.back().data();
         const int tasks = static_cast<int>(subtrees.size());
         if (tasks == 0) {
             for (int s = 0; s < f.supernodes; ++s)
-                forward_alone(s, points, top_rows);
+                forward(s, lanes, points, f.size, nullptr, space);
             for (int s = f.supernodes - 1; s >= 0; --s)
-                backward_alone(s, points, top_rows);
+                backward(s, lanes, points, space);
             return;
         }
         parallel_tasks(tasks, [&](int t) {
-            std::fill(work.sums[t].begin(), work.sums[t].end(), 0.0);
-            forward_subtree(subtrees[t], points, work.sums[t].data(), work.rows[t].data());
+            std::fill(work.sums[t].begin(), work.sums[t].end(), T(0));
+            for (int s = subtrees[t].begin; s < subtrees[t].end; ++s)
+                forward(s, lanes, points, subtrees[t].last_column, work.sums[t].data(),
+                        work.spaces[t].data());
         });
         for (int s = 0; s < f.supernodes; ++s)
             if (on_top[s])
@@ -209,55 +147,51 @@ struct SupernodalSolve<T>::Impl
                             work.sums[t].data() + lane_count * static_cast<std::size_t>(top_position[c]));
         for (int s = 0; s < f.supernodes; ++s)
             if (on_top[s])
-                forward_alone(s, points, top_rows);
+                forward(s, lanes, points, f.size, nullptr, space);
         for (int s = f.supernodes - 1; s >= 0; --s)
             if (on_top[s])
-                backward_alone(s, points, top_rows);
+                backward(s, lanes, points, space);
         parallel_tasks(tasks, [&](int t) {
             for (int s = subtrees[t].end - 1; s >= subtrees[t].begin; --s)
-                backward_alone(s, points, work.rows[t].data());
+                backward(s, lanes, points, work.spaces[t].data());
         });
     }
 
-    std::unique_ptr<Workspace> take() const
+    typename Pool<Workspace>::Lease take() const
     {
-        {
-            const std::lock_guard lock(mutex);
-            if (!idle.empty()) {
-                std::unique_ptr<Workspace> work = std::move(idle.back());
-                idle.pop_back();
-                return work;
-            }
-        }
-        auto work = std::make_unique<Workspace>();
-        int tallest = 0;
-        for (int s = 0; s < f.supernodes; ++s)
-            tallest = std::max(tallest, height(s) - columns(s));
-        work->sums.assign(subtrees.size(), std::vector<T>(static_cast<std::size_t>(top_count) * lane_count));
-        work->rows.assign(subtrees.size() + 1,
-                          std::vector<T>(static_cast<std::size_t>(tallest) * lane_count));
-        return work;
+        return workspaces.take([&] {
+            auto work = std::make_unique<Workspace>();
+            int tallest = 0;
+            for (int s = 0; s < f.supernodes; ++s)
+                tallest = std::max(tallest, height(s));
+            work->sums.assign(subtrees.size(),
+                              std::vector<T>(static_cast<std::size_t>(top_count) * lane_count));
+            work->spaces.assign(subtrees.size() + 1, std::vector<T>(LaneSupernode<T>::workspace(tallest)));
+            return work;
+        });
     }
 
-    void give_back(std::unique_ptr<Workspace> work) const
+    /// fill(points) writes the right sides, four lanes a point in the order of elimination, and read(points)
+    /// finds the solutions there.
+    template <class Fill, class Read>
+    void run(int lanes, Fill&& fill, Read&& read) const
     {
-        const std::lock_guard lock(mutex);
-        idle.push_back(std::move(work));
-    }
-
-    /// Reads the right sides by read(unknown, lanes) and gives the solutions to write(unknown, lanes).
-    template <class Read, class Write>
-    void run(Read&& read, Write&& write) const
-    {
-        constexpr int grain = 16384;
-        std::unique_ptr<Workspace> work = take();
+        const auto work = take();
         work->points.resize(static_cast<std::size_t>(f.size) * lane_count);
         T* points = work->points.data();
-        const auto lanes = [&](int i) { return points + lane_count * static_cast<std::size_t>(i); };
-        parallel_for(f.size, [&](int i) { read(f.permutation[i], lanes(i)); }, grain);
-        sweep(points, *work);
-        parallel_for(f.size, [&](int i) { write(f.permutation[i], lanes(i)); }, grain);
-        give_back(std::move(work));
+        fill(points);
+        sweep(points, lanes, *work);
+        read(points);
+    }
+
+    /// body(unknown, lanes) for each point.
+    template <class Body>
+    void each(T* points, const Body& body) const
+    {
+        constexpr int grain = 16384;
+        parallel_for(
+            f.size, [&](int i) { body(f.permutation[i], points + lane_count * static_cast<std::size_t>(i)); },
+            grain);
     }
 
     BasicSupernodalFactor<T> f;
@@ -267,8 +201,7 @@ struct SupernodalSolve<T>::Impl
     std::vector<char> on_top;
     std::vector<int> top_position; ///< of each column on top among all such, else -1
     int top_count = 0;
-    mutable std::mutex mutex;
-    mutable std::vector<std::unique_ptr<Workspace>> idle;
+    mutable Pool<Workspace> workspaces;
 };
 
 template <class T>
@@ -291,13 +224,18 @@ void SupernodalSolve<T>::solve(const MatrixX& rhs, MatrixX& solution) const
     const int k = static_cast<int>(rhs.cols());
     solution.resize(rhs.rows(), k);
     impl_->run(
-        [&](int unknown, T* point) {
-            for (int c = 0; c < lane_count; ++c)
-                point[c] = c < k ? static_cast<T>(rhs(unknown, c)) : T(0);
+        std::max(k, 3),
+        [&](T* points) {
+            impl_->each(points, [&](int unknown, T* point) {
+                for (int c = 0; c < lane_count; ++c)
+                    point[c] = c < k ? static_cast<T>(rhs(unknown, c)) : T(0);
+            });
         },
-        [&](int unknown, const T* point) {
-            for (int c = 0; c < k; ++c)
-                solution(unknown, c) = point[c];
+        [&](T* points) {
+            impl_->each(points, [&](int unknown, const T* point) {
+                for (int c = 0; c < k; ++c)
+                    solution(unknown, c) = point[c];
+            });
         });
 }
 
@@ -305,22 +243,26 @@ template <class T>
 void SupernodalSolve<T>::solve_rows(RowMatrix& x, int first, int k) const
 {
     impl_->run(
-        [&](int unknown, T* point) {
-            for (int c = 0; c < lane_count; ++c)
-                point[c] = c < k ? static_cast<T>(x(unknown, first + c)) : T(0);
+        std::max(k, 3),
+        [&](T* points) {
+            impl_->each(points, [&](int unknown, T* point) {
+                for (int c = 0; c < lane_count; ++c)
+                    point[c] = c < k ? static_cast<T>(x(unknown, first + c)) : T(0);
+            });
         },
-        [&](int unknown, const T* point) {
-            for (int c = 0; c < k; ++c)
-                x(unknown, first + c) = point[c];
+        [&](T* points) {
+            impl_->each(points, [&](int unknown, const T* point) {
+                for (int c = 0; c < k; ++c)
+                    x(unknown, first + c) = point[c];
+            });
         });
 }
 
 template <class T>
-void SupernodalSolve<T>::sweep(T* points) const
+void SupernodalSolve<T>::sweep(int k, const std::function<void(T*)>& fill,
+                               const std::function<void(const T*)>& read) const
 {
-    std::unique_ptr<typename Impl::Workspace> work = impl_->take();
-    impl_->sweep(points, *work);
-    impl_->give_back(std::move(work));
+    impl_->run(std::max(k, 3), fill, read);
 }
 
 template class SupernodalSolve<double>;

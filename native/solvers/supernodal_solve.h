@@ -5,6 +5,7 @@
 #include "native/solvers/factor_engine.h"
 #include "native/solvers/supernodal_tree.h"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -34,8 +35,10 @@ public:
     void solve(const MatrixX& rhs, MatrixX& solution) const;
     /// The same in place for columns [first, first + k) of x, k <= 4.
     void solve_rows(RowMatrix& x, int first, int k) const;
-    /// The same in place, on (n) points of four lanes in elimination order.
-    void sweep(T* points) const;
+    /// The same on (n) points of four lanes in elimination order, of which the first k are solved, at least
+    /// three: `fill` writes B, `read` gets X.
+    void sweep(int k, const std::function<void(T* points)>& fill,
+               const std::function<void(const T* points)>& read) const;
 
 private:
     struct Impl;

@@ -119,3 +119,19 @@ def test_moving_the_control_solves_once(crowded, addon_name: str):
     assert plate.points()[plate.top, 2] == pytest.approx(0.6, abs=1e-6)
     found = calls_of(addon_name, update)
     assert not WORK & found.keys(), found
+
+
+def test_objects_that_are_not_ours_get_no_settings(crowded, room):
+    """Blender makes settings where they are read, in render threads too, and saves them with the file."""
+    plate, others = crowded
+    bpy.context.scene.frame_set(5)
+    room("handlers.deferred").catch_up()
+    make_active(others[1])
+    assert not bpy.ops.sinew.bind.poll()
+    assert plate.obj.is_property_set("sinew")
+    assert not any(obj.is_property_set("sinew") for obj in (*others, plate.control))
+
+
+def test_a_deformer_has_all_its_settings_before_a_render_reads_them(crowded, room):
+    plate, _others = crowded
+    assert all(plate.deformer.is_property_set(name) for name in ("bake", *room("core.methods").BY_ID))

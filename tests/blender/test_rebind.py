@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections import Counter
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -211,3 +212,69 @@ def test_a_bind_captures_and_reads_the_mesh_once(plate: Rig, addon_name: str):
     for name in ("_new_mesh", "read_rest", "group_weights"):
         assert found[name] <= 1, (name, found)
     assert found["_new_mesh"] == 1
+
+
+@pytest.fixture
+def copies(room, monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """How often a rest mesh was copied as a whole."""
+    rest, made = room("mesh_io.rest"), []
+
+    class Counting:
+        @staticmethod
+        def new():
+            made.append(1)
+            return bmesh.new()
+
+    monkeypatch.setattr(rest, "bmesh", Counting)
+    return made
+
+
+def add_groups(plate: Rig, count: int) -> None:
+    for number in range(count):
+        plate.obj.vertex_groups.new(name=f"Other {number}")
+
+
+@pytest.mark.parametrize("others", [0, 20])
+def test_a_bind_of_the_same_shape_takes_over_the_weights(plate: Rig, room, copies: list[int], others: int):
+    """Those in use, and those that come into use without a bind; where there are many, the whole mesh."""
+    add_groups(plate, others)
+    add_group(plate.obj, "Late", lambda point: abs(point[1]) < 0.2)
+    plate.bind("thin_shell")
+    copies.clear()
+    late = plate.obj.vertex_groups["Late"]
+    late.add(list(range(len(plate.rest()))), 0.0, "REPLACE")
+    late.add([60, 61], 1.0, "REPLACE")
+    bind(plate)
+    assert len(copies) == (1 if others else 0)
+    plate.deformer.handles[0].vertex_group = "Late"
+    plate.lift(0.5)
+    assert bound(plate, room).indices[0].tolist() == [60, 61]
+    same_as_anew(plate, room)
+
+
+@pytest.mark.parametrize("change", ["shape", "faces", "groups"])
+def test_a_bind_of_another_shape_takes_over_all_of_it(plate: Rig, room, copies: list[int], change: str):
+    plate.bind("thin_shell")
+    plate.lift(0.5)
+    copies.clear()
+    if change == "shape":
+        plate.obj.data.vertices[60].co.z += 0.1
+        plate.obj.data.update_tag()
+    elif change == "faces":
+        make_active(plate.obj)
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.quads_convert_to_tris()
+        bpy.ops.object.mode_set(mode="OBJECT")
+    else:
+        plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Base"])
+        add_group(plate.obj, "Base", lambda point: point[1] < -0.5)
+        plate.deformer.handles[1].vertex_group = "Base"
+    bind(plate)
+    assert len(copies) == (0 if change == "groups" else 1)
+    np.testing.assert_array_equal(bound(plate, room).rest.points, plate.rest())
+    assert len(bound(plate, room).rest.counts) == len(plate.obj.data.polygons)
+    if change == "groups":
+        held = bound(plate, room).indices[1]
+        np.testing.assert_array_equal(held, np.flatnonzero(plate.rest()[:, 1] < -0.5))
+    same_as_anew(plate, room)

@@ -2,6 +2,8 @@
 #include "native/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
 #include "native/solvers/constrained_quadratic.h"
 #include "native/solvers/sparse_columns.h"
 #include "native/surface/linear/affine_basis.h"
@@ -81,6 +83,14 @@ struct Coefficients
     std::vector<double> stretching, bending, variation;
 };
 
+/// What a frame needs. Rows of x that are neither given nor solved for stay zero, as those of the pull where
+/// nothing pulls.
+struct Frame
+{
+    RowMatrix x, pull;
+    ConstrainedQuadratic::Workspace solve;
+};
+
 /// What a bind makes. Replaced as a whole, so a bind that fails changes nothing.
 struct Binding
 {
@@ -91,6 +101,13 @@ struct Binding
     std::vector<double> soft_stiffness;
     ConstrainedQuadratic system; ///< of A, soft terms on its diagonal
     std::unique_ptr<AffineBasis> basis;
+    std::unique_ptr<Pool<Frame>> frames = std::make_unique<Pool<Frame>>();
+
+    bool is_soft(std::size_t row) const { return row >= constraints.size() - soft_stiffness.size(); }
+    double stiffness(std::size_t row) const
+    {
+        return soft_stiffness[row + soft_stiffness.size() - constraints.size()];
+    }
 };
 
 } // namespace
@@ -129,24 +146,27 @@ struct ThinShell::Impl
     }
 
     /// A of the header, without soft terms.
-    SparseMatrix assemble(const Regions& regions, const Coefficients& k, const TriangleMetric& metric) const
+    /// Eigen's matrices are copied where others move: they change hands by swap.
+    std::shared_ptr<SparseMatrix> assemble(const Regions& regions, const Coefficients& k,
+                                           const TriangleMetric& metric) const
     {
         const int n = rest.vertex_count();
         const auto laplacian = [&](const ElementScale& scale) {
             return laplacian_matrix(rest, options.laplacian, metric, scale);
         };
-        SparseMatrix A(n, n);
-        if (!k.stretching.empty())
-            A = laplacian([&](std::span<const int> element) { return mean_over(k.stretching, element); });
-        if (k.bending.empty() && k.variation.empty())
-            return A;
-
-        const auto add = [&A](SparseMatrix term) {
+        auto sum = std::make_shared<SparseMatrix>(n, n);
+        SparseMatrix& A = *sum;
+        const auto add = [&A](SparseMatrix&& term) {
             if (A.nonZeros() == 0)
-                A = std::move(term);
+                A.swap(term);
             else
                 A += term;
         };
+        if (!k.stretching.empty())
+            add(laplacian([&](std::span<const int> element) { return mean_over(k.stretching, element); }));
+        if (k.bending.empty() && k.variation.empty())
+            return sum;
+
         const SparseMatrix L = laplacian({});
         VectorX CM = divisible_mass(rest, options.laplacian, metric).cwiseInverse();
         for (int i = 0; i < n; ++i)
@@ -161,7 +181,7 @@ struct ThinShell::Impl
             });
             add(sparse_product(U.transpose(), ones, sparse_product(L_kv, ones, U)));
         }
-        return A;
+        return sum;
     }
 
     static void add_soft_terms(Binding& next, SparseMatrix& A)
@@ -190,13 +210,13 @@ struct ThinShell::Impl
         next.regions = Regions(next.handles, parts);
         next.constraints = next.regions.constraints();
         int degenerate = 0;
-        SparseMatrix A;
+        std::shared_ptr<SparseMatrix> A;
         {
             const TriangleMetric metric = triangle_metric(rest, least_area(next.k));
             degenerate = degenerate_face_count(rest, metric);
             A = assemble(next.regions, next.k, metric);
         }
-        add_soft_terms(next, A);
+        add_soft_terms(next, *A);
 
         progress.tick(0.2, "factorising");
         std::swap(bound, next);
@@ -225,7 +245,7 @@ struct ThinShell::Impl
         return report;
     }
 
-    void factorize(SparseMatrix A)
+    void factorize(std::shared_ptr<const SparseMatrix> A)
     {
         std::vector<bool> free(rest.vertex_count());
         for (int v = 0; v < rest.vertex_count(); ++v)
@@ -273,16 +293,14 @@ ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
     if (!bound.soft_stiffness.empty())
         pull = RowMatrix::Zero(n, columns);
     MatrixX soft_energy = MatrixX::Zero(columns, columns);
-    const auto hard_count = bound.constraints.size() - bound.soft_stiffness.size();
     for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
         const int vertex = bound.constraints[row].vertex;
         const auto target = constraints.row(row);
-        if (row < hard_count) {
-            x.row(vertex) = target;
+        if (bound.is_soft(row)) {
+            pull->row(vertex) += bound.stiffness(row) * target;
+            soft_energy += bound.stiffness(row) * target.transpose() * target;
         } else {
-            const double stiffness = bound.soft_stiffness[row - hard_count];
-            pull->row(vertex) += stiffness * target;
-            soft_energy += stiffness * target.transpose() * target;
+            x.row(vertex) = target;
         }
     }
 
@@ -314,20 +332,51 @@ SolveReport ThinShell::solve(const Poses& poses, Points& positions, const std::o
         return bound.basis->solve(poses, positions);
 
     const PointsView base = targets.base();
-    MatrixX constraints(bound.constraints.size(), 3);
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
+    const int n = rest().vertex_count();
+    const bool soft = !bound.soft_stiffness.empty();
+    const auto frame = bound.frames->take([&] {
+        auto made = std::make_unique<Frame>();
+        made->x = RowMatrix::Zero(n, 3);
+        made->pull = RowMatrix::Zero(soft ? n : 0, 3);
+        return made;
+    });
+    RowMatrix& x = frame->x;
+    const RowMatrix* const pull = soft ? &frame->pull : nullptr;
+    const auto displacement = [&](std::size_t row) -> Vector3 {
         const auto [vertex, handle] = bound.constraints[row];
-        constraints.row(row) = targets.of(vertex, handle).transpose() - base.row(vertex);
+        return targets.of(vertex, handle) - base.row(vertex).transpose();
+    };
+    for (std::size_t row = 0; row < bound.constraints.size(); ++row)
+        if (bound.is_soft(row))
+            frame->pull.row(bound.constraints[row].vertex).setZero();
+    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
+        const int vertex = bound.constraints[row].vertex;
+        if (bound.is_soft(row))
+            frame->pull.row(vertex) += bound.stiffness(row) * displacement(row).transpose();
+        else
+            x.row(vertex) = displacement(row).transpose();
     }
-    const ThinShellResponse response = respond(constraints);
-    positions = base + response.displacement;
+
+    bound.system.solve(x, pull, frame->solve);
+    const ConstrainedQuadratic::Norms norms = bound.system.norms(x, pull);
+    double energy = norms.energy; // as in respond()
+    for (std::size_t row = 0; row < bound.constraints.size(); ++row)
+        if (bound.is_soft(row)) {
+            const Vector3 target = displacement(row),
+                          found = x.row(bound.constraints[row].vertex).transpose();
+            energy += bound.stiffness(row) * (target - 2 * found).dot(target);
+        }
+    positions.resize(n, 3);
+    parallel_for(n, [&](int i) {
+        for (int axis = 0; axis < 3; ++axis)
+            positions(i, axis) = base(i, axis) + x(i, axis);
+    });
 
     SolveReport report;
     report.iterations = 1;
     report.converged = true;
-    report.energy = 0.5 * response.energy.trace();
-    const double load = response.load.trace();
-    report.residual = load > 0 ? std::sqrt(response.residual.trace() / load) : 0.0;
+    report.energy = 0.5 * energy;
+    report.residual = norms.load > 0 ? std::sqrt(norms.residual / norms.load) : 0.0;
     return report;
 }
 

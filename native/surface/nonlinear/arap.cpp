@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <mutex>
 #include <numeric>
 #include <string>
 
@@ -52,25 +53,16 @@ std::vector<double> spread_rigidity(const std::vector<double>& rigidity, int n)
 }
 
 /// Half cotangents by triangle corner, each raised so that every cell stays positive.
-void add_wings(ArapGraph& graph, const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
+void add_triangles(ArapGraph& graph, const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
 {
-    const auto& triangles = mesh.triangles();
-    std::vector<std::vector<ArapWing>> around(graph.size);
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        std::array<double, 3> c;
-        for (int k = 0; k < 3; ++k)
-            c[k] = std::clamp(metric.half_cotan[t][k], least_weight * mean, most_weight * mean);
+    graph.rims = true;
+    for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
+        ArapTriangle triangle;
         for (int k = 0; k < 3; ++k) {
-            const int b = (k + 1) % 3;
-            const int d = (k + 2) % 3;
-            // The edge to corner b lies opposite corner d.
-            around[triangles[t][k]].push_back({triangles[t][b], triangles[t][d], c[d], c[b], c[k]});
+            triangle.corner[k] = mesh.triangles()[t][k];
+            triangle.across[k] = std::clamp(metric.half_cotan[t][k], least_weight * mean, most_weight * mean);
         }
-    }
-    graph.wing_offsets.assign(1, 0);
-    for (auto& wings : around) {
-        graph.wings.insert(graph.wings.end(), wings.begin(), wings.end());
-        graph.wing_offsets.push_back(static_cast<int>(graph.wings.size()));
+        graph.triangles.push_back(triangle);
     }
 }
 
@@ -95,12 +87,12 @@ ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
             }
     const double mean = sum > 0 ? sum / count : 1.0;
     if (options.cells == ArapOptions::Cells::rims) {
-        add_wings(graph, mesh, metric, mean);
+        add_triangles(graph, mesh, metric, mean);
         std::vector<Eigen::Triplet<double>> entries;
-        for (int i = 0; i < graph.size; ++i)
-            for (int k = graph.wing_offsets[i]; k < graph.wing_offsets[i + 1]; ++k) {
-                entries.emplace_back(i, graph.wings[k].b, -graph.wings[k].to_b);
-                entries.emplace_back(i, graph.wings[k].c, -graph.wings[k].to_c);
+        for (const ArapTriangle& t : graph.triangles)
+            for (int k = 0; k < 3; ++k) {
+                entries.emplace_back(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3], -t.across[k]);
+                entries.emplace_back(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3], -t.across[k]);
             }
         L.setFromTriplets(entries.begin(), entries.end());
     }
@@ -111,8 +103,8 @@ ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
             if (it.row() != c) {
                 graph.neighbours.push_back(static_cast<int>(it.row()));
                 graph.weights.push_back(
-                    graph.has_rims() ? -it.value()
-                                     : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
+                    graph.rims ? -it.value()
+                               : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
             }
         graph.offsets.push_back(static_cast<int>(graph.neighbours.size()));
     }
@@ -150,18 +142,41 @@ struct Arap::Impl
         node_rest = rest.points();
     }
 
-    Points by_node(const PointsView& points) const
+    /// The points of the first `count` nodes.
+    void to_nodes(const PointsView& points, int count, Points& nodes) const
     {
-        Points result(points.rows(), 3);
-        parallel_for(graph.size, [&](int i) { result.row(i) = points.row(vertex[i]); });
-        return result;
+        nodes.resize(count, 3);
+        parallel_for(count, [&](int i) { nodes.row(i) = points.row(vertex[i]); });
     }
-    Points by_vertex(const Points& points) const
+    void to_vertices(const PointsView& nodes, Points& points) const
     {
-        Points result(points.rows(), 3);
-        parallel_for(graph.size, [&](int i) { result.row(vertex[i]) = points.row(i); });
-        return result;
+        points.resize(nodes.rows(), 3);
+        parallel_for(graph.size, [&](int i) { points.row(vertex[i]) = nodes.row(i); });
     }
+
+    /// What a solve works in: kept for the next one, each of several at once takes its own.
+    struct Workspace
+    {
+        ArapWorkspace fine;
+        std::vector<ArapWorkspace> levels;
+        Points incoming;
+    };
+    std::unique_ptr<Workspace> take() const
+    {
+        const std::lock_guard lock(mutex);
+        if (resting.empty())
+            return std::make_unique<Workspace>();
+        std::unique_ptr<Workspace> work = std::move(resting.back());
+        resting.pop_back();
+        return work;
+    }
+    void give_back(std::unique_ptr<Workspace> work) const
+    {
+        const std::lock_guard lock(mutex);
+        resting.push_back(std::move(work));
+    }
+    mutable std::mutex mutex;
+    mutable std::vector<std::unique_ptr<Workspace>> resting;
 
     static void adopt(ArapGraph& graph, const Regions& regions)
     {
@@ -219,6 +234,7 @@ BindReport Arap::set_handles(const std::vector<Handle>& handles, const Progress&
     self.vertex = std::move(vertex);
     self.node_rest = std::move(node_rest);
     self.cascade = std::move(cascade);
+    self.resting.clear();
     self.handle_count = regions.handle_count();
     self.factorizations += self.graph.smoothing > 0 ? 2 : 1;
 
@@ -244,30 +260,34 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
     if (request.start)
         self.require_same_size(*request.start, "start");
 
-    Points incoming;
+    std::unique_ptr<Impl::Workspace> work = self.take(); // lost if anything throws
+    ArapWorkspace& fine = work->fine;
     Targets targets{poses, view(self.node_rest), {}, request.from_rest};
     if (request.incoming) {
-        incoming = self.by_node(*request.incoming);
-        targets.incoming.emplace(view(incoming));
+        self.to_nodes(*request.incoming, self.graph.size, work->incoming);
+        targets.incoming.emplace(view(work->incoming));
     }
-    const ArapGoals goals(self.graph, targets);
+    fine.goals.set(self.graph, targets);
+    SolveReport report{.converged = true};
     if (self.graph.free_nodes.empty()) {
-        positions = self.by_vertex(goals.targets);
-        return SolveReport{.converged = true};
-    }
-    ArapProblem problem(self.graph, targets.base(), goals.targets, goals.pulls);
-    options.floor = rounding_floor * problem.scale();
-    Points x;
-    if (request.start) {
-        x = problem.free_rows(view(self.by_node(*request.start)));
-        problem.fit_rotations(x);
+        self.to_vertices(view(fine.goals.targets), positions);
     } else {
-        self.cascade.start(problem, self.graph, self.node_rest, targets);
-        x = problem.positions_for_rotations();
+        ArapProblem problem(self.graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
+        options.floor =
+            rounding_floor * (request.incoming ? self.graph.scale(targets.base()) : self.graph.rest_scale);
+        if (request.start) {
+            self.to_nodes(*request.start, self.graph.free_count(), fine.x);
+            if (self.graph.smoothing > 0) // else the first evaluation does
+                problem.fit_rotations(fine.x);
+        } else {
+            self.cascade.start(problem, self.graph, targets, work->levels);
+            problem.positions_for_rotations(fine.x);
+        }
+        report = minimize(problem, fine.x, options, progress, &fine.descent);
+        report.energy *= self.graph.energy_factor();
+        self.to_vertices(problem.place(fine.x), positions);
     }
-    SolveReport report = minimize(problem, x, options, progress);
-    report.energy *= self.graph.energy_factor();
-    positions = self.by_vertex(problem.place(x));
+    self.give_back(std::move(work));
     return report;
 }
 
@@ -275,7 +295,8 @@ double Arap::energy(const PointsView& positions) const
 {
     const Impl& self = *impl_;
     self.require_same_size(positions, "positions");
-    const Points all = self.by_node(positions);
+    Points all;
+    self.to_nodes(positions, self.graph.size, all);
     Points pulls(self.graph.pulls.size(), 3); // already where they would go: no energy
     for (std::size_t k = 0; k < self.graph.pulls.size(); ++k)
         pulls.row(k) = all.row(self.graph.pulls[k].node);

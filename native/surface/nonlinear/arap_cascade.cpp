@@ -210,6 +210,7 @@ ArapLevel coarsen(const ArapGraph& fine, const Points& fine_rest, const Clusters
         p = p < 0 ? p : renamed[p];
     for (int& p : level.up_nodes)
         p = renamed[p];
+    level.rest = level.restrict(view(fine_rest));
     return level;
 }
 
@@ -271,20 +272,20 @@ void hand_down(const ArapLevel& level, const std::vector<Eigen::Quaterniond>& q,
 
 } // namespace
 
-Points ArapLevel::restrict(const PointsView& finer) const
+void ArapLevel::restrict(const PointsView& finer, Points& mean) const
 {
-    Points mean = Points::Zero(graph.size, 3);
+    mean.setZero(graph.size, 3);
     for (std::size_t i = 0; i < label.size(); ++i)
         if (label[i] >= 0)
             mean.row(label[i]) += finer.row(i);
     for (int p = 0; p < graph.size; ++p)
         mean.row(p) /= members[p];
-    return mean;
 }
 
-ArapGoals::ArapGoals(const ArapGraph& graph, const Targets& goal)
-    : targets(goal.base()), pulls(graph.pulls.size(), 3)
+void ArapGoals::set(const ArapGraph& graph, const Targets& goal)
 {
+    targets = goal.base();
+    pulls.resize(graph.pulls.size(), 3);
     for (int i = 0; i < graph.size; ++i)
         if (graph.hard[i] >= 0)
             targets.row(i) = goal.of(i, graph.hard[i]).transpose();
@@ -295,56 +296,55 @@ ArapGoals::ArapGoals(const ArapGraph& graph, const Targets& goal)
 ArapCascade::ArapCascade(const ArapGraph& fine, const Points& rest, const Progress& progress)
 {
     const ArapGraph* graph = &fine;
-    Points points = rest;
+    const Points* points = &rest;
     levels_.reserve(most_levels); // `graph` points into it
     while (static_cast<int>(levels_.size()) < most_levels && graph->size / coarsening >= fewest_nodes) {
         progress.tick(0.6 + 0.4 * levels_.size() / most_levels, "clustering");
-        const Clusters clusters(*graph, points, graph->size / coarsening);
+        const Clusters clusters(*graph, *points, graph->size / coarsening);
         const auto active = std::ranges::count(graph->idle, false);
         if (clusters.seeds.size() > worthwhile * active)
             break;
-        ArapLevel level = coarsen(*graph, points, clusters);
-        points = level.restrict(view(points));
-        levels_.push_back(std::move(level));
+        levels_.push_back(coarsen(*graph, *points, clusters));
         graph = &levels_.back().graph;
+        points = &levels_.back().rest;
     }
 }
 
-void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const Points& rest,
-                        const Targets& targets) const
+void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const Targets& targets,
+                        std::vector<ArapWorkspace>& work) const
 {
     if (levels_.empty()) {
         blend_handles(fine_problem, fine, targets.poses);
         return;
     }
-    // Means of rest and base on every level, fine to coarse.
-    std::vector<Points> rests{levels_[0].restrict(view(rest))};
-    std::vector<Points> bases{levels_[0].restrict(targets.base())};
-    for (std::size_t l = 1; l < levels_.size(); ++l) {
-        rests.push_back(levels_[l].restrict(view(rests.back())));
-        bases.push_back(levels_[l].restrict(view(bases.back())));
-    }
-    const LbfgsOptions options = fine.smoothing > 0 ? LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4}
-                                                    : LbfgsOptions{.max_iterations = 20, .tolerance = 1e-4};
+    const int count = static_cast<int>(levels_.size());
+    work.resize(count);
+    if (targets.incoming) // its means on every level, fine to coarse
+        for (int l = 0; l < count; ++l)
+            levels_[l].restrict(l == 0 ? *targets.incoming : view(work[l - 1].base), work[l].base);
 
-    std::vector<Eigen::Quaterniond> coarser;
-    for (int l = static_cast<int>(levels_.size()) - 1; l >= 0; --l) {
+    for (int l = count - 1; l >= 0; --l) {
         const ArapGraph& graph = levels_[l].graph;
-        const Targets local{targets.poses, view(rests[l]), view(bases[l]), targets.from_rest};
-        const ArapGoals goals(graph, local);
-        ArapProblem problem(graph, view(bases[l]), goals.targets, goals.pulls);
-        if (l + 1 == static_cast<int>(levels_.size()))
+        Targets local{targets.poses, view(levels_[l].rest), {}, targets.from_rest};
+        if (targets.incoming)
+            local.incoming.emplace(view(work[l].base));
+        ArapGoals& goals = work[l].goals;
+        goals.set(graph, local);
+        ArapProblem problem(graph, local.base(), goals.targets, goals.pulls, &work[l].buffers);
+        if (l + 1 == count)
             blend_handles(problem, graph, targets.poses);
         else
-            hand_down(levels_[l + 1], coarser, problem);
-        Points x = problem.positions_for_rotations();
-        LbfgsOptions level_options = options;
-        level_options.floor = 1e-14 * problem.scale();
-        minimize(problem, x, level_options);
-        coarser.resize(graph.size);
-        parallel_for(graph.size, [&](int i) { coarser[i] = Eigen::Quaterniond(problem.rotation(i)); });
+            hand_down(levels_[l + 1], work[l + 1].rotations, problem);
+        problem.positions_for_rotations(work[l].x);
+        const double scale = targets.incoming ? graph.scale(local.base()) : graph.rest_scale;
+        minimize(problem, work[l].x, {.max_iterations = 20, .tolerance = 1e-4, .floor = 1e-14 * scale}, {},
+                 &work[l].descent);
+        problem.refresh(work[l].x);
+        work[l].rotations.resize(graph.size);
+        parallel_for(graph.size,
+                     [&](int i) { work[l].rotations[i] = Eigen::Quaterniond(problem.rotation(i)); });
     }
-    hand_down(levels_.front(), coarser, fine_problem);
+    hand_down(levels_.front(), work.front().rotations, fine_problem);
 }
 
 } // namespace sinew

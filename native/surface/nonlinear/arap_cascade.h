@@ -5,6 +5,8 @@
 #include "native/mesh/regions.h"
 #include "native/surface/nonlinear/arap_energy.h"
 
+#include <Eigen/Geometry>
+
 #include <vector>
 
 namespace sinew {
@@ -13,6 +15,7 @@ namespace sinew {
 struct ArapLevel
 {
     ArapGraph graph;
+    Points rest;             ///< (size, 3)
     std::vector<int> label;  ///< finer node -> its cluster, -1 where idle
     std::vector<int> members; ///< finer nodes in each cluster
     /// Clusters near each finer node with their shares, which sum to 1.
@@ -20,7 +23,32 @@ struct ArapLevel
     std::vector<double> up_weights;
 
     /// (size, 3) means of the finer points over each cluster.
-    Points restrict(const PointsView& finer) const;
+    void restrict(const PointsView& finer, Points& means) const;
+    Points restrict(const PointsView& finer) const
+    {
+        Points means;
+        restrict(finer, means);
+        return means;
+    }
+};
+
+/// Where held nodes go and pulled nodes would go, for one graph.
+struct ArapGoals
+{
+    Points targets, pulls;
+    ArapGoals() = default;
+    ArapGoals(const ArapGraph& graph, const Targets& targets) { set(graph, targets); }
+    void set(const ArapGraph& graph, const Targets& targets);
+};
+
+/// What a solve on one graph works in; see ArapBuffers.
+struct ArapWorkspace
+{
+    ArapBuffers buffers;
+    LbfgsWorkspace descent;
+    ArapGoals goals;
+    Points x, base;
+    std::vector<Eigen::Quaterniond> rotations;
 };
 
 /// A hierarchy of clustered graphs that turns the handle poses alone into a start for ARAP,
@@ -41,20 +69,18 @@ public:
     ArapCascade(const ArapGraph& fine, const Points& rest, const Progress& progress);
 
     /// Rotations for the fine problem, from poses, base and targets alone.
-    void start(ArapProblem& fine_problem, const ArapGraph& fine, const Points& rest,
-               const Targets& targets) const;
+    void start(ArapProblem& fine_problem, const ArapGraph& fine, const Targets& targets,
+               std::vector<ArapWorkspace>& work) const;
+    void start(ArapProblem& fine_problem, const ArapGraph& fine, const Targets& targets) const
+    {
+        std::vector<ArapWorkspace> work;
+        start(fine_problem, fine, targets, work);
+    }
 
     const std::vector<ArapLevel>& levels() const { return levels_; }
 
 private:
     std::vector<ArapLevel> levels_; ///< fine to coarse
-};
-
-/// Where held nodes go and pulled nodes would go, for one graph.
-struct ArapGoals
-{
-    Points targets, pulls;
-    ArapGoals(const ArapGraph& graph, const Targets& targets);
 };
 
 } // namespace sinew

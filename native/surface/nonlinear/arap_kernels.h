@@ -3,44 +3,60 @@
 
 namespace sinew {
 
-/// The two other corners of a triangle at a node, with half the cotangents opposite the
-/// edges (node, b), (node, c) and (b, c): what the rims of a cell need.
-struct ArapWing
+/// A triangle with half the cotangents opposite its edges: across[k] belongs to the edge that corner k is not
+/// on. With rims each of its corners' cells holds all three edges.
+struct ArapTriangle
 {
-    int b, c;
-    double to_b, to_c, across;
+    int corner[3];
+    double across[3];
 };
 
-/// What the loops over an ArapGraph read. Points hold four numbers a node, the last one zero; matrices hold
-/// twelve, their three columns.
+/// What the loops over an ArapGraph read. Nodes come in chunks: the loops take one at a time, and an edge or
+/// triangle that lies within a chunk is worked out once for all its nodes. Points hold three numbers a node,
+/// matrices nine, their three columns; one number more than those may be read.
 struct ArapView
 {
-    const int *offsets, *neighbours;
-    const double *weights, *rigidity;
-    const int* wing_offsets; ///< null: spokes only
-    const ArapWing* wings;
-    const int* place;        ///< row of the gradient, -1 for none
-    const char* idle;
+    /// Edges of node i to later nodes of its chunk from edges[2 i] on, to nodes of other chunks from
+    /// edges[2 i + 1] on, up to edges[2 i + 2].
+    const int *edges, *ends;
+    const double* weights;   ///< one an edge
+    const ArapTriangle* triangles; ///< those that touch a chunk stand together
+    bool rims;               ///< cells of triangles; else of edges
+    const double* rigidity;
+    int free;                ///< nodes [0, free) have a gradient
     const double *base, *points;
     double smoothing;
 };
 
-/// The loops of one evaluation over the nodes [begin, end). Every set of kernels does the same operations in
-/// the same order, without fused ones: results agree to the last bit.
+/// Nodes [begin, end), and the triangles at them where there are rims.
+struct ArapChunk
+{
+    int begin, end;
+    int first_triangle, last_triangle;
+};
+
+constexpr int arap_chunk = 256;  ///< nodes at most: their covariances fit a core's first cache
+constexpr int arap_columns = 12; ///< numbers of a covariance: its columns, each in four lanes
+
+/// The loops of one evaluation over a chunk. Every set of kernels does the same operations in the same order,
+/// without fused ones: results agree to the last bit.
 struct ArapKernels
 {
-    /// S_i = r_i sum over the cell's edges of w p e^T; that of `begin` comes first.
-    void (*covariances)(const ArapView& view, int begin, int end, double* S);
+    /// S_i = r_i sum over the cell's edges of w p e^T; that of the chunk's first node comes first.
+    void (*covariances)(const ArapView& view, const ArapChunk& chunk, double* S);
     /// S_i += 2 alpha A sum_j r_ij w_ij R_j
-    void (*add_neighbours)(const ArapView& view, const double* R, int begin, int end, double* S);
-    /// t_i = vee(S_i R_i^T), three numbers each: how S_i pulls at R_i.
-    void (*torques)(const double* S, const double* R, int count, double* t);
-    /// to_i = turn(omega_i) R_i by Cayley's formula, |omega| cut to 1.
+    void (*add_neighbours)(const ArapView& view, const ArapChunk& chunk, const double* R, double* S);
+    /// t_i = vee((S_i + 2 alpha A sum_j r_ij w_ij R_j) R_i^T), three numbers each: how the cell and its
+    /// neighbours pull at R_i. Those of the chunk's first node come first in S and t.
+    void (*torques)(const ArapView& view, const ArapChunk& chunk, const double* S, const double* R,
+                    double* t);
+    /// to_i = turn(omega_i) R_i by Cayley's formula, |omega| cut to 1; may be in place.
     void (*turn)(const double* omega, const double* R, int count, double* to);
-    /// to_i = the rotation closest to S_i + tie |S_i| R_i; safe_i says where it was found.
+    /// to_i = the rotation closest to S_i + tie |S_i| R_i; safe_i says where it was found. Where not, to_i
+    /// stays as it is. May be in place.
     void (*fit)(const double* S, const double* R, double tie, int count, double* to, bool* safe);
-    /// E of these nodes, and what of its gradient belongs to them.
-    double (*energy)(const ArapView& view, const double* R, int begin, int end, double* gradient);
+    /// E of the chunk's cells, and what of its gradient belongs to its free nodes.
+    double (*energy)(const ArapView& view, const ArapChunk& chunk, const double* R, double* gradient);
 };
 
 /// The widest kernels that this processor runs.

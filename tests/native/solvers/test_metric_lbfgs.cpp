@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/metric_lbfgs.h"
 
+#include "native/solvers/metric_lbfgs_kernels.h"
 #include "tests/native/shapes.h"
 
 #include <Eigen/Cholesky>
@@ -232,6 +233,57 @@ TEST(MetricLbfgs, ticks_every_iteration_and_can_be_cancelled)
     });
     EXPECT_THROW(minimize(problem, x, budget(30), progress), Cancelled);
     EXPECT_EQ(ticks, 4);
+}
+
+TEST(MetricLbfgs, its_wide_kernels_agree_with_the_plain_ones_to_the_last_bit)
+{
+    const LbfgsKernels* const wide = avx2_lbfgs_kernels();
+    if (!wide)
+        GTEST_SKIP() << "this processor has no AVX2";
+    constexpr int pairs = 3;
+    for (int count : {1, 4, 15, 16, 100, 1001}) {
+        const VectorX x = VectorX::Random(count), g = VectorX::Random(count), old_g = VectorX::Random(count);
+        const VectorX z = VectorX::Random(count), old_z = VectorX::Random(count);
+        const Eigen::MatrixXf s = Eigen::MatrixXf::Random(count, pairs);
+        const Eigen::MatrixXf Ly = Eigen::MatrixXf::Random(count, pairs);
+        const float *s_of[pairs], *Ly_of[pairs];
+        for (int k = 0; k < pairs; ++k) {
+            s_of[k] = s.col(k).data();
+            Ly_of[k] = Ly.col(k).data();
+        }
+        const double share_s[pairs]{0.3, -0.2, 1.7}, share_Ly[pairs]{-0.9, 0.6, 0.1}, t = 0.7;
+        VectorX trial[2], products[2];
+        Eigen::VectorXf step[2], fresh[2];
+        PairProducts sums[2];
+        for (int k = 0; k < 2; ++k) {
+            const LbfgsKernels& kernels = k ? *wide : baseline_lbfgs_kernels();
+            trial[k].resize(count), step[k].resize(count), fresh[k].resize(count);
+            products[k].resize(2 * pairs);
+            kernels.step(x.data(), z.data(), pairs, s_of, Ly_of, share_s, share_Ly, t, count, trial[k].data(),
+                         step[k].data());
+            sums[k] = kernels.pair(old_g.data(), g.data(), old_z.data(), z.data(), step[k].data(), count,
+                                   fresh[k].data());
+            kernels.products(g.data(), pairs, s_of, Ly_of, count, products[k].data());
+        }
+        EXPECT_EQ(trial[0], trial[1]);
+        EXPECT_EQ(step[0], step[1]);
+        EXPECT_EQ(fresh[0], fresh[1]);
+        EXPECT_EQ(products[0], products[1]);
+        EXPECT_EQ(sums[0].ss, sums[1].ss);
+        EXPECT_EQ(sums[0].yy, sums[1].yy);
+        EXPECT_EQ(sums[0].sy, sums[1].sy);
+        EXPECT_EQ(sums[0].y_Ly, sums[1].y_Ly);
+        EXPECT_EQ(sums[0].s_g, sums[1].s_g);
+        EXPECT_EQ(sums[0].Ly_g, sums[1].Ly_g);
+        EXPECT_EQ(sums[0].z_g, sums[1].z_g);
+
+        VectorX d = z;
+        for (int k = 0; k < pairs; ++k)
+            d += share_s[k] * s.col(k).cast<double>() - share_Ly[k] * Ly.col(k).cast<double>();
+        EXPECT_LT((trial[0] - (x - t * d)).cwiseAbs().maxCoeff(), 1e-14); // ten numbers up to 1
+        EXPECT_NEAR(products[0][3], g.dot(Ly.col(1).cast<double>()), 1e-13 * count);
+        EXPECT_NEAR(sums[0].y_Ly, (g - old_g).dot((z - old_z).cast<float>().cast<double>()), 1e-13 * count);
+    }
 }
 
 } // namespace sinew

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/surface/linear/affine_basis.h"
+#include "tests/native/allocations.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/linear/dense_shell.h"
 
@@ -236,6 +237,30 @@ TEST(ThinShell, ten_solves_take_one_factorisation)
             solve(shell, {shapes::still(), shapes::shift(0, 0, k)});
         EXPECT_EQ(shell.set_handles(shapes::ends(mesh, 2.5)).factorizations, 2);
     }
+}
+
+TEST(ThinShell, solves_after_the_first_allocate_nothing_in_proportion_to_the_mesh)
+{
+    if (!allocations::counted())
+        GTEST_SKIP() << "nobody counts here";
+    const SurfaceMesh mesh = shapes::hill(60, 60);
+    const auto a_number_a_vertex = sizeof(double) * mesh.vertex_count();
+    std::vector<Handle> soft = shapes::ends(mesh, 1.5);
+    soft[1].weights.assign(soft[1].vertices.size(), 0.5);
+    const Poses poses{shapes::still(), shapes::shift(0, 0, 1)};
+    for (const bool basis : {true, false})
+        for (const std::vector<Handle>& handles : {shapes::ends(mesh, 1.5), soft}) {
+            ThinShell shell(mesh, {.affine_basis = basis});
+            Points positions;
+            const allocations::Count count(a_number_a_vertex);
+            shell.set_handles(handles);
+            shell.solve(poses, positions);
+            const int first = count.so_far();
+            EXPECT_GT(first, 0);
+            for (int k = 0; k < 3; ++k)
+                shell.solve(poses, positions);
+            EXPECT_EQ(count.so_far(), first);
+        }
 }
 
 TEST(ThinShell, another_stiffness_gives_what_a_new_object_gives)

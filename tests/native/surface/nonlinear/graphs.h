@@ -9,7 +9,8 @@
 namespace sinew::graphs {
 
 /// The graph of a mesh without obtuse angles, factorised; painted with random rigidity on request.
-inline ArapGraph of(const SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness,
+/// \param[in,out] mesh  its vertices are numbered as the graph's nodes then.
+inline ArapGraph of(SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness,
                     bool rims = false, bool painted = false)
 {
     ArapGraph graph;
@@ -28,19 +29,11 @@ inline ArapGraph of(const SurfaceMesh& mesh, const std::vector<Handle>& handles,
         graph.offsets.push_back(static_cast<int>(graph.neighbours.size()));
     }
     if (rims) {
-        std::vector<std::vector<ArapWing>> around(graph.size);
+        graph.rims = true;
         for (std::size_t t = 0; t < metric.area.size(); ++t) {
             const Triangle& v = mesh.triangles()[t];
             const auto& c = metric.half_cotan[t];
-            for (int k = 0; k < 3; ++k) {
-                const int b = (k + 1) % 3, d = (k + 2) % 3;
-                around[v[k]].push_back({v[b], v[d], c[d], c[b], c[k]});
-            }
-        }
-        graph.wing_offsets = {0};
-        for (const auto& wings : around) {
-            graph.wings.insert(graph.wings.end(), wings.begin(), wings.end());
-            graph.wing_offsets.push_back(static_cast<int>(graph.wings.size()));
+            graph.triangles.push_back({{v[0], v[1], v[2]}, {c[0], c[1], c[2]}});
         }
     }
     shapes::Random random(1);
@@ -57,6 +50,17 @@ inline ArapGraph of(const SurfaceMesh& mesh, const std::vector<Handle>& handles,
         graph.pulls.push_back({s.vertex, s.handle, s.stiffness()});
     graph.set_metric();
     graph.factorize(mesh.points());
+    const std::vector<int> old = graph.renumber(mesh.points());
+    std::vector<int> renamed(graph.size), corners;
+    Points points(graph.size, 3);
+    for (int i = 0; i < graph.size; ++i) {
+        renamed[old[i]] = i;
+        points.row(i) = mesh.points().row(old[i]);
+    }
+    for (const Triangle& t : mesh.triangles())
+        for (int vertex : t)
+            corners.push_back(renamed[vertex]);
+    mesh = SurfaceMesh(points, std::vector<int>(corners.size() / 3, 3), corners);
     return graph;
 }
 

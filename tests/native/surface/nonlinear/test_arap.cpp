@@ -263,6 +263,26 @@ TEST(Arap, the_same_poses_give_the_same_bits_whatever_came_before)
     }
 }
 
+TEST(Arap, what_a_solve_leaves_to_the_next_one_changes_no_bit)
+{
+    const SurfaceMesh mesh = shapes::bar(24, 6);
+    const auto handles = shapes::ends(mesh, 2);
+    const Points incoming =
+        shapes::transformed(mesh.points(), shapes::turn({1, 0, 2}, 20, {0, 0, 0}, {1, 2, 3}));
+    for (const ArapOptions& options : variants()) {
+        const Arap used = bound(mesh, options, handles);
+        const Solution first = solve(used, bend(100, 24));
+        const std::vector<Arap::Request> requests{
+            {}, {.incoming = view(incoming)}, {.start = view(first.positions)}, {.max_iterations = 0}};
+        for (const Arap::Request& request : requests) {
+            const Solution after = solve(used, bend(-60, 24), request);
+            const Solution fresh = solve(bound(mesh, options, handles), bend(-60, 24), request);
+            EXPECT_EQ(after.positions, fresh.positions) << name_of(options);
+            EXPECT_EQ(after.report.energy, fresh.report.energy) << name_of(options);
+        }
+    }
+}
+
 TEST(Arap, solves_from_several_threads_give_the_same_bits)
 {
     const SurfaceMesh mesh = shapes::bar(20, 5);

@@ -150,7 +150,7 @@ TEST(ArapCascade, starts_a_rigid_motion_with_its_rotation)
             const Targets targets{poses, view(setting.mesh.points()), {}, nullptr};
             const ArapGoals goals(setting.graph, targets);
             ArapProblem problem(setting.graph, view(setting.mesh.points()), goals.targets, goals.pulls);
-            setting.cascade.start(problem, setting.graph, setting.mesh.points(), targets);
+            setting.cascade.start(problem, setting.graph, targets);
             for (int i = 0; i < setting.graph.size; ++i) {
                 // Idle nodes keep the identity. Where all neighbours of a node are in line, its turn is
                 // settled by a pull of 1e-8 towards the one there was.
@@ -168,7 +168,7 @@ TEST(ArapCascade, gives_rotations_between_those_of_the_handles)
     const Targets targets{poses, view(setting.mesh.points()), {}, nullptr};
     const ArapGoals goals(setting.graph, targets);
     ArapProblem problem(setting.graph, view(setting.mesh.points()), goals.targets, goals.pulls);
-    setting.cascade.start(problem, setting.graph, setting.mesh.points(), targets);
+    setting.cascade.start(problem, setting.graph, targets);
     for (int i = 0; i < setting.graph.size; ++i) {
         const Eigen::AngleAxisd turn(problem.rotation(i));
         if (setting.graph.idle[i])
@@ -189,7 +189,7 @@ TEST(ArapCascade, blends_half_turns_about_neighbouring_axes)
     const Targets targets{poses, view(setting.mesh.points()), {}, nullptr};
     const ArapGoals goals(setting.graph, targets);
     ArapProblem problem(setting.graph, view(setting.mesh.points()), goals.targets, goals.pulls);
-    setting.cascade.start(problem, setting.graph, setting.mesh.points(), targets);
+    setting.cascade.start(problem, setting.graph, targets);
     const Matrix3 half = shapes::rotation({1, -1, 0}, 180);
     for (int i = 0; i < setting.graph.size; ++i) {
         if (setting.graph.idle[i])
@@ -201,14 +201,14 @@ TEST(ArapCascade, blends_half_turns_about_neighbouring_axes)
 
 TEST(ArapCascade, a_small_mesh_needs_no_levels)
 {
-    const SurfaceMesh mesh = shapes::bar(6, 2);
+    SurfaceMesh mesh = shapes::bar(6, 2);
     const ArapGraph graph = graphs::of(mesh, shapes::ends(mesh, 1), 5e-4);
     EXPECT_TRUE(ArapCascade(graph, mesh.points(), {}).levels().empty());
 }
 
 TEST(ArapCascade, can_be_cancelled_while_clustering)
 {
-    const SurfaceMesh mesh = shapes::bar(24, 6);
+    SurfaceMesh mesh = shapes::bar(24, 6);
     const ArapGraph graph = graphs::of(mesh, shapes::ends(mesh, 2), 5e-4);
     EXPECT_THROW(ArapCascade(graph, mesh.points(), Progress([](double, const char*) { return false; })),
                  Cancelled);

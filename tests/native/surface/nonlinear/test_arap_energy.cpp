@@ -35,10 +35,13 @@ struct Setting
         : graph(make(mesh, variant)), goals(graph, Targets{bent, view(mesh.points()), {}, nullptr})
     {
     }
-    ArapProblem problem() const { return {graph, view(mesh.points()), goals.targets, goals.pulls}; }
+    ArapProblem problem() const
+    {
+        return ArapProblem(graph, view(mesh.points()), goals.targets, goals.pulls);
+    }
 
 private:
-    static ArapGraph make(const SurfaceMesh& mesh, const Variant& variant)
+    static ArapGraph make(SurfaceMesh& mesh, const Variant& variant)
     {
         std::vector<Handle> handles{{shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
                                     {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
@@ -208,6 +211,41 @@ TEST(ArapEnergy, a_rejected_step_brings_the_rotations_back)
     EXPECT_NE(rotations(problem, setting.graph), before);
     problem.restore_state();
     EXPECT_EQ(rotations(problem, setting.graph), before);
+}
+
+TEST(ArapEnergy, chunks_hold_every_edge_once_within_and_twice_across)
+{
+    for (const Variant& variant : variants) {
+        SurfaceMesh mesh = shapes::sphere(4); // several chunks
+        const auto low = shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.5; });
+        const ArapGraph graph = graphs::of(mesh, {{low, {}}}, variant.smoothness, variant.rims);
+        ASSERT_GT(graph.chunks.size(), 4u);
+        int next = 0;
+        std::vector<int> chunk_of(graph.size);
+        for (std::size_t c = 0; c < graph.chunks.size(); ++c) {
+            EXPECT_EQ(graph.chunks[c].begin, next);
+            EXPECT_LE(graph.chunks[c].end - graph.chunks[c].begin, arap_chunk);
+            next = graph.chunks[c].end;
+            std::fill(chunk_of.begin() + graph.chunks[c].begin, chunk_of.begin() + next, static_cast<int>(c));
+        }
+        EXPECT_EQ(next, graph.size);
+        for (int i = 0; i < graph.size; ++i) {
+            EXPECT_EQ(graph.place[i], i < graph.free_count() ? i : -1);
+            int within = 0, across = 0;
+            for (int a = graph.offsets[i]; a < graph.offsets[i + 1]; ++a) {
+                const int j = graph.neighbours[a];
+                within += chunk_of[i] == chunk_of[j] && i < j;
+                across += chunk_of[i] != chunk_of[j];
+                // Cells that do not move belong to held nodes among held ones.
+                if (i < graph.free_count()) {
+                    EXPECT_LT(j, graph.moving_count());
+                }
+            }
+            EXPECT_EQ(graph.chunk_edges[2 * i + 1] - graph.chunk_edges[2 * i], within);
+            EXPECT_EQ(graph.chunk_edges[2 * i + 2] - graph.chunk_edges[2 * i + 1], across);
+        }
+        EXPECT_EQ(graph.moving_count() < graph.size, variant.smoothness == 0);
+    }
 }
 
 } // namespace sinew

@@ -14,34 +14,29 @@ namespace sinew {
 
 namespace {
 
-constexpr int columns = 12;
-
-std::vector<double> lanes_of(const std::vector<Matrix3>& matrices)
+/// Matrices one after the other, `rows` numbers a column.
+std::vector<double> flat(const std::vector<Matrix3>& matrices, int rows)
 {
-    std::vector<double> lanes(columns * matrices.size(), 0.0);
+    std::vector<double> numbers(3 * rows * matrices.size() + 1, 0.0);
     for (std::size_t i = 0; i < matrices.size(); ++i)
         for (int column = 0; column < 3; ++column)
             for (int row = 0; row < 3; ++row)
-                lanes[columns * i + 4 * column + row] = matrices[i](row, column);
-    return lanes;
+                numbers[rows * (3 * i + column) + row] = matrices[i](row, column);
+    return numbers;
+}
+std::vector<double> packed(const std::vector<Matrix3>& matrices) { return flat(matrices, 3); }
+std::vector<double> lanes_of(const std::vector<Matrix3>& matrices) { return flat(matrices, 4); }
+
+Matrix3 matrix(const std::vector<double>& packed, int i)
+{
+    return Eigen::Map<const Eigen::Matrix<double, 3, 3>>(packed.data() + 9 * i);
 }
 
-Matrix3 matrix(const std::vector<double>& lanes, int i)
+std::vector<double> packed(const Points& points)
 {
-    Matrix3 m;
-    for (int column = 0; column < 3; ++column)
-        for (int row = 0; row < 3; ++row)
-            m(row, column) = lanes[columns * i + 4 * column + row];
-    return m;
-}
-
-std::vector<double> wide_points(const Points& points)
-{
-    std::vector<double> lanes(4 * points.rows(), 0.0);
-    for (int i = 0; i < points.rows(); ++i)
-        for (int k = 0; k < 3; ++k)
-            lanes[4 * i + k] = points(i, k);
-    return lanes;
+    std::vector<double> numbers(points.data(), points.data() + points.size());
+    numbers.push_back(0.0);
+    return numbers;
 }
 
 /// A graph with random rotations and a random deformation.
@@ -62,23 +57,22 @@ struct Example
             moved.row(i) += 0.1 * random.vector().transpose();
             turns.push_back(random.rotation());
         }
-        base = wide_points(mesh.points());
-        points = wide_points(moved);
-        rotations = lanes_of(turns);
+        base = packed(mesh.points());
+        points = packed(moved);
+        rotations = packed(turns);
     }
     ArapView view() const
     {
-        return {graph.offsets.data(),
-                graph.neighbours.data(),
-                graph.weights.data(),
-                graph.rigidity.data(),
-                graph.has_rims() ? graph.wing_offsets.data() : nullptr,
-                graph.wings.data(),
-                graph.place.data(),
-                graph.idle.data(),
-                base.data(),
-                points.data(),
-                graph.smoothing};
+        return {.edges = graph.chunk_edges.data(),
+                .ends = graph.chunk_ends.data(),
+                .weights = graph.chunk_weights.data(),
+                .triangles = graph.chunk_triangles.data(),
+                .rims = graph.rims,
+                .rigidity = graph.rigidity.data(),
+                .free = graph.free_count(),
+                .base = base.data(),
+                .points = points.data(),
+                .smoothing = graph.smoothing};
     }
 };
 
@@ -93,32 +87,40 @@ TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
     for (bool rims : {false, true})
         for (double smoothness : {0.0, 0.02}) {
             const Example example(rims, smoothness);
-            const int n = example.graph.size, free = static_cast<int>(example.graph.free_nodes.size());
+            const int free = example.graph.free_count();
             const ArapView view = example.view();
             const std::vector<double>& R = example.rotations;
-            std::array<std::vector<double>, 2> S, torque, turned, fitted, gradient;
-            std::array<double, 2> energy;
-            for (int k = 0; k < 2; ++k) {
-                const ArapKernels& kernels = k ? *wide : plain;
-                S[k].resize(columns * n);
-                kernels.covariances(view, 0, n, S[k].data());
-                kernels.add_neighbours(view, R.data(), 0, n, S[k].data());
-                torque[k].resize(3 * n);
-                kernels.torques(S[k].data(), R.data(), n, torque[k].data());
-                turned[k].resize(columns * n);
-                kernels.turn(torque[k].data(), R.data(), n, turned[k].data());
-                fitted[k].resize(columns * n);
-                const std::unique_ptr<bool[]> safe(new bool[n]);
-                kernels.fit(S[k].data(), R.data(), 1e-8, n, fitted[k].data(), safe.get());
-                gradient[k].resize(3 * free);
-                energy[k] = kernels.energy(view, R.data(), 0, n, gradient[k].data());
+            for (const ArapChunk& chunk : example.graph.chunks) {
+                const int count = chunk.end - chunk.begin;
+                const double* const own = R.data() + 9 * chunk.begin;
+                std::array<std::vector<double>, 2> S, torque, turned, fitted, gradient;
+                std::array<double, 2> energy;
+                for (int k = 0; k < 2; ++k) {
+                    const ArapKernels& kernels = k ? *wide : plain;
+                    S[k].resize(arap_columns * (count + 1));
+                    kernels.covariances(view, chunk, S[k].data());
+                    torque[k].resize(3 * count);
+                    kernels.torques(view, chunk, S[k].data(), R.data(), torque[k].data());
+                    kernels.add_neighbours(view, chunk, R.data(), S[k].data());
+                    turned[k].resize(9 * count);
+                    kernels.turn(torque[k].data(), own, count, turned[k].data());
+                    fitted[k].resize(9 * count);
+                    const std::unique_ptr<bool[]> safe(new bool[count]);
+                    kernels.fit(S[k].data(), own, 1e-8, count, fitted[k].data(), safe.get());
+                    gradient[k].resize(3 * free);
+                    energy[k] = kernels.energy(view, chunk, R.data(), gradient[k].data());
+                    for (int i = 0; i < count; ++i) // fourth lanes hold what happened to stand there
+                        for (int column = 0; column < 3; ++column)
+                            S[k][arap_columns * i + 4 * column + 3] = 0.0;
+                    S[k].resize(arap_columns * count);
+                }
+                EXPECT_EQ(S[0], S[1]);
+                EXPECT_EQ(torque[0], torque[1]);
+                EXPECT_EQ(turned[0], turned[1]);
+                EXPECT_EQ(fitted[0], fitted[1]);
+                EXPECT_EQ(gradient[0], gradient[1]);
+                EXPECT_EQ(energy[0], energy[1]);
             }
-            EXPECT_EQ(S[0], S[1]);
-            EXPECT_EQ(torque[0], torque[1]);
-            EXPECT_EQ(turned[0], turned[1]);
-            EXPECT_EQ(fitted[0], fitted[1]);
-            EXPECT_EQ(gradient[0], gradient[1]);
-            EXPECT_EQ(energy[0], energy[1]);
         }
 }
 
@@ -146,12 +148,12 @@ TEST(ArapKernels, fit_finds_the_closest_rotations_from_any_guess_and_says_where_
                 S.push_back(random.matrix());
             }
         }
-        std::vector<double> fitted(columns * count);
+        std::vector<double> fitted(9 * count);
         const std::unique_ptr<bool[]> safe(new bool[count]);
         for (const ArapKernels* kernels : {&baseline_arap_kernels(), avx2_arap_kernels()}) {
             if (!kernels)
                 continue;
-            kernels->fit(lanes_of(S).data(), lanes_of(before).data(), 0.0, count, fitted.data(), safe.get());
+            kernels->fit(lanes_of(S).data(), packed(before).data(), 0.0, count, fitted.data(), safe.get());
             for (int i = 0; i < count; ++i) {
                 EXPECT_TRUE(safe[i] || i % 5 == 3 || i % 5 == 4) << i; // lines have a double eigenvalue
                 if (!safe[i])
@@ -173,8 +175,8 @@ TEST(ArapKernels, turn_is_a_rotation_by_the_vector_to_second_order_and_by_two_ar
         for (int trial = 0; trial < 20; ++trial) {
             const Vector3 omega = size * random.vector().normalized();
             const Matrix3 R = random.rotation();
-            const std::vector<double> before = lanes_of({R});
-            std::vector<double> after(columns);
+            const std::vector<double> before = packed(std::vector{R});
+            std::vector<double> after(9);
             arap_kernels().turn(omega.data(), before.data(), 1, after.data());
             const Eigen::AngleAxisd found(Matrix3(matrix(after, 0) * R.transpose()));
             const double cut = std::min(size, 1.0);
@@ -185,19 +187,28 @@ TEST(ArapKernels, turn_is_a_rotation_by_the_vector_to_second_order_and_by_two_ar
 
 TEST(ArapKernels, torques_are_the_slope_of_the_fit)
 {
-    shapes::Random random(6);
-    for (int trial = 0; trial < 20; ++trial) {
-        const Matrix3 S = random.matrix(), R = random.rotation();
-        const std::vector<double> s = lanes_of({S}), r = lanes_of({R});
-        Vector3 torque;
-        arap_kernels().torques(s.data(), r.data(), 1, torque.data());
-        for (int axis = 0; axis < 3; ++axis) {
-            const double step = 1e-6;
-            const auto turned = [&](double angle) {
-                const Matrix3 T = Eigen::AngleAxisd(angle, Vector3::Unit(axis)).toRotationMatrix();
-                return ((T * R).transpose() * S).trace();
-            };
-            EXPECT_NEAR(torque[axis], (turned(step) - turned(-step)) / (2 * step), 1e-8);
+    for (double smoothness : {0.0, 0.02}) {
+        const Example example(false, smoothness);
+        const ArapView view = example.view();
+        const ArapChunk& chunk = example.graph.chunks.front();
+        const int count = chunk.end - chunk.begin;
+        std::vector<double> S(arap_columns * (count + 1)), t(3 * count);
+        arap_kernels().covariances(view, chunk, S.data());
+        arap_kernels().torques(view, chunk, S.data(), example.rotations.data(), t.data());
+        arap_kernels().add_neighbours(view, chunk, example.rotations.data(), S.data());
+        for (int i = 0; i < count; i += 7) {
+            Matrix3 pulls;
+            for (int column = 0; column < 3; ++column)
+                for (int row = 0; row < 3; ++row)
+                    pulls(row, column) = S[arap_columns * i + 4 * column + row];
+            for (int axis = 0; axis < 3; ++axis) {
+                const double step = 1e-6;
+                const auto turned = [&](double angle) {
+                    const Matrix3 T = Eigen::AngleAxisd(angle, Vector3::Unit(axis)).toRotationMatrix();
+                    return ((T * matrix(example.rotations, chunk.begin + i)).transpose() * pulls).trace();
+                };
+                EXPECT_NEAR(t[3 * i + axis], (turned(step) - turned(-step)) / (2 * step), 1e-8);
+            }
         }
     }
 }

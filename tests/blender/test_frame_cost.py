@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a frame costs: calls of Blender and of the native module, and bytes: the same on any machine."""
+
+from __future__ import annotations
+
+import tracemalloc
+from collections import Counter
+from collections.abc import Callable
+
+import pytest
+from rig import Rig, add_armature, update
+from test_event_cost import calls_of
+
+CELLS = 60  # 3,721 vertices: one array of them is larger than all else that a frame allocates
+SHAPE = 12  # bytes a vertex, of a shape array
+
+
+@pytest.fixture
+def native(room, monkeypatch: pytest.MonkeyPatch) -> Counter:
+    """How often the native module was asked for something."""
+    module = room("backend").availability().module
+    found: Counter = Counter()
+
+    def counted(owner: object, name: str) -> None:
+        inner = getattr(owner, name)
+
+        def call(*arguments, **keywords):
+            found[name] += 1
+            return inner(*arguments, **keywords)
+
+        monkeypatch.setattr(owner, name, call)
+
+    for owner in (module.ThinShell, module.Arap):
+        for name in ("set_handles", "set_stiffness", "solve"):
+            if hasattr(owner, name):
+                counted(owner, name)
+    counted(module, "SurfaceMesh")
+    return found
+
+
+def peak_of(action: Callable[[], object]) -> int:
+    """The most bytes that Python and NumPy held at once during the action, beyond those before it."""
+    tracemalloc.start()
+    try:
+        action()
+        tracemalloc.reset_peak()
+        before = tracemalloc.get_traced_memory()[0]
+        action()
+        return tracemalloc.get_traced_memory()[1] - before
+    finally:
+        tracemalloc.stop()
+
+
+def of_one_vertex(rig: Rig, size: int) -> float:
+    return size / len(rig.obj.data.vertices)
+
+
+READS = {"read_positions", "read_incoming", "read_attributes", "read_shape", "read_rest", "read_faces"}
+LOOKS = {"group_weights", "read_weights", "rest_meshes", "has_rest_of", "_diagnosis"}
+
+
+@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+def test_a_moved_control_is_one_solve_and_one_write(method: str, addon_name: str, native: Counter):
+    plate = Rig.plate(CELLS).bind(method)
+    for _ in range(3):
+        plate.lift(0.1)
+    native.clear()
+    found = calls_of(addon_name, lambda: plate.lift(0.1))
+    assert native == {"solve": 1}
+    assert found["write_shape"] == found["write_positions"] == found["_answer"] == 1, found
+    assert found["gather"] == 1, found  # the poses; a bind gathers regions too
+    assert not (READS | LOOKS) & found.keys(), found
+    native.clear()
+    found = calls_of(addon_name, update)
+    assert not native
+    assert found.total() < 60, found
+
+
+@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+def test_a_moved_control_needs_one_new_array(method: str):
+    """The shape that is written; the solver keeps its own memory from frame to frame."""
+    plate = Rig.plate(CELLS).bind(method)
+    for _ in range(3):
+        plate.lift(0.1)
+    assert SHAPE < of_one_vertex(plate, peak_of(lambda: plate.lift(0.1))) < 1.5 * SHAPE
+
+
+def test_a_drag_widens_the_shape_that_it_starts_from(room):
+    """And holds no other array as large as the mesh."""
+    plate = Rig.plate(CELLS).bind("arap")
+    handlers = room("handlers.evaluation")
+    for _ in range(3):
+        plate.lift(0.1)
+
+    def drag() -> None:
+        with pytest.MonkeyPatch.context() as patch:
+            inner = handlers.session.update
+            patch.setattr(
+                handlers.session, "update", lambda graph, **_: inner(graph, preview=True, edit=True)
+            )
+            plate.lift(0.1)
+
+    assert 3.0 * SHAPE < of_one_vertex(plate, peak_of(drag)) < 3.5 * SHAPE
+    assert room("session").unsettled()
+
+
+def test_an_animated_pose_below_costs_one_read(addon_name: str, native: Counter):
+    """What enters is read once, compared, and given to the solver as it is."""
+    plate = Rig.plate(CELLS)
+    armature = add_armature(plate.obj)
+    plate.bind("thin_shell")
+    bone = armature.pose.bones["high"]
+
+    def turn() -> None:
+        bone.rotation_mode = "XYZ"
+        bone.rotation_euler.x += 0.1
+        update()
+
+    for _ in range(3):
+        turn()
+    native.clear()
+    found = calls_of(addon_name, turn)
+    assert native == {"solve": 1}
+    assert found["read_incoming"] == found["write_positions"] == 1, found
+    assert found["gather"] == 1, found
+    assert not ((READS | LOOKS) - {"read_incoming"}) & found.keys(), found
