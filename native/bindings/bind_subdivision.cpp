@@ -119,8 +119,7 @@ modifier. The first vertices are those of the mesh, then come those that each le
              py::arg("uv_smooth") = "preserve_boundaries", py::arg("face_varying") = py::none(), R"(
 scheme           'catmull_clark', 'loop' (triangles alone) or 'bilinear'.
 level            how often faces are split, 0 to 10.
-limit            the vertices lie where endless subdivision takes them (Blender: use limit surface); sharpness
-                 that is left after `level` levels then counts as endless.
+limit            the vertices lie where endless subdivision takes them (Blender: use limit surface).
 creases          (edges (k, 2), sharpness (k,) or one number): sharp for so many levels, for ever from 10 on.
                  Blender's creases c in [0, 1] are 10 c^2.
 corners          (vertices (k,), sharpness (k,) or one number).
@@ -168,8 +167,8 @@ where one is given. One pass over the weights.)")
             "face_varying_corners",
             [](const SubdivisionSurface& s) { return to_numpy(s.face_varying_corners()); },
             "(corners,) the refined value at each refined face corner.")
-        .def_property_readonly("vertex_count", &SubdivisionSurface::vertex_count)
-        .def_property_readonly("control_count", &SubdivisionSurface::control_count)
+        .def_property_readonly("vertex_count", &SubdivisionSurface::vertex_count, "Refined vertices, m.")
+        .def_property_readonly("control_count", &SubdivisionSurface::control_count, "Control vertices, n.")
         .def("__repr__", [](const SubdivisionSurface& s) {
             return "<SubdivisionSurface: " + std::to_string(s.control_count()) + " vertices -> " +
                    std::to_string(s.vertex_count()) + ">";

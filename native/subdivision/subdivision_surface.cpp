@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/subdivision/limit_masks.h"
 
 #include <opensubdiv/far/error.h>
 #include <opensubdiv/far/primvarRefiner.h>
@@ -277,12 +278,58 @@ struct Numbers
     int operator[](int point) const { return point; }
 };
 
+/// Where OpenSubdiv's closed masks are not exact: sharpness is left, or an endless crease ends. At edges of
+/// more faces than two it has no rule but to stay sharp.
+bool needs_own_mask(const Far::TopologyLevel& level, int vertex)
+{
+    if (level.IsVertexNonManifold(vertex) || level.IsVertexInfSharp(vertex))
+        return false;
+    bool semi_sharp = level.IsVertexSemiSharp(vertex);
+    int endless = 0;
+    for (int edge : level.GetVertexEdges(vertex)) {
+        semi_sharp |= level.IsEdgeSemiSharp(edge);
+        endless += level.IsEdgeInfSharp(edge);
+    }
+    return semi_sharp || endless == 1;
+}
+
+void set_own_mask(const Far::TopologyLevel& level, int vertex, bool triangles, Row& row)
+{
+    const auto edges = level.GetVertexEdges(vertex), faces = level.GetVertexFaces(vertex);
+    const auto places = level.GetVertexFaceLocalIndices(vertex);
+    Neighbourhood around{triangles, faces.size(), level.GetVertexSharpness(vertex), {}};
+    std::vector<int> points{vertex};
+    for (int edge : edges) {
+        const auto ends = level.GetEdgeVertices(edge);
+        points.push_back(ends[0] == vertex ? ends[1] : ends[0]);
+        around.edge_sharpness.push_back(level.GetEdgeSharpness(edge));
+    }
+    if (!triangles)
+        for (int k = 0; k < faces.size(); ++k)
+            points.push_back(level.GetFaceVertices(faces[k])[(places[k] + 2) % 4]);
+    const std::vector<double> mask = limit_mask(around);
+    row.Clear();
+    for (std::size_t k = 0; k < mask.size(); ++k)
+        if (mask[k] != 0.0)
+            row.AddWithWeight(points[k], mask[k]);
+}
+
 /// (count, n) from the points of the last level to the first of the limit.
 RowMatrix limits(const Refiner& refiner, int count)
 {
     std::vector<Row> rows(refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
     const Numbers numbers;
     Far::PrimvarRefinerReal<double>(refiner).Limit(numbers, rows);
+    const auto& level = refiner.GetLevel(refiner.GetMaxLevel());
+    const Sdc::SchemeType scheme = refiner.GetSchemeType();
+    if (scheme != Sdc::SCHEME_BILINEAR)
+        parallel_for(
+            count,
+            [&](int v) {
+                if (needs_own_mask(level, v))
+                    set_own_mask(level, v, scheme == Sdc::SCHEME_LOOP, rows[v]);
+            },
+            256);
     std::vector<int> sizes, indices;
     std::vector<double> weights;
     for (int i = 0; i < count; ++i) {

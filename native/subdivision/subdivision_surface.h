@@ -58,8 +58,8 @@ struct SubdivisionOptions
 ///
 /// The same library with the same options as Blender's Subdivision modifier, in another order: the first
 /// vertices are those of the mesh, then come those that each level adds. Edges of three and more faces, and
-/// edges along which both faces run the same way, are sharp; loose vertices stay. With `limit`, sharpness
-/// that is left after `level` levels counts as endless.
+/// edges along which both faces run the same way, are sharp; loose vertices stay. Limits are exact also where
+/// sharpness is left after the last level, and at the ends of creases (limit_masks.h).
 ///
 ///   call           repeat it when ...              cost
 ///   constructor    the faces or options changed    O(refined vertices): about 1 us each

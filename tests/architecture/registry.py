@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every method is complete: pair of files, test, binding with its types, row, sample, all under one name.
 
-A pair in a method room that is no row of the registry is part of a method, and says so in one of two ways:
+A pair in a method room that is no row of the registry is part of a method, and says so in one of three ways:
 its name starts with the id of a row and an underscore (``arap_cascade``), or its header has the line
-``// Part of the method thin_shell.``
+``// Part of the method thin_shell.`` or ``// For every method of this room.``
 """
 
 import ast
@@ -21,6 +21,7 @@ METHOD_ROOMS = {
     "SPACE_NONLINEAR": ("space/nonlinear",),
 }
 PART_OF = re.compile(r"^// Part of the method (\w+)\.$", re.MULTILINE)
+OF_ALL = re.compile(r"^// For every method of this room\.$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -96,8 +97,13 @@ def _strays(root: Path, found: list[Row]) -> Iterator[str]:
     ids = {row.id for row in found}
     for room in sorted({room for rooms in METHOD_ROOMS.values() for room in rooms}):
         for header in files(root, f"native/{room}", ".h"):
-            of = PART_OF.search(header.read_text(encoding="utf-8"))
-            part = any(header.stem.startswith(name + "_") for name in ids) or (of and of.group(1) in ids)
+            text = header.read_text(encoding="utf-8")
+            of = PART_OF.search(text)
+            part = (
+                OF_ALL.search(text)
+                or any(header.stem.startswith(name + "_") for name in ids)
+                or (of and of.group(1) in ids)
+            )
             if header.stem not in ids and not part:
                 yield f"native/{room}/{header.name}: neither a row of the registry nor part of a method"
         for source in files(root, f"native/{room}", ".cpp"):

@@ -44,7 +44,9 @@ def sheet() -> tuple[np.ndarray, Faces]:
 
 def fin() -> tuple[np.ndarray, Faces]:
     """Three quads at one edge."""
-    points = np.array([(0, 0, 0), (0, 1, 0), (1, 0, 0.1), (1, 1, 0), (-1, 0, 0), (-1, 1, 0.2), (0, 0, 1), (0, 1, 1.2)])
+    points = np.array(
+        [(0, 0, 0), (0, 1, 0), (1, 0, 0.1), (1, 1, 0), (-1, 0, 0), (-1, 1, 0.2), (0, 0, 1), (0, 1, 1.2)]
+    )
     return points, [(0, 2, 3, 1), (0, 1, 5, 4), (0, 1, 7, 6)]
 
 
@@ -141,16 +143,17 @@ def test_creases_and_corners_are_those_of_blender(shape: str, level: int, native
     assert farthest(our_points(native, points, faces, level=level), expected) < TOLERANCE
 
 
-@pytest.mark.parametrize("level", [2, 3])
-def test_limits_of_creases_are_those_of_blender(level: int, native) -> None:
-    """Of edges that are sharp for ever, or no longer after these levels."""
-    points, faces = prism()
-    creases = {(0, 1): 1.0, (1, 2): 0.3, (2, 3): 0.44, (3, 9): 0.2}
-    obj = mesh_object(points, faces, creases, {10: 1.0})
+@pytest.mark.parametrize("level", [1, 2, 3])
+@pytest.mark.parametrize("shape", ["prism", "sheet"])
+def test_limits_of_creases_are_those_of_blender(shape: str, level: int, native) -> None:
+    points, faces = SHAPES[shape]()
+    creases = {edge: c for edge, c in CREASES.items() if any(set(edge) <= set(face) for face in faces)}
+    obj = mesh_object(points, faces, creases, CORNERS)
     expected = blender_points(obj, levels=level, use_limit_surface=True, quality=10, use_creases=True)
-    keywords = {"creases": sharpness(creases), "corners": sharpness({10: 1.0})}
+    keywords = {"creases": sharpness(creases), "corners": sharpness(CORNERS)}
     ours = our_points(native, points, faces, level=level, limit=True, **keywords)
-    assert farthest(ours, expected) < TOLERANCE
+    # Blender stops ten levels in, where the end of an endless crease is still 0.42^10 of an edge from its limit.
+    assert farthest(ours, expected) < 10 * TOLERANCE
 
 
 @pytest.mark.parametrize("level", [1, 3])

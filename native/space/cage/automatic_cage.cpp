@@ -297,7 +297,6 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
     const int axis = mirror_axis(target, frame, options.symmetry);
     if (axis >= 0)
         add_image(soup, axis);
-    const TriangleTree inner(soup.points, soup.triangles);
 
     std::optional<AutomaticCage> best;
     double margin = options.margin;
@@ -315,7 +314,9 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
         hull.tighten(TriangleTree(wrap.points, wrap.triangles), stage(0.8, 0.95));
 
         auto [points, triangles] = hull.surface();
-        Polygons faces = options.quads ? paired(points, triangles, inner) : polygons(triangles);
+        Polygons faces =
+            options.quads ? paired(points, triangles, TriangleTree(soup.points, soup.triangles), 0.3 * margin)
+                          : polygons(triangles);
         if (axis >= 0)
             complete(points, faces, axis);
         progress.tick(start + width * 0.95, "checking");

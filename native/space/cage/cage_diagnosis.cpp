@@ -101,8 +101,10 @@ std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vec
     for (std::size_t s = 0; s < found.size(); ++s) {
         int around = 0;
         for (std::size_t other = 0; other < found.size(); ++other)
-            if (other != s)
-                around += winding_number(points, outward[other], points[outward[s].front()[0]]) > 0.5;
+            if (other != s) // crossing parts are not in one another
+                around += std::ranges::all_of(outward[s], [&](const Triangle& t) {
+                    return winding_number(points, outward[other], points[t[0]]) > 0.5;
+                });
         const bool cavity = around % 2 == 1;
         for (std::size_t k = 0; k < found[s].faces.size(); ++k)
             if ((found[s].turned[k] != 0) != ((reversed[s] != 0) != cavity))

@@ -201,6 +201,8 @@ double read_bandwidth(std::size_t bytes, int threads, int repeats)
 
 } // namespace
 
+void bind_subdivision(py::module_& m);
+
 PYBIND11_MODULE(sinew_peers, m)
 {
     using namespace py::literals;
@@ -225,4 +227,5 @@ PYBIND11_MODULE(sinew_peers, m)
         .def("factorize", &EigenLdlt::factorize)
         .def("solve", &EigenLdlt::solve, "rhs"_a);
     m.def("read_bandwidth", &read_bandwidth, "bytes"_a, "threads"_a = 1, "repeats"_a = 7);
+    bind_subdivision(m);
 }
