@@ -161,6 +161,19 @@ where one is given. One pass over the weights.)")
                 return to_numpy(std::move(normals));
             },
             py::arg("refined"), "(m, 3) refined points -> (m, 3) unit normals: faces around each, by area.")
+        .def(
+            "refine_face_varying",
+            [](const SubdivisionSurface& surface, const py::object& object) {
+                const FloatArray values = floats(object, "values");
+                const RowMatrix& matrix = surface.face_varying_matrix();
+                if (values.ndim() != 2 || values.shape(0) != matrix.cols())
+                    throw InvalidConstraint("values: the shape must be (" + std::to_string(matrix.cols()) +
+                                            ", d)");
+                using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+                const Eigen::Map<const Rows> from(values.data(), values.shape(0), values.shape(1));
+                return Rows(matrix * from);
+            },
+            py::arg("values"), "(q, d) values of the channel -> (p, d) refined values.")
         .def_property_readonly("face_varying_matrix", &SubdivisionSurface::face_varying_matrix,
                                "(p, q) SciPy CSR; refined values are this times the values, both (., d).")
         .def_property_readonly(

@@ -66,7 +66,9 @@ WORKS = (
     Work("arap_cold", "`Arap` to 1 %, armadillo", "4 iterations of libigl", {ANY: 1.0}),
     Work("subdivision", "`SubdivisionSurface.refine`", "OpenSubdiv's CPU evaluator", {ANY: 3.0}),
     Work("subdivision_blender", "the same", "frame of Blender's Subdivision modifier", {ANY: 4.0}),
-    Work("subdivision_frame", "the same, written and evaluated in Blender", "the modifier's frame", {ANY: 1.0}),
+    Work(
+        "subdivision_frame", "the same, written and evaluated in Blender", "the modifier's frame", {ANY: 1.0}
+    ),
     Work("cage_time", "`automatic_cage`, 300 faces", "two seconds", {ANY: 1.0}),
     Work(
         "cage_poking",

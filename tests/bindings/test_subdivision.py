@@ -117,7 +117,10 @@ def test_face_varying_values_are_refined_by_their_own_matrix() -> None:
     corners = np.arange(24)  # each face an island
     surface = cube(level=2, face_varying=corners, uv_smooth="none")
     values = np.random.default_rng(3).normal(size=(24, 2))
-    fine = surface.face_varying_matrix @ values
+    fine = surface.refine_face_varying(values)
+    np.testing.assert_allclose(fine, surface.face_varying_matrix @ values, atol=1e-14)
+    with pytest.raises(sn.InvalidConstraint, match=r"\(24, d\)"):
+        surface.refine_face_varying(values[:3])
     assert surface.face_varying_corners.shape == (surface.faces.size,)
     # Linear islands: the values of each refined face lie within those of its face.
     for face in range(6):
