@@ -165,7 +165,7 @@ where one is given. One pass over the weights.)")
             "refine_face_varying",
             [](const SubdivisionSurface& surface, const py::object& object) {
                 const FloatArray values = floats(object, "values");
-                const RowMatrix& matrix = surface.face_varying_matrix();
+                const SparseRows& matrix = surface.face_varying_matrix();
                 if (values.ndim() != 2 || values.shape(0) != matrix.cols())
                     throw InvalidConstraint("values: the shape must be (" + std::to_string(matrix.cols()) +
                                             ", d)");

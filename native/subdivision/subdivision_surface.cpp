@@ -132,11 +132,11 @@ void require_room(const SurfaceMesh& mesh, const SubdivisionOptions& options, st
         corners = loop ? 3 * faces : 4 * faces;
         all_vertices += vertices;
     }
-    // A vertex has 4 faces and 4 edges, in OpenSubdiv's tables about 190 bytes; its row about 18 entries,
-    // which the stencil table, the matrix and its floats hold at once, those of a limit matrix and its
-    // product too.
+    // A vertex has 4 faces and 4 edges, about 250 bytes in OpenSubdiv's tables, and a row of about 18
+    // entries, which the stencil table, the matrix and its floats hold at once; a limit matrix and its
+    // product as many again.
     const std::int64_t entries = vertices * 18;
-    const std::int64_t bytes = 190 * all_vertices + entries * (options.limit ? 44 : 28) + 8 * corners;
+    const std::int64_t bytes = 250 * all_vertices + entries * (options.limit ? 60 : 30) + 8 * corners;
     if (corners > std::numeric_limits<int>::max() || entries > std::numeric_limits<int>::max())
         throw OutOfMemory("level: " + std::to_string(options.level) + " gives " + std::to_string(vertices) +
                           " vertices, which take " + in_words(bytes) + " and more than 32 bits to count");
@@ -221,11 +221,11 @@ std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptio
 }
 
 /// Rows of any order of entries -> a compressed matrix with ascending columns.
-RowMatrix ascending(int columns, const std::vector<int>& sizes, const std::vector<int>& indices,
-                    const std::vector<double>& weights)
+SparseRows ascending(int columns, const std::vector<int>& sizes, const std::vector<int>& indices,
+                     const std::vector<double>& weights)
 {
     const int rows = static_cast<int>(sizes.size());
-    RowMatrix matrix(rows, columns);
+    SparseRows matrix(rows, columns);
     int* const offsets = matrix.outerIndexPtr();
     offsets[0] = 0;
     std::partial_sum(sizes.begin(), sizes.end(), offsets + 1);
@@ -246,10 +246,10 @@ RowMatrix ascending(int columns, const std::vector<int>& sizes, const std::vecto
     return matrix;
 }
 
-RowMatrix stencils(const Refiner& refiner, int level, int controls, bool face_varying)
+SparseRows stencils(const Refiner& refiner, int level, int controls, bool face_varying)
 {
     if (level == 0) {
-        RowMatrix identity(controls, controls);
+        SparseRows identity(controls, controls);
         identity.setIdentity();
         return identity;
     }
@@ -315,7 +315,7 @@ void set_own_mask(const Far::TopologyLevel& level, int vertex, bool triangles, R
 }
 
 /// (count, n) from the points of the last level to the first of the limit.
-RowMatrix limits(const Refiner& refiner, int count)
+SparseRows limits(const Refiner& refiner, int count)
 {
     std::vector<Row> rows(refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
     const Numbers numbers;
@@ -350,7 +350,7 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     check(mesh, options, edges);
     require_room(mesh, options, static_cast<std::int64_t>(edges.size()));
     if (mesh.face_count() == 0) { // OpenSubdiv knows no such mesh
-        RowMatrix identity(mesh.vertex_count(), mesh.vertex_count());
+        SparseRows identity(mesh.vertex_count(), mesh.vertex_count());
         identity.setIdentity();
         stencils_ = Stencils(std::move(identity));
         around_offsets_.assign(mesh.vertex_count() + 1, 0);
@@ -361,9 +361,9 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     const int depth = std::max(options.level, options.limit ? 1 : 0);
     const std::unique_ptr<Refiner> refiner = refined(mesh, options, depth);
 
-    RowMatrix matrix = stencils(*refiner, depth, mesh.vertex_count(), false);
+    SparseRows matrix = stencils(*refiner, depth, mesh.vertex_count(), false);
     if (options.limit)
-        matrix = RowMatrix(limits(*refiner, refiner->GetLevel(options.level).GetNumVertices()) * matrix);
+        matrix = SparseRows(limits(*refiner, refiner->GetLevel(options.level).GetNumVertices()) * matrix);
     stencils_ = Stencils(std::move(matrix));
 
     const auto& last = refiner->GetLevel(options.level);

@@ -116,6 +116,20 @@ TEST(CageDiagnosis, names_points_outside)
     EXPECT_EQ(none.outside_points.size(), 5u);
 }
 
+TEST(CageDiagnosis, of_many_loose_faces_takes_no_longer_than_of_one_part)
+{
+    std::vector<Vector3> points;
+    shapes::Polygons faces;
+    for (int f = 0; f < 20'000; ++f) {
+        points.insert(points.end(), {Vector3(f, 0, 0), Vector3(f + .5, 0, 0), Vector3(f, .5, 0)});
+        faces.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+    }
+    const CageDiagnosis found = diagnose_cage(shapes::mesh(points, faces));
+    EXPECT_EQ(found.open_edges.size(), 60'000u);
+    EXPECT_EQ(found.component_count, 20'000);
+    EXPECT_TRUE(found.crossing_faces.empty());
+}
+
 TEST(CageDiagnosis, survives_a_mesh_with_everything_wrong)
 {
     const CageDiagnosis found = diagnose_cage(shapes::messy(), view(shapes::messy().points()));
