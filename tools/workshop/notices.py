@@ -6,7 +6,7 @@ from pathlib import Path
 
 from .environments import Environment
 
-COMPILED_IN = ("libeigen3-dev", "libcgal-dev", "libboost1.74-dev")
+COMPILED_IN = ("libeigen3-dev", "libcgal-dev", "libboost-dev")
 NAME = "licenses/THIRD_PARTY.txt"
 
 
