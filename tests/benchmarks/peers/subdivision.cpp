@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OpenSubdiv's own evaluator of stencils on the CPU, as its tutorials use it: Catmull-Clark, three floats a point.
+// OpenSubdiv's own evaluator of stencils on the CPU, as its tutorials use it: Catmull-Clark, three floats a
+// point.
 #include <opensubdiv/far/stencilTable.h>
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
@@ -25,7 +26,8 @@ using Floats = py::array_t<float, py::array::c_style>;
 class Evaluator
 {
 public:
-    Evaluator(int vertices, const py::array_t<int, py::array::c_style>& quads, int level) : vertices_(vertices)
+    Evaluator(int vertices, const py::array_t<int, py::array::c_style>& quads, int level)
+        : vertices_(vertices)
     {
         const std::vector<int> counts(quads.shape(0), 4);
         Far::TopologyDescriptor topology;
