@@ -9,6 +9,7 @@ from bpy.types import Mesh, Object
 
 from ..backend import Recipe
 from ..core.errors import ConstraintError
+from ..core.methods import group_property
 from ..core.status import Remedy
 from ..ids import Keys
 from ..mesh_io import RestShape, group_names, group_weights

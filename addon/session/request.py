@@ -11,7 +11,6 @@ from ..core.methods import METHODS, group_property
 from ..mesh_io import RestShape
 from ..properties import SinewDeformer
 
-
 _BINDING_NAMES = {  # the properties that a factor depends on, by method
     method.id: tuple(parameter.id for parameter in method.parameters if parameter.rebinds)
     + tuple(group_property(parameter) for parameter in method.paintable if parameter.rebinds)

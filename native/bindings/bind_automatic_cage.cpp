@@ -53,7 +53,7 @@ void bind_automatic_cage(py::module_& module)
         .def_readonly("margin", &AutomaticCageReport::margin, "At which the target was wrapped.")
         .def_readonly("clearance", &AutomaticCageReport::clearance,
                       "Distance of the cage from the closest vertex of the target.")
-        .def_readonly("seconds", &AutomaticCageReport::seconds);
+        .def_readonly("seconds", &AutomaticCageReport::seconds, "Wall clock.");
 
     module.def("automatic_cage", &make_cage, py::arg("mesh"), py::arg("faces") = 300,
                py::arg("margin") = 1.0 / 60.0, py::kw_only(), py::arg("symmetry") = "automatic",

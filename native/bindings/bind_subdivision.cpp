@@ -119,8 +119,7 @@ modifier. The first vertices are those of the mesh, then come those that each le
              py::arg("uv_smooth") = "preserve_boundaries", py::arg("face_varying") = py::none(), R"(
 scheme           'catmull_clark', 'loop' (triangles alone) or 'bilinear'.
 level            how often faces are split, 0 to 10.
-limit            the vertices lie where endless subdivision takes them (Blender: use limit surface); sharpness
-                 that is left after `level` levels then counts as endless.
+limit            the vertices lie where endless subdivision takes them (Blender: use limit surface).
 creases          (edges (k, 2), sharpness (k,) or one number): sharp for so many levels, for ever from 10 on.
                  Blender's creases c in [0, 1] are 10 c^2.
 corners          (vertices (k,), sharpness (k,) or one number).
@@ -162,14 +161,27 @@ where one is given. One pass over the weights.)")
                 return to_numpy(std::move(normals));
             },
             py::arg("refined"), "(m, 3) refined points -> (m, 3) unit normals: faces around each, by area.")
+        .def(
+            "refine_face_varying",
+            [](const SubdivisionSurface& surface, const py::object& object) {
+                const FloatArray values = floats(object, "values");
+                const SparseRows& matrix = surface.face_varying_matrix();
+                if (values.ndim() != 2 || values.shape(0) != matrix.cols())
+                    throw InvalidConstraint("values: the shape must be (" + std::to_string(matrix.cols()) +
+                                            ", d)");
+                using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+                const Eigen::Map<const Rows> from(values.data(), values.shape(0), values.shape(1));
+                return Rows(matrix * from);
+            },
+            py::arg("values"), "(q, d) values of the channel -> (p, d) refined values.")
         .def_property_readonly("face_varying_matrix", &SubdivisionSurface::face_varying_matrix,
                                "(p, q) SciPy CSR; refined values are this times the values, both (., d).")
         .def_property_readonly(
             "face_varying_corners",
             [](const SubdivisionSurface& s) { return to_numpy(s.face_varying_corners()); },
             "(corners,) the refined value at each refined face corner.")
-        .def_property_readonly("vertex_count", &SubdivisionSurface::vertex_count)
-        .def_property_readonly("control_count", &SubdivisionSurface::control_count)
+        .def_property_readonly("vertex_count", &SubdivisionSurface::vertex_count, "Refined vertices, m.")
+        .def_property_readonly("control_count", &SubdivisionSurface::control_count, "Control vertices, n.")
         .def("__repr__", [](const SubdivisionSurface& s) {
             return "<SubdivisionSurface: " + std::to_string(s.control_count()) + " vertices -> " +
                    std::to_string(s.vertex_count()) + ">";

@@ -39,10 +39,12 @@ endfunction()
 
 # CGAL counts on the rounding mode that it sets. Its exact numbers are Boost's: as quick here as GMP's, and nothing
 # that a wheel has to carry.
-function(sinew_compile_with_cgal target)
+function(sinew_compile_with_cgal target names)
   target_include_directories(${target} SYSTEM PRIVATE ${CGAL_INCLUDE_DIR})
-  set_source_files_properties(${ARGN} PROPERTIES COMPILE_DEFINITIONS CGAL_DISABLE_GMP=1)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "${names}")
+  set_source_files_properties(${sources} PROPERTIES COMPILE_DEFINITIONS CGAL_DISABLE_GMP=1)
   if(NOT MSVC)
-    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -frounding-math)
+    set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS -frounding-math)
   endif()
 endfunction()

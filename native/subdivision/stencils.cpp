@@ -14,7 +14,7 @@ namespace {
 constexpr int grain = 4096;
 
 template <class T, class Rows>
-void apply_rows(const RowMatrix& matrix, const T* weights, const T* points, T* to, Rows rows)
+void apply_rows(const SparseRows& matrix, const T* weights, const T* points, T* to, Rows rows)
 {
     // Few beside the rows. Four numbers each: a point is one load, and the last one needs nothing behind it.
     const int count = static_cast<int>(matrix.cols());
@@ -31,7 +31,7 @@ void apply_rows(const RowMatrix& matrix, const T* weights, const T* points, T* t
 
 } // namespace
 
-Stencils::Stencils(RowMatrix matrix) : matrix_(std::move(matrix))
+Stencils::Stencils(SparseRows matrix) : matrix_(std::move(matrix))
 {
     matrix_.makeCompressed();
     single_.assign(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros());

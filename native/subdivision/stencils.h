@@ -8,7 +8,7 @@
 namespace sinew {
 
 /// Row by row with 32-bit indices: SciPy's CSR.
-using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// A sparse matrix that is applied to points every frame.
 ///
@@ -19,10 +19,10 @@ class Stencils
 {
 public:
     Stencils() = default;
-    explicit Stencils(RowMatrix matrix);
+    explicit Stencils(SparseRows matrix);
 
     /// (n, k) in double, as it was given.
-    const RowMatrix& matrix() const { return matrix_; }
+    const SparseRows& matrix() const { return matrix_; }
 
     /// \param points  (k, 3)
     /// \param to      (n, 3), no part of `points`
@@ -31,7 +31,7 @@ public:
     void apply(const float* points, float* to) const;
 
 private:
-    RowMatrix matrix_;
+    SparseRows matrix_;
     std::vector<float> single_; ///< the weights
 };
 

@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/subdivision/limit_masks.h"
 
 #include <opensubdiv/far/error.h>
 #include <opensubdiv/far/primvarRefiner.h>
@@ -131,11 +132,11 @@ void require_room(const SurfaceMesh& mesh, const SubdivisionOptions& options, st
         corners = loop ? 3 * faces : 4 * faces;
         all_vertices += vertices;
     }
-    // A vertex has 4 faces and 4 edges, in OpenSubdiv's tables about 190 bytes; its row about 18 entries,
-    // which the stencil table, the matrix and its floats hold at once, those of a limit matrix and its
-    // product too.
+    // A vertex has 4 faces and 4 edges, about 250 bytes in OpenSubdiv's tables, and a row of about 18
+    // entries, which the stencil table, the matrix and its floats hold at once; a limit matrix and its
+    // product as many again.
     const std::int64_t entries = vertices * 18;
-    const std::int64_t bytes = 190 * all_vertices + entries * (options.limit ? 44 : 28) + 8 * corners;
+    const std::int64_t bytes = 250 * all_vertices + entries * (options.limit ? 60 : 30) + 8 * corners;
     if (corners > std::numeric_limits<int>::max() || entries > std::numeric_limits<int>::max())
         throw OutOfMemory("level: " + std::to_string(options.level) + " gives " + std::to_string(vertices) +
                           " vertices, which take " + in_words(bytes) + " and more than 32 bits to count");
@@ -220,11 +221,11 @@ std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptio
 }
 
 /// Rows of any order of entries -> a compressed matrix with ascending columns.
-RowMatrix ascending(int columns, const std::vector<int>& sizes, const std::vector<int>& indices,
-                    const std::vector<double>& weights)
+SparseRows ascending(int columns, const std::vector<int>& sizes, const std::vector<int>& indices,
+                     const std::vector<double>& weights)
 {
     const int rows = static_cast<int>(sizes.size());
-    RowMatrix matrix(rows, columns);
+    SparseRows matrix(rows, columns);
     int* const offsets = matrix.outerIndexPtr();
     offsets[0] = 0;
     std::partial_sum(sizes.begin(), sizes.end(), offsets + 1);
@@ -245,10 +246,10 @@ RowMatrix ascending(int columns, const std::vector<int>& sizes, const std::vecto
     return matrix;
 }
 
-RowMatrix stencils(const Refiner& refiner, int level, int controls, bool face_varying)
+SparseRows stencils(const Refiner& refiner, int level, int controls, bool face_varying)
 {
     if (level == 0) {
-        RowMatrix identity(controls, controls);
+        SparseRows identity(controls, controls);
         identity.setIdentity();
         return identity;
     }
@@ -277,12 +278,58 @@ struct Numbers
     int operator[](int point) const { return point; }
 };
 
+/// Where OpenSubdiv's closed masks are not exact: sharpness is left, or an endless crease ends. At edges of
+/// more faces than two it has no rule but to stay sharp.
+bool needs_own_mask(const Far::TopologyLevel& level, int vertex)
+{
+    if (level.IsVertexNonManifold(vertex) || level.IsVertexInfSharp(vertex))
+        return false;
+    bool semi_sharp = level.IsVertexSemiSharp(vertex);
+    int endless = 0;
+    for (int edge : level.GetVertexEdges(vertex)) {
+        semi_sharp |= level.IsEdgeSemiSharp(edge);
+        endless += level.IsEdgeInfSharp(edge);
+    }
+    return semi_sharp || endless == 1;
+}
+
+void set_own_mask(const Far::TopologyLevel& level, int vertex, bool triangles, Row& row)
+{
+    const auto edges = level.GetVertexEdges(vertex), faces = level.GetVertexFaces(vertex);
+    const auto places = level.GetVertexFaceLocalIndices(vertex);
+    Neighbourhood around{triangles, faces.size(), level.GetVertexSharpness(vertex), {}};
+    std::vector<int> points{vertex};
+    for (int edge : edges) {
+        const auto ends = level.GetEdgeVertices(edge);
+        points.push_back(ends[0] == vertex ? ends[1] : ends[0]);
+        around.edge_sharpness.push_back(level.GetEdgeSharpness(edge));
+    }
+    if (!triangles)
+        for (int k = 0; k < faces.size(); ++k)
+            points.push_back(level.GetFaceVertices(faces[k])[(places[k] + 2) % 4]);
+    const std::vector<double> mask = limit_mask(around);
+    row.Clear();
+    for (std::size_t k = 0; k < mask.size(); ++k)
+        if (mask[k] != 0.0)
+            row.AddWithWeight(points[k], mask[k]);
+}
+
 /// (count, n) from the points of the last level to the first of the limit.
-RowMatrix limits(const Refiner& refiner, int count)
+SparseRows limits(const Refiner& refiner, int count)
 {
     std::vector<Row> rows(refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
     const Numbers numbers;
     Far::PrimvarRefinerReal<double>(refiner).Limit(numbers, rows);
+    const auto& level = refiner.GetLevel(refiner.GetMaxLevel());
+    const Sdc::SchemeType scheme = refiner.GetSchemeType();
+    if (scheme != Sdc::SCHEME_BILINEAR)
+        parallel_for(
+            count,
+            [&](int v) {
+                if (needs_own_mask(level, v))
+                    set_own_mask(level, v, scheme == Sdc::SCHEME_LOOP, rows[v]);
+            },
+            256);
     std::vector<int> sizes, indices;
     std::vector<double> weights;
     for (int i = 0; i < count; ++i) {
@@ -303,7 +350,7 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     check(mesh, options, edges);
     require_room(mesh, options, static_cast<std::int64_t>(edges.size()));
     if (mesh.face_count() == 0) { // OpenSubdiv knows no such mesh
-        RowMatrix identity(mesh.vertex_count(), mesh.vertex_count());
+        SparseRows identity(mesh.vertex_count(), mesh.vertex_count());
         identity.setIdentity();
         stencils_ = Stencils(std::move(identity));
         around_offsets_.assign(mesh.vertex_count() + 1, 0);
@@ -314,9 +361,9 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     const int depth = std::max(options.level, options.limit ? 1 : 0);
     const std::unique_ptr<Refiner> refiner = refined(mesh, options, depth);
 
-    RowMatrix matrix = stencils(*refiner, depth, mesh.vertex_count(), false);
+    SparseRows matrix = stencils(*refiner, depth, mesh.vertex_count(), false);
     if (options.limit)
-        matrix = RowMatrix(limits(*refiner, refiner->GetLevel(options.level).GetNumVertices()) * matrix);
+        matrix = SparseRows(limits(*refiner, refiner->GetLevel(options.level).GetNumVertices()) * matrix);
     stencils_ = Stencils(std::move(matrix));
 
     const auto& last = refiner->GetLevel(options.level);

@@ -58,8 +58,8 @@ struct SubdivisionOptions
 ///
 /// The same library with the same options as Blender's Subdivision modifier, in another order: the first
 /// vertices are those of the mesh, then come those that each level adds. Edges of three and more faces, and
-/// edges along which both faces run the same way, are sharp; loose vertices stay. With `limit`, sharpness
-/// that is left after `level` levels counts as endless.
+/// edges along which both faces run the same way, are sharp; loose vertices stay. Limits are exact also where
+/// sharpness is left after the last level, and at the ends of creases (limit_masks.h).
 ///
 ///   call           repeat it when ...              cost
 ///   constructor    the faces or options changed    O(refined vertices): about 1 us each
@@ -86,7 +86,7 @@ public:
     void refine(const double* points, double* refined) const { stencils_.apply(points, refined); }
     void refine(const float* points, float* refined) const { stencils_.apply(points, refined); }
     /// (vertex_count, control_count); rows sum to 1.
-    const RowMatrix& matrix() const { return stencils_.matrix(); }
+    const SparseRows& matrix() const { return stencils_.matrix(); }
 
     /// Corners of each refined face, and their vertices face after face. From level 1 on, all faces have four
     /// corners, or three with `loop`. Faces of one control face follow one another.
@@ -99,12 +99,12 @@ public:
 
     /// (refined values, values) of the face-varying channel, and the value at each refined face corner. Empty
     /// without a channel.
-    const RowMatrix& face_varying_matrix() const { return face_varying_; }
+    const SparseRows& face_varying_matrix() const { return face_varying_; }
     const std::vector<int>& face_varying_corners() const { return face_varying_corners_; }
 
 private:
     Stencils stencils_;
-    RowMatrix face_varying_;
+    SparseRows face_varying_;
     std::vector<int> counts_, corners_, face_varying_corners_;
     std::vector<int> around_offsets_, around_; ///< the refined faces at each refined vertex, ascending
 };

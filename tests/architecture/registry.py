@@ -20,8 +20,8 @@ METHOD_ROOMS = {
     "SPACE_LINEAR": ("space/lattice", "space/cage", "space/points"),
     "SPACE_NONLINEAR": ("space/nonlinear",),
 }
-FOR_ALL = re.compile(r"^// For every method of this room\.$", re.MULTILINE)
 PART_OF = re.compile(r"^// Part of the method (\w+)\.$", re.MULTILINE)
+OF_ALL = re.compile(r"^// For every method of this room\.$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -99,8 +99,11 @@ def _strays(root: Path, found: list[Row]) -> Iterator[str]:
         for header in files(root, f"native/{room}", ".h"):
             text = header.read_text(encoding="utf-8")
             of = PART_OF.search(text)
-            part = any(header.stem.startswith(name + "_") for name in ids) or (of and of.group(1) in ids)
-            part = part or FOR_ALL.search(text)
+            part = (
+                OF_ALL.search(text)
+                or any(header.stem.startswith(name + "_") for name in ids)
+                or (of and of.group(1) in ids)
+            )
             if header.stem not in ids and not part:
                 yield f"native/{room}/{header.name}: neither a row of the registry nor part of a method"
         for source in files(root, f"native/{room}", ".cpp"):

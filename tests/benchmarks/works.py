@@ -64,6 +64,19 @@ WORKS = (
     Work("arap_smooth", "with smooth rotations", "our own without", {ANY: 1.6}, at_most=True),
     Work("arap_bend", "`Arap` to 1 %, bar bent by 90 degrees", "libigl", {50_000: 50.0}),
     Work("arap_cold", "`Arap` to 1 %, armadillo", "4 iterations of libigl", {ANY: 1.0}),
+    Work("subdivision", "`SubdivisionSurface.refine`", "OpenSubdiv's CPU evaluator", {ANY: 3.0}),
+    Work("subdivision_blender", "the same", "frame of Blender's Subdivision modifier", {ANY: 4.0}),
+    Work(
+        "subdivision_frame", "the same, written and evaluated in Blender", "the modifier's frame", {ANY: 1.0}
+    ),
+    Work("cage_time", "`automatic_cage`, 300 faces", "two seconds", {ANY: 1.0}),
+    Work(
+        "cage_poking",
+        "faces of the scan that meet it",
+        "Blender's remesh, displace, decimate",
+        {ANY: 0.0},
+        at_most=True,
+    ),
     Work("frame_thin_shell", "frame in Blender, `thin_shell`", FRAME, {ANY: 20.0}),
     Work("frame_arap", "frame in Blender, `arap`", f"{FRAME}, repeat 3", {ANY: 8.0}),
     Work("drag_arap", "the same while dragging", f"{FRAME}, repeat 3", {ANY: 8.0}),
@@ -92,6 +105,7 @@ OWN_TIMES = {
     "arap_smooth": "`Arap` iteration, smooth",
     "arap_bend": "`Arap`, bend to 1 %",
     "arap_cold": "`Arap`, armadillo to 1 %",
+    "subdivision": "subdivision",
     "handle_added": "a handle more",
     "stiffness_painted": "stiffness painted",
 }

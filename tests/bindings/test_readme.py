@@ -12,6 +12,7 @@ README = Path(__file__).parents[2] / "README.md"
 def test_the_readme_script_lifts_the_head() -> None:
     blocks = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
     (script,) = [block for block in blocks if "import numpy" in block]
+    (more,) = [block for block in blocks if "SubdivisionSurface" in block]
     line = np.linspace(-1.0, 1.0, 11)
     points = np.array([(x, y, 0.0) for y in line for x in line])
     faces = np.array(
@@ -26,3 +27,6 @@ def test_the_readme_script_lifts_the_head() -> None:
     assert np.allclose(names["positions"][head], points[head] + (0.0, 0.0, 0.5), atol=1e-12)
     assert np.allclose(names["positions"][feet], points[feet], atol=1e-12)
     assert names["report"].converged
+
+    exec(compile(more, str(README), "exec"), names)
+    assert names["problems"].clean

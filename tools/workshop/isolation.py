@@ -17,7 +17,8 @@ from .shell import must
 
 PREFIX = "sinew_"
 OWNED = re.compile(r"lib(openblas|blas|lapack|cholmod|c?amd|c?colamd|metis|suitesparse|tbb)")
-# C++ names of the standard library stay; so do the marks that every linker sets.
+# C++ names of the standard library stay, and those of OpenSubdiv, which tell its version; so do the marks
+# that every linker sets.
 RENAMED = re.compile(r"(?!_Z)(?!_init$|_fini$|__bss_start$|_edata$|_end$)|_Z(?:T[ISVT]|GV)?NK?3tbb")
 
 

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from .environments import Environment
 
-COMPILED_IN = ("libeigen3-dev",)
+COMPILED_IN = ("libeigen3-dev", "libcgal-dev", "libboost-dev")
 NAME = "licenses/THIRD_PARTY.txt"
 
 
 def notices(files: dict[str, bytes], builder: Environment) -> dict[str, bytes]:
-    """One text: the copyright files of the Debian packages that auditwheel names, Eigen's and pybind11's."""
+    """One text: the copyright files of the Debian packages that auditwheel names, of headers, pybind11's."""
     folder = next(name for name in files if name.endswith(".dist-info/RECORD")).removesuffix("RECORD")
     bill = next(content for name, content in files.items() if name.endswith("/sboms/auditwheel.cdx.json"))
     parts = json.loads(bill)["components"]

@@ -13,12 +13,12 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <map>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 namespace sinew {
@@ -97,41 +97,59 @@ TriangleSoup soup_of(const SurfaceMesh& target, const Frame& frame)
     return soup;
 }
 
-/// Each vertex has one at its mirror image.
-bool mirrors(const SurfaceMesh& target, const Frame& frame, int axis)
+/// The target's vertices by place, to ask whether there is one at the image of each.
+class Images
 {
-    using Cell = std::tuple<int, int, int>;
-    const double width = 2 * mirror_tolerance;
-    const auto cell = [&](const Vector3& p) {
-        const auto index = (p / width).array().floor().cast<int>();
-        return Cell(index.x(), index.y(), index.z());
-    };
-    std::map<Cell, std::vector<Vector3>> cells;
-    for (int v = 0; v < target.vertex_count(); ++v)
-        cells[cell(frame.in(target.point(v)))].push_back(frame.in(target.point(v)));
-    for (int v = 0; v < target.vertex_count(); ++v) {
-        Vector3 image = frame.in(target.point(v));
-        image[axis] = -image[axis];
-        bool found = false;
-        const auto [x, y, z] = cell(image);
-        for (int n = 0; n < 27 && !found; ++n) {
-            const auto at = cells.find({x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1});
-            found = at != cells.end() && std::ranges::any_of(at->second, [&](const Vector3& p) {
-                        return (p - image).norm() < mirror_tolerance;
-                    });
-        }
-        if (!found)
-            return false;
+public:
+    Images(const SurfaceMesh& target, const Frame& frame)
+    {
+        for (int v = 0; v < target.vertex_count(); ++v)
+            points_.push_back(frame.in(target.point(v)));
+        for (const Vector3& p : points_)
+            cells_[cell(p)].push_back(p);
     }
-    return true;
-}
+
+    bool mirror(int axis) const
+    {
+        return std::ranges::all_of(points_, [&](Vector3 p) {
+            p[axis] = -p[axis];
+            return has(p);
+        });
+    }
+
+private:
+    using Cell = std::array<int, 3>;
+
+    static Cell cell(const Vector3& p)
+    {
+        const Eigen::Array3i index = (p / (2 * mirror_tolerance)).array().floor().cast<int>();
+        return {index[0], index[1], index[2]};
+    }
+
+    bool has(const Vector3& point) const
+    {
+        const auto [x, y, z] = cell(point);
+        for (int n = 0; n < 27; ++n) {
+            const auto at = cells_.find({x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1});
+            if (at != cells_.end() && std::ranges::any_of(at->second, [&](const Vector3& p) {
+                    return (p - point).norm() < mirror_tolerance;
+                }))
+                return true;
+        }
+        return false;
+    }
+
+    std::vector<Vector3> points_;
+    std::map<Cell, std::vector<Vector3>> cells_;
+};
 
 int mirror_axis(const SurfaceMesh& target, const Frame& frame, Symmetry symmetry)
 {
     if (symmetry != Symmetry::automatic)
         return static_cast<int>(symmetry) - static_cast<int>(Symmetry::x); // none is -1
+    const Images images(target, frame);
     for (int axis = 0; axis < 3; ++axis)
-        if (mirrors(target, frame, axis))
+        if (images.mirror(axis))
             return axis;
     return -1;
 }
@@ -297,7 +315,6 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
     const int axis = mirror_axis(target, frame, options.symmetry);
     if (axis >= 0)
         add_image(soup, axis);
-    const TriangleTree inner(soup.points, soup.triangles);
 
     std::optional<AutomaticCage> best;
     double margin = options.margin;
@@ -315,7 +332,9 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
         hull.tighten(TriangleTree(wrap.points, wrap.triangles), stage(0.8, 0.95));
 
         auto [points, triangles] = hull.surface();
-        Polygons faces = options.quads ? paired(points, triangles, inner) : polygons(triangles);
+        Polygons faces =
+            options.quads ? paired(points, triangles, TriangleTree(soup.points, soup.triangles), 0.3 * margin)
+                          : polygons(triangles);
         if (axis >= 0)
             complete(points, faces, axis);
         progress.tick(start + width * 0.95, "checking");

@@ -49,10 +49,11 @@ struct Neighbour
 struct Sheet
 {
     std::vector<int> faces;
-    std::vector<char> turned; ///< (faces) by one of faces
+    std::vector<char> turned; ///< (faces) where they look the other way
+    bool closed = true;
 };
 
-std::vector<Sheet> sheets(const std::vector<std::vector<Neighbour>>& neighbours)
+std::vector<Sheet> sheets(const SurfaceMesh& cage, const std::vector<std::vector<Neighbour>>& neighbours)
 {
     std::vector<Sheet> found;
     std::vector<char> seen(neighbours.size(), 0), turned(neighbours.size(), 0);
@@ -68,8 +69,10 @@ std::vector<Sheet> sheets(const std::vector<std::vector<Neighbour>>& neighbours)
                     turned[face] = agrees == (turned[sheet.faces[k]] != 0);
                     sheet.faces.push_back(face);
                 }
-        for (int f : sheet.faces)
+        for (int f : sheet.faces) {
             sheet.turned.push_back(turned[f]);
+            sheet.closed &= neighbours[f].size() == cage.face(f).size();
+        }
         found.push_back(std::move(sheet));
     }
     return found;
@@ -81,6 +84,7 @@ std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vec
                           const std::vector<std::vector<Triangle>>& cut)
 {
     std::vector<std::vector<Triangle>> outward(found.size());
+    std::vector<Eigen::AlignedBox3d> boxes(found.size());
     std::vector<char> reversed(found.size(), 0); // `turned` has to be swapped to look outward
     for (std::size_t s = 0; s < found.size(); ++s) {
         double volume = 0.0;
@@ -90,6 +94,8 @@ std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vec
                 if (found[s].turned[k])
                     std::swap(t[1], t[2]);
                 outward[s].push_back(t);
+                for (int v : t)
+                    boxes[s].extend(points[v]);
                 volume += (points[t[0]] - origin).dot((points[t[1]] - origin).cross(points[t[2]] - origin));
             }
         reversed[s] = volume < 0.0;
@@ -101,8 +107,11 @@ std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vec
     for (std::size_t s = 0; s < found.size(); ++s) {
         int around = 0;
         for (std::size_t other = 0; other < found.size(); ++other)
-            if (other != s)
-                around += winding_number(points, outward[other], points[outward[s].front()[0]]) > 0.5;
+            // Parts that cross are not in one another.
+            if (other != s && found[other].closed && boxes[other].contains(boxes[s]))
+                around += std::ranges::all_of(outward[s], [&](const Triangle& t) {
+                    return winding_number(points, outward[other], points[t[0]]) > 0.5;
+                });
         const bool cavity = around % 2 == 1;
         for (std::size_t k = 0; k < found[s].faces.size(); ++k)
             if ((found[s].turned[k] != 0) != ((reversed[s] != 0) != cavity))
@@ -197,7 +206,7 @@ CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsV
             (diagnosis.degenerate_faces.empty() || diagnosis.degenerate_faces.back() != face))
             diagnosis.degenerate_faces.push_back(face);
     }
-    const std::vector<Sheet> found = sheets(neighbours);
+    const std::vector<Sheet> found = sheets(cage, neighbours);
     diagnosis.component_count = static_cast<int>(found.size());
     diagnosis.inverted_faces = inverted(found, soup.points, cut);
     diagnosis.crossing_faces = crossing(cage, soup.points);

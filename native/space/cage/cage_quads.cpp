@@ -47,6 +47,18 @@ double badness(const std::vector<Vector3>& points, const std::array<int, 4>& loo
     return worst;
 }
 
+/// At points of fourths of the sides.
+bool is_away(const Corners& t, const TriangleTree& from, double apart)
+{
+    for (int i = 0; i <= 4; ++i)
+        for (int j = 0; i + j <= 4; ++j) {
+            const Vector3 p = t[0] + 0.25 * i * (t[1] - t[0]) + 0.25 * j * (t[2] - t[0]);
+            if ((from.closest(p) - p).norm() < apart)
+                return false;
+        }
+    return true;
+}
+
 std::vector<Pair> candidates(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles)
 {
     std::map<std::pair<int, int>, std::pair<int, int>> half_edges; // (from, to) -> triangle, apex
@@ -77,7 +89,7 @@ Polygons polygons(const std::vector<Triangle>& triangles)
 }
 
 Polygons paired(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles,
-                const TriangleTree& within)
+                const TriangleTree& within, double apart)
 {
     struct Cut
     {
@@ -90,12 +102,13 @@ Polygons paired(const std::vector<Vector3>& points, const std::vector<Triangle>&
 
     const auto is_free = [&](const Triangle& indices, const Pair& pair) {
         const Corners corners = corners_of(points, indices);
-        return !is_flat(corners) && !within.meets(corners) && std::ranges::none_of(cuts, [&](const Cut& cut) {
-            const bool replaced = cut.first == pair.first || cut.first == pair.second ||
-                                  cut.second == pair.first || cut.second == pair.second;
-            return !replaced &&
-                   triangles_meet(corners, indices, corners_of(points, cut.indices), cut.indices);
-        });
+        return !is_flat(corners) && !within.meets(corners) && is_away(corners, within, apart) &&
+               std::ranges::none_of(cuts, [&](const Cut& cut) {
+                   const bool replaced = cut.first == pair.first || cut.first == pair.second ||
+                                         cut.second == pair.first || cut.second == pair.second;
+                   return !replaced &&
+                          triangles_meet(corners, indices, corners_of(points, cut.indices), cut.indices);
+               });
     };
     std::vector<const Pair*> joined(triangles.size(), nullptr);
     const std::vector<Pair> pairs = candidates(points, triangles);

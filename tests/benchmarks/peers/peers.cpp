@@ -210,6 +210,8 @@ PeerCage cage(const Doubles& vertices, const Ints& triangles)
 
 } // namespace
 
+void bind_subdivision(py::module_& m);
+
 PYBIND11_MODULE(sinew_peers, m)
 {
     using namespace py::literals;
@@ -256,4 +258,5 @@ PYBIND11_MODULE(sinew_peers, m)
         },
         "weights"_a.noconvert(), "factors"_a.noconvert(), "result"_a.noconvert());
     m.def("read_bandwidth", &read_bandwidth, "bytes"_a, "threads"_a = 1, "repeats"_a = 7);
+    bind_subdivision(m);
 }

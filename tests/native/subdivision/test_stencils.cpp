@@ -14,14 +14,14 @@ namespace sinew {
 namespace {
 
 /// Rows of 0 to 19 entries.
-RowMatrix random_matrix(int rows, int columns)
+SparseRows random_matrix(int rows, int columns)
 {
     shapes::Random random(5);
     std::vector<Eigen::Triplet<double>> entries;
     for (int i = 0; i < rows; ++i)
         for (int k = 0; k < i % 20; ++k)
             entries.emplace_back(i, random.below(columns), random.signed_unit());
-    RowMatrix matrix(rows, columns);
+    SparseRows matrix(rows, columns);
     matrix.setFromTriplets(entries.begin(), entries.end());
     return matrix;
 }
@@ -39,7 +39,7 @@ Points random_points(int count)
 
 TEST(Stencils, give_what_the_matrix_gives)
 {
-    const RowMatrix matrix = random_matrix(20'011, 300);
+    const SparseRows matrix = random_matrix(20'011, 300);
     const Stencils stencils(matrix);
     const Points points = random_points(300);
     Points found(matrix.rows(), 3);
@@ -55,7 +55,7 @@ TEST(Stencils, give_what_the_matrix_gives)
 
 TEST(Stencils, do_not_depend_on_threads_or_instructions)
 {
-    const RowMatrix matrix = random_matrix(20'011, 300);
+    const SparseRows matrix = random_matrix(20'011, 300);
     const Stencils stencils(matrix);
     const Points points = random_points(300);
     Points one(matrix.rows(), 3), many(matrix.rows(), 3), wide = Points::Zero(matrix.rows(), 3);
@@ -79,12 +79,12 @@ TEST(Stencils, do_not_depend_on_threads_or_instructions)
 
 TEST(Stencils, of_no_row_or_no_entry_give_zero)
 {
-    const Stencils stencils(RowMatrix(3, 2));
+    const Stencils stencils(SparseRows(3, 2));
     const Points points = random_points(2);
     Points found = Points::Ones(3, 3);
     stencils.apply(points.data(), found.data());
     EXPECT_EQ(found, Points::Zero(3, 3));
-    Stencils(RowMatrix(0, 2)).apply(points.data(), found.data());
+    Stencils(SparseRows(0, 2)).apply(points.data(), found.data());
 }
 
 } // namespace sinew

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Loads sinew_native and poses a small sheet; run by any Python, Blender's included.
 
-With ``--own-libraries FOLDER`` it also holds that CHOLMOD, BLAS and TBB came from FOLDER, where the wheel
-lies, and with ``--alone`` that no second copy of them was mapped from anywhere else.
+With ``--own-libraries FOLDER`` it also holds that CHOLMOD, BLAS, TBB and OpenSubdiv came from FOLDER, where
+the wheel lies, and with ``--alone`` that no second copy of them was mapped from anywhere else.
 """
 
 import argparse
 import os
 import sys
 
-BUNDLED = ("libcholmod", "libopenblas", "libtbb", "libgomp")
+BUNDLED = ("libcholmod", "libopenblas", "libtbb", "libgomp", "libosdCPU")
 
 
 def pose_a_sheet(sinew_native):
@@ -33,6 +33,18 @@ def pose_a_sheet(sinew_native):
         assert 0.05 < posed[side * (side // 2), 2] < 0.2, posed[side * (side // 2)]
 
 
+def refine_and_enclose(sinew_native):
+    """A cube, subdivided, and a cage around that."""
+    import numpy
+
+    points = numpy.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    smooth = sinew_native.SubdivisionSurface(sinew_native.SurfaceMesh(points, faces), level=2)
+    target = sinew_native.SurfaceMesh(smooth.refine(points), smooth.faces)
+    cage = sinew_native.SurfaceMesh(*sinew_native.automatic_cage(target, 60, 0.1)[:2])
+    assert sinew_native.diagnose_cage(cage, target.points).clean
+
+
 def check_libraries(folder, alone):
     folder = os.path.realpath(folder)
     with open("/proc/self/maps", encoding="utf-8") as maps:
@@ -54,6 +66,7 @@ def main(arguments):
     import sinew_native
 
     pose_a_sheet(sinew_native)
+    refine_and_enclose(sinew_native)
     if options.own_libraries:
         check_libraries(options.own_libraries, options.alone)
     print(f"sinew_native {sinew_native.__version__} works in Python {sys.version.split()[0]}")
