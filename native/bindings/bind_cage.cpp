@@ -83,9 +83,10 @@ void bind_cage(py::module_& module)
         .def_property_readonly(
             "outside", [](const CageReport& report) { return to_numpy(report.outside); },
             "Points outside the cage.")
-        .def_readonly("dropped", &CageReport::dropped,
-                      "What the threshold changed in the weights of a point, at most: times the longest move of "
-                      "a cage vertex, a bound of how far a warped point is off.")
+        .def_readonly(
+            "dropped", &CageReport::dropped,
+            "What the threshold changed in the weights of a point, at most: times the longest move of "
+            "a cage vertex, a bound of how far a warped point is off.")
         .def_readonly("error", &CageReport::error,
                       "Estimate of the largest error of a weight; 0 where the form is closed.")
         .def_readonly("weight_bytes", &CageReport::weight_bytes, "Memory of the weights.")
@@ -154,9 +155,10 @@ outside    what becomes of points outside: continued through the 'nearest' trian
 exit_face  of the cage, for outside='face'.
 
 Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)")
-        .def_property_readonly("face_weights", &Green::face_weights,
-                               "(n, t) weights of the normals of the triangles that the cage's faces are cut into, "
-                               "in the cage's units of length.");
+        .def_property_readonly(
+            "face_weights", &Green::face_weights,
+            "(n, t) weights of the normals of the triangles that the cage's faces are cut into, "
+            "in the cage's units of length.");
 
     bind_method<MeanValue>(module, "MeanValue",
                            R"(Mean value coordinates [Ju, Schaefer & Warren 2005], section 5.4.

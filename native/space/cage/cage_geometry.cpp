@@ -131,8 +131,8 @@ double CageGeometry::square_distance(int t, const Vector3& x) const
     }
     double least = 1e300;
     for (int k = 0; k < 3; ++k)
-        least = std::min(least, from_segment(x, vertex(triangle.corners[k]),
-                                             vertex(triangle.corners[(k + 1) % 3])));
+        least = std::min(least,
+                         from_segment(x, vertex(triangle.corners[k]), vertex(triangle.corners[(k + 1) % 3])));
     return least;
 }
 

@@ -76,8 +76,8 @@ inline double edge_integral(double h, double p, double begin, double end)
         const double flat = side > 0.0 ? angle_between(length * side, side * side + begin * end) : 0.0;
         return (p < 0.0 ? -1.0 : 1.0) * (flat - angle * side / distance) / (h * h);
     }
-    // 1 / (p^2 + s^2) = sum of h^(2m) / (D^2 + s^2)^(m + 1): integrals of powers of 1 / (D^2 + s^2), each from
-    // the one before.
+    // 1 / (p^2 + s^2) = sum of h^(2m) / (D^2 + s^2)^(m + 1): integrals of powers of 1 / (D^2 + s^2), each
+    // from the one before.
     const double at_begin = 1.0 / (square + begin * begin), at_end = 1.0 / (square + end * end);
     double from = begin, to = end, integral = angle / distance, sum = 0.0, power = 1.0;
     for (int m = 1; m <= 6; ++m) {
@@ -97,9 +97,9 @@ inline double along(const CageEdge& edge, const double* rays, int vertex, int la
     return sum;
 }
 
-/// What mean value multiplies p_k with, h times the integral over the triangle of 1 / |y - x|^4, for one point
-/// whose foot lies beyond a side. The sum over the sides that serves elsewhere would leave of some 1 / h only
-/// some h; here each side's own integral is taken, small as the whole.
+/// What mean value multiplies p_k with, h times the integral over the triangle of 1 / |y - x|^4, for one
+/// point whose foot lies beyond a side. The sum over the sides that serves elsewhere would leave of some 1 /
+/// h only some h; here each side's own integral is taken, small as the whole.
 inline double integral_beyond(const CageTables& cage, const CageTriangle& triangle, const double* rays,
                               double h, const double* p, int lane)
 {
@@ -194,8 +194,8 @@ constexpr double near_side = 1.001;
 struct NearSide
 {
     double foot[3], begin, end, square; ///< t_a, t_b, D^2
-    double to_a, to_b;                  ///< distances of the ends
-    double gap;                         ///< |a| |b| + a.b, zero on the side
+    double to_a, to_b; ///< distances of the ends
+    double gap; ///< |a| |b| + a.b, zero on the side
 
     NearSide(const CageEdge& edge, const double* rays, int lane)
     {
@@ -245,11 +245,10 @@ struct NearTriangle
         // or end along the edge, so that nothing but what is small is left of the bracket.
         const double across = along(side.foot, r[k], 4), parallel = along(edge.direction, r[k], 4);
         const double sum = side.to_a + side.to_b;
-        const double lean =
-            side.begin < 0.0 && side.end > 0.0
-                ? side.square * (side.end * side.end - side.begin * side.begin) /
-                      (side.end * side.to_a - side.begin * side.to_b)
-                : side.end * side.to_a + side.begin * side.to_b;
+        const double lean = side.begin < 0.0 && side.end > 0.0
+                                ? side.square * (side.end * side.end - side.begin * side.begin) /
+                                      (side.end * side.to_a - side.begin * side.to_b)
+                                : side.end * side.to_a + side.begin * side.to_b;
         const double x = r[k][12] * side.gap + across * sum + parallel * lean;
         const double y = size_of(h) * triangle.double_area;
         half_angle = y > 0.0 || x != 0.0 ? angle_between(y, x) : 0.0;
@@ -323,9 +322,12 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
         double* const f0 = at(phi, v[0]);
         double* const f1 = at(phi, v[1]);
         double* const f2 = at(phi, v[2]);
-        store(f0, load(f0) + constant(triangle.inverse_height[0]) * (p[0] * angle + (g0 + c2 * g1 + c1 * g2)));
-        store(f1, load(f1) + constant(triangle.inverse_height[1]) * (p[1] * angle + (g1 + c0 * g2 + c2 * g0)));
-        store(f2, load(f2) + constant(triangle.inverse_height[2]) * (p[2] * angle + (g2 + c1 * g0 + c0 * g1)));
+        store(f0,
+              load(f0) + constant(triangle.inverse_height[0]) * (p[0] * angle + (g0 + c2 * g1 + c1 * g2)));
+        store(f1,
+              load(f1) + constant(triangle.inverse_height[1]) * (p[1] * angle + (g1 + c0 * g2 + c2 * g0)));
+        store(f2,
+              load(f2) + constant(triangle.inverse_height[2]) * (p[2] * angle + (g2 + c1 * g0 + c0 * g1)));
     }
     store(winding, around);
     return touching;
@@ -333,7 +335,8 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
 
 /// sums (rows, 4) = weights, row i of which stands in [offsets[i], offsets[i + 1]), times factors (k, 4).
 template <class T>
-void sparse_product(const T* weights, const int* columns, const int* offsets, int rows, const T* factors, T* sums)
+void sparse_product(const T* weights, const int* columns, const int* offsets, int rows, const T* factors,
+                    T* sums)
 {
     for (int i = 0; i < rows; ++i) {
         Lanes<T> even = T(0) * load(factors), odd = even;

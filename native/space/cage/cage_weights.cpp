@@ -35,7 +35,8 @@ Vector4 solve_on_range(const Matrix4& M, const Vector4& b)
     const Eigen::SelfAdjointEigenSolver<Matrix4> eigen(M);
     Vector4 inner = eigen.eigenvectors().transpose() * b;
     for (int i = 0; i < 4; ++i)
-        inner[i] = eigen.eigenvalues()[i] > 1e-9 * eigen.eigenvalues()[3] ? inner[i] / eigen.eigenvalues()[i] : 0.0;
+        inner[i] =
+            eigen.eigenvalues()[i] > 1e-9 * eigen.eigenvalues()[3] ? inner[i] / eigen.eigenvalues()[i] : 0.0;
     return eigen.eigenvectors() * inner;
 }
 
@@ -63,9 +64,9 @@ CageWeights::CageWeights(int points, const Points& rest_controls, int vertices,
     }
     const auto dense = [&](auto& store, auto number) {
         using T = decltype(number);
-        dense_size_ = blocks_of(points, block_points<T>) * block_points<T> *
-                      static_cast<std::size_t>(column_count());
-        require_memory(static_cast<std::int64_t>(dense_size_ * sizeof(T)));
+        dense_size_ =
+            blocks_of(points, block_points<T>) * block_points<T> * static_cast<std::size_t>(column_count());
+        check_memory();
         store.blocks = std::make_unique_for_overwrite<T[]>(dense_size_);
     };
     if (is_single())
@@ -134,8 +135,9 @@ void CageWeights::keep_large(Store<T>& store, int first, const RowMatrix& rows)
         }
         Vector4 change = Vector4::Zero();
         if (lost > 0.0 && !kept.empty()) {
-            change = solve_on_range(M.selfadjointView<Eigen::Lower>(), defect);
-            double most = 0.0;
+            const Matrix4 moments = M.selfadjointView<Eigen::Lower>();
+            change = solve_on_range(moments, defect);
+            double most = (moments * change - defect).norm() > 1e-9 * lost ? 1.0 : 0.0;
             for (int c : kept)
                 most = std::max(most, std::abs(change.dot(moment(c))));
             if (!(most <= 0.5))
@@ -191,10 +193,12 @@ void CageWeights::apply(const Store<T>& store, const Points& moves, const Points
                 const int count = static_cast<int>(offsets_[index].size()) - 1;
                 if constexpr (std::is_same_v<T, float>)
                     kernels.sparse_product_of_floats(store.values[index].data(), columns_[index].data(),
-                                                     offsets_[index].data(), count, factors.data(), sums.data());
+                                                     offsets_[index].data(), count, factors.data(),
+                                                     sums.data());
                 else
                     kernels.sparse_product_of_doubles(store.values[index].data(), columns_[index].data(),
-                                                      offsets_[index].data(), count, factors.data(), sums.data());
+                                                      offsets_[index].data(), count, factors.data(),
+                                                      sums.data());
                 for (int i = 0; i < count; ++i)
                     place(part * own + i, sums.data() + 4 * i, 1);
             },
@@ -264,6 +268,8 @@ double CageWeights::dropped() const
 {
     return dropped_.empty() ? 0.0 : *std::max_element(dropped_.begin(), dropped_.end());
 }
+
+void CageWeights::check_memory() const { require_memory(bytes(), "the matrix of weights"); }
 
 std::int64_t CageWeights::bytes() const
 {

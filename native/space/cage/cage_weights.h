@@ -16,7 +16,8 @@
 namespace sinew {
 
 enum class WeightPrecision {
-    single_precision, ///< float32 weights: half the memory and time of a warp, 1e-7 of a cage vertex's move off
+    single_precision, ///< float32 weights: half the memory and time of a warp, 1e-7 of a cage vertex's move
+                      ///< off
     double_precision
 };
 
@@ -40,10 +41,10 @@ public:
     CageWeights() = default;
 
     /// \param rest_controls  (k, 3) where the controls are at rest.
-    /// \param vertices       the first so many columns are points, the others vectors, which no translation moves.
+    /// \param vertices       the first so many columns are points, the others vectors, which no translation
+    /// moves.
     /// \throw InvalidOption  a threshold outside of [0, 1).
-    /// \throw OutOfMemory  dense weights would take more than limit_memory() allows; both are named. Sparse
-    ///                     ones say so in set_rows(), at the rows that pass the limit.
+    /// \throw OutOfMemory  dense weights would take more than limit_memory() allows; both are named.
     CageWeights(int points, const Points& rest_controls, int vertices, const CageWeightOptions& options);
 
     int point_count() const { return points_; }
@@ -51,8 +52,8 @@ public:
 
     /// Points a part: rows are set by whole parts, but for the last.
     static constexpr int part = 64;
-    /// Keep the rows of points [first, first + rows.rows()), first a multiple of `part`. Safe for disjoint rows
-    /// at once.
+    /// Keep the rows of points [first, first + rows.rows()), first a multiple of `part`. Safe for disjoint
+    /// rows at once.
     void set_rows(int first, const RowMatrix& rows);
 
     /// positions = rest + W moves. Allocates nothing of the size of the points.
@@ -70,6 +71,8 @@ public:
     /// A warped point is off by at most this times the longest move of a control.
     double dropped() const;
     std::int64_t bytes() const;
+    /// \throw OutOfMemory  the sparse weights set so far take more than limit_memory() allows.
+    void check_memory() const;
 
 private:
     template <class T>
@@ -99,7 +102,8 @@ private:
     Points controls_;
     Store<float> singles_;
     Store<double> doubles_;
-    std::vector<std::vector<int>> columns_, offsets_; ///< sparse: a part's column indices, where its rows begin
+    std::vector<std::vector<int>> columns_,
+        offsets_; ///< sparse: a part's column indices, where its rows begin
     std::vector<double> dropped_;                     ///< a part's largest
 };
 

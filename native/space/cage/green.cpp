@@ -48,15 +48,13 @@ Green::Green(Cage cage, const GreenOptions& options)
                             " is no face of the cage that has an area");
 }
 
-int Green::columns() const
-{
-    return cage().vertex_count() + static_cast<int>(cage().triangles().size());
-}
+int Green::columns() const { return cage().vertex_count() + static_cast<int>(cage().triangles().size()); }
 
 RowMatrix Green::face_weights() const
 {
     const RowMatrix all = weights().dense();
-    return cage().size() * all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
+    return cage().size() *
+           all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
 }
 
 void Green::controls(PointsView vertices, Points& controls) const
