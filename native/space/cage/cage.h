@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+// Part of the method mean_value.
+
 #include "native/mesh/surface_mesh.h"
 
 namespace sinew {

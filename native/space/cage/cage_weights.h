@@ -24,17 +24,17 @@ enum class WeightPrecision {
 struct CageWeightOptions
 {
     WeightPrecision precision = WeightPrecision::single_precision;
-    /// Weights of a smaller magnitude are dropped, and the weights kept are stored sparsely; 0 keeps all,
-    /// densely. See CageWeights.
+    /// Weights of a smaller magnitude are dropped where the others can make up for them, and the weights kept
+    /// are stored sparsely; 0 keeps all, densely. See CageWeights.
     double threshold = 0.0;
 };
 
 /// (n, k) weights that take the moves of k control columns to n points, bound once and applied each frame.
 ///
 /// Where weights are dropped, those kept are changed in proportion to their magnitude so that the row gives
-/// its sum and the rest point as before: with them what moves all controls by one affine map (of Green
-/// coordinates: by one similarity) still moves the point by it. Where those kept are too few or too flat for
-/// that, that is where one would change by more than half, they keep the sum alone.
+/// its sum and the rest point as before: what moves all controls by one affine map (of Green coordinates: by
+/// one similarity) still moves the point by it. Where those kept are too few or too flat for that, or one
+/// would change by more than half, the row keeps smaller ones too, down to half the threshold, a quarter...
 class CageWeights
 {
 public:
@@ -86,6 +86,10 @@ private:
     };
     template <class T>
     void fill(Store<T>& store, int first, const RowMatrix& rows);
+    struct Thinned;
+    /// What a column gives to a row's sum and rest point.
+    Eigen::Vector4d moment(int column) const;
+    bool thin(const double* row, double least, Thinned& thinned) const;
     template <class T>
     void keep_large(Store<T>& store, int first, const RowMatrix& rows);
     template <class T, class Real>

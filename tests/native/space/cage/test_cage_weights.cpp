@@ -106,10 +106,9 @@ TEST(CageWeights, those_kept_make_up_for_those_dropped)
     const CageReport report = thin.bind(view(points));
     const RowMatrix W = full.weights().dense(), V = thin.weights().dense();
     EXPECT_LT(report.weight_bytes, full.weights().bytes());
-    EXPECT_GT((V.array() == 0.0).count(), 1000);
+    EXPECT_GT((V.array() == 0.0).count(), V.size() / 4);
     EXPECT_LT((V.rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-12);
-    const Eigen::VectorXd off = (V * cage.points() - points).rowwise().norm();
-    EXPECT_GT((off.array() < 1e-9).count(), 200) << "linear precision, but near the faces";
+    EXPECT_LT(shapes::distance(V * cage.points(), points), 1e-10) << "linear precision";
     EXPECT_NEAR(report.dropped, (V - W).cwiseAbs().rowwise().sum().maxCoeff(), 1e-12);
 
     Points pose = cage.points(), exact, ours;
@@ -124,28 +123,26 @@ TEST(CageWeights, those_kept_make_up_for_those_dropped)
 TEST(CageWeights, thin_green_coordinates_still_reproduce_similarities)
 {
     const SurfaceMesh cage = shapes::bumpy_sphere(2);
-    const Points points = shapes::points_around(cage, 300, 0.8);
+    const Points points = shapes::points_around(cage, 300, 1.3); // some outside
     Green thin(Cage(cage), {{both, 1e-3}, GreenOutside::nearest, -1});
     thin.bind(view(points));
     const Pose pose = shapes::affine(1.5 * shapes::rotation({1, 2, 3}, 100), {1, 2, 3});
     const Points moved = shapes::transformed(cage.points(), pose);
     Points out;
     thin.warp(view(moved), out);
-    const Eigen::VectorXd off = (out - shapes::transformed(points, pose)).rowwise().norm();
-    EXPECT_GT((off.array() < 1e-9).count(), 270);
+    EXPECT_LT(shapes::distance(out, shapes::transformed(points, pose)), 1e-9);
 }
 
-TEST(CageWeights, too_few_kept_keep_the_sum)
+TEST(CageWeights, rows_of_too_few_large_ones_keep_smaller_ones)
 {
     const SurfaceMesh cage = shapes::octahedron();
     Points x(3, 3);
     x << 0.999, 0, 0, 0.6, 0.3, 0.05, 0, 0, 0;
-    MeanValue thin(Cage(cage), {both, 0.2});
+    MeanValue thin(Cage(cage), {both, 0.2}); // at the centre all weights are 1/6
     thin.bind(view(x));
     const RowMatrix V = thin.weights().dense();
-    for (int i = 0; i < 2; ++i)
-        EXPECT_NEAR(V.row(i).sum(), 1.0, 1e-12);
-    EXPECT_EQ(V.row(2).sum(), 0.0) << "nothing is kept at the centre: it stays";
+    EXPECT_LT((V.rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-12);
+    EXPECT_LT(shapes::distance(V * cage.points(), x), 1e-12);
 }
 
 TEST(CageWeights, refuse_thresholds_outside_their_range)
