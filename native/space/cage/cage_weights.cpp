@@ -145,11 +145,12 @@ bool CageWeights::thin(const double* row, double least, Thinned& thinned) const
 template <class T>
 void CageWeights::keep_large(Store<T>& store, int first, const RowMatrix& rows)
 {
-    const std::size_t own = static_cast<std::size_t>(first / part);
-    std::vector<T>& values = store.values[own];
-    std::vector<int>&indices = columns_[own], &offsets = offsets_[own];
     Thinned thinned;
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const int count = static_cast<int>(rows.rows());
+    for (int i = 0; i < count; ++i) {
+        const std::size_t own = static_cast<std::size_t>((first + i) / part);
+        std::vector<T>& values = store.values[own];
+        std::vector<int>&indices = columns_[own], &offsets = offsets_[own];
         offsets.push_back(static_cast<int>(values.size()));
         const double* const row = rows.row(i).data();
         for (double least = options_.threshold; !thin(row, least, thinned);)
@@ -162,10 +163,12 @@ void CageWeights::keep_large(Store<T>& store, int first, const RowMatrix& rows)
             change += std::abs(by);
         }
         dropped_[own] = std::max(dropped_[own], change);
+        if (i + 1 == count || (first + i + 1) % part == 0) {
+            offsets.push_back(static_cast<int>(values.size()));
+            values.shrink_to_fit();
+            indices.shrink_to_fit();
+        }
     }
-    offsets.push_back(static_cast<int>(values.size()));
-    values.shrink_to_fit();
-    indices.shrink_to_fit();
 }
 
 template <class Real>

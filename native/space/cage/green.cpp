@@ -102,8 +102,8 @@ void Green::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outsi
         std::array<Vector3, 4> x;
         FourPoints points;
         for (int lane = 0; lane < 4; ++lane) {
-            x[lane] = geometry_.seen(block.row(std::min(first + lane, count - 1)));
-            points.set(lane, geometry_.within_reach(x[lane]));
+            x[lane] = geometry_.within_reach(geometry_.seen(block.row(std::min(first + lane, count - 1))));
+            points.set(lane, x[lane]);
         }
         four.run(tables, points);
         for (int lane = 0; lane < std::min(4, count - first); ++lane) {

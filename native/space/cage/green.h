@@ -46,8 +46,9 @@ struct GreenOptions
 /// nearer they are to the cage. Where parts of the cage overlap, phi and psi are divided by how often they
 /// wind around x.
 ///
-/// A triangle without area, height below 1e-8 of the cage's size, has no psi. One that a pose leaves without
-/// area has no normal: its s n' is 0, for as long as it is so.
+/// A point farther than 1,000 sizes of the cage takes the coordinates of the one at 1,000 sizes on its way to
+/// the centre. A triangle without area, height below 1e-8 of the cage's size, has no psi. One that a pose
+/// leaves without area has no normal: its s n' is 0, for as long as it is so.
 class Green : public CageCoordinates
 {
 public:

@@ -23,14 +23,13 @@ RowMatrix random_rows(int count, int columns)
     return random.dense(count, columns);
 }
 
-CageWeights filled(const RowMatrix& W, const CageWeightOptions& options)
+CageWeights filled(const RowMatrix& W, const CageWeightOptions& options, int at_once = CageWeights::part)
 {
     shapes::Random random(8);
     CageWeights weights(static_cast<int>(W.rows()), random.dense(static_cast<int>(W.cols()), 3),
                         static_cast<int>(W.cols()), options);
-    for (Eigen::Index i = 0; i < W.rows(); i += CageWeights::part)
-        weights.set_rows(static_cast<int>(i),
-                         W.middleRows(i, std::min<Eigen::Index>(CageWeights::part, W.rows() - i)));
+    for (Eigen::Index i = 0; i < W.rows(); i += at_once)
+        weights.set_rows(static_cast<int>(i), W.middleRows(i, std::min<Eigen::Index>(at_once, W.rows() - i)));
     return weights;
 }
 
@@ -47,6 +46,8 @@ TEST(CageWeights, keep_what_they_are_given)
         EXPECT_EQ(filled(W, {single, 0.0}).dense(), W.cast<float>().cast<double>());
         EXPECT_EQ(filled(W, {both, 1e-300}).dense(), W);
         EXPECT_EQ(filled(W, {both, 0.0}).sparse().toDense(), W);
+        EXPECT_EQ(filled(W, {both, 1e-300}, 3 * CageWeights::part).dense(), W);
+        EXPECT_EQ(filled(W, {single, 0.0}, 3 * CageWeights::part).dense(), W.cast<float>().cast<double>());
     }
 }
 
