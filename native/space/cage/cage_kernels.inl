@@ -8,6 +8,12 @@
 
 #include "native/core/lane_math.inl"
 
+#ifdef __GNUC__
+#define SINEW_APART __attribute__((noinline))
+#else
+#define SINEW_APART
+#endif
+
 namespace {
 
 using sinew::CageEdge;
@@ -36,7 +42,12 @@ inline const double* at(const double* lanes, int i) { return lanes + 4 * static_
 
 inline Vector vector_at(const double* rays, int vertex)
 {
-    return {load(at(rays, 4 * vertex)), load(at(rays, 4 * vertex + 1)), load(at(rays, 4 * vertex + 2))};
+    const double* const ray = rays + 16 * static_cast<std::size_t>(vertex);
+    return {load(ray), load(ray + 4), load(ray + 8)};
+}
+inline L distance_at(const double* rays, int vertex)
+{
+    return load(rays + 16 * static_cast<std::size_t>(vertex) + 12);
 }
 
 /// From the points to every vertex: x, y, z and the distance, of which mean value does without.
@@ -115,6 +126,26 @@ inline double integral_beyond(const CageTables& cage, const CageTriangle& triang
 
 constexpr double touch = 1e-14; ///< a point that near lies on it
 
+/// T of the lanes near the plane of triangle t. Apart from the loop, which needs its registers.
+SINEW_APART L near_plane(const CageTables& cage, int t, const double* rays, int near, L h, Vector p, L T,
+                         int* on)
+{
+    for (int lane = 0; lane < 4; ++lane) {
+        if (!(near >> lane & 1))
+            continue;
+        const double from_sides[3] = {p.x[lane], p.y[lane], p.z[lane]};
+        double least = from_sides[0] < from_sides[1] ? from_sides[0] : from_sides[1];
+        least = least < from_sides[2] ? least : from_sides[2];
+        if (least >= -touch && size_of(h[lane]) <= touch) {
+            on[lane] = on[lane] < 0 ? t : on[lane];
+            T[lane] = 0.0;
+        } else if (least < 0.0) {
+            T[lane] = integral_beyond(cage, cage.triangles[t], rays, h[lane], from_sides, lane);
+        }
+    }
+    return T;
+}
+
 void mean_value(const CageTables& cage, const double* points, double* scratch, double* weights, double* sums,
                 int* on)
 {
@@ -144,19 +175,8 @@ void mean_value(const CageTables& cage, const double* points, double* scratch, d
                 J2 = load(at(integrals, triangle.edges[2]));
         const L half = constant(0.5);
         L T = half * (p0 * J0 + p1 * J1 + p2 * J2) / h;
-        if (const int near = mask_bits(above(constant(triangle.near), magnitude(h)))) {
-            for (int lane = 0; lane < 4; ++lane) {
-                if (!(near >> lane & 1))
-                    continue;
-                const double p[3] = {p0[lane], p1[lane], p2[lane]};
-                if (p[0] >= -touch && p[1] >= -touch && p[2] >= -touch && size_of(h[lane]) <= touch) {
-                    on[lane] = on[lane] < 0 ? t : on[lane];
-                    T[lane] = 0.0;
-                } else if (p[0] < 0.0 || p[1] < 0.0 || p[2] < 0.0) {
-                    T[lane] = integral_beyond(cage, triangle, rays, h[lane], p, lane);
-                }
-            }
-        }
+        if (const int near = mask_bits(above(constant(triangle.near), magnitude(h))))
+            T = near_plane(cage, t, rays, near, h, {p0, p1, p2}, T, on);
         const L g = half * h, g0 = g * J0, g1 = g * J1, g2 = g * J2;
         const L c0 = constant(triangle.cosines[0]), c1 = constant(triangle.cosines[1]),
                 c2 = constant(triangle.cosines[2]);
@@ -256,6 +276,33 @@ struct NearTriangle
     }
 };
 
+/// What is told of a triangle: see above, and half its solid angle.
+struct Near
+{
+    L h;
+    Vector p;
+    L angle;
+};
+
+/// That of the lanes near a side, by the side with the least gap.
+SINEW_APART Near near_sides(const CageTables& cage, const CageTriangle& triangle, const double* rays,
+                            int near, Vector gaps, Near found)
+{
+    for (int lane = 0; lane < 4; ++lane) {
+        if (!(near >> lane & 1))
+            continue;
+        const double gap[3] = {gaps.x[lane], gaps.y[lane], gaps.z[lane]};
+        const int first = gap[1] < gap[0] ? 1 : 0, k = gap[2] < gap[first] ? 2 : first;
+        const NearTriangle close(cage, triangle, rays, k, lane);
+        found.h[lane] = close.h;
+        found.p.x[lane] = close.p[0];
+        found.p.y[lane] = close.p[1];
+        found.p.z[lane] = close.p[2];
+        found.angle[lane] = close.half_angle;
+    }
+    return found;
+}
+
 int green(const CageTables& cage, const double* points, double* scratch, double* phi, double* psi,
           double* winding)
 {
@@ -270,7 +317,7 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
     // The integral of 1 / |y - x| over an edge, over 4 pi, and the inner product of the rays to its ends.
     for (int e = 0; e < cage.edge_count; ++e) {
         const CageEdge& edge = cage.edges[e];
-        const L sum = load(at(rays, 4 * edge.a + 3)) + load(at(rays, 4 * edge.b + 3));
+        const L sum = distance_at(rays, edge.a) + distance_at(rays, edge.b);
         const L length = constant(edge.length), gap = sum - length;
         const auto near_lanes = above(constant(near_side * edge.length), sum);
         L l = constant(quarter) * log_of_ratio(sum + length, choose(near_lanes, length, gap));
@@ -290,10 +337,9 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
         const CageTriangle& triangle = cage.triangles[t];
         const int *const v = triangle.corners, *const e = triangle.edges;
         const Vector r0 = vector_at(rays, v[0]), r1 = vector_at(rays, v[1]), r2 = vector_at(rays, v[2]);
-        const L d0 = load(at(rays, 4 * v[0] + 3)), d1 = load(at(rays, 4 * v[1] + 3)),
-                d2 = load(at(rays, 4 * v[2] + 3));
+        const L d0 = distance_at(rays, v[0]), d1 = distance_at(rays, v[1]), d2 = distance_at(rays, v[2]);
         L h = dot(triangle.normal, r0);
-        L p[3] = {dot(triangle.outward[0], r1), dot(triangle.outward[1], r2), dot(triangle.outward[2], r0)};
+        Vector p{dot(triangle.outward[0], r1), dot(triangle.outward[1], r2), dot(triangle.outward[2], r0)};
         const L l0 = load(at(logs, 2 * e[0])), l1 = load(at(logs, 2 * e[1])), l2 = load(at(logs, 2 * e[2]));
         const L cosine = d0 * d1 * d2 + load(at(logs, 2 * e[0] + 1)) * d0 +
                          load(at(logs, 2 * e[1] + 1)) * d1 + load(at(logs, 2 * e[2] + 1)) * d2;
@@ -303,31 +349,22 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
                 gap2 = d0 + d1 - constant(near_side * cage.edges[e[2]].length);
         const L smaller = choose(above(gap0, gap1), gap1, gap0);
         const L least = choose(above(smaller, gap2), gap2, smaller);
-        if (const int near = mask_bits(above(constant(0.0), least)))
-            for (int lane = 0; lane < 4; ++lane)
-                if (near >> lane & 1) {
-                    const int k = gap0[lane] == least[lane] ? 0 : gap1[lane] == least[lane] ? 1 : 2;
-                    const NearTriangle close(cage, triangle, rays, k, lane);
-                    h[lane] = close.h;
-                    for (int i = 0; i < 3; ++i)
-                        p[i][lane] = close.p[i];
-                    angle[lane] = close.half_angle;
-                }
+        if (const int near = mask_bits(above(constant(0.0), least))) {
+            const Near found = near_sides(cage, triangle, rays, near, {gap0, gap1, gap2}, {h, p, angle});
+            h = found.h, p = found.p, angle = found.angle;
+        }
         angle = constant(2.0 * quarter) * angle;
         around = around + angle;
-        store(at(psi, t), p[0] * l0 + p[1] * l1 + p[2] * l2 - h * angle);
+        store(at(psi, t), p.x * l0 + p.y * l1 + p.z * l2 - h * angle);
         const L g0 = h * l0, g1 = h * l1, g2 = h * l2;
         const L c0 = constant(triangle.cosines[0]), c1 = constant(triangle.cosines[1]),
                 c2 = constant(triangle.cosines[2]);
         double* const f0 = at(phi, v[0]);
         double* const f1 = at(phi, v[1]);
         double* const f2 = at(phi, v[2]);
-        store(f0,
-              load(f0) + constant(triangle.inverse_height[0]) * (p[0] * angle + (g0 + c2 * g1 + c1 * g2)));
-        store(f1,
-              load(f1) + constant(triangle.inverse_height[1]) * (p[1] * angle + (g1 + c0 * g2 + c2 * g0)));
-        store(f2,
-              load(f2) + constant(triangle.inverse_height[2]) * (p[2] * angle + (g2 + c1 * g0 + c0 * g1)));
+        store(f0, load(f0) + constant(triangle.inverse_height[0]) * (p.x * angle + (g0 + c2 * g1 + c1 * g2)));
+        store(f1, load(f1) + constant(triangle.inverse_height[1]) * (p.y * angle + (g1 + c0 * g2 + c2 * g0)));
+        store(f2, load(f2) + constant(triangle.inverse_height[2]) * (p.z * angle + (g2 + c1 * g0 + c0 * g1)));
     }
     store(winding, around);
     return touching;
@@ -411,3 +448,5 @@ void product(const T* block, int columns, const T* factors, T* sums)
 #endif
 
 } // namespace
+
+#undef SINEW_APART
