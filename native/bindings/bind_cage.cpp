@@ -69,7 +69,7 @@ py::class_<Method, CageCoordinates> bind_method(py::module_& module, const char*
              py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0, R"(
 cage       SurfaceMesh, the closed rest cage, faces outwards.
 precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
-threshold  weights of a smaller magnitude are dropped, the others changed so that sum and rest point stay,
+threshold  weights of a smaller magnitude are dropped, the others changed so that their sum stays,
            and stored sparsely; 0 keeps all, densely.
 
 Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)");
@@ -150,7 +150,7 @@ O(points x triangles).)")
              py::arg("outside") = "nearest", py::arg("exit_face") = -1, R"(
 cage       SurfaceMesh, the closed rest cage, faces outwards.
 precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
-threshold  weights of a smaller magnitude are dropped, the others changed so that sum and rest point stay,
+threshold  weights of a smaller magnitude are dropped, the others changed so that their sum stays,
            and stored sparsely; 0 keeps all, densely.
 outside    what becomes of points outside: continued through the 'nearest' triangle, through one 'face', or
            'refuse'.

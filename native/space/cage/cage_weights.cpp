@@ -139,7 +139,11 @@ bool CageWeights::thin(const double* row, double least, Thinned& thinned) const
     double most = 0.0;
     for (int c : thinned.kept)
         most = std::max(most, std::abs(thinned.change.dot(moment(c))));
-    return most <= 0.5 && (M * thinned.change - defect).norm() <= 1e-10 * thinned.lost;
+    if (most <= 0.1 && (M * thinned.change - defect).norm() <= 1e-10 * thinned.lost)
+        return true;
+    // M(0, 0) is the sum of the magnitudes kept
+    thinned.change << (defect[0] != 0.0 ? defect[0] / M(0, 0) : 0.0), 0.0, 0.0, 0.0;
+    return std::abs(thinned.change[0]) <= 0.5;
 }
 
 template <class T>
