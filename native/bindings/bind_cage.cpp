@@ -69,7 +69,8 @@ py::class_<Method, CageCoordinates> bind_method(py::module_& module, const char*
              py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0, R"(
 cage       SurfaceMesh, the closed rest cage, faces outwards.
 precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
-threshold  weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
+threshold  weights of a smaller magnitude are dropped, the others changed so that their sum stays,
+           and stored sparsely; 0 keeps all, densely.
 
 Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)");
 }
@@ -79,13 +80,14 @@ Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)"
 void bind_cage(py::module_& module)
 {
     py::class_<CageReport>(module, "CageReport", "What bind() did.")
-        .def_readonly("point_count", &CageReport::point_count)
+        .def_readonly("point_count", &CageReport::point_count, "Points bound.")
         .def_property_readonly(
             "outside", [](const CageReport& report) { return to_numpy(report.outside); },
             "Points outside the cage.")
-        .def_readonly("dropped", &CageReport::dropped,
-                      "What the threshold changed in the weights of a point, at most: times the longest move of "
-                      "a cage vertex, a bound of how far a warped point is off.")
+        .def_readonly(
+            "dropped", &CageReport::dropped,
+            "What the threshold changed in the weights of a point, at most: times the longest move of "
+            "a cage vertex, a bound of how far a warped point is off.")
         .def_readonly("error", &CageReport::error,
                       "Estimate of the largest error of a weight; 0 where the form is closed.")
         .def_readonly("weight_bytes", &CageReport::weight_bytes, "Memory of the weights.")
@@ -148,15 +150,17 @@ O(points x triangles).)")
              py::arg("outside") = "nearest", py::arg("exit_face") = -1, R"(
 cage       SurfaceMesh, the closed rest cage, faces outwards.
 precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
-threshold  weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
+threshold  weights of a smaller magnitude are dropped, the others changed so that their sum stays,
+           and stored sparsely; 0 keeps all, densely.
 outside    what becomes of points outside: continued through the 'nearest' triangle, through one 'face', or
            'refuse'.
 exit_face  of the cage, for outside='face'.
 
 Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)")
-        .def_property_readonly("face_weights", &Green::face_weights,
-                               "(n, t) weights of the normals of the triangles that the cage's faces are cut into, "
-                               "in the cage's units of length.");
+        .def_property_readonly(
+            "face_weights", &Green::face_weights,
+            "(n, t) weights of the normals of the triangles that the cage's faces are cut into, "
+            "in the cage's units of length.");
 
     bind_method<MeanValue>(module, "MeanValue",
                            R"(Mean value coordinates [Ju, Schaefer & Warren 2005], section 5.4.

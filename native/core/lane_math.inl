@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Angles and logarithms, four side by side. For the .inl files of kernels, see lane_types.inl. Only additions,
-// multiplications, divisions and roots: the same bits on every machine, unlike those of a C library.
+// Angles and logarithms, four side by side. For the .inl files of kernels, see lane_types.inl. Only
+// additions, multiplications, divisions and roots: the same bits on every machine, unlike those of a C
+// library.
 
 #include "native/core/lane_types.inl"
 
@@ -99,9 +100,10 @@ inline ReducedAngle reduce(Lanes<double> y, Lanes<double> x)
     const Lanes<double> zero = constant(0.0), flat = magnitude(x);
     const auto oblique = above(y, constant(0.41421356237309503) * flat);
     const auto steep = above(y, constant(2.4142135623730951) * flat);
-    return {choose(steep, zero - flat, choose(oblique, y - flat, y)),
-            choose(steep, y, choose(oblique, y + flat, flat)),
-            choose(steep, constant(1.5707963267948966), choose(oblique, constant(0.78539816339744831), zero))};
+    return {
+        choose(steep, zero - flat, choose(oblique, y - flat, y)),
+        choose(steep, y, choose(oblique, y + flat, flat)),
+        choose(steep, constant(1.5707963267948966), choose(oblique, constant(0.78539816339744831), zero))};
 }
 
 /// The angle in [0, pi] whose reduced tangent is t; x tells on which side.

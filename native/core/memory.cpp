@@ -16,11 +16,11 @@ std::atomic<std::int64_t> limit = 0;
 
 void limit_memory(std::int64_t bytes) { limit = bytes > 0 ? bytes : 0; }
 
-void require_memory(std::int64_t bytes)
+void require_memory(std::int64_t bytes, const char* what)
 {
     const std::int64_t most = limit;
     if (most > 0 && bytes > most)
-        throw OutOfMemory("the factor needs " + in_words(bytes) + ", the memory limit is " + in_words(most) +
+        throw OutOfMemory(std::string(what) + " needs " + in_words(bytes) + ", the memory limit is " + in_words(most) +
                           ": raise the limit or use fewer vertices");
 }
 

@@ -8,7 +8,7 @@ mp.mp.dps = 60
 
 
 def triangle_nodes(n: int) -> tuple[np.ndarray, np.ndarray]:
-    """(n^2, 3) barycentric coordinates and (n^2,) weights, which sum to 1: Gauss-Legendre in a collapsed square."""
+    """(n^2, 3) barycentric coordinates and (n^2,) weights of sum 1: Gauss-Legendre in a collapsed square."""
     x, w = np.polynomial.legendre.leggauss(n)
     x, w = (x + 1) / 2, w / 2
     u, v = np.meshgrid(x, x, indexing="ij")
@@ -17,7 +17,7 @@ def triangle_nodes(n: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def mean_value_by_quadrature(vertices, triangles, x, n: int = 60) -> np.ndarray:
-    """Integrals over the unit sphere around x of each hat function over its distance, divided by their sum."""
+    """Integrals over the unit sphere around x of each hat function over its distance, of sum 1."""
     shares, weights = triangle_nodes(n)
     total = np.zeros(len(vertices))
     for corners in triangles:

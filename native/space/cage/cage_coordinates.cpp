@@ -38,11 +38,13 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
         parallel_chunks(some, block, [&](int from, int to) {
             RowMatrix rows;
             std::vector<char> out;
-            const PointsView chunk(points.data() + 3 * static_cast<std::ptrdiff_t>(first + from), to - from, 3);
+            const PointsView chunk(points.data() + 3 * static_cast<std::ptrdiff_t>(first + from), to - from,
+                                   3);
             evaluate(chunk, rows, out);
             weights.set_rows(first + from, rows);
             std::copy(out.begin(), out.end(), outside.begin() + first + from);
         });
+        weights.check_memory();
         first += some;
         if (since(slab_begin) < 0.05)
             slab = std::min(2 * slab, 1 << 20);

@@ -16,9 +16,9 @@ struct CageReport
     int point_count = 0;
     std::vector<int> outside;      ///< points outside the cage
     double dropped = 0.0;          ///< what the threshold changed, see CageWeights::dropped()
-    double error = 0.0;            ///< estimate of the largest error of a weight; 0 where the form is closed
+    double error = 0.0; ///< estimate of the largest error of a weight; 0 where the form is closed
     std::int64_t weight_bytes = 0; ///< memory of the weights
-    double seconds = 0.0;          ///< wall clock of bind()
+    double seconds = 0.0; ///< wall clock of bind()
 };
 
 /// The `bind` and `warp` of every cage method: weights of points, and their product with a posed cage.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/cage_geometry.h"
 
+#include "native/core/errors.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -72,6 +74,8 @@ CageGeometry::CageGeometry(const Cage& cage)
         triangles_.push_back(triangle);
         kept_.push_back(t);
     }
+    if (triangles_.empty())
+        throw InvalidMesh("no face of the cage has an area");
 }
 
 CageTables CageGeometry::tables() const
@@ -97,11 +101,12 @@ Vector3 CageGeometry::within_reach(const Vector3& x) const
 Vector3 CageGeometry::barycentric(int t, const Vector3& x) const
 {
     const CageTriangle& triangle = triangles_[static_cast<std::size_t>(t)];
-    Vector3 shares;
-    for (int k = 0; k < 3; ++k)
-        shares[k] = triangle.inverse_height[k] *
-                    Vector3::Map(triangle.outward[k]).dot(vertex(triangle.corners[(k + 1) % 3]) - x);
-    return shares / shares.sum();
+    const auto share = [&](int k) {
+        return triangle.inverse_height[k] *
+               Vector3::Map(triangle.outward[k]).dot(vertex(triangle.corners[(k + 1) % 3]) - x);
+    };
+    const double first = share(0), second = share(1);
+    return {first, second, 1.0 - first - second};
 }
 
 double CageGeometry::depth(int t, const Vector3& x) const
@@ -131,8 +136,8 @@ double CageGeometry::square_distance(int t, const Vector3& x) const
     }
     double least = 1e300;
     for (int k = 0; k < 3; ++k)
-        least = std::min(least, from_segment(x, vertex(triangle.corners[k]),
-                                             vertex(triangle.corners[(k + 1) % 3])));
+        least = std::min(least,
+                         from_segment(x, vertex(triangle.corners[k]), vertex(triangle.corners[(k + 1) % 3])));
     return least;
 }
 

@@ -17,6 +17,7 @@ namespace sinew {
 class CageGeometry
 {
 public:
+    /// \throw InvalidMesh  no triangle is left.
     explicit CageGeometry(const Cage& cage);
 
     CageTables tables() const;

@@ -13,7 +13,8 @@ extern const CageKernels cage_kernels_with_avx2;
 
 const CageKernels& baseline_cage_kernels()
 {
-    static constexpr CageKernels kernels{mean_value, green, product<double>, product<float>, sparse_product<double>, sparse_product<float>};
+    static constexpr CageKernels kernels{
+        mean_value, green, product<double>, product<float>, sparse_product<double>, sparse_product<float>};
     return kernels;
 }
 

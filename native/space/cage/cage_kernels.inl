@@ -8,6 +8,12 @@
 
 #include "native/core/lane_math.inl"
 
+#ifdef __GNUC__
+#define SINEW_APART __attribute__((noinline))
+#else
+#define SINEW_APART
+#endif
+
 namespace {
 
 using sinew::CageEdge;
@@ -36,7 +42,12 @@ inline const double* at(const double* lanes, int i) { return lanes + 4 * static_
 
 inline Vector vector_at(const double* rays, int vertex)
 {
-    return {load(at(rays, 4 * vertex)), load(at(rays, 4 * vertex + 1)), load(at(rays, 4 * vertex + 2))};
+    const double* const ray = rays + 16 * static_cast<std::size_t>(vertex);
+    return {load(ray), load(ray + 4), load(ray + 8)};
+}
+inline L distance_at(const double* rays, int vertex)
+{
+    return load(rays + 16 * static_cast<std::size_t>(vertex) + 12);
 }
 
 /// From the points to every vertex: x, y, z and the distance, of which mean value does without.
@@ -76,8 +87,8 @@ inline double edge_integral(double h, double p, double begin, double end)
         const double flat = side > 0.0 ? angle_between(length * side, side * side + begin * end) : 0.0;
         return (p < 0.0 ? -1.0 : 1.0) * (flat - angle * side / distance) / (h * h);
     }
-    // 1 / (p^2 + s^2) = sum of h^(2m) / (D^2 + s^2)^(m + 1): integrals of powers of 1 / (D^2 + s^2), each from
-    // the one before.
+    // 1 / (p^2 + s^2) = sum of h^(2m) / (D^2 + s^2)^(m + 1): integrals of powers of 1 / (D^2 + s^2), each
+    // from the one before.
     const double at_begin = 1.0 / (square + begin * begin), at_end = 1.0 / (square + end * end);
     double from = begin, to = end, integral = angle / distance, sum = 0.0, power = 1.0;
     for (int m = 1; m <= 6; ++m) {
@@ -97,9 +108,9 @@ inline double along(const CageEdge& edge, const double* rays, int vertex, int la
     return sum;
 }
 
-/// What mean value multiplies p_k with, h times the integral over the triangle of 1 / |y - x|^4, for one point
-/// whose foot lies beyond a side. The sum over the sides that serves elsewhere would leave of some 1 / h only
-/// some h; here each side's own integral is taken, small as the whole.
+/// What mean value multiplies p_k with, h times the integral over the triangle of 1 / |y - x|^4, for one
+/// point whose foot lies beyond a side. The sum over the sides that serves elsewhere would leave of some 1 /
+/// h only some h; here each side's own integral is taken, small as the whole.
 inline double integral_beyond(const CageTables& cage, const CageTriangle& triangle, const double* rays,
                               double h, const double* p, int lane)
 {
@@ -114,6 +125,26 @@ inline double integral_beyond(const CageTables& cage, const CageTriangle& triang
 }
 
 constexpr double touch = 1e-14; ///< a point that near lies on it
+
+/// T of the lanes near the plane of triangle t. Apart from the loop, which needs its registers.
+SINEW_APART L near_plane(const CageTables& cage, int t, const double* rays, int near, L h, Vector p, L T,
+                         int* on)
+{
+    for (int lane = 0; lane < 4; ++lane) {
+        if (!(near >> lane & 1))
+            continue;
+        const double from_sides[3] = {p.x[lane], p.y[lane], p.z[lane]};
+        double least = from_sides[0] < from_sides[1] ? from_sides[0] : from_sides[1];
+        least = least < from_sides[2] ? least : from_sides[2];
+        if (least >= -touch && size_of(h[lane]) <= touch) {
+            on[lane] = on[lane] < 0 ? t : on[lane];
+            T[lane] = 0.0;
+        } else if (least < 0.0) {
+            T[lane] = integral_beyond(cage, cage.triangles[t], rays, h[lane], from_sides, lane);
+        }
+    }
+    return T;
+}
 
 void mean_value(const CageTables& cage, const double* points, double* scratch, double* weights, double* sums,
                 int* on)
@@ -144,19 +175,8 @@ void mean_value(const CageTables& cage, const double* points, double* scratch, d
                 J2 = load(at(integrals, triangle.edges[2]));
         const L half = constant(0.5);
         L T = half * (p0 * J0 + p1 * J1 + p2 * J2) / h;
-        if (const int near = mask_bits(above(constant(triangle.near), magnitude(h)))) {
-            for (int lane = 0; lane < 4; ++lane) {
-                if (!(near >> lane & 1))
-                    continue;
-                const double p[3] = {p0[lane], p1[lane], p2[lane]};
-                if (p[0] >= -touch && p[1] >= -touch && p[2] >= -touch && size_of(h[lane]) <= touch) {
-                    on[lane] = on[lane] < 0 ? t : on[lane];
-                    T[lane] = 0.0;
-                } else if (p[0] < 0.0 || p[1] < 0.0 || p[2] < 0.0) {
-                    T[lane] = integral_beyond(cage, triangle, rays, h[lane], p, lane);
-                }
-            }
-        }
+        if (const int near = mask_bits(above(constant(triangle.near), magnitude(h))))
+            T = near_plane(cage, t, rays, near, h, {p0, p1, p2}, T, on);
         const L g = half * h, g0 = g * J0, g1 = g * J1, g2 = g * J2;
         const L c0 = constant(triangle.cosines[0]), c1 = constant(triangle.cosines[1]),
                 c2 = constant(triangle.cosines[2]);
@@ -194,8 +214,8 @@ constexpr double near_side = 1.001;
 struct NearSide
 {
     double foot[3], begin, end, square; ///< t_a, t_b, D^2
-    double to_a, to_b;                  ///< distances of the ends
-    double gap;                         ///< |a| |b| + a.b, zero on the side
+    double to_a, to_b; ///< distances of the ends
+    double gap; ///< |a| |b| + a.b, zero on the side
 
     NearSide(const CageEdge& edge, const double* rays, int lane)
     {
@@ -245,17 +265,43 @@ struct NearTriangle
         // or end along the edge, so that nothing but what is small is left of the bracket.
         const double across = along(side.foot, r[k], 4), parallel = along(edge.direction, r[k], 4);
         const double sum = side.to_a + side.to_b;
-        const double lean =
-            side.begin < 0.0 && side.end > 0.0
-                ? side.square * (side.end * side.end - side.begin * side.begin) /
-                      (side.end * side.to_a - side.begin * side.to_b)
-                : side.end * side.to_a + side.begin * side.to_b;
+        const double lean = side.begin < 0.0 && side.end > 0.0
+                                ? side.square * (side.end * side.end - side.begin * side.begin) /
+                                      (side.end * side.to_a - side.begin * side.to_b)
+                                : side.end * side.to_a + side.begin * side.to_b;
         const double x = r[k][12] * side.gap + across * sum + parallel * lean;
         const double y = size_of(h) * triangle.double_area;
         half_angle = y > 0.0 || x != 0.0 ? angle_between(y, x) : 0.0;
         half_angle = h < 0.0 ? -half_angle : half_angle;
     }
 };
+
+/// What is told of a triangle: see above, and half its solid angle.
+struct Near
+{
+    L h;
+    Vector p;
+    L angle;
+};
+
+/// That of the lanes near a side, by the side with the least gap.
+SINEW_APART Near near_sides(const CageTables& cage, const CageTriangle& triangle, const double* rays,
+                            int near, Vector gaps, Near found)
+{
+    for (int lane = 0; lane < 4; ++lane) {
+        if (!(near >> lane & 1))
+            continue;
+        const double gap[3] = {gaps.x[lane], gaps.y[lane], gaps.z[lane]};
+        const int first = gap[1] < gap[0] ? 1 : 0, k = gap[2] < gap[first] ? 2 : first;
+        const NearTriangle close(cage, triangle, rays, k, lane);
+        found.h[lane] = close.h;
+        found.p.x[lane] = close.p[0];
+        found.p.y[lane] = close.p[1];
+        found.p.z[lane] = close.p[2];
+        found.angle[lane] = close.half_angle;
+    }
+    return found;
+}
 
 int green(const CageTables& cage, const double* points, double* scratch, double* phi, double* psi,
           double* winding)
@@ -271,7 +317,7 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
     // The integral of 1 / |y - x| over an edge, over 4 pi, and the inner product of the rays to its ends.
     for (int e = 0; e < cage.edge_count; ++e) {
         const CageEdge& edge = cage.edges[e];
-        const L sum = load(at(rays, 4 * edge.a + 3)) + load(at(rays, 4 * edge.b + 3));
+        const L sum = distance_at(rays, edge.a) + distance_at(rays, edge.b);
         const L length = constant(edge.length), gap = sum - length;
         const auto near_lanes = above(constant(near_side * edge.length), sum);
         L l = constant(quarter) * log_of_ratio(sum + length, choose(near_lanes, length, gap));
@@ -291,10 +337,9 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
         const CageTriangle& triangle = cage.triangles[t];
         const int *const v = triangle.corners, *const e = triangle.edges;
         const Vector r0 = vector_at(rays, v[0]), r1 = vector_at(rays, v[1]), r2 = vector_at(rays, v[2]);
-        const L d0 = load(at(rays, 4 * v[0] + 3)), d1 = load(at(rays, 4 * v[1] + 3)),
-                d2 = load(at(rays, 4 * v[2] + 3));
+        const L d0 = distance_at(rays, v[0]), d1 = distance_at(rays, v[1]), d2 = distance_at(rays, v[2]);
         L h = dot(triangle.normal, r0);
-        L p[3] = {dot(triangle.outward[0], r1), dot(triangle.outward[1], r2), dot(triangle.outward[2], r0)};
+        Vector p{dot(triangle.outward[0], r1), dot(triangle.outward[1], r2), dot(triangle.outward[2], r0)};
         const L l0 = load(at(logs, 2 * e[0])), l1 = load(at(logs, 2 * e[1])), l2 = load(at(logs, 2 * e[2]));
         const L cosine = d0 * d1 * d2 + load(at(logs, 2 * e[0] + 1)) * d0 +
                          load(at(logs, 2 * e[1] + 1)) * d1 + load(at(logs, 2 * e[2] + 1)) * d2;
@@ -304,28 +349,22 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
                 gap2 = d0 + d1 - constant(near_side * cage.edges[e[2]].length);
         const L smaller = choose(above(gap0, gap1), gap1, gap0);
         const L least = choose(above(smaller, gap2), gap2, smaller);
-        if (const int near = mask_bits(above(constant(0.0), least)))
-            for (int lane = 0; lane < 4; ++lane)
-                if (near >> lane & 1) {
-                    const int k = gap0[lane] == least[lane] ? 0 : gap1[lane] == least[lane] ? 1 : 2;
-                    const NearTriangle close(cage, triangle, rays, k, lane);
-                    h[lane] = close.h;
-                    for (int i = 0; i < 3; ++i)
-                        p[i][lane] = close.p[i];
-                    angle[lane] = close.half_angle;
-                }
+        if (const int near = mask_bits(above(constant(0.0), least))) {
+            const Near found = near_sides(cage, triangle, rays, near, {gap0, gap1, gap2}, {h, p, angle});
+            h = found.h, p = found.p, angle = found.angle;
+        }
         angle = constant(2.0 * quarter) * angle;
         around = around + angle;
-        store(at(psi, t), p[0] * l0 + p[1] * l1 + p[2] * l2 - h * angle);
+        store(at(psi, t), p.x * l0 + p.y * l1 + p.z * l2 - h * angle);
         const L g0 = h * l0, g1 = h * l1, g2 = h * l2;
         const L c0 = constant(triangle.cosines[0]), c1 = constant(triangle.cosines[1]),
                 c2 = constant(triangle.cosines[2]);
         double* const f0 = at(phi, v[0]);
         double* const f1 = at(phi, v[1]);
         double* const f2 = at(phi, v[2]);
-        store(f0, load(f0) + constant(triangle.inverse_height[0]) * (p[0] * angle + (g0 + c2 * g1 + c1 * g2)));
-        store(f1, load(f1) + constant(triangle.inverse_height[1]) * (p[1] * angle + (g1 + c0 * g2 + c2 * g0)));
-        store(f2, load(f2) + constant(triangle.inverse_height[2]) * (p[2] * angle + (g2 + c1 * g0 + c0 * g1)));
+        store(f0, load(f0) + constant(triangle.inverse_height[0]) * (p.x * angle + (g0 + c2 * g1 + c1 * g2)));
+        store(f1, load(f1) + constant(triangle.inverse_height[1]) * (p.y * angle + (g1 + c0 * g2 + c2 * g0)));
+        store(f2, load(f2) + constant(triangle.inverse_height[2]) * (p.z * angle + (g2 + c1 * g0 + c0 * g1)));
     }
     store(winding, around);
     return touching;
@@ -333,7 +372,8 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
 
 /// sums (rows, 4) = weights, row i of which stands in [offsets[i], offsets[i + 1]), times factors (k, 4).
 template <class T>
-void sparse_product(const T* weights, const int* columns, const int* offsets, int rows, const T* factors, T* sums)
+void sparse_product(const T* weights, const int* columns, const int* offsets, int rows, const T* factors,
+                    T* sums)
 {
     for (int i = 0; i < rows; ++i) {
         Lanes<T> even = T(0) * load(factors), odd = even;
@@ -408,3 +448,5 @@ void product(const T* block, int columns, const T* factors, T* sums)
 #endif
 
 } // namespace
+
+#undef SINEW_APART

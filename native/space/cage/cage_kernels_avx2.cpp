@@ -9,6 +9,7 @@
 namespace sinew {
 
 extern const CageKernels cage_kernels_with_avx2;
-const CageKernels cage_kernels_with_avx2{mean_value, green, product<double>, product<float>, sparse_product<double>, sparse_product<float>};
+const CageKernels cage_kernels_with_avx2{
+    mean_value, green, product<double>, product<float>, sparse_product<double>, sparse_product<float>};
 
 } // namespace sinew

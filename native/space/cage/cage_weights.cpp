@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <type_traits>
 
 namespace sinew {
@@ -35,7 +34,8 @@ Vector4 solve_on_range(const Matrix4& M, const Vector4& b)
     const Eigen::SelfAdjointEigenSolver<Matrix4> eigen(M);
     Vector4 inner = eigen.eigenvectors().transpose() * b;
     for (int i = 0; i < 4; ++i)
-        inner[i] = eigen.eigenvalues()[i] > 1e-9 * eigen.eigenvalues()[3] ? inner[i] / eigen.eigenvalues()[i] : 0.0;
+        inner[i] =
+            eigen.eigenvalues()[i] > 1e-9 * eigen.eigenvalues()[3] ? inner[i] / eigen.eigenvalues()[i] : 0.0;
     return eigen.eigenvectors() * inner;
 }
 
@@ -63,9 +63,9 @@ CageWeights::CageWeights(int points, const Points& rest_controls, int vertices,
     }
     const auto dense = [&](auto& store, auto number) {
         using T = decltype(number);
-        dense_size_ = blocks_of(points, block_points<T>) * block_points<T> *
-                      static_cast<std::size_t>(column_count());
-        require_memory(static_cast<std::int64_t>(dense_size_ * sizeof(T)));
+        dense_size_ =
+            blocks_of(points, block_points<T>) * block_points<T> * static_cast<std::size_t>(column_count());
+        check_memory();
         store.blocks = std::make_unique_for_overwrite<T[]>(dense_size_);
     };
     if (is_single())
@@ -100,58 +100,79 @@ void CageWeights::fill(Store<T>& store, int first, const RowMatrix& rows)
     }
 }
 
+/// What a row keeps, and by what its weights change.
+struct CageWeights::Thinned
+{
+    std::vector<int> kept;
+    Vector4 change = Vector4::Zero();
+    double lost = 0.0; ///< sum of the magnitudes dropped
+};
+
+Eigen::Vector4d CageWeights::moment(int column) const
+{
+    Vector4 z;
+    z << (column < vertices_ ? 1.0 : 0.0), controls_.row(column).transpose();
+    return z;
+}
+
+/// Keeps the weights from `least` on. \return false where those cannot make up for the others.
+bool CageWeights::thin(const double* row, double least, Thinned& thinned) const
+{
+    thinned.kept.clear();
+    thinned.lost = 0.0;
+    thinned.change.setZero();
+    Vector4 defect = Vector4::Zero();
+    Matrix4 M = Matrix4::Zero();
+    for (int c = 0; c < column_count(); ++c) {
+        const Vector4 z = moment(c);
+        if (std::abs(row[c]) >= least) {
+            thinned.kept.push_back(c);
+            M += std::abs(row[c]) * z * z.transpose();
+        } else {
+            defect += row[c] * z;
+            thinned.lost += std::abs(row[c]);
+        }
+    }
+    if (thinned.lost == 0.0)
+        return true;
+    thinned.change = solve_on_range(M, defect);
+    double most = 0.0;
+    for (int c : thinned.kept)
+        most = std::max(most, std::abs(thinned.change.dot(moment(c))));
+    if (most <= 0.1 && (M * thinned.change - defect).norm() <= 1e-10 * thinned.lost)
+        return true;
+    // M(0, 0) is the sum of the magnitudes kept
+    thinned.change << (defect[0] != 0.0 ? defect[0] / M(0, 0) : 0.0), 0.0, 0.0, 0.0;
+    return std::abs(thinned.change[0]) <= 0.5;
+}
+
 template <class T>
 void CageWeights::keep_large(Store<T>& store, int first, const RowMatrix& rows)
 {
-    const int columns = column_count();
-    const std::size_t own = static_cast<std::size_t>(first / part);
-    std::vector<T>& values = store.values[own];
-    std::vector<int>&indices = columns_[own], &offsets = offsets_[own];
-    std::vector<int> kept;
-    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    Thinned thinned;
+    const int count = static_cast<int>(rows.rows());
+    for (int i = 0; i < count; ++i) {
+        const std::size_t own = static_cast<std::size_t>((first + i) / part);
+        std::vector<T>& values = store.values[own];
+        std::vector<int>&indices = columns_[own], &offsets = offsets_[own];
         offsets.push_back(static_cast<int>(values.size()));
-        const auto row = rows.row(i);
-        kept.clear();
-        double lost = 0.0;
-        const auto moment = [&](int c) {
-            Vector4 z;
-            z << (c < vertices_ ? 1.0 : 0.0), controls_.row(c).transpose();
-            return z;
-        };
-        Vector4 defect = Vector4::Zero();
-        Matrix4 M = Matrix4::Zero();
-        double sum = 0.0;
-        for (int c = 0; c < columns; ++c) {
-            const double w = row[c];
-            if (std::abs(w) >= options_.threshold) {
-                kept.push_back(c);
-                M.selfadjointView<Eigen::Lower>().rankUpdate(moment(c), std::abs(w));
-                sum += c < vertices_ ? std::abs(w) : 0.0;
-            } else if (w != 0.0) {
-                defect += w * moment(c);
-                lost += std::abs(w);
-            }
-        }
-        Vector4 change = Vector4::Zero();
-        if (lost > 0.0 && !kept.empty()) {
-            change = solve_on_range(M.selfadjointView<Eigen::Lower>(), defect);
-            double most = 0.0;
-            for (int c : kept)
-                most = std::max(most, std::abs(change.dot(moment(c))));
-            if (!(most <= 0.5))
-                change = Vector4(sum > 0.0 ? defect[0] / sum : 0.0, 0.0, 0.0, 0.0);
-        }
-        for (int c : kept) {
-            const double by = std::abs(row[c]) * change.dot(moment(c));
+        const double* const row = rows.row(i).data();
+        for (double least = options_.threshold; !thin(row, least, thinned);)
+            least *= 0.5;
+        double change = thinned.lost;
+        for (int c : thinned.kept) {
+            const double by = std::abs(row[c]) * thinned.change.dot(moment(c));
             values.push_back(static_cast<T>(row[c] + by));
             indices.push_back(c);
-            lost += std::abs(by);
+            change += std::abs(by);
         }
-        dropped_[own] = std::max(dropped_[own], lost);
+        dropped_[own] = std::max(dropped_[own], change);
+        if (i + 1 == count || (first + i + 1) % part == 0) {
+            offsets.push_back(static_cast<int>(values.size()));
+            values.shrink_to_fit();
+            indices.shrink_to_fit();
+        }
     }
-    offsets.push_back(static_cast<int>(values.size()));
-    values.shrink_to_fit();
-    indices.shrink_to_fit();
 }
 
 template <class Real>
@@ -191,10 +212,12 @@ void CageWeights::apply(const Store<T>& store, const Points& moves, const Points
                 const int count = static_cast<int>(offsets_[index].size()) - 1;
                 if constexpr (std::is_same_v<T, float>)
                     kernels.sparse_product_of_floats(store.values[index].data(), columns_[index].data(),
-                                                     offsets_[index].data(), count, factors.data(), sums.data());
+                                                     offsets_[index].data(), count, factors.data(),
+                                                     sums.data());
                 else
                     kernels.sparse_product_of_doubles(store.values[index].data(), columns_[index].data(),
-                                                      offsets_[index].data(), count, factors.data(), sums.data());
+                                                      offsets_[index].data(), count, factors.data(),
+                                                      sums.data());
                 for (int i = 0; i < count; ++i)
                     place(part * own + i, sums.data() + 4 * i, 1);
             },
@@ -264,6 +287,8 @@ double CageWeights::dropped() const
 {
     return dropped_.empty() ? 0.0 : *std::max_element(dropped_.begin(), dropped_.end());
 }
+
+void CageWeights::check_memory() const { require_memory(bytes(), "the matrix of weights"); }
 
 std::int64_t CageWeights::bytes() const
 {

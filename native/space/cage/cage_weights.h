@@ -17,34 +17,35 @@
 namespace sinew {
 
 enum class WeightPrecision {
-    single_precision, ///< float32 weights: half the memory and time of a warp, 1e-7 of a cage vertex's move off
+    single_precision, ///< float32 weights: half the memory and time of a warp, 1e-7 of a cage vertex's move
+                      ///< off
     double_precision
 };
 
 struct CageWeightOptions
 {
     WeightPrecision precision = WeightPrecision::single_precision;
-    /// Weights of a smaller magnitude are dropped, and the weights kept are stored sparsely; 0 keeps all,
-    /// densely. See CageWeights.
+    /// Weights of a smaller magnitude are dropped where the others can make up for them, and the weights kept
+    /// are stored sparsely; 0 keeps all, densely. See CageWeights.
     double threshold = 0.0;
 };
 
 /// (n, k) weights that take the moves of k control columns to n points, bound once and applied each frame.
 ///
-/// Where weights are dropped, those kept are changed in proportion to their magnitude so that the row gives
-/// its sum and the rest point as before: with them what moves all controls by one affine map (of Green
-/// coordinates: by one similarity) still moves the point by it. Where those kept are too few or too flat for
-/// that, that is where one would change by more than half, they keep the sum alone.
+/// Where weights are dropped, those kept are changed in proportion to their magnitude so that the row gives its
+/// sum as before, which keeps translations, and its rest point, which keeps affine maps (of Green coordinates:
+/// similarities). Where one would have to change by more than a tenth for that, near faces say, they keep the
+/// sum alone; where it would take more than half for the sum, the row keeps smaller weights, too.
 class CageWeights
 {
 public:
     CageWeights() = default;
 
     /// \param rest_controls  (k, 3) where the controls are at rest.
-    /// \param vertices       the first so many columns are points, the others vectors, which no translation moves.
+    /// \param vertices       the first so many columns are points, the others vectors, which no translation
+    /// moves.
     /// \throw InvalidOption  a threshold outside of [0, 1).
-    /// \throw OutOfMemory  dense weights would take more than limit_memory() allows; both are named. Sparse
-    ///                     ones say so in set_rows(), at the rows that pass the limit.
+    /// \throw OutOfMemory  dense weights would take more than limit_memory() allows; both are named.
     CageWeights(int points, const Points& rest_controls, int vertices, const CageWeightOptions& options);
 
     int point_count() const { return points_; }
@@ -52,8 +53,8 @@ public:
 
     /// Points a part: rows are set by whole parts, but for the last.
     static constexpr int part = 64;
-    /// Keep the rows of points [first, first + rows.rows()), first a multiple of `part`. Safe for disjoint rows
-    /// at once.
+    /// Keep the rows of points [first, first + rows.rows()), first a multiple of `part`. Safe for disjoint
+    /// rows at once.
     void set_rows(int first, const RowMatrix& rows);
 
     /// positions = rest + W moves. Allocates nothing of the size of the points.
@@ -71,6 +72,8 @@ public:
     /// A warped point is off by at most this times the longest move of a control.
     double dropped() const;
     std::int64_t bytes() const;
+    /// \throw OutOfMemory  the sparse weights set so far take more than limit_memory() allows.
+    void check_memory() const;
 
 private:
     template <class T>
@@ -84,6 +87,10 @@ private:
     };
     template <class T>
     void fill(Store<T>& store, int first, const RowMatrix& rows);
+    struct Thinned;
+    /// What a column gives to a row's sum and rest point.
+    Eigen::Vector4d moment(int column) const;
+    bool thin(const double* row, double least, Thinned& thinned) const;
     template <class T>
     void keep_large(Store<T>& store, int first, const RowMatrix& rows);
     template <class T, class Real>
@@ -100,7 +107,8 @@ private:
     Points controls_;
     Store<float> singles_;
     Store<double> doubles_;
-    std::vector<std::vector<int>> columns_, offsets_; ///< sparse: a part's column indices, where its rows begin
+    std::vector<std::vector<int>> columns_,
+        offsets_; ///< sparse: a part's column indices, where its rows begin
     std::vector<double> dropped_;                     ///< a part's largest
 };
 

@@ -48,15 +48,13 @@ Green::Green(Cage cage, const GreenOptions& options)
                             " is no face of the cage that has an area");
 }
 
-int Green::columns() const
-{
-    return cage().vertex_count() + static_cast<int>(cage().triangles().size());
-}
+int Green::columns() const { return cage().vertex_count() + static_cast<int>(cage().triangles().size()); }
 
 RowMatrix Green::face_weights() const
 {
     const RowMatrix all = weights().dense();
-    return cage().size() * all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
+    return cage().size() *
+           all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
 }
 
 void Green::controls(PointsView vertices, Points& controls) const
@@ -104,8 +102,8 @@ void Green::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outsi
         std::array<Vector3, 4> x;
         FourPoints points;
         for (int lane = 0; lane < 4; ++lane) {
-            x[lane] = geometry_.seen(block.row(std::min(first + lane, count - 1)));
-            points.set(lane, geometry_.within_reach(x[lane]));
+            x[lane] = geometry_.within_reach(geometry_.seen(block.row(std::min(first + lane, count - 1))));
+            points.set(lane, x[lane]);
         }
         four.run(tables, points);
         for (int lane = 0; lane < std::min(4, count - first); ++lane) {

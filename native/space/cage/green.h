@@ -31,8 +31,8 @@ struct GreenOptions
 /// paper's equation 9), which is 1 where the triangle is turned and moved alone. Shapes are kept instead of
 /// following shears: similarities are reproduced, other affine maps are not.
 ///
-/// With h, p_k, H_k, m_k as for MeanValue, l_k the integral of 1 / |y - x| over side k (one logarithm an edge)
-/// and Omega the triangle's solid angle (one arc tangent a triangle),
+/// With h, p_k, H_k, m_k as for MeanValue, l_k the integral of 1 / |y - x| over side k (one logarithm an
+/// edge) and Omega the triangle's solid angle (one arc tangent a triangle),
 ///
 ///     4 pi psi = sum_k p_k l_k - h Omega,    4 pi phi_k = (p_k Omega + h sum_j (m_k . m_j) l_j) / H_k
 ///
@@ -40,13 +40,15 @@ struct GreenOptions
 /// edge or vertex takes the coordinates of one 1e-12 further in.
 ///
 /// Inside, phi sums to 1; outside to 0, and x' would be 0. The paper continues the map through a face t (its
-/// section 5): x = sum alpha_v v + beta n_t over the corners of t, and alpha and beta are added to phi and psi.
-/// Crossing t the map is then analytic. Through another face it is another map once the cage is deformed: with
-/// GreenOutside::nearest, points move apart where the nearest triangle changes, the less the nearer they are
-/// to the cage. Where parts of the cage overlap, phi and psi are divided by how often they wind around x.
+/// section 5): x = sum alpha_v v + beta n_t over the corners of t, and alpha and beta are added to phi and
+/// psi. Crossing t the map is then analytic. Through another face it is another map once the cage is
+/// deformed: with GreenOutside::nearest, points move apart where the nearest triangle changes, the less the
+/// nearer they are to the cage. Where parts of the cage overlap, phi and psi are divided by how often they
+/// wind around x.
 ///
-/// A triangle without area, height below 1e-8 of the cage's size, has no psi. One that a pose leaves without
-/// area has no normal: its s n' is 0, for as long as it is so.
+/// A point farther than 1,000 sizes of the cage takes the coordinates of the one at 1,000 sizes on its way to
+/// the centre. A triangle without area, height below 1e-8 of the cage's size, has no psi. One that a pose
+/// leaves without area has no normal: its s n' is 0, for as long as it is so.
 class Green : public CageCoordinates
 {
 public:

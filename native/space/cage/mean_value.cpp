@@ -39,7 +39,8 @@ void MeanValue::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& o
                 for (int k = 0; k < 3; ++k)
                     row[tables.triangles[on[lane]].corners[k]] = shares[k];
             }
-            // A ray crosses a closed surface by turns outwards and inwards, and the nearer crossing counts more.
+            // A ray crosses a closed surface by turns outwards and inwards, and the nearer crossing counts
+            // more.
             outside[static_cast<std::size_t>(first + lane)] = !on_face && !(sums[lane] > 0.0);
         }
     }

@@ -23,8 +23,8 @@ namespace sinew {
 ///
 /// which takes one angle an edge. Near the plane of a triangle beyond whose sides x lies, T is the sum of the
 /// sides' own integrals, where the sum above would lose 1e-16 / h. To 1e-12 within some sizes of the cage,
-/// however near its faces; outside, digits are lost with the cube of the distance (1e-7 at 1,000 sizes), and a
-/// point farther than that takes the weights of the one at 1,000 sizes on its way to the centre.
+/// however near its faces; outside, digits are lost with the cube of the distance (1e-7 at 1,000 sizes), and
+/// a point farther than that takes the weights of the one at 1,000 sizes on its way to the centre.
 ///
 /// A cage that crosses itself inside out may have points where its parts balance, so that weights have no
 /// meaning: these stay at rest, and are reported as outside.

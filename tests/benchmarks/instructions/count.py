@@ -30,10 +30,14 @@ LOOPS = {
     "AffineBasis.solve, 4 handles": ((("affine_basis",),), 1),
     "Arap iteration": ((("arap", "5e-4", "12"), ("arap", "5e-4", "2")), 10),
     "Arap iteration, smoothness 0": ((("arap", "0", "12"), ("arap", "0", "2")), 10),
+    "MeanValue.warp, 296 vertices": ((("mean_value",),), 1),
+    "Green.warp, 296 vertices": ((("green",),), 1),
 }
 BINDS = {
     "ThinShell.set_handles": ((("thin_shell_bind",),), 1),
     "Arap.set_handles": ((("arap_bind",),), 1),
+    "MeanValue.bind, 296 vertices": ((("mean_value_bind",),), 1),
+    "Green.bind, 296 vertices": ((("green_bind",),), 1),
 }
 LINE = re.compile(r"^\s*([\d,]+) \([^)]*%\)\s+\S+?:(.*?)(?:\s\[(\S+)\])?$")
 LIBRARIES = {

@@ -2,6 +2,8 @@
 // frames LOOP: one frame or bind of a method on a sheet of 10,000 vertices, in frame(), whose instructions
 // count.py has counted. One thread, so that every run counts the same.
 #include "native/core/parallel.h"
+#include "native/space/cage/green.h"
+#include "native/space/cage/mean_value.h"
 #include "native/surface/linear/affine_basis.h"
 #include "native/surface/linear/thin_shell.h"
 #include "native/surface/nonlinear/arap.h"
@@ -64,6 +66,38 @@ Poses turned(int count)
     return poses;
 }
 
+/// A closed box of triangles around the sheet, `cells` along each side.
+SurfaceMesh box(int cells)
+{
+    const int across = cells + 1;
+    std::vector<int> index(static_cast<std::size_t>(across) * across * across, -1), corners;
+    std::vector<double> numbers;
+    const auto vertex = [&](int i, int j, int k) {
+        int& at = index[(static_cast<std::size_t>(i) * across + j) * across + k];
+        if (at < 0) {
+            at = static_cast<int>(numbers.size() / 3);
+            numbers.insert(numbers.end(),
+                           {-0.1 + 1.2 * i / cells, -0.1 + 1.2 * j / cells, -0.3 + 0.6 * k / cells});
+        }
+        return at;
+    };
+    const auto quad = [&](int a, int b, int c, int d) { corners.insert(corners.end(), {a, b, c, a, c, d}); };
+    for (int i = 0; i < cells; ++i)
+        for (int j = 0; j < cells; ++j) {
+            quad(vertex(i, j, 0), vertex(i, j + 1, 0), vertex(i + 1, j + 1, 0), vertex(i + 1, j, 0));
+            quad(vertex(i, j, cells), vertex(i + 1, j, cells), vertex(i + 1, j + 1, cells),
+                 vertex(i, j + 1, cells));
+            quad(vertex(0, i, j), vertex(0, i, j + 1), vertex(0, i + 1, j + 1), vertex(0, i + 1, j));
+            quad(vertex(cells, i, j), vertex(cells, i + 1, j), vertex(cells, i + 1, j + 1),
+                 vertex(cells, i, j + 1));
+            quad(vertex(i, 0, j), vertex(i + 1, 0, j), vertex(i + 1, 0, j + 1), vertex(i, 0, j + 1));
+            quad(vertex(i, cells, j), vertex(i, cells, j + 1), vertex(i + 1, cells, j + 1),
+                 vertex(i + 1, cells, j));
+        }
+    return {Eigen::Map<const Points>(numbers.data(), static_cast<Eigen::Index>(numbers.size() / 3), 3),
+            std::vector<int>(corners.size() / 3, 3), corners};
+}
+
 /// Only the second time counts: the first starts oneTBB and allocates.
 void twice(const std::function<void()>& work)
 {
@@ -93,6 +127,21 @@ int main(int count, char** words)
         ThinShell shell(mesh);
         shell.set_handles({two[0], two[1], border(1, false), border(1, true)});
         twice([&] { shell.affine_basis()->solve(turned(4), out); });
+    } else if (!std::strncmp(loop, "mean_value", 10) || !std::strncmp(loop, "green", 5)) {
+        const SurfaceMesh cage = box(7); // 296 vertices
+        const Points pose = 1.1 * cage.points();
+        const auto measure = [&](CageCoordinates&& coordinates) {
+            if (std::strstr(loop, "_bind")) {
+                frame([&] { coordinates.bind(view(mesh.points())); });
+            } else {
+                coordinates.bind(view(mesh.points()));
+                twice([&] { coordinates.warp(view(pose), out); });
+            }
+        };
+        if (loop[0] == 'm')
+            measure(MeanValue{Cage(cage)});
+        else
+            measure(Green{Cage(cage)});
     } else if (!std::strcmp(loop, "thin_shell_bind")) {
         ThinShell shell(mesh);
         frame([&] { shell.set_handles(two); });
@@ -109,8 +158,9 @@ int main(int count, char** words)
         request.tolerance = 0.0;
         frame([&] { arap.solve(turned(2), out, request); });
     } else {
-        std::fprintf(stderr, "frames about | thin_shell | affine_basis | arap SMOOTHNESS ITERATIONS | "
-                             "thin_shell_bind | arap_bind\n");
+        std::fprintf(stderr,
+                     "frames about | thin_shell | affine_basis | arap SMOOTHNESS ITERATIONS | "
+                     "thin_shell_bind | arap_bind | mean_value | green | mean_value_bind | green_bind\n");
         return 2;
     }
     return 0;

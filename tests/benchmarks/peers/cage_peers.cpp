@@ -12,8 +12,8 @@
 #include <stdexcept>
 #include <vector>
 
-extern "C" void sgemm_(const char*, const char*, const int*, const int*, const int*, const float*, const float*,
-                       const int*, const float*, const int*, const float*, float*, const int*)
+extern "C" void sgemm_(const char*, const char*, const int*, const int*, const int*, const float*,
+                       const float*, const int*, const float*, const int*, const float*, float*, const int*)
     __attribute__((weak));
 
 namespace {
@@ -75,8 +75,9 @@ double triangle_integral(const Vector3& p, const Vector3& a, const Vector3& b, c
         const double sign = S < 0.0 ? -1.0 : S > 0.0 ? 1.0 : 0.0;
         if (sign == 0.0)
             return 0.0;
-        const double inner = 2.0 * std::sqrt(lambda) * S * S / ((1.0 - C) * (1.0 - C)) *
-                             (1.0 - 2.0 * c * C / (c * (1.0 + C) + lambda + std::sqrt(lambda * lambda + lambda * c * S * S)));
+        const double inner =
+            2.0 * std::sqrt(lambda) * S * S / ((1.0 - C) * (1.0 - C)) *
+            (1.0 - 2.0 * c * C / (c * (1.0 + C) + lambda + std::sqrt(lambda * lambda + lambda * c * S * S)));
         return -sign / 2.0 *
                (2.0 * std::sqrt(c) * std::atan(std::sqrt(c) * C / std::sqrt(lambda + S * S * c)) +
                 std::sqrt(lambda) * std::log(inner));
@@ -122,8 +123,8 @@ void peer_mean_value(const PeerCage& cage, const double* points, int count, doub
     std::vector<Vector3> u(static_cast<std::size_t>(cage.vertex_count));
     std::vector<double> d(u.size());
     for (int i = 0; i < count; ++i)
-        mean_value_at(cage, Vector3::Map(points + 3 * i), weights + static_cast<std::size_t>(i) * cage.vertex_count, u,
-                      d);
+        mean_value_at(cage, Vector3::Map(points + 3 * i),
+                      weights + static_cast<std::size_t>(i) * cage.vertex_count, u, d);
 }
 
 void peer_green(const PeerCage& cage, const double* points, int count, double* phi, double* psi)
@@ -140,5 +141,6 @@ void peer_sgemm(const float* weights, int points, int columns, const float* fact
     // Row-major: the transposed product in BLAS's order.
     const float one = 1.0f, zero = 0.0f;
     const int three = 3;
-    sgemm_("N", "N", &three, &points, &columns, &one, factors, &three, weights, &columns, &zero, result, &three);
+    sgemm_("N", "N", &three, &points, &columns, &one, factors, &three, weights, &columns, &zero, result,
+           &three);
 }

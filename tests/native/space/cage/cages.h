@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/space/cage/cage.h"
+#include "tests/native/shapes.h"
+
+/// Cages and points that the tests of cage coordinates share.
+namespace sinew::shapes {
+
+/// A prism over a U, with n-gons at both ends: at (.5, 2.5, .5) one arm does not see the other's inner side.
+inline SurfaceMesh u_prism()
+{
+    const std::vector<Vector3> outline{{0, 0, 0}, {3, 0, 0}, {3, 3, 0}, {2, 3, 0},
+                                       {2, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}};
+    std::vector<Vector3> p = outline;
+    for (const Vector3& low : outline)
+        p.push_back(low + Vector3(0, 0, 1));
+    Polygons faces{{7, 6, 5, 4, 3, 2, 1, 0}, {8, 9, 10, 11, 12, 13, 14, 15}};
+    for (int i = 0; i < 8; ++i)
+        faces.push_back({i, (i + 1) % 8, 8 + (i + 1) % 8, 8 + i});
+    return mesh(p, faces);
+}
+
+/// A sphere of triangles with bumps, no two planes or lengths the same.
+inline SurfaceMesh bumpy_sphere(int level, double bumps = 0.1)
+{
+    const SurfaceMesh round = sphere(level);
+    Points p = round.points();
+    Random random(11);
+    for (Eigen::Index i = 0; i < p.rows(); ++i)
+        p.row(i) += bumps * random.vector().transpose();
+    return moved(round, p);
+}
+
+/// In a box around the middle, `reach` times as large as the cage's.
+inline Points points_around(const SurfaceMesh& cage, int count, double reach, std::uint64_t seed = 1)
+{
+    const Eigen::RowVector3d low = cage.points().colwise().minCoeff(),
+                             high = cage.points().colwise().maxCoeff();
+    Random random(seed);
+    Points p(count, 3);
+    for (int i = 0; i < count; ++i)
+        p.row(i) = 0.5 * (low + high) + 0.5 * reach * (high - low).cwiseProduct(random.vector().transpose());
+    return p;
+}
+
+/// On and around every vertex, the edges and the faces, at the given distances to both sides.
+inline Points points_near(const SurfaceMesh& cage, const std::vector<double>& distances)
+{
+    Random random(3);
+    std::vector<Vector3> p;
+    for (const Triangle& t : cage.triangles()) {
+        const Vector3 a = cage.point(t[0]), b = cage.point(t[1]), c = cage.point(t[2]);
+        const Vector3 normal = (b - a).cross(c - a).normalized();
+        const double s = 0.1 + 0.8 * random.unit(), r = 0.1 + 0.8 * random.unit();
+        for (const double d : distances) {
+            const Vector3 away = d * (normal + 0.3 * random.vector());
+            for (const double side : {-1.0, 1.0}) {
+                p.push_back(a + side * away);
+                p.push_back(a + s * (b - a) + side * away);
+                p.push_back(a + s * (r * b + (1 - r) * c - a) + side * away);
+                p.push_back(a + (1 + s) * (b - a) + side * away); // beyond an edge, on its line
+                p.push_back(a + (1 + s) * (b - a) + r * (c - a) +
+                            side * away); // beyond the triangle, in its plane
+            }
+        }
+    }
+    return points_of(p);
+}
+
+} // namespace sinew::shapes

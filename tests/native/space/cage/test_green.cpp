@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/cage/green.h"
+
+#include "native/core/errors.h"
+#include "native/space/cage/mean_value.h"
+#include "tests/native/space/cage/cages.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sinew {
+
+namespace {
+
+GreenOptions doubles(GreenOutside outside = GreenOutside::nearest, int exit_face = -1)
+{
+    return {{WeightPrecision::double_precision, 0.0}, outside, exit_face};
+}
+
+Points warped(const Green& green, const Points& pose)
+{
+    Points result;
+    green.warp(view(pose), result);
+    return result;
+}
+
+Points posed(const SurfaceMesh& cage, const Pose& pose) { return shapes::transformed(cage.points(), pose); }
+
+const Vector3 x0(0.1, 0.2, 0.3);
+
+} // namespace
+
+TEST(Green, has_the_known_coordinates_in_the_octahedron)
+{
+    Points x(2, 3);
+    x << x0.transpose(), 0, 0, 0;
+    Green green(Cage(shapes::octahedron()), doubles());
+    green.bind(view(x));
+    const RowMatrix W = green.weights().dense();
+    Eigen::RowVectorXd phi(6);
+    phi << .179152, .117171, .228739, .099816, .288111, .087011;
+    EXPECT_LT((W.row(0).head(6) - phi).cwiseAbs().maxCoeff(), 6e-7); // the digits given
+    EXPECT_LT((W.row(1).head(6).array() - 1.0 / 6).abs().maxCoeff(), 1e-15);
+    EXPECT_LT((green.face_weights().row(1).array() - 0.09963226).abs().maxCoeff(), 5e-9);
+}
+
+TEST(Green, has_the_known_answers_to_a_shear_and_a_stretch)
+{
+    Points x(1, 3);
+    x << x0.transpose();
+    Green green(Cage(shapes::octahedron()), doubles());
+    green.bind(view(x));
+    Matrix3 shear = Matrix3::Identity(), stretch = Matrix3::Identity();
+    shear(0, 1) = 0.5;
+    stretch(2, 2) = 2.0;
+    const Eigen::RowVector3d sheared =
+        warped(green, posed(shapes::octahedron(), shapes::affine(shear))).row(0);
+    const Eigen::RowVector3d stretched =
+        warped(green, posed(shapes::octahedron(), shapes::affine(stretch))).row(0);
+    EXPECT_LT((sheared - Eigen::RowVector3d(.171221, .182365, .303175)).norm(), 1e-6); // the digits given
+    EXPECT_LT((stretched - Eigen::RowVector3d(.124066, .244992, .482952)).norm(), 1e-6);
+}
+
+TEST(Green, reproduces_similarities_inside_outside_and_on_the_cage)
+{
+    const SurfaceMesh two = shapes::joined(shapes::cube(), shapes::octahedron(), {4, 1, 0});
+    for (const SurfaceMesh& cage : {shapes::octahedron(), shapes::u_prism(), shapes::bumpy_sphere(2), two}) {
+        Points points(400, 3);
+        points << shapes::points_around(cage, 200, 1.0), shapes::points_around(cage, 200, 2.0);
+        const Points near = shapes::points_near(cage, {0.0, 1e-13, 1e-11, 1e-9, 1e-4});
+        Points all(points.rows() + near.rows(), 3);
+        all << points, near;
+        Green green(Cage(cage), doubles());
+        green.bind(view(all));
+        const Pose pose = shapes::affine(2.5 * shapes::rotation({1, 2, -1}, 130), {3, -1, 2});
+        EXPECT_LT(shapes::distance(warped(green, posed(cage, pose)), shapes::transformed(all, pose)), 1e-10);
+    }
+}
+
+TEST(Green, phi_sums_to_one_inside)
+{
+    const SurfaceMesh cage = shapes::u_prism();
+    const Points points = shapes::points_around(cage, 300, 1.0);
+    Green green(Cage(cage), doubles());
+    const CageReport report = green.bind(view(points));
+    const RowMatrix W = green.weights().dense();
+    // with the continuation, outside too
+    EXPECT_LT((W.leftCols(cage.vertex_count()).rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-13);
+    MeanValue others{Cage(cage)};
+    EXPECT_EQ(others.bind(view(points)).outside, report.outside);
+}
+
+TEST(Green, is_harmonic)
+{
+    // phi and psi are harmonic functions: the mean of six neighbours is the middle, to h^4.
+    const SurfaceMesh cage = shapes::bumpy_sphere(1);
+    constexpr double h = 0.01;
+    Points star(7, 3);
+    for (int k = 0; k < 7; ++k)
+        star.row(k) = x0.transpose();
+    for (int k = 0; k < 6; ++k)
+        star(1 + k, k / 2) += k % 2 ? h : -h;
+    Green green(Cage(cage), doubles());
+    green.bind(view(star));
+    const RowMatrix W = green.weights().dense();
+    const RowMatrix laplacian = W.middleRows(1, 6).colwise().sum() - 6.0 * W.row(0);
+    EXPECT_LT(laplacian.cwiseAbs().maxCoeff(), 1e-7); // h^4 / 12 times a fourth derivative of some 10
+}
+
+TEST(Green, passes_a_face_smoothly)
+{
+    // Through the face that the outside is continued by, the map is analytic: no jump, no kink.
+    const SurfaceMesh cage = shapes::bumpy_sphere(1);
+    const Triangle& t = cage.triangles()[7];
+    const Vector3 foot = (cage.point(t[0]) + cage.point(t[1]) + cage.point(t[2])) / 3.0;
+    const Vector3 normal =
+        (cage.point(t[1]) - cage.point(t[0])).cross(cage.point(t[2]) - cage.point(t[0])).normalized();
+    std::vector<Vector3> list;
+    constexpr double step = 1e-3;
+    for (int k = -4; k <= 4; ++k)
+        list.push_back(foot + k * step * normal);
+    for (const double h : {1e-15, -1e-15, 1e-13, -1e-13, 1e-10, -1e-10})
+        list.push_back(foot + h * normal);
+    Green green(Cage(cage), doubles());
+    green.bind(view(shapes::points_of(list)));
+    Points pose = cage.points();
+    shapes::Random random(9);
+    for (Eigen::Index v = 0; v < pose.rows(); ++v)
+        pose.row(v) += 0.2 * random.vector().transpose();
+    const Points x = warped(green, pose);
+    for (Eigen::Index i = 9; i < x.rows(); ++i)
+        EXPECT_LT((x.row(i) - x.row(4)).norm(), 1e-9); // ten times the distance
+    for (int k = 0; k + 4 < 9; ++k) {
+        const auto fourth = x.row(k) - 4 * x.row(k + 1) + 6 * x.row(k + 2) - 4 * x.row(k + 3) + x.row(k + 4);
+        EXPECT_LT(fourth.norm(), 1e-9); // step^4 times a fourth derivative of 1,000; a kink gives some 1e-4
+    }
+}
+
+TEST(Green, continues_through_one_face_if_asked)
+{
+    const SurfaceMesh cage = shapes::cube();
+    Points x(2, 3);
+    x << 0.5, 0.5, 1.5, 0.5, 0.5, -0.5; // above the top, below the bottom
+    Points pose = cage.points();
+    pose.row(6) += Eigen::RowVector3d(0.3, -0.2, 0.4);
+    const auto through = [&](const GreenOptions& options) {
+        Green green(Cage(cage), options);
+        EXPECT_EQ(green.bind(view(x)).outside, (std::vector<int>{0, 1}));
+        return warped(green, pose);
+    };
+    const Points nearest = through(doubles()), top = through(doubles(GreenOutside::face, 1));
+    EXPECT_GT((nearest.row(1) - top.row(1)).norm(), 0.1);
+    EXPECT_EQ(through(doubles(GreenOutside::face, 1)), top);
+    EXPECT_THROW(Green(Cage(cage), doubles(GreenOutside::face, 6)), InvalidOption);
+    EXPECT_THROW(Green(Cage(cage), doubles(GreenOutside::face, -1)), InvalidOption);
+}
+
+TEST(Green, refuses_points_outside_if_asked)
+{
+    Green green(Cage(shapes::cube()), doubles(GreenOutside::refuse));
+    Points x(3, 3);
+    x << 0.5, 0.5, 0.5, 0.5, 0.5, 1.5, 2, 2, 2;
+    try {
+        green.bind(view(x));
+        FAIL();
+    } catch (const InvalidConstraint& error) {
+        EXPECT_EQ(error.elements(), (std::vector<int>{1, 2}));
+    }
+    Points none;
+    EXPECT_THROW(green.warp(view(shapes::cube().points()), none), InvalidConstraint)
+        << "a refused bind binds nothing";
+}
+
+TEST(Green, takes_poses_that_flatten_faces)
+{
+    const SurfaceMesh cage = shapes::cube();
+    const Points x = shapes::points_around(cage, 50, 1.2);
+    Green green(Cage(cage), doubles());
+    green.bind(view(x));
+    Points pose = cage.points();
+    pose.row(6) = pose.row(5);
+    EXPECT_TRUE(warped(green, pose).allFinite());
+    pose.setZero();
+    EXPECT_LT(warped(green, pose).cwiseAbs().maxCoeff(), 1e-14) << "a cage in one point takes all there";
+    pose = 1e100 * cage.points();
+    EXPECT_TRUE(warped(green, pose).allFinite());
+    pose = 1e-100 * cage.points();
+    EXPECT_LT(warped(green, pose).cwiseAbs().maxCoeff(), 1e-14);
+}
+
+TEST(Green, leaves_out_faces_without_area)
+{
+    Points p = shapes::cube().points();
+    shapes::Polygons faces = shapes::faces_of(shapes::cube());
+    faces[1] = {4, 5, 6};
+    faces.push_back({4, 6, 7});
+    p.row(5) = 0.5 * (p.row(4) + p.row(6));
+    const SurfaceMesh cage = shapes::over(p, faces);
+    const Points x = shapes::points_around(cage, 100, 0.8);
+    Green green(Cage(cage), doubles());
+    green.bind(view(x));
+    const Pose pose = shapes::affine(0.5 * shapes::rotation({1, 1, 0}, 40));
+    EXPECT_LT(shapes::distance(warped(green, posed(cage, pose)), shapes::transformed(x, pose)), 1e-9);
+}
+
+TEST(Green, winds_twice_where_parts_overlap)
+{
+    const SurfaceMesh cage = shapes::joined(shapes::cube(), shapes::cube(), {0.5, 0.4, 0.3});
+    Points x(2, 3);
+    x << 0.7, 0.7, 0.7, 0.2, 0.2, 0.2;
+    Green green(Cage(cage), doubles());
+    EXPECT_TRUE(green.bind(view(x)).outside.empty());
+    const Pose pose = shapes::affine(1.5 * shapes::rotation({0, 1, 1}, 70), {1, 2, 3});
+    EXPECT_LT(shapes::distance(warped(green, posed(cage, pose)), shapes::transformed(x, pose)), 1e-12);
+}
+
+TEST(Green, stays_finite_far_away)
+{
+    Points x(3, 3);
+    x << 1e2, 3, 5, 1e100, -1e100, 3, 0, 0, -1e300;
+    Green green(Cage(shapes::bumpy_sphere(1)), doubles());
+    green.bind(view(x));
+    EXPECT_TRUE(green.weights().dense().allFinite());
+}
+
+} // namespace sinew
