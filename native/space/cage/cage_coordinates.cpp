@@ -28,9 +28,10 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
         throw InvalidConstraint("points " + list_some(bad) + " are not finite", Error::Element::vertex, bad);
 
     CageWeights weights(count, columns(), options_);
+    const double prepared = prepare(points, progress);
     std::vector<char> outside(static_cast<std::size_t>(count), 0);
     for (int first = 0; first < count; first += slab) {
-        progress.tick(static_cast<double>(first) / count, "computing weights");
+        progress.tick(prepared + (1.0 - prepared) * first / count, "computing weights");
         parallel_chunks(std::min(slab, count - first), block, [&](int from, int to) {
             RowMatrix rows;
             std::vector<char> out;
