@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/cage/positive_mean_value_view.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+using Piece = VisibleCage::Scratch::Piece;
+
+/// The half of a convex polygon before the plane through the apex, and that behind it.
+void split(const Piece& piece, const Vector3& normal, Piece& before, Piece& behind)
+{
+    before.size = behind.size = 0;
+    double at[Piece::most + 1];
+    for (int i = 0; i < piece.size; ++i)
+        at[i] = normal.dot(piece.corner[i]);
+    at[piece.size] = at[0];
+    for (int i = 0; i < piece.size; ++i) {
+        const Vector3& a = piece.corner[i];
+        if (at[i] >= 0.0)
+            before.add(a);
+        if (at[i] <= 0.0)
+            behind.add(a);
+        if (at[i] * at[i + 1] < 0.0) {
+            const Vector3& b = piece.corner[i + 1 < piece.size ? i + 1 : 0];
+            const Vector3 crossing = (a * at[i + 1] - b * at[i]) / (at[i + 1] - at[i]);
+            before.add(crossing);
+            behind.add(crossing);
+        }
+    }
+}
+
+/// The integral of the unit direction over a polygon on the sphere.
+Vector3 integral(const Piece& piece)
+{
+    Vector3 sum = Vector3::Zero();
+    for (int i = 0; i < piece.size; ++i) {
+        const Vector3& a = piece.corner[i];
+        const Vector3& b = piece.corner[i + 1 < piece.size ? i + 1 : 0];
+        const Vector3 normal = a.cross(b);
+        const double sine = normal.norm();
+        if (sine > 1e-300)
+            sum += normal * (0.5 * std::atan2(sine, a.dot(b)) / sine);
+    }
+    return sum;
+}
+
+bool none_before(const Vector3& normal, const Vector3& a, const Vector3& b, const Vector3& c)
+{
+    return normal.dot(a) <= 0.0 && normal.dot(b) <= 0.0 && normal.dot(c) <= 0.0;
+}
+
+} // namespace
+
+VisibleCage::VisibleCage(const Cage& cage, int directions) : triangles_(cage.triangles())
+{
+    for (int v = 0; v < cage.vertex_count(); ++v)
+        vertices_.push_back(cage.rest().point(v));
+    // A spiral of equal areas on one half of the sphere, and its mirror image through the centre.
+    directions_.resize(3 * static_cast<std::size_t>(directions));
+    for (int k = 0; k < directions / 2; ++k) {
+        const double z = (2 * k + 1) / static_cast<double>(directions), r = std::sqrt(1.0 - z * z);
+        const double turn = (k + 0.5) * std::numbers::pi * (1.0 + std::sqrt(5.0));
+        const double at[3] = {r * std::cos(turn), r * std::sin(turn), z};
+        for (int axis = 0; axis < 3; ++axis) {
+            directions_[static_cast<std::size_t>(axis * directions + 2 * k)] = static_cast<float>(at[axis]);
+            directions_[static_cast<std::size_t>(axis * directions + 2 * k + 1)] =
+                -static_cast<float>(at[axis]);
+        }
+    }
+}
+
+VisibleCage::~VisibleCage() = default;
+
+/// Sorts the faces into those that are left and those that are entered, the widest of these first.
+void VisibleCage::look(const Vector3& x, Scratch& scratch) const
+{
+    scratch.left.clear();
+    scratch.entered.clear();
+    for (const Triangle& triangle : triangles_) {
+        Cone cone;
+        cone.vertex = triangle;
+        cone.a = vertices_[triangle[0]] - x;
+        cone.b = vertices_[triangle[1]] - x;
+        cone.c = vertices_[triangle[2]] - x;
+        cone.side[0] = cone.b.cross(cone.c);
+        cone.side[1] = cone.c.cross(cone.a);
+        cone.side[2] = cone.a.cross(cone.b);
+        cone.volume = cone.a.dot(cone.side[0]);
+        cone.normal = cone.side[0] + cone.side[1] + cone.side[2];
+        cone.plane = cone.normal.dot(cone.a);
+        const Vector3 u = cone.a.normalized(), v = cone.b.normalized(), w = cone.c.normalized();
+        const Vector3 axis = (u + v + w).normalized();
+        const double cosine = std::min({axis.dot(u), axis.dot(v), axis.dot(w)});
+        for (int k = 0; k < 3; ++k)
+            cone.axis[k] = static_cast<float>(axis[k]);
+        cone.cosine = static_cast<float>(cosine);
+        cone.sine = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
+        if (cone.volume > 0.0) {
+            scratch.left.push_back(cone);
+        } else if (cone.volume < 0.0) {
+            for (Vector3& side : cone.side)
+                side = -side;
+            scratch.entered.push_back(cone);
+        }
+    }
+    std::stable_sort(scratch.entered.begin(), scratch.entered.end(),
+                     [](const Cone& a, const Cone& b) { return a.cosine < b.cosine; });
+}
+
+/// Takes what `by` hides of `face` out of the pieces.
+void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
+{
+    Piece inside, outside, beside[3];
+    scratch.next.clear();
+    for (const Piece& piece : scratch.pieces) {
+        if (piece.size + 4 > Piece::most) { // two halves, which come back one after the other
+            Piece first, second;
+            for (int i = 0; i <= piece.size / 2; ++i)
+                first.add(piece.corner[i]);
+            for (int i = piece.size / 2; i <= piece.size; ++i)
+                second.add(piece.corner[i % piece.size]);
+            Scratch part;
+            for (const Piece& half : {first, second}) {
+                part.pieces.assign(1, half);
+                hide(face, by, part);
+                scratch.next.insert(scratch.next.end(), part.pieces.begin(), part.pieces.end());
+            }
+            continue;
+        }
+        const bool clear = std::any_of(std::begin(by.side), std::end(by.side), [&](const Vector3& side) {
+            for (int i = 0; i < piece.size; ++i)
+                if (side.dot(piece.corner[i]) > 0.0)
+                    return false;
+            return true;
+        });
+        if (clear) {
+            scratch.next.push_back(piece);
+            continue;
+        }
+        int cuts = 0;
+        Piece rest = piece;
+        for (int k = 0; k < 3 && rest.size > 2; ++k) {
+            split(rest, by.side[k], inside, outside);
+            if (outside.size > 2)
+                beside[cuts++] = outside;
+            rest = inside;
+        }
+        bool hidden = rest.size > 2;
+        if (hidden) {
+            Vector3 mean = Vector3::Zero();
+            for (int i = 0; i < rest.size; ++i)
+                mean += rest.corner[i].normalized();
+            hidden = by.plane / by.normal.dot(mean) < face.plane / face.normal.dot(mean);
+        }
+        if (hidden)
+            scratch.next.insert(scratch.next.end(), beside, beside + cuts);
+        else
+            scratch.next.push_back(piece);
+    }
+    scratch.pieces.swap(scratch.next);
+}
+
+void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
+{
+    look(x, scratch);
+    const std::size_t entered = scratch.entered.size();
+    for (auto* field :
+         {&scratch.axis_x, &scratch.axis_y, &scratch.axis_z, &scratch.cosine, &scratch.sine, &scratch.apart})
+        field->resize(entered);
+    for (std::size_t k = 0; k < entered; ++k) {
+        const Cone& cone = scratch.entered[k];
+        scratch.axis_x[k] = cone.axis[0];
+        scratch.axis_y[k] = cone.axis[1];
+        scratch.axis_z[k] = cone.axis[2];
+        scratch.cosine[k] = cone.cosine;
+        scratch.sine[k] = cone.sine;
+    }
+    for (const Cone& face : scratch.left) {
+        // The caps around two cones meet where cos(angle between) >= cos(sum of their half angles).
+        scratch.close.clear();
+        for (std::size_t k = 0; k < entered; ++k) {
+            const float between = face.axis[0] * scratch.axis_x[k] + face.axis[1] * scratch.axis_y[k] +
+                                  face.axis[2] * scratch.axis_z[k];
+            const float meets =
+                between - face.cosine * scratch.cosine[k] + face.sine * scratch.sine[k] + 1e-5f;
+            const float wide = std::min(face.cosine, scratch.cosine[k]); // more than half of the sphere
+            scratch.apart[k] = wide <= 0.0f ? 1.0f : meets;
+        }
+        for (std::size_t k = 0; k < entered; ++k)
+            if (scratch.apart[k] >= 0.0f)
+                scratch.close.push_back(static_cast<int>(k));
+
+        Piece whole;
+        whole.add(face.a);
+        whole.add(face.b);
+        whole.add(face.c);
+        scratch.pieces.assign(1, whole);
+        for (int k : scratch.close) {
+            const Cone& by = scratch.entered[static_cast<std::size_t>(k)];
+            const auto behind = [](const Cone& plane, const Cone& other) {
+                return plane.normal.dot(other.a) >= plane.plane && plane.normal.dot(other.b) >= plane.plane &&
+                       plane.normal.dot(other.c) >= plane.plane;
+            };
+            if (behind(face, by) || behind(by, face))
+                continue;
+            bool apart = false;
+            for (int e = 0; e < 3 && !apart; ++e)
+                apart = none_before(by.side[e], face.a, face.b, face.c) ||
+                        none_before(face.side[e], by.a, by.b, by.c);
+            if (apart)
+                continue;
+            hide(face, by, scratch);
+            if (scratch.pieces.empty())
+                break;
+        }
+        Vector3 sum = Vector3::Zero();
+        for (const Piece& piece : scratch.pieces)
+            sum += integral(piece);
+        for (int k = 0; k < 3; ++k) // negative by rounding alone
+            row[face.vertex[k]] += std::max(0.0, sum.dot(face.side[k]) / face.volume);
+    }
+}
+
+void VisibleCage::sampled(const Vector3& x, Scratch& scratch, double* row) const
+{
+    const int count = static_cast<int>(directions_.size() / 3);
+    const float* dx = directions_.data();
+    const float* dy = dx + count;
+    const float* dz = dy + count;
+    scratch.nearest.assign(static_cast<std::size_t>(count), 0.0f);
+    scratch.first.assign(static_cast<std::size_t>(count), -1);
+    float* nearest = scratch.nearest.data();
+    int* first = scratch.first.data();
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        const Triangle& triangle = triangles_[t];
+        const Vector3 a = vertices_[triangle[0]] - x, b = vertices_[triangle[1]] - x;
+        const Vector3 c = vertices_[triangle[2]] - x;
+        const Vector3 bc = b.cross(c), ca = c.cross(a), ab = a.cross(b);
+        const double volume = a.dot(bc);
+        if (!(volume > 0.0))
+            continue;
+        // The side of an edge is told by the same numbers in both of its faces, so no ray slips between.
+        const Eigen::Vector3f p = bc.cast<float>(), q = ca.cast<float>(), r = ab.cast<float>();
+        const float inverse = static_cast<float>(1.0 / volume);
+        for (int i = 0; i < count; ++i) {
+            const float u = p[0] * dx[i] + p[1] * dy[i] + p[2] * dz[i];
+            const float v = q[0] * dx[i] + q[1] * dy[i] + q[2] * dz[i];
+            const float w = r[0] * dx[i] + r[1] * dy[i] + r[2] * dz[i];
+            const float near = (u + v + w) * inverse;
+            const bool hit = (u >= 0.0f) & (v >= 0.0f) & (w >= 0.0f) & (near > nearest[i]);
+            nearest[i] = hit ? near : nearest[i];
+            first[i] = hit ? static_cast<int>(t) : first[i];
+        }
+    }
+    for (int i = 0; i < count; ++i) {
+        if (first[i] < 0)
+            continue;
+        const Triangle& triangle = triangles_[static_cast<std::size_t>(first[i])];
+        const Vector3 direction(dx[i], dy[i], dz[i]);
+        Vector3 u[3];
+        for (int k = 0; k < 3; ++k)
+            u[k] = vertices_[triangle[k]] - x;
+        const double volume = u[0].dot(u[1].cross(u[2]));
+        for (int k = 0; k < 3; ++k)
+            row[triangle[k]] += std::max(0.0, direction.dot(u[(k + 1) % 3].cross(u[(k + 2) % 3])) / volume);
+    }
+}
+
+} // namespace sinew
