@@ -122,7 +122,8 @@ Non-negative, sum 1, linear precision, no maximum inside. The first bind() solve
                  options.quality = choose<HarmonicQuality>(quality, "quality",
                                                            {{"fast", HarmonicQuality::fast},
                                                             {"medium", HarmonicQuality::medium},
-                                                            {"fine", HarmonicQuality::fine}});
+                                                            {"fine", HarmonicQuality::fine},
+                                                            {"finest", HarmonicQuality::finest}});
                  options.outside = cage_outside(outside);
                  const py::gil_scoped_release unlocked;
                  return std::make_unique<Harmonic>(Cage(cage), options);
@@ -132,7 +133,8 @@ Non-negative, sum 1, linear precision, no maximum inside. The first bind() solve
 cage       SurfaceMesh, the closed rest cage, faces outwards.
 precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
 threshold  weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
-quality    'fast', 'medium' or 'fine': at most 1000, 2000 or 4000 unknowns on the cage.
+quality    'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4000 or 12000 unknowns on the cage; time
+           grows with their cube, memory with their square.
 outside    points outside: 'error' names them, 'mean_value' gives them mean value weights.
 
 Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption. bind() also raises InvalidMesh

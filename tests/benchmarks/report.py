@@ -27,6 +27,8 @@ def short(count: int) -> str:
 def amount(value: float, unit: str) -> str:
     if unit == "bytes":
         return f"{value / 1e6:.4g} MB"
+    if not unit:
+        return f"{value:.2g}"
     return f"{value:.3g} s" if value >= 1.0 else f"{1e3 * value:.3g} ms"
 
 

@@ -23,7 +23,7 @@ import report
 from groups import Options, Task
 from record import Row
 
-GROUPS = ("thin_shell", "rebind", "memory", "arap", "convergence", "blender")
+GROUPS = ("thin_shell", "rebind", "memory", "arap", "convergence", "blender", "cages_harmonic")
 SIZES = (10_000, 50_000, 200_000, 500_000)
 SCALE = (1_000_000, 2_000_000)
 QUICK = (10_000,)

@@ -25,8 +25,10 @@ int most_unknowns(HarmonicQuality quality)
         return 1000;
     case HarmonicQuality::medium:
         return 2000;
-    default:
+    case HarmonicQuality::fine:
         return 4000;
+    default:
+        return 12000;
     }
 }
 
@@ -64,13 +66,16 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
             });
         };
         std::unique_ptr<HarmonicBoundary> coarser;
-        if (level > 0)
-            coarser = std::make_unique<HarmonicBoundary>(cage(), level - 1, within(0.0, 0.2));
+        int half = level;
+        while (half >= 0 && 2 * harmonic_pattern_unknowns(half) > harmonic_pattern_unknowns(level))
+            --half;
+        if (half >= 0)
+            coarser = std::make_unique<HarmonicBoundary>(cage(), half, within(0.0, 0.2));
         boundary_ = std::make_unique<HarmonicBoundary>(cage(), level, within(0.2, 0.8));
         coarser_ = std::move(coarser);
     }
 
-    // The coarser pattern errs two to three times as much, so the difference is about its error.
+    // A pattern of half the unknowns errs two to three times as much, so the difference is about its error.
     const int step = static_cast<int>(points.rows()) / checked_points + 1;
     Points some((points.rows() + step - 1) / step, 3);
     for (Eigen::Index i = 0; i < some.rows(); ++i)

@@ -14,7 +14,8 @@ class HarmonicBoundary;
 enum class HarmonicQuality {
     fast,   ///< at most 1000 unknowns of flux
     medium, ///< at most 2000
-    fine    ///< at most 4000
+    fine,   ///< at most 4000
+    finest  ///< at most 12000: a reference, in minutes and 1.2 GB
 };
 
 struct HarmonicOptions
@@ -34,7 +35,7 @@ struct HarmonicOptions
 /// quadratic on their halves closest to that; twisted quads are their two triangles. Departs from the paper,
 /// whose grid holds the boundary to a cell: solved by boundary elements, see HarmonicBoundary, so weights are
 /// smooth inside, exact on the cage (to 1e-10 of its size), and the error shrinks with the pattern of panels.
-/// Beyond HarmonicGrid::least_faces the cost of the dense system passes that of a grid, which takes over.
+/// Large cages get three unknowns a triangle, whatever the quality.
 ///
 /// Weights are mended: negative ones become 0, and a factor 1 + a . (1, v - x) a weight, with one a of four
 /// numbers a point, gives back sum 1 and linear precision.

@@ -65,6 +65,18 @@ void measure(LayerPanel& panel, const double* corners, const LayerEdge* edges)
     }
 }
 
+/// Whether a point lies on a triangle, about.
+bool holds(const LayerFace& face, const Vector3& point)
+{
+    constexpr double about = 1e-6;
+    const Vector3 away = point - Vector3(face.origin);
+    const double x = away.dot(Vector3(face.x)), y = away.dot(Vector3(face.y));
+    bool inside = std::abs(away.dot(Vector3(face.n))) < about;
+    for (int k = 0; k < 3; ++k)
+        inside = inside && face.edge[k].offset - (face.edge[k].mx * x + face.edge[k].my * y) > -about;
+    return inside;
+}
+
 } // namespace
 
 /// Points in the cage's units, all x before all y before all z, and the last one repeated to fill four lanes.
@@ -427,9 +439,7 @@ void HarmonicBoundary::check(const Cage& cage, const DenseSystem& system,
             bad.push_back(faces[static_cast<std::size_t>(t)]);
         // What it touches.
         for (std::size_t s = 0; s < middles_.size(); ++s)
-            if (static_cast<int>(s) != t &&
-                (middles_[s] - middles_[static_cast<std::size_t>(t)]).squaredNorm() <
-                    1e-12 * reaches_[static_cast<std::size_t>(t)])
+            if (static_cast<int>(s) != t && holds(triangles_[s].face, middles_[static_cast<std::size_t>(t)]))
                 bad.push_back(faces[s]);
     }
     std::sort(bad.begin(), bad.end());

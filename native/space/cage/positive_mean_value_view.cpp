@@ -58,9 +58,24 @@ bool none_before(const Vector3& normal, const Vector3& a, const Vector3& b, cons
     return normal.dot(a) <= 0.0 && normal.dot(b) <= 0.0 && normal.dot(c) <= 0.0;
 }
 
+/// The directions that a triangle may be seen in, by the heights of the cap around its corners.
+std::pair<int, int> heights(const Vector3& a, const Vector3& b, const Vector3& c, int count)
+{
+    const Vector3 axis = (a + b + c).normalized();
+    const double cosine = std::min({axis.dot(a), axis.dot(b), axis.dot(c)});
+    if (!(cosine > 0.0))
+        return {0, count};
+    const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+    const double tilt = std::hypot(axis.x(), axis.y());
+    const double low = axis.z() < -cosine ? -1.0 : axis.z() * cosine - tilt * sine;
+    const double high = axis.z() > cosine ? 1.0 : axis.z() * cosine + tilt * sine;
+    return {std::max(0, static_cast<int>(0.5 * count * (low + 1.0)) - 1),
+            std::min(count, static_cast<int>(0.5 * count * (high + 1.0)) + 2)};
+}
+
 } // namespace
 
-VisibleCage::VisibleCage(const Cage& cage, int directions) : triangles_(cage.triangles())
+VisibleCage::VisibleCage(const Cage& cage, int directions) : triangles_(cage.triangles()), size_(cage.size())
 {
     for (int v = 0; v < cage.vertex_count(); ++v)
         vertices_.push_back(cage.rest().point(v));
@@ -71,9 +86,9 @@ VisibleCage::VisibleCage(const Cage& cage, int directions) : triangles_(cage.tri
         const double turn = (k + 0.5) * std::numbers::pi * (1.0 + std::sqrt(5.0));
         const double at[3] = {r * std::cos(turn), r * std::sin(turn), z};
         for (int axis = 0; axis < 3; ++axis) {
-            directions_[static_cast<std::size_t>(axis * directions + 2 * k)] = static_cast<float>(at[axis]);
-            directions_[static_cast<std::size_t>(axis * directions + 2 * k + 1)] =
-                -static_cast<float>(at[axis]);
+            float* middle = directions_.data() + axis * directions + directions / 2;
+            middle[k] = static_cast<float>(at[axis]);
+            middle[-1 - k] = -static_cast<float>(at[axis]);
         }
     }
 }
@@ -83,6 +98,16 @@ VisibleCage::~VisibleCage() = default;
 /// Sorts the faces into those that are left and those that are entered, the widest of these first.
 void VisibleCage::look(const Vector3& x, Scratch& scratch) const
 {
+    const std::size_t count = vertices_.size();
+    scratch.sight.resize(6 * count);
+    scratch.beyond.resize(count);
+    for (std::size_t v = 0; v < count; ++v) {
+        const Vector3 p = vertices_[v] - x, u = p.normalized();
+        for (std::size_t k = 0; k < 3; ++k) {
+            scratch.sight[k * count + v] = static_cast<float>(u[static_cast<Eigen::Index>(k)]);
+            scratch.sight[(3 + k) * count + v] = static_cast<float>(p[static_cast<Eigen::Index>(k)] / size_);
+        }
+    }
     scratch.left.clear();
     scratch.entered.clear();
     for (const Triangle& triangle : triangles_) {
@@ -97,13 +122,9 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
         cone.volume = cone.a.dot(cone.side[0]);
         cone.normal = cone.side[0] + cone.side[1] + cone.side[2];
         cone.plane = cone.normal.dot(cone.a);
-        const Vector3 u = cone.a.normalized(), v = cone.b.normalized(), w = cone.c.normalized();
-        const Vector3 axis = (u + v + w).normalized();
-        const double cosine = std::min({axis.dot(u), axis.dot(v), axis.dot(w)});
-        for (int k = 0; k < 3; ++k)
-            cone.axis[k] = static_cast<float>(axis[k]);
-        cone.cosine = static_cast<float>(cosine);
-        cone.sine = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
+        const double a = cone.a.norm(), b = cone.b.norm(), c = cone.c.norm();
+        cone.narrowness = std::min(
+            {cone.a.dot(cone.b) / (a * b), cone.b.dot(cone.c) / (b * c), cone.c.dot(cone.a) / (c * a)});
         if (cone.volume > 0.0) {
             scratch.left.push_back(cone);
         } else if (cone.volume < 0.0) {
@@ -113,23 +134,54 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
         }
     }
     std::stable_sort(scratch.entered.begin(), scratch.entered.end(),
-                     [](const Cone& a, const Cone& b) { return a.cosine < b.cosine; });
+                     [](const Cone& a, const Cone& b) { return a.narrowness < b.narrowness; });
+}
+
+/// Sets `beyond`: bit k for vertices beside the face's cone at side k, bit 3 for those behind its plane. Bits
+/// are only set where single precision is sure of them, and for the face's own vertices, which lie on the
+/// planes. A face whose vertices share a bit hides nothing of this one.
+void VisibleCage::sort_vertices(const Cone& face, Scratch& scratch) const
+{
+    constexpr float sure = 2e-6f;
+    const std::size_t count = vertices_.size();
+    float n[4][3];
+    for (int k = 0; k < 3; ++k) {
+        const Vector3 unit = face.side[k].normalized();
+        for (int i = 0; i < 3; ++i)
+            n[k][i] = static_cast<float>(unit[i]);
+    }
+    const double length = face.normal.norm();
+    for (int i = 0; i < 3; ++i)
+        n[3][i] = static_cast<float>(face.normal[i] / length);
+    const float plane = static_cast<float>(face.plane / (length * size_));
+    const float *ux = scratch.sight.data(), *uy = ux + count, *uz = uy + count;
+    const float *px = uz + count, *py = px + count, *pz = py + count;
+    int* beyond = scratch.beyond.data();
+    for (std::size_t v = 0; v < count; ++v) {
+        int bits = 0;
+        for (int k = 0; k < 3; ++k)
+            bits |= (n[k][0] * ux[v] + n[k][1] * uy[v] + n[k][2] * uz[v] < -sure) << k;
+        bits |= (n[3][0] * px[v] + n[3][1] * py[v] + n[3][2] * pz[v] - plane > sure) << 3;
+        beyond[v] = bits;
+    }
+    for (int k = 0; k < 3; ++k)
+        beyond[face.vertex[static_cast<std::size_t>(k)]] = 15 & ~(1 << k);
 }
 
 /// Takes what `by` hides of `face` out of the pieces.
 void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
 {
-    Piece inside, outside, beside[3];
+    Piece beside[3], turns[2];
     scratch.next.clear();
     for (const Piece& piece : scratch.pieces) {
-        if (piece.size + 4 > Piece::most) { // two halves, which come back one after the other
-            Piece first, second;
+        if (piece.size + 4 > Piece::most) { // two halves, one after the other
+            Piece halves[2];
             for (int i = 0; i <= piece.size / 2; ++i)
-                first.add(piece.corner[i]);
+                halves[0].add(piece.corner[i]);
             for (int i = piece.size / 2; i <= piece.size; ++i)
-                second.add(piece.corner[i % piece.size]);
-            Scratch part;
-            for (const Piece& half : {first, second}) {
+                halves[1].add(piece.corner[i % piece.size]);
+            for (const Piece& half : halves) {
+                Scratch part;
                 part.pieces.assign(1, half);
                 hide(face, by, part);
                 scratch.next.insert(scratch.next.end(), part.pieces.begin(), part.pieces.end());
@@ -147,18 +199,17 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
             continue;
         }
         int cuts = 0;
-        Piece rest = piece;
-        for (int k = 0; k < 3 && rest.size > 2; ++k) {
-            split(rest, by.side[k], inside, outside);
-            if (outside.size > 2)
-                beside[cuts++] = outside;
-            rest = inside;
+        const Piece* rest = &piece;
+        for (int k = 0; k < 3 && rest->size > 2; ++k) {
+            split(*rest, by.side[k], turns[k % 2], beside[cuts]);
+            cuts += beside[cuts].size > 2;
+            rest = &turns[k % 2];
         }
-        bool hidden = rest.size > 2;
+        bool hidden = rest->size > 2;
         if (hidden) {
             Vector3 mean = Vector3::Zero();
-            for (int i = 0; i < rest.size; ++i)
-                mean += rest.corner[i].normalized();
+            for (int i = 0; i < rest->size; ++i)
+                mean += rest->corner[i].normalized();
             hidden = by.plane / by.normal.dot(mean) < face.plane / face.normal.dot(mean);
         }
         if (hidden)
@@ -172,51 +223,22 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
 void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
 {
     look(x, scratch);
-    const std::size_t entered = scratch.entered.size();
-    for (auto* field :
-         {&scratch.axis_x, &scratch.axis_y, &scratch.axis_z, &scratch.cosine, &scratch.sine, &scratch.apart})
-        field->resize(entered);
-    for (std::size_t k = 0; k < entered; ++k) {
-        const Cone& cone = scratch.entered[k];
-        scratch.axis_x[k] = cone.axis[0];
-        scratch.axis_y[k] = cone.axis[1];
-        scratch.axis_z[k] = cone.axis[2];
-        scratch.cosine[k] = cone.cosine;
-        scratch.sine[k] = cone.sine;
-    }
     for (const Cone& face : scratch.left) {
-        // The caps around two cones meet where cos(angle between) >= cos(sum of their half angles).
-        scratch.close.clear();
-        for (std::size_t k = 0; k < entered; ++k) {
-            const float between = face.axis[0] * scratch.axis_x[k] + face.axis[1] * scratch.axis_y[k] +
-                                  face.axis[2] * scratch.axis_z[k];
-            const float meets =
-                between - face.cosine * scratch.cosine[k] + face.sine * scratch.sine[k] + 1e-5f;
-            const float wide = std::min(face.cosine, scratch.cosine[k]); // more than half of the sphere
-            scratch.apart[k] = wide <= 0.0f ? 1.0f : meets;
-        }
-        for (std::size_t k = 0; k < entered; ++k)
-            if (scratch.apart[k] >= 0.0f)
-                scratch.close.push_back(static_cast<int>(k));
-
+        sort_vertices(face, scratch);
+        const int* beyond = scratch.beyond.data();
         Piece whole;
         whole.add(face.a);
         whole.add(face.b);
         whole.add(face.c);
         scratch.pieces.assign(1, whole);
-        for (int k : scratch.close) {
-            const Cone& by = scratch.entered[static_cast<std::size_t>(k)];
-            const auto behind = [](const Cone& plane, const Cone& other) {
-                return plane.normal.dot(other.a) >= plane.plane && plane.normal.dot(other.b) >= plane.plane &&
-                       plane.normal.dot(other.c) >= plane.plane;
-            };
-            if (behind(face, by) || behind(by, face))
+        for (const Cone& by : scratch.entered) {
+            if ((beyond[by.vertex[0]] & beyond[by.vertex[1]] & beyond[by.vertex[2]]) != 0)
                 continue;
-            bool apart = false;
-            for (int e = 0; e < 3 && !apart; ++e)
-                apart = none_before(by.side[e], face.a, face.b, face.c) ||
-                        none_before(face.side[e], by.a, by.b, by.c);
-            if (apart)
+            const bool before = by.normal.dot(face.a) >= by.plane && by.normal.dot(face.b) >= by.plane &&
+                                by.normal.dot(face.c) >= by.plane;
+            if (before || none_before(by.side[0], face.a, face.b, face.c) ||
+                none_before(by.side[1], face.a, face.b, face.c) ||
+                none_before(by.side[2], face.a, face.b, face.c))
                 continue;
             hide(face, by, scratch);
             if (scratch.pieces.empty())
@@ -251,7 +273,8 @@ void VisibleCage::sampled(const Vector3& x, Scratch& scratch, double* row) const
         // The side of an edge is told by the same numbers in both of its faces, so no ray slips between.
         const Eigen::Vector3f p = bc.cast<float>(), q = ca.cast<float>(), r = ab.cast<float>();
         const float inverse = static_cast<float>(1.0 / volume);
-        for (int i = 0; i < count; ++i) {
+        const auto [begin, end] = heights(a.normalized(), b.normalized(), c.normalized(), count);
+        for (int i = begin; i < end; ++i) {
             const float u = p[0] * dx[i] + p[1] * dy[i] + p[2] * dz[i];
             const float v = q[0] * dx[i] + q[1] * dy[i] + q[2] * dz[i];
             const float w = r[0] * dx[i] + r[1] * dy[i] + r[2] * dz[i];

@@ -35,11 +35,13 @@ private:
     struct Cone;
 
     void look(const Vector3& x, Scratch& scratch) const;
+    void sort_vertices(const Cone& face, Scratch& scratch) const;
     void hide(const Cone& face, const Cone& by, Scratch& scratch) const;
 
     std::vector<Vector3> vertices_;
     std::vector<Triangle> triangles_;
-    std::vector<float> directions_; ///< all x, then all y, then all z
+    double size_ = 0.0;             ///< of the cage
+    std::vector<float> directions_; ///< all x, then all y, then all z, which grow evenly from -1 to 1
 };
 
 struct VisibleCage::Cone
@@ -49,7 +51,7 @@ struct VisibleCage::Cone
     Vector3 normal;       ///< not of unit length
     double plane, volume; ///< normal . p on the face; a . (b x c)
     Vector3 side[3];      ///< opposite a, b, c; a positive product with each is within the cone
-    float axis[3], cosine, sine;
+    double narrowness;    ///< least cosine between two corners
 };
 
 struct VisibleCage::Scratch
@@ -60,12 +62,22 @@ struct VisibleCage::Scratch
         static constexpr int most = 24;
         Vector3 corner[most];
         int size = 0;
+
+        Piece() = default;
+        Piece(const Piece& other) { *this = other; }
+        Piece& operator=(const Piece& other)
+        {
+            size = other.size;
+            for (int i = 0; i < size; ++i)
+                corner[i] = other.corner[i];
+            return *this;
+        }
         void add(const Vector3& p) { corner[size++] = p; }
     };
 
     std::vector<Cone> left, entered;
-    std::vector<float> axis_x, axis_y, axis_z, cosine, sine, apart;
-    std::vector<int> close;
+    std::vector<float> sight; ///< x, y, z of the unit vectors to all vertices, then of the vectors
+    std::vector<int> beyond;  ///< a vertex: bits of the planes of a face that it is beyond
     std::vector<Piece> pieces, next;
     std::vector<float> nearest; ///< 1 / distance of the first face along each direction
     std::vector<int> first;
