@@ -21,7 +21,6 @@ namespace {
 constexpr double inward = 1e-9;     ///< how far inside the cage the collocation points lie, of its size
 constexpr double flattest = 1e-7;   ///< least height of a triangle, of its longest side
 constexpr double plane_quad = 1e-4; ///< largest distance of a plane quad's diagonals, of their lengths
-constexpr double near_radii = 3.0;  ///< from its middle: where a triangle's flux counts in full
 constexpr double least_pivot = 1e-7;
 constexpr int far_group = 64;   ///< triangles whose far fields are multiplied at once
 constexpr int block_rows = 192; ///< collocation points that are assembled at once, about
@@ -190,7 +189,7 @@ void HarmonicBoundary::place(const Cage& cage)
         for (int k = 0; k < 3; ++k)
             radius = std::max(radius, (p[k] - middle).norm());
         middles_.push_back(middle);
-        reaches_.push_back(near_radii * near_radii * radius * radius);
+        reaches_.push_back(std::pow(pattern_.near_radii * radius, 2));
         data_.push_back({triangle, {}, {}});
         LayerTriangle& whole = triangles_[static_cast<std::size_t>(t)];
         whole.diagonal = -1;

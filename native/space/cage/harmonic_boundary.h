@@ -26,8 +26,8 @@ namespace sinew {
 /// pattern holds, so phi sums to one and is linearly precise at any resolution, to the rounding of the
 /// solution.
 ///
-/// Flux on faces farther than three radii from a point is replaced by its linear part, which changes weights
-/// by 1e-4 at most and keeps both properties.
+/// Flux on triangles farther than some radii from a point is replaced by its linear part, which changes
+/// weights by a fraction of the pattern's error and keeps both properties.
 class HarmonicBoundary
 {
 public:

@@ -27,6 +27,8 @@ struct HarmonicPattern
     std::vector<std::array<int, 2>> edges;
     std::vector<Panel> panels;
     int unknowns = 0; ///< as many as corners
+    /// From the middle of a triangle, in units of its circle: up to where its flux counts in full.
+    double near_radii = 2.0;
     /// (3, unknowns) flux at the corners of the face that is closest to a given one in the mean of squares.
     MatrixX to_linear;
 };

@@ -53,6 +53,19 @@ Vector3 integral(const Piece& piece)
     return sum;
 }
 
+/// Whether a piece lies wholly outside of one of three planes through the apex.
+bool beside_one_side(const Piece& piece, const Vector3 (&sides)[3])
+{
+    for (const Vector3& side : sides) {
+        bool outside = true;
+        for (int i = 0; i < piece.size && outside; ++i)
+            outside = side.dot(piece.corner[i]) <= 0.0;
+        if (outside)
+            return true;
+    }
+    return false;
+}
+
 bool none_before(const Vector3& normal, const Vector3& a, const Vector3& b, const Vector3& c)
 {
     return normal.dot(a) <= 0.0 && normal.dot(b) <= 0.0 && normal.dot(c) <= 0.0;
@@ -172,52 +185,47 @@ void VisibleCage::sort_vertices(const Cone& face, Scratch& scratch) const
 void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
 {
     Piece beside[3], turns[2];
-    scratch.next.clear();
-    for (const Piece& piece : scratch.pieces) {
+    std::vector<Piece>& pieces = scratch.pieces;
+    scratch.next.clear(); // what is left of the pieces that are cut
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const Piece& piece = pieces[i];
+        bool hidden = false;
+        int cuts = 0;
         if (piece.size + 4 > Piece::most) { // two halves, one after the other
             Piece halves[2];
-            for (int i = 0; i <= piece.size / 2; ++i)
-                halves[0].add(piece.corner[i]);
-            for (int i = piece.size / 2; i <= piece.size; ++i)
-                halves[1].add(piece.corner[i % piece.size]);
+            for (int k = 0; k <= piece.size / 2; ++k)
+                halves[0].add(piece.corner[k]);
+            for (int k = piece.size / 2; k <= piece.size; ++k)
+                halves[1].add(piece.corner[k % piece.size]);
             for (const Piece& half : halves) {
                 Scratch part;
                 part.pieces.assign(1, half);
                 hide(face, by, part);
                 scratch.next.insert(scratch.next.end(), part.pieces.begin(), part.pieces.end());
             }
-            continue;
-        }
-        const bool clear = std::any_of(std::begin(by.side), std::end(by.side), [&](const Vector3& side) {
-            for (int i = 0; i < piece.size; ++i)
-                if (side.dot(piece.corner[i]) > 0.0)
-                    return false;
-            return true;
-        });
-        if (clear) {
-            scratch.next.push_back(piece);
-            continue;
-        }
-        int cuts = 0;
-        const Piece* rest = &piece;
-        for (int k = 0; k < 3 && rest->size > 2; ++k) {
-            split(*rest, by.side[k], turns[k % 2], beside[cuts]);
-            cuts += beside[cuts].size > 2;
-            rest = &turns[k % 2];
-        }
-        bool hidden = rest->size > 2;
-        if (hidden) {
-            Vector3 mean = Vector3::Zero();
-            for (int i = 0; i < rest->size; ++i)
-                mean += rest->corner[i].normalized();
-            hidden = by.plane / by.normal.dot(mean) < face.plane / face.normal.dot(mean);
+            hidden = true;
+        } else if (!beside_one_side(piece, by.side)) {
+            const Piece* rest = &piece;
+            for (int k = 0; k < 3 && rest->size > 2; ++k) {
+                split(*rest, by.side[k], turns[k % 2], beside[cuts]);
+                cuts += beside[cuts].size > 2;
+                rest = &turns[k % 2];
+            }
+            if (rest->size > 2) { // which of the two is nearer there?
+                Vector3 mean = Vector3::Zero();
+                for (int k = 0; k < rest->size; ++k)
+                    mean += rest->corner[k].normalized();
+                hidden = by.plane / by.normal.dot(mean) < face.plane / face.normal.dot(mean);
+            }
         }
         if (hidden)
             scratch.next.insert(scratch.next.end(), beside, beside + cuts);
-        else
-            scratch.next.push_back(piece);
+        else if (kept++ != i)
+            pieces[kept - 1] = piece;
     }
-    scratch.pieces.swap(scratch.next);
+    pieces.resize(kept);
+    pieces.insert(pieces.end(), scratch.next.begin(), scratch.next.end());
 }
 
 void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
