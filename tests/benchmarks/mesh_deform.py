@@ -3,8 +3,8 @@
 
     blender -b --factory-startup -P tests/benchmarks/mesh_deform.py -- CASE.npz OUT.npz
 
-CASE holds ``cage`` (c, 3), ``faces`` (m, 3 or 4), ``points`` (n, 3) and ``precision``; OUT gets ``seconds`` and
-``weights`` (n, c): how far each point follows each cage vertex that is moved on its own.
+CASE holds ``cage`` (c, 3), ``faces`` (m, 3 or 4), ``points`` (n, 3) and ``precision``; OUT gets ``seconds``
+and ``weights`` (n, c): how far each point follows each cage vertex that is moved on its own.
 """
 
 import sys
