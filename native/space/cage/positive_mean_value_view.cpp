@@ -170,12 +170,12 @@ void VisibleCage::sort_vertices(const Cone& face, Scratch& scratch) const
     const float *ux = scratch.sight.data(), *uy = ux + count, *uz = uy + count;
     const float *px = uz + count, *py = px + count, *pz = py + count;
     int* beyond = scratch.beyond.data();
-    for (std::size_t v = 0; v < count; ++v) {
-        int bits = 0;
-        for (int k = 0; k < 3; ++k)
-            bits |= (n[k][0] * ux[v] + n[k][1] * uy[v] + n[k][2] * uz[v] < -sure) << k;
-        bits |= (n[3][0] * px[v] + n[3][1] * py[v] + n[3][2] * pz[v] - plane > sure) << 3;
-        beyond[v] = bits;
+    for (std::size_t v = 0; v < count; ++v) { // written out, so that it runs on several vertices at once
+        const float a = n[0][0] * ux[v] + n[0][1] * uy[v] + n[0][2] * uz[v];
+        const float b = n[1][0] * ux[v] + n[1][1] * uy[v] + n[1][2] * uz[v];
+        const float c = n[2][0] * ux[v] + n[2][1] * uy[v] + n[2][2] * uz[v];
+        const float d = n[3][0] * px[v] + n[3][1] * py[v] + n[3][2] * pz[v] - plane;
+        beyond[v] = (a < -sure ? 1 : 0) | (b < -sure ? 2 : 0) | (c < -sure ? 4 : 0) | (d > sure ? 8 : 0);
     }
     for (int k = 0; k < 3; ++k)
         beyond[face.vertex[static_cast<std::size_t>(k)]] = 15 & ~(1 << k);
@@ -231,6 +231,9 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
 void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
 {
     look(x, scratch);
+    scratch.hiding.clear();
+    for (const Cone& by : scratch.entered)
+        scratch.hiding.push_back(by.vertex);
     for (const Cone& face : scratch.left) {
         sort_vertices(face, scratch);
         const int* beyond = scratch.beyond.data();
@@ -239,9 +242,11 @@ void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
         whole.add(face.b);
         whole.add(face.c);
         scratch.pieces.assign(1, whole);
-        for (const Cone& by : scratch.entered) {
-            if ((beyond[by.vertex[0]] & beyond[by.vertex[1]] & beyond[by.vertex[2]]) != 0)
+        for (std::size_t k = 0; k < scratch.entered.size(); ++k) {
+            const Triangle& corners = scratch.hiding[k];
+            if ((beyond[corners[0]] & beyond[corners[1]] & beyond[corners[2]]) != 0)
                 continue;
+            const Cone& by = scratch.entered[k];
             const bool before = by.normal.dot(face.a) >= by.plane && by.normal.dot(face.b) >= by.plane &&
                                 by.normal.dot(face.c) >= by.plane;
             if (before || none_before(by.side[0], face.a, face.b, face.c) ||

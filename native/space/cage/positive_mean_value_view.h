@@ -76,6 +76,7 @@ struct VisibleCage::Scratch
     };
 
     std::vector<Cone> left, entered;
+    std::vector<Triangle> hiding; ///< the corners of `entered`, side by side
     std::vector<float> sight; ///< x, y, z of the unit vectors to all vertices, then of the vectors
     std::vector<int> beyond;  ///< a vertex: bits of the planes of a face that it is beyond
     std::vector<Piece> pieces, next;
