@@ -111,16 +111,6 @@ VisibleCage::~VisibleCage() = default;
 /// Sorts the faces into those that are left and those that are entered, the widest of these first.
 void VisibleCage::look(const Vector3& x, Scratch& scratch) const
 {
-    const std::size_t count = vertices_.size();
-    scratch.sight.resize(6 * count);
-    scratch.beyond.resize(count);
-    for (std::size_t v = 0; v < count; ++v) {
-        const Vector3 p = vertices_[v] - x, u = p.normalized();
-        for (std::size_t k = 0; k < 3; ++k) {
-            scratch.sight[k * count + v] = static_cast<float>(u[static_cast<Eigen::Index>(k)]);
-            scratch.sight[(3 + k) * count + v] = static_cast<float>(p[static_cast<Eigen::Index>(k)] / size_);
-        }
-    }
     scratch.left.clear();
     scratch.entered.clear();
     for (const Triangle& triangle : triangles_) {
@@ -148,6 +138,33 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
     }
     std::stable_sort(scratch.entered.begin(), scratch.entered.end(),
                      [](const Cone& a, const Cone& b) { return a.narrowness < b.narrowness; });
+
+    // Number the vertices of the faces that may hide others.
+    scratch.number.assign(vertices_.size(), -1);
+    scratch.hiding.clear();
+    int count = 0;
+    for (const Cone& by : scratch.entered) {
+        Triangle corners;
+        for (std::size_t k = 0; k < 3; ++k) {
+            int& number = scratch.number[static_cast<std::size_t>(by.vertex[k])];
+            if (number < 0)
+                number = count++;
+            corners[k] = number;
+        }
+        scratch.hiding.push_back(corners);
+    }
+    scratch.beyond.resize(static_cast<std::size_t>(count));
+    scratch.sight.resize(6 * static_cast<std::size_t>(count));
+    for (std::size_t v = 0; v < vertices_.size(); ++v) {
+        if (scratch.number[v] < 0)
+            continue;
+        const Vector3 p = vertices_[v] - x, u = p.normalized();
+        for (int k = 0; k < 3; ++k) {
+            float* at = scratch.sight.data() + k * count + scratch.number[v];
+            at[0] = static_cast<float>(u[k]);
+            at[3 * count] = static_cast<float>(p[k] / size_);
+        }
+    }
 }
 
 /// Sets `beyond`: bit k for vertices beside the face's cone at side k, bit 3 for those behind its plane. Bits
@@ -156,7 +173,7 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
 void VisibleCage::sort_vertices(const Cone& face, Scratch& scratch) const
 {
     constexpr float sure = 2e-6f;
-    const std::size_t count = vertices_.size();
+    const std::size_t count = scratch.beyond.size();
     float n[4][3];
     for (int k = 0; k < 3; ++k) {
         const Vector3 unit = face.side[k].normalized();
@@ -178,7 +195,8 @@ void VisibleCage::sort_vertices(const Cone& face, Scratch& scratch) const
         beyond[v] = (a < -sure ? 1 : 0) | (b < -sure ? 2 : 0) | (c < -sure ? 4 : 0) | (d > sure ? 8 : 0);
     }
     for (int k = 0; k < 3; ++k)
-        beyond[face.vertex[static_cast<std::size_t>(k)]] = 15 & ~(1 << k);
+        if (const int own = scratch.number[static_cast<std::size_t>(face.vertex[k])]; own >= 0)
+            beyond[own] = 15 & ~(1 << k);
 }
 
 /// Takes what `by` hides of `face` out of the pieces.
@@ -231,9 +249,6 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
 void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
 {
     look(x, scratch);
-    scratch.hiding.clear();
-    for (const Cone& by : scratch.entered)
-        scratch.hiding.push_back(by.vertex);
     for (const Cone& face : scratch.left) {
         sort_vertices(face, scratch);
         const int* beyond = scratch.beyond.data();

@@ -76,9 +76,10 @@ struct VisibleCage::Scratch
     };
 
     std::vector<Cone> left, entered;
-    std::vector<Triangle> hiding; ///< the corners of `entered`, side by side
-    std::vector<float> sight; ///< x, y, z of the unit vectors to all vertices, then of the vectors
-    std::vector<int> beyond;  ///< a vertex: bits of the planes of a face that it is beyond
+    std::vector<Triangle> hiding; ///< the corners of `entered`, by number
+    std::vector<int> number;      ///< of the vertices of `entered`; -1 for others
+    std::vector<float> sight; ///< x, y, z of the unit vectors to the numbered vertices, then of the vectors
+    std::vector<int> beyond;  ///< a numbered vertex: bits of the planes of a face that it is beyond
     std::vector<Piece> pieces, next;
     std::vector<float> nearest; ///< 1 / distance of the first face along each direction
     std::vector<int> first;
