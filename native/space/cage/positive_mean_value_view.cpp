@@ -205,6 +205,7 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
     Piece beside[3], turns[2];
     std::vector<Piece>& pieces = scratch.pieces;
     scratch.next.clear(); // what is left of the pieces that are cut
+    const bool uncut = pieces.size() == 1 && pieces[0].size == 3; // the whole face: exact() has asked already
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const Piece& piece = pieces[i];
@@ -223,7 +224,7 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
                 scratch.next.insert(scratch.next.end(), part.pieces.begin(), part.pieces.end());
             }
             hidden = true;
-        } else if (!beside_one_side(piece, by.side)) {
+        } else if (uncut || !beside_one_side(piece, by.side)) {
             const Piece* rest = &piece;
             for (int k = 0; k < 3 && rest->size > 2; ++k) {
                 split(*rest, by.side[k], turns[k % 2], beside[cuts]);
@@ -233,7 +234,7 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
             if (rest->size > 2) { // which of the two is nearer there?
                 Vector3 mean = Vector3::Zero();
                 for (int k = 0; k < rest->size; ++k)
-                    mean += rest->corner[k].normalized();
+                    mean += rest->corner[k] / rest->corner[k].lpNorm<1>();
                 hidden = by.plane / by.normal.dot(mean) < face.plane / face.normal.dot(mean);
             }
         }
