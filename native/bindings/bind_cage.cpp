@@ -2,7 +2,9 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
 #include "native/space/cage/green.h"
+#include "native/space/cage/harmonic.h"
 #include "native/space/cage/mean_value.h"
+#include "native/space/cage/positive_mean_value.h"
 
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -54,6 +56,12 @@ py::object warp(const CageCoordinates& coordinates, const py::object& vertices, 
         coordinates.warp(view, positions);
     }
     return to_numpy(std::move(positions));
+}
+
+CageOutside cage_outside(const std::string& outside)
+{
+    return choose<CageOutside>(outside, "outside",
+                               {{"error", CageOutside::refuse}, {"mean_value", CageOutside::mean_value}});
 }
 
 /// One class a method, with the options that all of them take.
@@ -167,6 +175,69 @@ Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)"
 
 Sum 1 and linear precision everywhere, outside the cage too; may be negative where a concave cage is seen
 through itself. A closed form: cost O(points x triangles).)");
+
+    py::class_<Harmonic, CageCoordinates>(
+        module, "Harmonic",
+        R"(Harmonic coordinates [Joshi et al. 2007], section 5.4, by boundary elements.
+
+Non-negative, sum 1, linear precision, no maximum inside. The first bind() solves the cage's boundary.)")
+        .def(py::init([](const SurfaceMesh& cage, const std::string& precision, double threshold,
+                         const std::string& quality, const std::string& outside) {
+                 HarmonicOptions options;
+                 options.weights = weight_options(precision, threshold);
+                 options.quality = choose<HarmonicQuality>(quality, "quality",
+                                                           {{"fast", HarmonicQuality::fast},
+                                                            {"medium", HarmonicQuality::medium},
+                                                            {"fine", HarmonicQuality::fine},
+                                                            {"finest", HarmonicQuality::finest}});
+                 options.outside = cage_outside(outside);
+                 const py::gil_scoped_release unlocked;
+                 return std::make_unique<Harmonic>(Cage(cage), options);
+             }),
+             py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0,
+             py::arg("quality") = "medium", py::arg("outside") = "error", R"(
+cage       SurfaceMesh, the closed rest cage, faces outwards.
+precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
+threshold  weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
+quality    'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4000 or 12000 unknowns on the cage; time
+           grows with their cube, memory with their square.
+outside    points outside: 'error' names them, 'mean_value' gives them mean value weights.
+
+Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption. bind() also raises InvalidMesh
+for faces without area and faces that touch one another.)")
+        .def_property_readonly("unknowns", &Harmonic::unknowns,
+                               "Unknowns of the boundary's flux, once bound.")
+        .def_property_readonly("residual_rms", &Harmonic::residual_rms,
+                               "Root mean square gap of the weights to the data on the cage, once bound.")
+        .def_property_readonly("residual_max", &Harmonic::residual_max,
+                               "The largest one, a bound of the error anywhere but for its sampling.");
+
+    py::class_<PositiveMeanValue, CageCoordinates>(
+        module, "PositiveMeanValue",
+        R"(Positive mean value coordinates [Lipman et al. 2007], section 5.4: of what each point sees of the cage.
+
+Non-negative, sum 1, linear precision; mean values in a convex cage. Continuous, but their gradients jump
+where an edge of the cage comes into view.)")
+        .def(py::init([](const SurfaceMesh& cage, const std::string& precision, double threshold, bool exact,
+                         int directions, const std::string& outside) {
+                 PositiveMeanValueOptions options;
+                 options.weights = weight_options(precision, threshold);
+                 options.exact = exact;
+                 options.directions = directions;
+                 options.outside = cage_outside(outside);
+                 const py::gil_scoped_release unlocked;
+                 return std::make_unique<PositiveMeanValue>(Cage(cage), options);
+             }),
+             py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0,
+             py::arg("exact") = true, py::arg("directions") = 1024, py::arg("outside") = "error", R"(
+cage        SurfaceMesh, the closed rest cage, faces outwards.
+precision   of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
+threshold   weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
+exact       by cutting away what is hidden; False: by rays, a preview whose weights jump by some 1e-3.
+directions  rays a point, an even number of at least 8.
+outside     points outside: 'error' names them, 'mean_value' gives them mean value weights.
+
+Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)");
 }
 
 } // namespace sinew::bindings

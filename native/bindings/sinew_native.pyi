@@ -290,6 +290,35 @@ class CageDiagnosis:
     def clean(self) -> bool: ...
     def summary(self) -> str: ...
 
+class Harmonic(CageCoordinates):
+    def __init__(
+        self,
+        cage: SurfaceMesh,
+        *,
+        precision: Literal["single", "double"] = "single",
+        threshold: float = 0.0,
+        quality: Literal["fast", "medium", "fine", "finest"] = "medium",
+        outside: Literal["error", "mean_value"] = "error",
+    ) -> None: ...
+    @property
+    def unknowns(self) -> int: ...
+    @property
+    def residual_rms(self) -> float: ...
+    @property
+    def residual_max(self) -> float: ...
+
+class PositiveMeanValue(CageCoordinates):
+    def __init__(
+        self,
+        cage: SurfaceMesh,
+        *,
+        precision: Literal["single", "double"] = "single",
+        threshold: float = 0.0,
+        exact: bool = True,
+        directions: int = 1024,
+        outside: Literal["error", "mean_value"] = "error",
+    ) -> None: ...
+
 class SpdFactor:
     def __init__(
         self,

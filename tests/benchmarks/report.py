@@ -29,6 +29,8 @@ def amount(value: float, unit: str) -> str:
         return f"{value / 1e6:.4g} MB"
     if unit == "faces":
         return f"{value:.0f} faces"
+    if not unit:
+        return f"{value:.2g}"
     return f"{value:.3g} s" if value >= 1.0 else f"{1e3 * value:.3g} ms"
 
 

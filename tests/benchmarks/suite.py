@@ -31,6 +31,7 @@ GROUPS = (
     "convergence",
     "subdivision",
     "cages",
+    "cages_harmonic",
     "automatic_cage",
     "blender",
 )

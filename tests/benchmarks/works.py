@@ -96,6 +96,13 @@ WORKS = (
     Work("reading_arap", "reading a mesh of 1M, `arap`", "its whole bind", {ANY: 0.1}, at_most=True),
     Work("rebind_handle", "a handle more in Blender", "a new bind", {ANY: 2.0}),
     Work("rebind_stiffness", "stiffness painted in Blender", "a new bind", {ANY: 2.0}),
+    Work("harmonic_5", "`Harmonic.bind`, 10k points", "Mesh Deform, precision 5", {ANY: 10.0}),
+    Work("harmonic_error_5", "its largest error", "Mesh Deform's, precision 5", {ANY: 10.0}),
+    Work("harmonic_6", "`Harmonic.bind`, 10k points", "Mesh Deform, precision 6", {ANY: 100.0}),
+    Work("harmonic_error_6", "its largest error", "Mesh Deform's, precision 6", {ANY: 10.0}),
+    Work("positive_rays", "exact `PositiveMeanValue`, 300 faces", "4096 rays", {ANY: 1.0}),
+    Work("positive_point", "its time a point", "200 microseconds", {ANY: 1.0}),
+    Work("positive_error", "its error, to that of 8M rays", "that of 4096 rays", {ANY: 100.0}),
     Work("two_threads", "two threads", "one thread", {ANY: 1.0}, noise=0.03),
 )
 BY_ID = {work.id: work for work in WORKS}

@@ -27,12 +27,13 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
     Points rest_controls;
     controls(view(cage_.rest().points()), rest_controls);
     CageWeights weights(count, rest_controls, cage_.vertex_count(), options_);
+    const double prepared = prepare(points, progress);
     std::vector<char> outside(static_cast<std::size_t>(count), 0);
     // From tick to tick a tenth of a second or so; what a point gets does not depend on where they fall.
     const int block = block_size();
     int slab = 4 * block;
     for (int first = 0; first < count;) {
-        progress.tick(static_cast<double>(first) / count, "computing weights");
+        progress.tick(prepared + (1.0 - prepared) * first / count, "computing weights");
         const auto slab_begin = Clock::now();
         const int some = std::min(slab, count - first);
         parallel_chunks(some, block, [&](int from, int to) {

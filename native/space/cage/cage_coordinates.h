@@ -62,6 +62,9 @@ protected:
     {
     }
 
+    /// What all weights need, once before them. Must leave the object as it was if it throws.
+    /// \return the share of the time of bind() that it takes, which `progress` is counted within.
+    virtual double prepare(PointsView, const Progress&) { return 0.0; }
     /// Weights of a block of points, a point a row. Called from several threads at once.
     /// \param[out] rows     (b, columns())
     /// \param[out] outside  (b) whether each point lies outside.

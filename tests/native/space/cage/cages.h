@@ -4,6 +4,8 @@
 #include "native/space/cage/cage.h"
 #include "tests/native/shapes.h"
 
+#include <cmath>
+
 /// Cages and points that the tests of cage coordinates share.
 namespace sinew::shapes {
 
@@ -69,3 +71,52 @@ inline Points points_near(const SurfaceMesh& cage, const std::vector<double>& di
 }
 
 } // namespace sinew::shapes
+
+namespace sinew::cages {
+
+using shapes::u_prism;
+
+/// Whether a point lies in it, at least `depth` from its surface.
+inline bool in_u_prism(const Vector3& p, double depth)
+{
+    const bool box = p.minCoeff() > depth && p.x() < 3 - depth && p.y() < 3 - depth && p.z() < 1 - depth;
+    return box && !(p.x() > 1 - depth && p.x() < 2 + depth && p.y() > 1 - depth);
+}
+
+inline Points inside_u_prism(int count, double depth, std::uint64_t seed = 1)
+{
+    shapes::Random random(seed);
+    Points points(count, 3);
+    for (int i = 0; i < count;) {
+        const Vector3 p(3 * random.unit(), 3 * random.unit(), random.unit());
+        if (in_u_prism(p, depth))
+            points.row(i++) = p.transpose();
+    }
+    return points;
+}
+
+/// A sphere of triangles whose radius is anything from `low` to 1: concave, and no two edges alike.
+inline SurfaceMesh bumpy(int level, double low, std::uint64_t seed)
+{
+    const SurfaceMesh sphere = shapes::sphere(level);
+    shapes::Random random(seed);
+    Points points = sphere.points();
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+        points.row(i) *= low + (1 - low) * random.unit();
+    return shapes::moved(sphere, points);
+}
+
+/// Points within a ball.
+inline Points in_ball(int count, double radius, std::uint64_t seed = 1)
+{
+    shapes::Random random(seed);
+    Points points(count, 3);
+    for (int i = 0; i < count;) {
+        const Vector3 p = radius * random.vector();
+        if (p.norm() < radius)
+            points.row(i++) = p.transpose();
+    }
+    return points;
+}
+
+} // namespace sinew::cages

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace sinew {
+
+/// Columns of a packed strip.
+constexpr int strip_width = 8;
+
+/// Products of dense row-major blocks of doubles. Every set of kernels does the same operations in the same
+/// order, without fused ones: results agree to the last bit.
+struct DenseKernels
+{
+    /// c (rows, strips * strip_width) += a (rows, inner) * b. `b` is packed: strip after strip, (inner,
+    /// strip_width) each. Row r of the product is added to row place[r] of c, to row r where place is null.
+    void (*add_product)(const double* a, int stride_a, int rows, int inner, const double* b, int strips,
+                        double* c, int stride_c, const int* place);
+};
+
+/// The widest kernels that this processor runs.
+const DenseKernels& dense_kernels();
+
+/// By name, for tests: the kernels every processor runs, and those with AVX2 (null where it has none).
+const DenseKernels& baseline_dense_kernels();
+const DenseKernels* avx2_dense_kernels();
+
+} // namespace sinew

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/space/cage/cage_coordinates.h"
+#include "native/space/cage/cage_outside.h"
+#include "native/space/cage/cage_surface.h"
+
+#include <memory>
+
+namespace sinew {
+
+class HarmonicBoundary;
+
+enum class HarmonicQuality {
+    fast,   ///< at most 1000 unknowns of flux
+    medium, ///< at most 2000
+    fine,   ///< at most 4000
+    finest  ///< at most 12000: a reference, in minutes and 1.2 GB
+};
+
+struct HarmonicOptions
+{
+    CageWeightOptions weights;
+    HarmonicQuality quality = HarmonicQuality::medium;
+    CageOutside outside = CageOutside::refuse;
+};
+
+/// Harmonic coordinates of a closed cage.
+///
+/// P. Joshi, M. Meyer, T. DeRose, B. Green, T. Sanocki. "Harmonic Coordinates for Character Articulation."
+/// ACM Transactions on Graphics 26(3), 2007. Tutorial, section 5.4.
+///
+/// w_v is harmonic inside the cage, and on its faces 1 at v, 0 at the others: linear on triangles and on the
+/// triangles of larger faces, bilinear on parallelograms. On other quads that are plane and convex it is the
+/// quadratic on their halves closest to that; twisted quads are their two triangles. Departs from the paper,
+/// whose grid holds the boundary to a cell: solved by boundary elements, see HarmonicBoundary, so weights are
+/// smooth inside, exact on the cage (to 1e-10 of its size), and the error shrinks with the pattern of panels.
+/// Large cages get three unknowns a triangle, whatever the quality.
+///
+/// Weights are mended: negative ones become 0, and a factor 1 + a . (1, v - x) a weight, with one a of four
+/// numbers a point, gives back sum 1 and linear precision.
+///
+///   call          cost
+///   constructor   O(cage)
+///   bind()        the first one solves the boundary, O((faces * unknowns a face)^3); O(points x faces)
+class Harmonic : public CageCoordinates
+{
+public:
+    explicit Harmonic(Cage cage, const HarmonicOptions& options = {});
+    ~Harmonic() override;
+
+    /// Unknowns of the boundary's flux, once bound.
+    int unknowns() const;
+    /// How far the weights miss the data on the cage, once bound: see HarmonicBoundary.
+    double residual_rms() const;
+    double residual_max() const;
+
+protected:
+    /// \throw InvalidMesh  faces without area, or that touch one another; named.
+    double prepare(PointsView points, const Progress& progress) override;
+    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    bool reaches_outside() const override { return outside_.reaches(); }
+    void finish(CageReport& report) const override;
+
+private:
+    /// Rows of points inside; true where a point is.
+    std::vector<char> evaluate(const HarmonicBoundary& boundary, PointsView block, RowMatrix& rows) const;
+    void mend(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
+
+    HarmonicQuality quality_;
+    CageSurface surface_;
+    OutsideWeights outside_;
+    std::unique_ptr<HarmonicBoundary> boundary_, coarser_;
+    double error_ = 0.0;
+};
+
+} // namespace sinew

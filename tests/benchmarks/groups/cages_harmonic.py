@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Harmonic coordinates next to Blender's Mesh Deform, exact positive mean values next to sampled ones.
+
+Both binds of harmonic weights get the same cage and points. Errors are the largest of a weight, on a cube
+against the trilinear functions, which are harmonic there, on a cage of 150 faces against our own weights at
+their finest.
+"""
+
+import functools
+import itertools
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from record import Row
+from timing import Work, alternate
+
+import sinew_native
+
+from . import Options, Task
+
+HERE = Path(__file__).resolve().parents[1]
+sys.path.append(str(HERE.parents[1] / "tools"))
+
+from workshop import debian, shell  # noqa: E402
+
+POINTS = 10_000
+PRECISIONS = (5, 6)
+LONGEST = 900.0  # seconds: precision 6 takes minutes
+RAYS = 4096
+MANY_RAYS = 1_000_000  # for the truth, cast anew with the cage turned, as many times as it takes
+
+
+def plan(options: Options) -> list[Task]:
+    tasks = []
+    for case in CAGES:
+        for precision in PRECISIONS[: 0 if options.quick else None]:
+            works = (f"harmonic_{precision}", f"harmonic_error_{precision}")
+            tasks.append(Task("cages_harmonic", works, {"case": case, "precision": precision}))
+    for threads in options.threads:
+        works = ("positive_rays", "positive_point", "positive_error")
+        tasks.append(Task("cages_harmonic", works, {"case": "positive", "threads": threads}))
+    return tasks
+
+
+def measure(case: str, precision: int = 0, threads: int = 0) -> list[Row]:
+    found = _positive(threads) if case == "positive" else _harmonic(case, precision)
+    return [{"size": POINTS, "vertices": POINTS, "case": case, **row} for row in found]
+
+
+def cube() -> tuple[np.ndarray, np.ndarray]:
+    points = np.array(list(itertools.product((0.0, 1.0), repeat=3)))[:, ::-1]
+    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    return points, np.array(faces)
+
+
+def ring(around: int, across: int) -> tuple[np.ndarray, np.ndarray]:
+    """An uneven torus of triangles."""
+    u, v = np.meshgrid(np.arange(around), np.arange(across), indexing="ij")
+    a, b = 2 * np.pi * u / around, 2 * np.pi * (v + 0.5 * (u % 2)) / across
+    thickness = 0.35 + 0.1 * np.sin(3.0 * a)
+    height = 0.3 * np.cos(2.0 * a) + thickness * np.sin(b)
+    radius = 1.0 + thickness * np.cos(b)
+    points = np.stack((radius * np.cos(a), radius * np.sin(a), height), -1).reshape(-1, 3)
+    number = np.arange(around * across).reshape(around, across)
+    after = np.roll(number, -1, 1)
+    p, q, r, s = number, np.roll(number, -1, 0), np.roll(after, -1, 0), after
+    first = np.stack((p, q, r), -1)
+    second = np.stack((p, r, s), -1)
+    return points, np.concatenate((first.reshape(-1, 3), second.reshape(-1, 3)))
+
+
+CAGES = {"cube": cube, "150 faces": functools.partial(ring, 15, 5)}
+
+
+def inside(case: str, count: int = POINTS) -> np.ndarray:
+    random = np.random.default_rng(0)
+    if case == "cube":
+        return random.uniform(0.01, 0.99, (count, 3))
+    a, b = random.uniform(0.0, 2.0 * np.pi, (2, count))
+    thickness = 0.7 * (0.35 + 0.1 * np.sin(3.0 * a)) * np.sqrt(random.uniform(0.0, 1.0, count))
+    radius, height = 1.0 + thickness * np.cos(b), 0.3 * np.cos(2.0 * a) + thickness * np.sin(b)
+    points = np.stack((radius * np.cos(a), radius * np.sin(a), height), -1)
+    cage = sinew_native.PositiveMeanValue(
+        sinew_native.SurfaceMesh(*ring(15, 5)), exact=False, directions=8, outside="mean_value"
+    )
+    outside = cage.bind(points).outside
+    return np.delete(points, outside, axis=0)
+
+
+def trilinear(points: np.ndarray) -> np.ndarray:
+    corners = cube()[0]
+    return np.prod(np.where(corners > 0.5, points[:, None], 1.0 - points[:, None]), axis=2)
+
+
+def _harmonic(case: str, precision: int) -> list[Row]:
+    cage, faces = CAGES[case]()
+    points = inside(case)
+    seconds, theirs = _mesh_deform(cage, faces, points, precision)
+    mesh = sinew_native.SurfaceMesh(cage, faces)
+
+    def bind(quality: str) -> "sinew_native.Harmonic":
+        harmonic = sinew_native.Harmonic(mesh, quality=quality)
+        harmonic.bind(points)
+        return harmonic
+
+    quality = "fast" if case == "cube" or precision == 5 else "medium"
+    ours = bind(quality).vertex_weights
+    exact = trilinear(points) if case == "cube" else bind("finest").vertex_weights
+    errors = {"ours": float(np.abs(ours - exact).max()), "peer": float(np.abs(theirs - exact).max())}
+    time = alternate({"ours": Work(lambda: bind(quality), repeatable=False)})["ours"].median
+    about = {"quality": quality, "cage_faces": len(faces)}
+    return [
+        {"work": f"harmonic_{precision}", "unit": "s", "ours": time, "peer": seconds, **about},
+        {"work": f"harmonic_error_{precision}", "unit": "", **errors, **about},
+    ]
+
+
+def _mesh_deform(
+    cage: np.ndarray, faces: np.ndarray, points: np.ndarray, precision: int
+) -> tuple[float, np.ndarray]:
+    debian.install(debian.BLENDER)
+    with tempfile.TemporaryDirectory() as folder:
+        case, out = Path(folder) / "case.npz", Path(folder) / "out.npz"
+        np.savez(case, cage=cage, faces=faces, points=points, precision=precision)
+        script = HERE / "mesh_deform.py"
+        words = ["blender", "--background", "--factory-startup", "--python", script, "--", case, out]
+        status = shell.run(words, timeout=LONGEST, quiet=True)
+        if not out.is_file():
+            raise SystemExit(f"Mesh Deform at precision {precision} left no weights (status {status})")
+        found = np.load(out)
+        return float(found["seconds"]), found["weights"]
+
+
+def _positive(threads: int) -> list[Row]:
+    """A concave cage of 300 faces."""
+    cage, faces = ring(15, 10)
+    points = inside("150 faces", 2_000)
+    few = points[:40]
+
+    def weights(at: np.ndarray, turn: np.ndarray | None = None, **options: object) -> np.ndarray:
+        turn = np.eye(3) if turn is None else turn
+        mesh = sinew_native.SurfaceMesh(cage @ turn, faces)
+        positive = sinew_native.PositiveMeanValue(mesh, precision="double", outside="mean_value", **options)
+        positive.bind(at @ turn)
+        return positive.vertex_weights
+
+    turns = [np.linalg.qr(np.random.default_rng(k).standard_normal((3, 3)))[0] for k in range(8)]
+    turns = [turn * np.sign(np.linalg.det(turn)) for turn in turns]
+    truth = np.mean([weights(few, turn, exact=False, directions=MANY_RAYS) for turn in turns], axis=0)
+    errors = {
+        "ours": float(np.abs(weights(few) - truth).max()),  # as good as that of the many rays
+        "peer": float(np.abs(weights(few, exact=False, directions=RAYS) - truth).max()),
+    }
+    sinew_native.limit_threads(threads)
+    works = alternate(
+        {
+            "exact": Work(lambda: weights(points)),
+            "rays": Work(lambda: weights(points, exact=False, directions=RAYS)),
+        }
+    )
+    sinew_native.limit_threads(0)
+    exact, rays = (works[name].median / len(points) for name in ("exact", "rays"))
+    rows = [
+        {"work": "positive_rays", "unit": "s", "ours": exact, "peer": rays},
+        {"work": "positive_point", "unit": "s", "ours": exact, "peer": 200e-6},
+        {"work": "positive_error", "unit": "", **errors},
+    ]
+    return [{"threads": threads, **row} for row in rows]
