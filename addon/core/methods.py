@@ -155,6 +155,25 @@ CAGE_PARAMETERS = (
     ),
 )
 
+OUTSIDE_REFUSED = Choice(
+    "outside",
+    "error",
+    (
+        ("error", "Refuse", "Vertices outside the cage are named, and nothing moves until they are inside"),
+        ("mean_value", "Mean Value", "Vertices outside the cage follow it by mean value coordinates"),
+    ),
+    rebinds=True,
+    label="Outside",
+    description="What becomes of vertices outside the cage",
+)
+
+QUALITIES = (
+    ("fast", "Fast", "Some hundredths of a second for 150 faces; weights to a fiftieth"),
+    ("medium", "Medium", "Some tenths of a second for 150 faces; weights to a two-hundredth"),
+    ("fine", "Fine", "A second or two for 150 faces"),
+    ("finest", "Finest", "A minute and a gigabyte; for references"),
+)
+
 METHODS: tuple[Method, ...] = (
     Method(
         id="thin_shell",
@@ -280,6 +299,90 @@ METHODS: tuple[Method, ...] = (
         paper="Ju, Schaefer & Warren 2005",
         summary="Any points, inside the cage or outside; limbs that lie side by side pull at each other",
         parameters=CAGE_PARAMETERS,
+    ),
+    Method(
+        id="positive_mean_value",
+        number=4,
+        label="Positive Mean Value Cage",
+        family=Family.SPACE_LINEAR,
+        control=Control.CAGE,
+        native="PositiveMeanValue",
+        section="5.4",
+        paper="Lipman, Kopf, Cohen-Or & Levin 2007",
+        summary="Each point follows what it sees of the cage, so limbs do not pull at each other",
+        parameters=(
+            Bool(
+                "exact",
+                True,
+                rebinds=True,
+                label="Exact",
+                description="Off, what is seen is guessed by rays: a quicker preview that is a little rough",
+            ),
+            Int(
+                "directions",
+                1024,
+                minimum=8,
+                maximum=65536,
+                soft_maximum=4096,
+                rebinds=True,
+                label="Rays",
+                description="How many rays a point has where the weights are not exact",
+            ),
+            OUTSIDE_REFUSED,
+            *CAGE_PARAMETERS,
+        ),
+    ),
+    Method(
+        id="harmonic",
+        number=5,
+        label="Harmonic Cage",
+        family=Family.SPACE_LINEAR,
+        control=Control.CAGE,
+        native="Harmonic",
+        section="5.4",
+        paper="Joshi, Meyer, DeRose, Green & Sanocki 2007",
+        summary="Influence flows inside the cage, along limbs and never across gaps; smooth inside",
+        parameters=(
+            Choice(
+                "quality",
+                "medium",
+                QUALITIES,
+                rebinds=True,
+                label="Quality",
+                description="How exactly the weights are computed, once, at bind",
+            ),
+            OUTSIDE_REFUSED,
+            *CAGE_PARAMETERS,
+        ),
+    ),
+    Method(
+        id="green",
+        number=6,
+        label="Green Cage",
+        family=Family.SPACE_LINEAR,
+        control=Control.CAGE,
+        native="Green",
+        section="5.4",
+        paper="Lipman, Levin & Cohen-Or 2008",
+        summary="Keeps shapes: parts turn instead of shearing, and bulge out of the cage a little",
+        parameters=(
+            Choice(
+                "outside",
+                "nearest",
+                (
+                    ("nearest", "Nearest Face", "Each vertex outside follows through the nearest face"),
+                    (
+                        "error",
+                        "Refuse",
+                        "Vertices outside are named, and nothing moves until they are inside",
+                    ),
+                ),
+                rebinds=True,
+                label="Outside",
+                description="What becomes of vertices outside the cage",
+            ),
+            *CAGE_PARAMETERS,
+        ),
     ),
 )
 

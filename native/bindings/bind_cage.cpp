@@ -149,7 +149,7 @@ O(points x triangles).)")
                  options.outside = choose<GreenOutside>(outside, "outside",
                                                         {{"nearest", GreenOutside::nearest},
                                                          {"face", GreenOutside::face},
-                                                         {"refuse", GreenOutside::refuse}});
+                                                         {"error", GreenOutside::refuse}});
                  options.exit_face = exit_face;
                  const py::gil_scoped_release unlocked;
                  return std::make_unique<Green>(Cage(cage), options);
@@ -161,7 +161,7 @@ precision  of the weights kept: 'single' (half the memory and time of a warp) or
 threshold  weights of a smaller magnitude are dropped, the others changed so that their sum stays,
            and stored sparsely; 0 keeps all, densely.
 outside    what becomes of points outside: continued through the 'nearest' triangle, through one 'face', or
-           'refuse'.
+           an 'error' that names them.
 exit_face  of the cage, for outside='face'.
 
 Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)")

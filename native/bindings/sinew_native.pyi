@@ -204,7 +204,7 @@ class Green(CageCoordinates):
         *,
         precision: Literal["single", "double"] = "single",
         threshold: float = 0.0,
-        outside: Literal["nearest", "face", "refuse"] = "nearest",
+        outside: Literal["nearest", "face", "error"] = "nearest",
         exit_face: int = -1,
     ) -> None: ...
     @property

@@ -226,7 +226,7 @@ def test_what_does_not_fit_is_refused(method) -> None:
 def test_green_says_what_it_does_outside() -> None:
     cage = sn.SurfaceMesh(CUBE, QUADS)
     with pytest.raises(sn.InvalidConstraint, match="outside") as error:
-        sn.Green(cage, outside="refuse").bind([[0.5, 0.5, 0.5], [2, 2, 2]])
+        sn.Green(cage, outside="error").bind([[0.5, 0.5, 0.5], [2, 2, 2]])
     assert error.value.elements == [1]
     with pytest.raises(sn.InvalidOption, match="exit face 7"):
         sn.Green(cage, outside="face", exit_face=7)
