@@ -29,7 +29,7 @@ class Parameter:
     """A value the artist may set.
 
     ``rebinds``: a keyword of the native constructor, a change makes a new factor; without it, a keyword of
-    ``solve``.
+    ``solve``. ``advanced``: seldom changed, so the panel shows it further down.
     """
 
     id: str
@@ -46,6 +46,7 @@ class Float(Parameter):
     precision: int = 3
     paintable: bool = False
     rebinds: bool = False
+    advanced: bool = False
     label: str = ""
     description: str = ""
 
@@ -77,6 +78,7 @@ class Choice(Parameter):
 
     items: tuple[tuple[str, str, str], ...] = ()
     rebinds: bool = False
+    advanced: bool = False
     label: str = ""
     description: str = ""
 
@@ -141,6 +143,7 @@ CAGE_PARAMETERS = (
         soft_maximum=0.01,
         precision=5,
         rebinds=True,
+        advanced=True,
         label="Sparse Threshold",
         description="Leave out smaller weights, so that each point follows the near part of the cage "
         "alone: faster, less exact. 0 keeps all",
@@ -150,6 +153,7 @@ CAGE_PARAMETERS = (
         "single",
         PRECISIONS,
         rebinds=True,
+        advanced=True,
         label="Precision",
         description="How exactly the weights are kept",
     ),

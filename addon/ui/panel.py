@@ -44,9 +44,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
         _draw_deformers(layout, obj)
         draw_error(context, layout, deformer)
         _draw_method(layout, obj, deformer)
-        if deformer.definition.control is Control.CAGE:
-            _draw_cage(layout, deformer)
-        else:
+        if deformer.definition.control is Control.HANDLES:
             _draw_handles(context, layout, obj, deformer)
         _draw_influence(layout, obj, deformer)
         draw_status(context, layout, deformer)
@@ -106,7 +104,7 @@ class SINEW_PT_advanced(_ActiveDeformerPanel, Panel):
         layout = _split(self.layout)
         layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
         for parameter in deformer.definition.parameters:
-            if _is_budget(deformer, parameter):
+            if _is_advanced(deformer, parameter):
                 layout.prop(deformer.parameters, parameter.id)
         layout.column(heading="Render").prop(context.scene.render, "use_lock_interface")
 
@@ -123,9 +121,9 @@ def _split(layout: UILayout) -> UILayout:
     return layout
 
 
-def _is_budget(deformer: SinewDeformer, parameter: Parameter) -> bool:
-    """How far an iterative method goes, not which shape it seeks."""
-    return deformer.definition.iterative and not parameter.rebinds
+def _is_advanced(deformer: SinewDeformer, parameter: Parameter) -> bool:
+    """Also how far an iterative method goes, not which shape it seeks."""
+    return getattr(parameter, "advanced", False) or (deformer.definition.iterative and not parameter.rebinds)
 
 
 def _draw_start(context: Context, layout: UILayout, obj: Object) -> None:
@@ -166,9 +164,11 @@ def _draw_move(side: UILayout, operator: str) -> None:
 
 def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     layout.prop(deformer, "method", text="")
+    if deformer.definition.control is Control.CAGE:
+        _draw_cage(layout, deformer)
     settings = _split(layout.column())
     for parameter in deformer.definition.parameters:
-        if _is_budget(deformer, parameter):
+        if _is_advanced(deformer, parameter):
             continue
         row = settings.row(align=True)
         row.prop(deformer.parameters, parameter.id)
