@@ -120,6 +120,35 @@ def let_regions_overlap(plate: Rig) -> None:
         bpy.ops.sinew.bind()
 
 
+def add_box(plate: Rig, inside_out: bool = False) -> None:
+    """A cube around the plate, wherever the pose takes that."""
+    bpy.ops.mesh.primitive_cube_add(size=6.0)
+    bpy.context.object.name = "Cage"
+    if inside_out:
+        bpy.context.object.data.flip_normals()
+    make_active(plate.obj)
+
+
+def cage_it(plate: Rig, inside_out: bool = False) -> None:
+    """Behind the deformer with handles, which stays the active one."""
+    add_box(plate, inside_out)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage="Cage")
+    make_active(plate.obj)
+    plate.obj.sinew.active_deformer = 0
+
+
+def on_cage(operator: str, **keywords) -> None:
+    bpy.context.object.sinew.active_deformer = 1
+    run(operator, **keywords)
+    bpy.context.object.sinew.active_deformer = 0
+
+
+def add_cage() -> None:
+    target = bpy.context.object
+    run("cage_add", source="OBJECT", cage="Cage")
+    target.sinew.active_deformer = 0
+
+
 def bake_keys() -> None:
     run("bake", target="SHAPE_KEYS", frame_start=1, frame_end=2)
 
@@ -140,6 +169,9 @@ OPERATORS = {
     "deformer_move": Case(
         lambda: run("deformer_move", direction="DOWN", index=0), unchanged, add_empty_deformer
     ),
+    "cage_add": Case(add_cage, unchanged, add_box),
+    "cage_set_rest": Case(lambda: on_cage("cage_set_rest"), unchanged, cage_it),
+    "cage_flip": Case(lambda: on_cage("cage_flip"), unchanged, lambda plate: cage_it(plate, True)),
     "handle_add": Case(
         lambda: run("handle_add", kind="FIXED", vertex_group="Middle"), with_a_fixed_middle, add_middle
     ),

@@ -380,6 +380,6 @@ def test_drawing_never_writes(room):
 DRAWN = {
     *("active", "alert", "alignment", "emboss", "enabled", "operator_context", "ui_units_x"),
     *("use_property_split", "use_property_decorate"),
-    *("kind", "vertex_group", "control", "index", "line", "page", "direction", "as_shape_key"),
+    *("kind", "vertex_group", "control", "source", "index", "line", "page", "direction", "as_shape_key"),
     *("bl_space_type", "bl_region_type", "bl_context", "bl_category", "bl_options", "bl_parent_id"),
 }
