@@ -322,9 +322,10 @@ private:
 #ifdef __GLIBC__
             malloc_trim(0); // what ordering and analysis took is no longer needed, and the factor is large
 #endif
-            factor_->x = cholmod_malloc(factor_->xsize, sizeof(double), common);
+            factor_->x = cholmod_malloc(factor_->xsize + SupernodalFactor::padding, sizeof(double), common);
             if (!factor_->x)
                 refuse(common->status);
+            std::fill_n(static_cast<double*>(factor_->x) + factor_->xsize, SupernodalFactor::padding, 0.0);
             factor_->xtype = CHOLMOD_REAL;
             ask_for_large_pages(factor_->x, factor_->xsize * sizeof(double));
         }

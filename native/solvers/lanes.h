@@ -11,7 +11,7 @@ constexpr int lane_count = 4;
 /// A supernode of a Cholesky factor as SupernodalSolve prepares it: `values` is column-major, `height`
 /// numbers a column, its first `width` rows the triangle of its own columns. In blocks of triangle_width
 /// columns stands the inverse of each triangle: its diagonal in `diagonal`, its strict part transposed above
-/// that of `values`. Seven numbers past a column may be read, so another one follows wherever width < height.
+/// that of `values`. Seven numbers past a column are read and must be finite.
 template <class T>
 struct LaneSupernode
 {

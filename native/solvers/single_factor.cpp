@@ -79,8 +79,8 @@ void SingleFactor::factorize(const SparseMatrix& matrix, const std::vector<int>&
     row_begin_.assign(f->row_begin, f->row_begin + f->supernodes + 1);
     block_begin_.assign(f->block_begin, f->block_begin + f->supernodes + 1);
     rows_.assign(f->rows, f->rows + row_begin_.back());
-    values_.resize(block_begin_.back());
-    std::transform(f->values, f->values + values_.size(), values_.begin(),
+    values_.assign(block_begin_.back() + f->padding, 0.0f);
+    std::transform(f->values, f->values + block_begin_.back(), values_.begin(),
                    [](double value) { return static_cast<float>(value); });
     supernodal_ = std::make_unique<SupernodalSolve<float>>(BasicSupernodalFactor<float>{
         .size = size_,

@@ -9,9 +9,12 @@ namespace sinew {
 ///
 /// Supernode s has columns [first[s], first[s + 1]) and the rows rows[row_begin[s], row_begin[s + 1]), its
 /// own columns first, ascending; its values stand column-major at values + block_begin[s], one row a line.
+/// `padding` finite numbers stand behind the last value: whoever reads several rows at once reads past it.
 template <class T>
 struct BasicSupernodalFactor
 {
+    static constexpr int padding = 8;
+
     int size = 0;
     int supernodes = 0;
     const int* permutation = nullptr; ///< (size) unknown of each position

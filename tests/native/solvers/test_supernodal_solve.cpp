@@ -55,6 +55,7 @@ struct Example
             row_begin.push_back(static_cast<int>(rows.size()));
             block_begin.push_back(static_cast<int>(values.size()));
         }
+        values.resize(values.size() + SupernodalFactor::padding, 12345.0);
         permutation.resize(n);
         for (int i = 0; i < n; ++i)
             permutation[i] = i;
