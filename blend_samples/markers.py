@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands for the controls in a picture: orange pins on handles, blue pads under what is fixed."""
+"""What stands for the controls in a picture: orange pins, orange edges of cages, blue pads under what is fixed."""
 
 from __future__ import annotations
 
@@ -29,6 +29,20 @@ def add_pin(
             rotation=(end - start).to_track_quat("Z", "Y").to_euler(),
         )
         carry(bpy.context.object, control, f"{control.name} Stem", material)
+
+
+def add_cage_edges(cage: bpy.types.Object, thickness: float) -> None:
+    """The edges of a cage: a twin that shares its mesh, and so its poses, with a Wireframe on top."""
+    if not cage.data.materials:
+        cage.data.materials.append(plain_material("Handle", HANDLE_COLOUR, roughness=0.3))
+    edges = cage.copy()
+    edges.name = f"{cage.name} Edges"
+    bpy.context.scene.collection.objects.link(edges)
+    frame = edges.modifiers.new("Wireframe", "WIREFRAME")
+    frame.thickness, frame.use_even_offset, frame.use_boundary = thickness, False, False
+    edges.hide_render, edges.hide_select, edges.display_type = False, True, "SOLID"
+    edges.visible_shadow = False
+    edges.hide_set(True)  # the cage itself is there to be edited
 
 
 def carry(

@@ -64,6 +64,43 @@ def add_region(obj: bpy.types.Object, kind: str, group: str, **control: str) -> 
     return obj.sinew.deformers[-1].handles[-1]
 
 
+def add_cage(obj: bpy.types.Object, method: str, **options: float | str | bool) -> bpy.types.Object:
+    """The cage of a new deformer: an automatic one, or with ``source="OBJECT"`` the one that is named."""
+    progress(f"a cage around {obj.name}, {method}")
+    make_active(obj)
+    expect(bpy.ops.sinew.cage_add(method=method, **options), f"{obj.name}: cage_add({method!r})")
+    return obj.sinew.deformers[-1].cage
+
+
+def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bpy.types.Object:
+    """A cage of the same mesh around another object, so that both take every pose together."""
+    twin = cage.copy()
+    twin.name, twin.parent = f"{obj.name} Cage", obj
+    bpy.context.scene.collection.objects.link(twin)
+    bpy.context.view_layer.update()
+    return add_cage(obj, method, source="OBJECT", cage=twin.name)
+
+
+def add_pose(
+    cage: bpy.types.Object, name: str, points: np.ndarray, values: Mapping[int, float]
+) -> bpy.types.ShapeKey:
+    """A shape key of the cage with its vertices at ``points`` (c, 3), as strong at each frame as ``values``."""
+    if cage.data.shape_keys is None:
+        cage.shape_key_add(name="Rest")
+    key = cage.shape_key_add(name=name)
+    key.data.foreach_set("co", np.asarray(points, np.float32).ravel())
+    for frame, value in values.items():
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    return key
+
+
+def blended(move: Move, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Points (n, 3), each moved as far as its weight says."""
+    matrix = np.array(move.matrix())
+    return points + weights[:, None] * (points @ matrix[:3, :3].T + matrix[:3, 3] - points)
+
+
 def expect(result: set[str], what: str) -> None:
     if result != {"FINISHED"}:
         raise SampleError(f"{what} answered {result}")
@@ -87,6 +124,13 @@ def animate(
         control.keyframe_insert("location", frame=frame)
         control.keyframe_insert("rotation_quaternion", frame=frame)
         previous = control.rotation_quaternion.copy()
+
+
+def vertices(obj: bpy.types.Object) -> np.ndarray:
+    """The vertices (n, 3) as they are stored, object space."""
+    points = np.empty(3 * len(obj.data.vertices), np.float32)
+    obj.data.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
 
 
 def shape(obj: bpy.types.Object) -> np.ndarray:

@@ -47,13 +47,15 @@ def hide_material() -> bpy.types.Material:
     return materials.patched_material("Hide", (0.80, 0.74, 0.66), patches, roughness=0.5)
 
 
+def bead_material() -> bpy.types.Material:
+    return materials.plain_material("Bead", (0.005, 0.004, 0.004), roughness=0.06, specular=0.6)
+
+
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Spot")
     first = spot.build()
     first.data.materials.append(hide_material())
-    first.data.materials.append(
-        materials.plain_material("Bead", (0.005, 0.004, 0.004), roughness=0.06, specular=0.6)
-    )
+    first.data.materials.append(bead_material())
     cows = {"Rest": first, "As-Rigid-As-Possible": first.copy()}
     for k, (label, cow) in enumerate(cows.items()):
         cow.name = f"Spot {label}"

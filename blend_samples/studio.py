@@ -191,9 +191,10 @@ def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None
     scene.frame_set(frame)
     for other in scene.objects:
         other.select_set(False)
-    for handle in posed.sinew.deformers[0].handles[:1]:
-        if handle.control:
-            handle.control.select_set(True)
+    deformer = posed.sinew.deformers[0]
+    for control in (deformer.cage, *(handle.control for handle in deformer.handles[:1])):
+        if control:
+            control.select_set(True)
     bpy.context.view_layer.objects.active = posed
     for screen in bpy.data.screens:
         for space in (area.spaces.active for area in screen.areas if area.type == "VIEW_3D"):

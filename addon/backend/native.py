@@ -2,7 +2,7 @@
 """Native calls with their errors translated. No other room names a native class."""
 
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -126,6 +126,15 @@ class Factor:
         finally:
             with self._lock:
                 self._solves -= 1
+
+    def influence(self, vertices: Sequence[int]) -> np.ndarray:
+        """(n,) float64: how far each point goes with some vertices of the cage, 1 where all the way."""
+        with self._lock:
+            solver = self._solver
+        if solver is None:
+            raise CancelledError("The mesh is bound anew")
+        with _translated(self._native):
+            return solver.influence(vertices)
 
     @property
     def is_spent(self) -> bool:

@@ -124,6 +124,10 @@ class _Warp:
             np.add(positions, incoming - self._rest, out=positions, casting="same_kind")
         return positions, None
 
+    def influence(self, vertices: Sequence[int]) -> np.ndarray:
+        """(n,) how far each point goes with these vertices of the cage."""
+        return self._coordinates.influence(vertices)
+
 
 def _same(a: object, b: object) -> bool:
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):

@@ -12,6 +12,9 @@ from ..core.errors import SinewError
 from ..properties import SinewDeformer, deformers_of
 
 
+_NOT_YET_MESHES = ("CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "LATTICE")
+
+
 def target_of(context: Context) -> Object | None:
     """The mesh object at hand."""
     obj = context.object
@@ -31,11 +34,22 @@ def _posed_with(context: Context, armature: Object) -> Object | None:
     return meshes[0] if len(meshes) == 1 else None
 
 
+def no_mesh(context: Context) -> tuple[str, bool]:
+    """What to do where there is no mesh object at hand, and whether Convert to Mesh does it."""
+    obj = context.object
+    if obj is None or obj.type not in _NOT_YET_MESHES:
+        return "Select a mesh object, or a control of one", False
+    kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
+    if obj.type == "LATTICE":
+        return f"{obj.name} is a lattice, Sinew moves meshes - select the mesh that it moves", False
+    return f"{obj.name} is a {kind} object, Sinew moves meshes - convert it to one", True
+
+
 def has_target(operator: type, context: Context) -> bool:
     """A poll: an editable mesh object is at hand."""
     obj = target_of(context)
     if obj is None:
-        operator.poll_message_set("Select a mesh object, or a control of one")
+        operator.poll_message_set(no_mesh(context)[0])
         return False
     if obj.library is not None:
         operator.poll_message_set("This object is linked - make a library override first")

@@ -117,8 +117,8 @@ class SinewDeformer(PropertyGroup):
     auto_rebind: BoolProperty(
         name="Automatic Rebind",
         override=_OVERRIDE,
-        description="Bind again by itself when the mesh gains or loses vertices. "
-        "The regions are vertex groups, so they follow",
+        description="Bind again by itself when the mesh, or its cage, gains or loses vertices. "
+        "The regions are vertex groups, so they follow; the cage rests as it is then",
     )
     topology_changed: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
     proxy: PointerProperty(type=Object, options={"HIDDEN"}, override=_OVERRIDE)

@@ -116,6 +116,14 @@ def _vertices(cage: Object, depsgraph: Depsgraph) -> np.ndarray:
         return np.zeros((0, 3), dtype=np.float32) if mesh is None else read_positions(mesh)
 
 
+def has_other_vertices(deformer: SinewDeformer) -> bool:
+    """The cage gained or lost vertices since it was bound."""
+    if deformer.cage_missing or not isinstance(deformer.cage_rest, Mesh):
+        return False
+    found = _vertices(deformer.cage, bpy.context.evaluated_depsgraph_get())
+    return len(found) != len(deformer.cage_rest.vertices)
+
+
 def set_rest(obj: Object, deformer: SinewDeformer) -> None:
     """The cage rests where it is, unless it has a rest already."""
     if deformer.cage is not None and not isinstance(deformer.cage_rest, Mesh):

@@ -11,7 +11,7 @@ from bpy.types import Mesh, Object
 from ..backend import Progress
 from ..core import frames, status
 from ..core.errors import ConstraintError, SinewError
-from ..core.methods import BY_ID
+from ..core.methods import BY_ID, Control
 from ..core.status import Level, Status
 from ..mesh_io import RestShape, group_names, group_weights, read_rest
 from ..preferences import preferences
@@ -27,8 +27,10 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     deformer = obj.sinew.deformers.add()
     deformer.complete()
     deformer.uid = rig.new_key()
+    row = BY_ID[method]  # the coordinates of a cage are tried one after the other, so they are not its name
+    label = Control.CAGE.value if row.control is Control.CAGE else row.label
     deformer.name = name or _unique(
-        BY_ID[method].label, [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
+        label, [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
     )
     deformer.method = method
     deformer.auto_rebind = preferences(bpy.context).auto_rebind

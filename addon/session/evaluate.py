@@ -190,6 +190,8 @@ def _take(turn: Turn) -> Chain:
 def _refuse(turn: Turn, error: SinewError) -> Chain:
     if turn.in_viewport:
         status.fail(turn.deformer.uid, error)
+        if turn.deformer.auto_rebind and error.remedy is Remedy.CAGE_REST:
+            state.edited(turn.obj.name)
     else:
         turn.note(f"In the render: {error}")
     if isinstance(error, BackendMissingError):

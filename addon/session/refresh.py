@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""After an edit of the mesh: painted weights take effect, and lost or new vertices are noticed.
+"""After an edit of the mesh or its cage: painted weights take effect, lost or new vertices are noticed.
 
 Main thread only: this makes datablocks. It runs when the edits pause, never while one is under way.
 """
@@ -14,7 +14,7 @@ from ..compat import read_positions, write_positions
 from ..core.errors import SinewError
 from ..mesh_io import read_rest, same_topology
 from ..properties import SinewDeformer
-from . import capture, edit, regions, rig, state
+from . import by_cage, capture, edit, regions, rig, state
 
 _BUSY_MODES = ("EDIT", "SCULPT")  # meshes under the knife: looked at when the user leaves
 
@@ -26,7 +26,7 @@ def refresh() -> bool:
         obj = bpy.data.objects.get(name)
         if obj is None or obj.library is not None:
             continue
-        if obj.mode in _BUSY_MODES:
+        if _is_busy(obj):
             waiting.append(name)
             continue
         for deformer in obj.sinew.deformers:
@@ -38,8 +38,18 @@ def refresh() -> bool:
     return changed
 
 
+def _is_busy(obj: Object) -> bool:
+    cages = [deformer.cage for deformer in obj.sinew.deformers if deformer.auto_rebind and deformer.cage]
+    return any(edited.mode in _BUSY_MODES for edited in (obj, *cages))
+
+
 @state.suspended()
 def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
+    if deformer.auto_rebind and by_cage.has_other_vertices(deformer):
+        with suppress(SinewError):  # the status says why
+            by_cage.take_rest(obj, deformer)
+            edit.bind(obj, deformer, wait=False)
+        return True
     regions.follow_renamed_groups(obj, deformer)
     try:
         meshes = capture.rest_meshes(obj, deformer)

@@ -6,12 +6,14 @@ Computed when asked for, kept until the factor or the shape is another. Main thr
 
 from dataclasses import dataclass, field
 
+import bmesh
 import numpy as np
 from bpy.types import Object
 
 from ..compat import read_triangles
 from ..core import distortion
 from ..core.distortion import Measure, RestMetric
+from ..core.methods import Control
 from ..mesh_io import RestShape, group_names, group_weights
 from ..properties import SinewDeformer
 from . import state
@@ -47,6 +49,15 @@ class Distortion:
     def largest(self) -> float:
         """The ratio of the worst vertex."""
         return float(self.values[self.worst])
+
+
+@dataclass(frozen=True)
+class Influence:
+    """The sum (n,) of the weights of some cage ``vertices``; the vertices ``outside`` the cage."""
+
+    vertices: tuple[int, ...]
+    values: np.ndarray
+    outside: np.ndarray
 
 
 @dataclass
@@ -116,6 +127,31 @@ def measure(obj: Object, deformer: SinewDeformer, kind: Measure) -> Distortion |
     values = distortion.at_vertices(kept.metric, ratios)
     kept.distortion = Distortion(result.source, kind, values, distortion.worst(values))
     return kept.distortion
+
+
+def chosen(deformer: SinewDeformer) -> tuple[int, ...]:
+    """The vertices selected on the cage of the deformer, in Edit Mode or before it was left."""
+    cage = deformer.cage
+    if cage is None or cage.type != "MESH":
+        return ()
+    if cage.mode == "EDIT":
+        return tuple(vertex.index for vertex in bmesh.from_edit_mesh(cage.data).verts if vertex.select)
+    selected = np.empty(len(cage.data.vertices), dtype=bool)
+    cage.data.vertices.foreach_get("select", selected)
+    return tuple(np.flatnonzero(selected).tolist())
+
+
+def influence(deformer: SinewDeformer) -> Influence | None:
+    """How far each vertex goes with those selected on the cage; None without a bound cage.
+
+    Modifiers of the cage keep the numbers of its own vertices, or add others after them.
+    """
+    session = state.find(deformer.uid)
+    if session is None or session.bound is None or deformer.definition.control is not Control.CAGE:
+        return None
+    factor = session.bound.factor
+    vertices = tuple(v for v in chosen(deformer) if v < len(factor.recipe.cage_points))
+    return Influence(vertices, factor.influence(vertices), factor.report.outside)
 
 
 def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | None:

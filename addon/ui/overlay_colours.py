@@ -78,6 +78,20 @@ def field(values: np.ndarray, opacity: float) -> np.ndarray:
     return _covered(scale(share), opacity * (_FAINT_FIELD + (1.0 - _FAINT_FIELD) * share))
 
 
+def influence(
+    values: np.ndarray, opposed: Colour, lost: Colour, outside: np.ndarray, opacity: float
+) -> np.ndarray:
+    """Weights (n,): from 0 to 1 as a field; negative ones in the ``opposed`` colour, full at -0.25.
+
+    Vertices ``outside`` the cage (indices) are ``lost``.
+    """
+    painted = field(values, opacity)
+    against = np.clip(-4.0 * values, 0.0, 1.0)[:, None]
+    painted += against * (opacity * np.array((*opposed, 1.0), dtype=np.float32) - painted)
+    painted[outside] = opacity * np.array((*lost, 1.0), dtype=np.float32)
+    return painted.astype(np.float32)
+
+
 def scale(share: np.ndarray) -> np.ndarray:
     """The colours (n, 3) of shares (n,) from 0 to 1."""
     at = np.linspace(0.0, 1.0, len(_SCALE))

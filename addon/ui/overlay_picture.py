@@ -127,6 +127,8 @@ def _subject(deformer: SinewDeformer, look: Look) -> tuple:
     if look.overlay == "WEIGHT":
         handle = _active(deformer)
         return () if handle is None else (handle.uid, handle.name, handle.weight)
+    if look.overlay == "CAGE":
+        return result.chosen(deformer)
     if look.overlay == "PARAMETER":
         parameter = shown_parameter(deformer, look.parameter)
         return () if parameter is None else (parameter.id, *_painted_by(deformer, parameter))
@@ -152,6 +154,7 @@ def _paint(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> t
         "WEIGHT": _weight,
         "PARAMETER": _parameter,
         "MASK": _mask,
+        "CAGE": _cage,
         "DISTORTION": _distortion,
     }[look.overlay](obj, deformer, look, shape)
 
@@ -219,6 +222,22 @@ def _mask(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tu
     note = f"Painted by {deformer.mask_group}" if mask is not None else "No mask: shown everywhere"
     values = np.ones(len(shape.points), dtype=np.float32) if mask is None else mask
     return colours.field(values, look.opacity), colours.field_legend("Mask", note=note)
+
+
+def _cage(_obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+    found = result.influence(deformer)
+    if found is None:
+        bare = np.zeros((len(shape.points), 4), dtype=np.float32)
+        return bare, Legend("Cage Weight", note=f"{deformer.definition.label} has no cage")
+    count = len(found.vertices)
+    title = f"Weight of cage vertex {found.vertices[0]:,}" if count == 1 else f"Weight of {count:,} cage vertices"
+    painted = colours.influence(found.values, look.compressed, look.stretched, found.outside, look.opacity)
+    notes = [
+        "Select vertices of the cage" if count == 0 else "",
+        f"Against it down to {found.values.min():.2g}" if found.values.min() < -0.005 else "",
+        f"{len(found.outside):,} outside the cage" if len(found.outside) else "",
+    ]
+    return painted, colours.field_legend(title, note=", ".join(filter(None, notes)))
 
 
 def _distortion(

@@ -8,7 +8,7 @@ from ..backend import availability
 from ..core.methods import Control, Parameter, group_property
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
-from ..operators import target_of
+from ..operators import no_mesh, target_of
 from ..properties import SinewDeformer
 from .places import ROOT, SidebarPanel
 from .status_box import NATIVE_MISSING, draw_error, draw_message, draw_status
@@ -32,7 +32,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
         layout = self.layout
         obj = target_of(context)
         if obj is None:
-            layout.label(text="Select a mesh object", icon="INFO")
+            _draw_no_mesh(context, layout)
             return
         if obj.library is not None:
             draw_message(context, layout, Status(Level.INFO, LINKED, remedy=Remedy.OVERRIDE))
@@ -124,6 +124,13 @@ def _split(layout: UILayout) -> UILayout:
 def _is_advanced(deformer: SinewDeformer, parameter: Parameter) -> bool:
     """Also how far an iterative method goes, not which shape it seeks."""
     return getattr(parameter, "advanced", False) or (deformer.definition.iterative and not parameter.rebinds)
+
+
+def _draw_no_mesh(context: Context, layout: UILayout) -> None:
+    text, convertible = no_mesh(context)
+    draw_text(context, layout, text, "INFO")
+    if convertible:
+        layout.operator("object.convert", text="Convert to Mesh", icon="OUTLINER_OB_MESH").target = "MESH"
 
 
 def _draw_start(context: Context, layout: UILayout, obj: Object) -> None:

@@ -9,6 +9,8 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
+
 namespace sinew::bindings {
 
 namespace {
@@ -128,6 +130,24 @@ out          None, or a C-contiguous (n, 3) float32 or float64 array to write in
 The rest cage gives the rest points back to the last bit.
 
 Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or before bind().)")
+        .def(
+            "influence",
+            [](const CageCoordinates& coordinates, std::vector<int> vertices) {
+                std::sort(vertices.begin(), vertices.end());
+                vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+                const int count = coordinates.cage().vertex_count();
+                for (int vertex : vertices)
+                    if (vertex < 0 || vertex >= count)
+                        throw InvalidConstraint("vertices: the cage has no vertex " + std::to_string(vertex),
+                                                Error::Element::vertex, {vertex});
+                return coordinates.weights().sum(vertices);
+            },
+            py::arg("vertices"),
+            R"(How far each point goes with some vertices of the cage -> (n,) the sum of their weights.
+
+vertices  indices; one that comes twice counts once. Cost: O(points x vertices), sparse O(weights).
+
+Raises InvalidConstraint for an index that the cage does not have.)")
         .def_property_readonly(
             "vertex_weights",
             [](const CageCoordinates& coordinates) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a frame, a bind and an edit cost in Blender, next to Blender's own Laplacian Deform.
+"""What a frame, a bind and an edit cost in Blender, next to Blender's Laplacian Deform and Mesh Deform.
 
     blender -b --factory-startup -P tests/benchmarks/blender_frame.py -- [ROW ...] [--json FILE]
 
@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
+import bmesh
 import bpy
 import numpy as np
 from mathutils import Matrix
@@ -33,6 +34,7 @@ ADDON = enable()
 SIDE = 316  # vertices along a side: 99,856
 LARGE_SIDE = 1000
 BORDER = 0.95  # of [-1, 1]: what lies beyond is held
+CAGE_CUTS = 6
 PATCH = 10  # vertices along a side of the handle that is added later
 
 
@@ -302,6 +304,42 @@ def frame(method: str, repeat: int, drag: bool = False, goal: float = 0.0) -> di
     return {**found, "ratio": found["peer_ms"] / found["ours_ms"], "goal": goal}
 
 
+def box_around(obj: bpy.types.Object) -> bpy.types.Object:
+    """A closed cage of 296 vertices around the plate."""
+    mesh = bpy.data.meshes.new("Cage")
+    made = bmesh.new()
+    bmesh.ops.create_cube(made, size=2.0, matrix=Matrix.Diagonal((1.1, 1.1, 0.3, 1.0)))
+    bmesh.ops.subdivide_edges(made, edges=made.edges[:], cuts=CAGE_CUTS, use_grid_fill=True)
+    made.to_mesh(mesh)
+    made.free()
+    cage = bpy.data.objects.new("Cage", mesh)
+    bpy.context.scene.collection.objects.link(cage)
+    update()
+    return cage
+
+
+def cage_frame(method: str) -> dict[str, object]:
+    """A whole frame of a cage next to Mesh Deform's."""
+    obj = plate(SIDE)
+    peer, _control = peer_of(obj)
+    cage, other = box_around(obj), box_around(obj)
+    make_active(obj)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method)
+    modifier = peer.modifiers.new("Mesh Deform", "MESH_DEFORM")
+    modifier.object, modifier.precision = other, 5
+    with bpy.context.temp_override(object=peer, active_object=peer):
+        bpy.ops.object.meshdeform_bind(modifier=modifier.name)
+    update()
+    if not modifier.is_bound:
+        raise RuntimeError("Mesh Deform is not bound")
+    ours, theirs = Frames(obj, cage), Frames(peer, other)
+    found = medians({"ours": ours, "peer": theirs}, 21)
+    if min(ours.moved(), theirs.moved()) < 0.1:
+        raise RuntimeError("nothing moved")
+    found["cage_vertices"] = len(cage.data.vertices)
+    return {**found, "ratio": found["peer_ms"] / found["ours_ms"], "goal": 1.0}
+
+
 def overhead(method: str, rounds: int, drag: bool = False) -> dict[str, object]:
     """All of a frame but the native solve, next to a bare write and one evaluation."""
     obj = plate(SIDE)
@@ -401,6 +439,7 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
 ROWS: dict[str, Callable[[], dict[str, object]]] = {
     "frame thin_shell": lambda: frame("thin_shell", 1, goal=20.0),
     "frame arap": lambda: frame("arap", 3, goal=8.0),
+    "frame cage": lambda: cage_frame("mean_value"),
     "drag arap": lambda: frame("arap", 3, drag=True, goal=8.0),
     "overhead thin_shell": lambda: overhead("thin_shell", 101),
     "overhead drag arap": lambda: overhead("arap", 31, drag=True),

@@ -170,6 +170,21 @@ def test_a_cage_with_other_vertices_is_refused_and_can_rest_anew(caged):
     assert np.abs(evaluated_points(target) - base_points(target) - (0.0, 0.0, 0.4)).max() < FLOAT32
 
 
+def test_automatic_rebind_takes_a_cage_with_other_vertices_for_its_rest(room, caged):
+    target, cage = target_and_cage(caged)
+    target.sinew.active.auto_rebind = True
+    make_active(cage)
+    cage.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    update()
+    room("session").refresh()
+    update()
+    deformer = target.sinew.active
+    assert deformer.status_level == "INFO", deformer.status
+    assert "cage of 26" in deformer.status
+    cage.location.z = 0.4
+    assert np.abs(evaluated_points(target) - base_points(target) - (0.0, 0.0, 0.4)).max() < FLOAT32
+
+
 @pytest.mark.parametrize(
     ("spoil", "said"),
     [

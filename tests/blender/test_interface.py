@@ -104,6 +104,23 @@ def test_without_a_mesh_the_tab_says_what_to_select():
     assert not sheet.operator_names()
 
 
+@pytest.mark.parametrize("kind", ["CURVE", "FONT", "LATTICE"])
+def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
+    data = bpy.data.lattices.new("Thing") if kind == "LATTICE" else bpy.data.curves.new("Thing", kind)
+    obj = bpy.data.objects.new("Thing", data)
+    bpy.context.scene.collection.objects.link(obj)
+    make_active(obj)
+    sheet = draw_panel(WIDE)
+    said = " ".join(sheet.texts())
+    assert "Thing is a" in said and "Sinew moves meshes" in said
+    assert ("object.convert" in sheet.operator_names()) == (kind != "LATTICE")
+    with pytest.raises(RuntimeError, match="Thing is a"):
+        bpy.ops.sinew.cage_add()
+    if kind != "LATTICE":
+        bpy.ops.object.convert(target="MESH")
+        assert "sinew.cage_add" in draw_panel().operator_names()
+
+
 def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig, room):
     sheet = draw_panel()
     assert set(room("ids").Menus.OF_GROUPS.values()) <= set(sheet.menus())

@@ -318,7 +318,7 @@ def test_a_mesh_that_lost_vertices_has_no_overlay_until_bound_again(paint, bound
 def test_nothing_bound_draws_nothing(paint, plate: Rig):
     make_active(plate.obj)
     bpy.ops.sinew.deformer_add(method="arap")
-    for kind in ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "DISTORTION"):
+    for kind in ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "DISTORTION"):
         assert paint(plate.obj, overlay=kind) is None
 
 
@@ -410,7 +410,7 @@ def test_the_graphics_card_is_not_touched_in_background(paint, overlay, bound_pl
     for module in vars(overlay).values():
         assert not (isinstance(module, types.ModuleType) and module.__name__ in ("gpu", "blf"))
     bpy.context.scene.sinew.show_overlay = True
-    for kind in ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "DISTORTION"):
+    for kind in ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "DISTORTION"):
         assert paint(bound_plate.obj, overlay=kind) is not None
     bpy.context.scene.sinew.show_overlay = False
 
@@ -508,3 +508,67 @@ def test_the_depth_offset_moves_towards_the_viewer_only(room):
     moved, plain = nearer(orthographic, 7.0, share) @ point, orthographic @ point
     assert np.allclose(moved[:2], plain[:2])
     assert moved[2] == pytest.approx((orthographic @ (point + (0, 0, 7.0 * share, 0)))[2], rel=1e-12)
+
+
+@pytest.fixture
+def caged(scene) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """A ball and the box around it that moves it."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, radius=0.6)
+    target = bpy.context.object
+    bpy.ops.mesh.primitive_cube_add(size=1.6)
+    cage = bpy.context.object
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method="mean_value") == {"FINISHED"}
+    return target, cage
+
+
+def choose(cage: bpy.types.Object, vertices: list[int]) -> None:
+    for vertex in cage.data.vertices:
+        vertex.select = vertex.index in vertices
+
+
+def test_weight_of_the_selected_cage_vertices(paint, room, caged):
+    target, cage = caged
+    choose(cage, [5])
+    one = paint(target, overlay="CAGE")
+    assert one.legend.title == "Weight of cage vertex 5"
+    nearest = np.linalg.norm(base_points(target) - cage.data.vertices[5].co, axis=1).argmin()
+    assert covered(one)[:, 3].argmax() == nearest
+    choose(cage, list(range(8)))
+    bright = np.array(room("ui.overlay_colours").scale(np.ones(1))[0])
+    assert np.abs(covered(paint(target)) - cover(bright, OPACITY)).max() < SLACK
+    choose(cage, [])
+    assert paint(target).legend.note == "Select vertices of the cage"
+
+
+def test_weights_follow_the_selection_in_edit_mode(paint, caged):
+    target, cage = caged
+    make_active(cage)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    edit = bmesh.from_edit_mesh(cage.data)
+    edit.verts.ensure_lookup_table()
+    edit.verts[3].select = True
+    assert paint(target, overlay="CAGE").legend.title == "Weight of cage vertex 3"
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_vertices_outside_the_cage_and_negative_weights_stand_out(paint, room, caged):
+    target, cage = caged
+    cage.scale = (0.5, 1.0, 1.0)
+    update()
+    make_active(target)
+    assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+    choose(cage, [vertex.index for vertex in cage.data.vertices if vertex.co.x > 0.0])
+    picture = paint(target, overlay="CAGE")
+    outside = np.abs(base_points(target)[:, 0]) > 0.4 + 1e-6
+    lost = cover(chosen(room, "overlay_stretched"), OPACITY)
+    assert np.abs(covered(picture)[outside] - lost).max() < SLACK
+    assert not (np.abs(covered(picture)[~outside] - lost).max(axis=1) < SLACK).any()
+    assert f"{outside.sum():,} outside the cage" in picture.legend.note
+
+
+def test_a_method_without_a_cage_has_no_cage_weights(paint, bound_plate: Rig):
+    picture = paint(bound_plate.obj, overlay="CAGE")
+    assert not picture.colours[:, 3].any()
+    assert picture.legend.note == "Thin Shell has no cage"

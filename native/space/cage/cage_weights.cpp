@@ -264,6 +264,32 @@ void CageWeights::visit(Visit&& entry) const
         each(doubles_, 0.0);
 }
 
+VectorX CageWeights::sum(const std::vector<int>& columns) const
+{
+    VectorX total = VectorX::Zero(points_);
+    if (is_sparse()) {
+        std::vector<char> wanted(column_count(), 0);
+        for (int c : columns)
+            wanted[c] = 1;
+        visit([&](int i, int c, double w) { total[i] += wanted[c] ? w : 0.0; });
+        return total;
+    }
+    const auto add = [&](const auto& store, auto number) {
+        constexpr int block = block_points<decltype(number)>;
+        for (int i = 0; i < points_; ++i) {
+            const auto* const from = store.blocks.get() +
+                                     static_cast<std::size_t>(i / block) * block * column_count() + i % block;
+            for (int c : columns)
+                total[i] += static_cast<double>(from[static_cast<std::size_t>(c) * block]);
+        }
+    };
+    if (is_single())
+        add(singles_, 0.0f);
+    else
+        add(doubles_, 0.0);
+    return total;
+}
+
 RowMatrix CageWeights::dense() const
 {
     RowMatrix W = RowMatrix::Zero(points_, column_count());

@@ -66,6 +66,8 @@ public:
 
     /// (n, k), those dropped as 0.
     RowMatrix dense() const;
+    /// (n) some columns, each named once, added up.
+    VectorX sum(const std::vector<int>& columns) const;
     Eigen::SparseMatrix<double, Eigen::RowMajor> sparse() const;
 
     /// The largest sum, at a point, of how far its weights are from what they were without the threshold.
