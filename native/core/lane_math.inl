@@ -48,6 +48,7 @@ inline LaneBits operator>>(const LaneBits& a, int places)
 }
 #endif
 
+inline Lanes<double> larger(Lanes<double> a, Lanes<double> b) { return choose(above(a, b), a, b); }
 inline Lanes<double> magnitude(Lanes<double> a)
 {
     return lanes_of(bits_of(a) & same_bits(0x7fffffffffffffffULL));
@@ -122,11 +123,12 @@ inline Lanes<double> angle_of(const ReducedAngle& reduced, Lanes<double> t, Lane
     return choose(above(constant(0.0), x), constant(3.1415926535897931) - angle, angle);
 }
 
-/// atan2(y, x) for y >= 0, not both 0: 2 units in the last place.
+/// atan2(y, x) for y >= 0: 2 units in the last place; 0 where both are 0.
 inline Lanes<double> angle_between(Lanes<double> y, Lanes<double> x)
 {
     const ReducedAngle reduced = reduce(y, x);
-    return angle_of(reduced, reduced.numerator / reduced.denominator, x);
+    const Lanes<double> denominator = larger(reduced.denominator, constant(1e-300));
+    return angle_of(reduced, reduced.numerator / denominator, x);
 }
 
 /// atan2(y, x) / y for y > 0, by one division: 4 units in the last place.

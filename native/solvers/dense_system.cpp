@@ -57,7 +57,7 @@ std::int64_t DenseSystem::bytes(int size, int columns)
 DenseSystem::DenseSystem(int size, int columns)
     : size_(size), columns_(columns), stride_(static_cast<std::size_t>(padded(size + columns) + row_padding))
 {
-    require_memory(bytes(size, columns));
+    require_memory(bytes(size, columns), "the dense system");
     entries_.resize(stride_ * static_cast<std::size_t>(size));
     pivot_sizes_.resize(static_cast<std::size_t>(size));
 }

@@ -140,7 +140,7 @@ void require_room(const SurfaceMesh& mesh, const SubdivisionOptions& options, st
     if (corners > std::numeric_limits<int>::max() || entries > std::numeric_limits<int>::max())
         throw OutOfMemory("level: " + std::to_string(options.level) + " gives " + std::to_string(vertices) +
                           " vertices, which take " + in_words(bytes) + " and more than 32 bits to count");
-    require_memory(bytes);
+    require_memory(bytes, "the subdivision");
 }
 
 /// OpenSubdiv prints what it complains about unless told otherwise. What it cannot do shows in its results.

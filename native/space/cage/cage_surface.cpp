@@ -4,14 +4,15 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 
 namespace sinew {
 
-CageSurface::CageSurface(const Cage& cage) : reach_(1e-10 * cage.size())
+CageSurface::CageSurface(const Cage& cage) : all_(cage.triangles()), reach_(1e-10 * cage.size())
 {
+    points_.reserve(static_cast<std::size_t>(cage.vertex_count()));
+    for (int v = 0; v < cage.vertex_count(); ++v)
+        points_.emplace_back(cage.rest().point(v));
     for (std::size_t t = 0; t < cage.triangles().size(); ++t) {
         Plane plane;
         for (int k = 0; k < 3; ++k)
@@ -47,21 +48,6 @@ int CageSurface::triangle_at(const Vector3& point, Vector3& hats) const
         }
     }
     return -1;
-}
-
-double winding_number(const Cage& cage, const Vector3& point)
-{
-    // Half the solid angle of a triangle [Van Oosterom & Strackee 1983].
-    double sum = 0.0;
-    for (const Triangle& triangle : cage.triangles()) {
-        std::array<Vector3, 3> u;
-        for (int k = 0; k < 3; ++k)
-            u[k] = cage.rest().point(triangle[k]) - point;
-        const double a = u[0].norm(), b = u[1].norm(), c = u[2].norm();
-        sum += std::atan2(u[0].dot(u[1].cross(u[2])),
-                          a * b * c + u[0].dot(u[1]) * c + u[1].dot(u[2]) * a + u[2].dot(u[0]) * b);
-    }
-    return sum / (2.0 * std::numbers::pi);
 }
 
 } // namespace sinew

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "native/space/cage/cage.h"
+#include "native/space/cage/cage_triangles.h"
 
 #include <vector>
 
 namespace sinew {
 
-/// Finds points that lie on a cage, where coordinates by integrals over it lose their digits.
+/// Tells where points lie to a cage: inside, outside, or on it, where coordinates by integrals over it lose
+/// their digits.
 class CageSurface
 {
 public:
@@ -17,18 +19,20 @@ public:
     /// \param[out] hats  the values of its corners' hat functions there, non-negative, sum 1.
     int triangle_at(const Vector3& point, Vector3& hats) const;
 
+    /// How often the cage winds around a point: 1 inside, 0 outside; not on the cage.
+    double winding(const Vector3& point) const { return winding_number(points_, all_, point); }
+
 private:
     struct Plane
     {
         Vector3 normal, corner[3], slope[3]; ///< slope: gradient of the hat of each corner
         double offset;
     };
+    std::vector<Vector3> points_;
+    std::vector<Triangle> all_;
     std::vector<Plane> planes_;
-    std::vector<int> triangles_;
+    std::vector<int> triangles_; ///< of the planes
     double reach_;
 };
-
-/// How often the cage winds around a point: 1 inside, 0 outside; not on the cage.
-double winding_number(const Cage& cage, const Vector3& point);
 
 } // namespace sinew

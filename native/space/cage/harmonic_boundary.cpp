@@ -115,7 +115,8 @@ HarmonicBoundary::HarmonicBoundary(const Cage& cage, int level, const Progress& 
     cut();
     const int count = static_cast<int>(triangles_.size()), n = unknowns();
     require_memory(DenseSystem::bytes(n, vertex_count_) +
-                   static_cast<std::int64_t>(n + 3 * count) * (vertex_count_ + strip_width) * 8);
+                       static_cast<std::int64_t>(n + 3 * count) * (vertex_count_ + strip_width) * 8,
+                   "the boundary of the cage");
     DenseSystem system(n, vertex_count_);
     const int group = std::max(1, block_rows / (3 * static_cast<int>(pattern_.panels.size())));
     const int groups = (count + group - 1) / group;

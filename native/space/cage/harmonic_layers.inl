@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The bodies of LayerKernels, compiled once for each instruction set. Four points side by side.
 
-#include "native/core/lane_functions.inl"
+#include "native/core/lane_math.inl"
 
 namespace sinew {
 
@@ -31,7 +31,7 @@ inline void look(const LayerFace& face, const double* points, int stride, View& 
     for (int c = 0; c < face.corners; ++c) {
         const Four dx = constant(face.corner[2 * c]) - view.x, dy = constant(face.corner[2 * c + 1]) - view.y;
         view.r2[c] = dx * dx + dy * dy + view.d2;
-        view.r[c] = square_root(view.r2[c]);
+        view.r[c] = root(view.r2[c]);
     }
     const Four zero = constant(0.0), two = constant(2.0);
     for (int k = 0; k < face.edges; ++k) {
@@ -68,7 +68,7 @@ inline Four solid_angle(const LayerFace& face, const LayerPanel& panel, const Vi
     const Four below = view.r[a] * view.r[b] * view.r[c] + dot(0, a, b) * view.r[c] +
                        dot(1, b, c) * view.r[a] + dot(2, c, a) * view.r[b];
     const Four angle =
-        constant(2.0 * quarter_inverse_pi) * angle_of(magnitude(view.d) * constant(panel.double_area), below);
+        constant(2.0 * quarter_inverse_pi) * angle_between(magnitude(view.d) * constant(panel.double_area), below);
     return choose(above(constant(0.0), view.d), constant(0.0) - angle, angle);
 }
 

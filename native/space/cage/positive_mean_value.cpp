@@ -36,7 +36,7 @@ void PositiveMeanValue::evaluate(PointsView block, RowMatrix& rows, std::vector<
                 row[cage().triangles()[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)]] += hats[k];
             continue;
         }
-        if (std::abs(winding_number(cage(), x) - 1.0) > 0.5) {
+        if (std::abs(surface_.winding(x) - 1.0) > 0.5) {
             outside[static_cast<std::size_t>(i)] = 1;
             continue;
         }

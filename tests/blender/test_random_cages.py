@@ -1,0 +1,253 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Random sequences of what an artist does with cages: the shape is always the warp that the properties ask for.
+
+The oracle binds double weights anew after each step, from the rest cage stored in the file, and places the
+cage by Blender's matrices. ``SINEW_RANDOM_SEED`` and ``SINEW_RANDOM_SEQUENCES`` as for ``test_random_operations``.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from complaints import Complaints
+from hypothesis import HealthCheck, seed, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, precondition, rule, run_state_machine_as_test
+from mathutils import Matrix
+from rig import apply_matrix, base_points, evaluated_points, make_active, update
+
+SEED = os.environ.get("SINEW_RANDOM_SEED")
+SEQUENCES = max(1, int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200")) // 5)
+STEPS = 30
+MOST_UNDO = 25  # Blender keeps 32
+TOLERANCE = 2e-5  # float32 weights and positions, of shapes of a few units
+
+SMALL = st.integers(-4, 4).map(lambda number: number / 8)
+VECTOR = st.tuples(SMALL, SMALL, SMALL)
+PICK = st.integers(0, 5)
+CLASSES = {"mean_value": "MeanValue", "green": "Green"}  # these take points anywhere
+
+
+class Artist(RuleBasedStateMachine):
+    """One sequence: balls, and boxes around them. Picks are taken modulo what there is."""
+
+    room = None  # set by the test
+    checked = 0  # shapes compared
+
+    def __init__(self) -> None:
+        super().__init__()
+        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+        self.native = self.room("backend").availability().module
+        self.complaints = Complaints()
+        self.folder = tempfile.TemporaryDirectory()
+        self.depth = self.redos = 0
+
+    def teardown(self) -> None:
+        self.complaints.close()
+        self.folder.cleanup()
+
+    @property
+    def targets(self) -> list[bpy.types.Object]:
+        return [obj for obj in bpy.context.scene.objects if obj.name.startswith("Ball")]
+
+    def caged(self, pick: int) -> tuple[bpy.types.Object, object] | None:
+        found = [(obj, deformer) for obj in self.targets for deformer in obj.sinew.deformers if deformer.cage]
+        return found[pick % len(found)] if found else None
+
+    def done(self, push: bool = True) -> None:
+        if push:
+            bpy.ops.ed.undo_push(message="step")
+            self.depth, self.redos = min(self.depth + 1, MOST_UNDO), 0
+        update()
+        self.room("handlers.deferred").catch_up()
+        update()
+        self.complaints.check()
+        for obj in self.targets:
+            if obj.mode == "OBJECT":
+                self.compare(obj)
+
+    def compare(self, obj: bpy.types.Object) -> None:
+        """Every deformer of the stack adds the motion of its cage to what enters it."""
+        expected = rest = base_points(obj).astype(np.float64)
+        for deformer in obj.sinew.deformers:
+            if deformer.cage_missing:
+                return  # the last pose stays, whatever it was
+            now = self.in_frame(deformer.cage, obj)
+            held = deformer.cage_rest
+            if len(now) != len(held.vertices):
+                assert deformer.status_level == "ERROR"
+                assert "vertices, at bind it had" in deformer.status
+                continue
+            assert deformer.status_level in ("INFO", "WARNING"), deformer.status
+            expected = expected + deformer.factor * (self.warp(deformer, rest, held, now) - rest)
+        off = np.abs(evaluated_points(obj) - expected).max()
+        assert off <= TOLERANCE * max(1.0, np.abs(expected).max()), f"{obj.name} is off by {off:.3g}"
+        Artist.checked += 1
+
+    def warp(self, deformer, points, held: bpy.types.Mesh, now: np.ndarray) -> np.ndarray:
+        before = np.array([vertex.co[:] for vertex in held.vertices])
+        faces = [list(polygon.vertices) for polygon in held.polygons]
+        counts, corners = [len(face) for face in faces], np.concatenate(faces)
+        cage = self.native.SurfaceMesh(before, (np.array(counts, np.int32), corners.astype(np.int32)))
+        coordinates = getattr(self.native, CLASSES[deformer.method])(cage, precision="double")
+        coordinates.bind(points)
+        return coordinates.warp(now)
+
+    def in_frame(self, cage: bpy.types.Object, obj: bpy.types.Object) -> np.ndarray:
+        return apply_matrix(obj.matrix_world.inverted() @ cage.matrix_world, evaluated_points(cage))
+
+    # What an artist does
+
+    @initialize()
+    def begin(self):
+        self.new_ball()
+        self.put_box("mean_value", 1.8)
+        self.done()
+        self.depth = 0
+
+    def new_ball(self) -> None:
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.6)
+        bpy.context.object.name = "Ball"
+
+    def put_box(self, method: str, size: float) -> None:
+        target = bpy.context.object
+        bpy.ops.mesh.primitive_cube_add(size=size, location=target.location)
+        cage = bpy.context.object
+        make_active(target)
+        assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method) == {"FINISHED"}
+
+    @precondition(lambda self: bpy.context.mode == "OBJECT" and self.targets)
+    @rule(pick=PICK, method=st.sampled_from(sorted(CLASSES)), size=st.sampled_from((1.0, 1.5, 2.0)))
+    def add_cage(self, pick, method, size):
+        obj = self.targets[pick % len(self.targets)]
+        if len(obj.sinew.deformers) < 2:
+            make_active(obj)
+            self.put_box(method, size)
+            self.done()
+
+    @precondition(lambda self: bpy.context.mode == "OBJECT" and len(self.targets) < 3)
+    @rule(linked=st.booleans(), pick=PICK)
+    def duplicate(self, linked, pick):
+        """Both follow the cage."""
+        make_active(self.targets[pick % len(self.targets)])
+        bpy.ops.object.duplicate(linked=linked)
+        self.done()
+
+    @precondition(lambda self: self.caged(0))
+    @rule(pick=PICK, by=VECTOR, turn=VECTOR, scale=st.sampled_from((0.5, 1.0, 1.5)))
+    def move_cage(self, pick, by, turn, scale):
+        cage = self.caged(pick)[1].cage
+        cage.location, cage.rotation_euler, cage.scale = by, turn, (scale, 1.0, scale)
+        self.done()
+
+    @precondition(lambda self: self.targets)
+    @rule(pick=PICK, by=VECTOR, turn=VECTOR, scale=st.sampled_from((0.5, 1.0, 1.5)))
+    def move_target(self, pick, by, turn, scale):
+        obj = self.targets[pick % len(self.targets)]
+        obj.location, obj.rotation_euler, obj.scale = by, turn, (1.0, scale, 1.0)
+        self.done()
+
+    @precondition(lambda self: self.caged(0))
+    @rule(pick=PICK, vertex=st.integers(0, 40), by=VECTOR)
+    def move_vertex(self, pick, vertex, by):
+        cage = self.caged(pick)[1].cage
+        if cage.mode == "EDIT":
+            edit = bmesh.from_edit_mesh(cage.data)
+            edit.verts.ensure_lookup_table()
+            edit.verts[vertex % len(edit.verts)].co += Matrix.Translation(by).translation
+            bmesh.update_edit_mesh(cage.data)
+        else:
+            cage.data.vertices[vertex % len(cage.data.vertices)].co += Matrix.Translation(by).translation
+            cage.data.update()
+        self.done()
+
+    @precondition(lambda self: self.caged(0) and bpy.context.mode == "OBJECT")
+    @rule(pick=PICK)
+    def edit_cage(self, pick):
+        cage = self.caged(pick)[1].cage
+        make_active(cage)
+        bpy.ops.object.mode_set(mode="EDIT")
+        self.done()
+
+    @precondition(lambda self: bpy.context.mode == "EDIT_MESH")
+    @rule(subdivide=st.booleans())
+    def leave_edit_mode(self, subdivide):
+        if subdivide and len(bpy.context.object.data.vertices) < 30:
+            bpy.ops.mesh.select_all(action="SELECT")
+            bpy.ops.mesh.subdivide()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        self.done()
+
+    @precondition(lambda self: self.caged(0) and bpy.context.mode == "OBJECT")
+    @rule(pick=PICK)
+    def set_rest(self, pick):
+        obj, deformer = self.caged(pick)
+        index = next(k for k, other in enumerate(obj.sinew.deformers) if other.uid == deformer.uid)
+        obj.sinew.active_deformer = index
+        make_active(obj)
+        assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+        deformer = obj.sinew.deformers[index]
+        held = np.array([vertex.co[:] for vertex in deformer.cage_rest.vertices])
+        assert np.abs(held - self.in_frame(deformer.cage, obj)).max() < TOLERANCE
+        self.done()
+
+    @precondition(lambda self: self.caged(0))
+    @rule(pick=PICK, method=st.sampled_from(sorted(CLASSES)), factor=st.sampled_from((0.0, 0.5, 1.0)))
+    def change_settings(self, pick, method, factor):
+        _obj, deformer = self.caged(pick)
+        deformer.method, deformer.factor = method, factor
+        self.done()
+
+    @precondition(lambda self: self.caged(0) and bpy.context.mode == "OBJECT")
+    @rule(pick=PICK)
+    def delete_cage(self, pick):
+        make_active(self.caged(pick)[1].cage)
+        bpy.ops.object.delete()
+        self.done()
+
+    @precondition(lambda self: self.depth > 0)
+    @rule()
+    def undo(self):
+        bpy.ops.ed.undo()
+        self.depth, self.redos = self.depth - 1, self.redos + 1
+        self.done(push=False)
+
+    @precondition(lambda self: self.redos > 0)
+    @rule()
+    def redo(self):
+        bpy.ops.ed.redo()
+        self.depth, self.redos = self.depth + 1, self.redos - 1
+        self.done(push=False)
+
+    @precondition(lambda self: bpy.context.mode == "OBJECT")
+    @rule()
+    def save_and_load(self):
+        path = str(Path(self.folder.name) / "cages.blend")
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        self.done()
+        self.depth = 0
+
+
+@pytest.mark.slow
+def test_random_sequences_with_cages(room):
+    Artist.room, Artist.checked = staticmethod(room), 0
+    machine = seed(int(SEED))(Artist) if SEED else Artist
+    run_state_machine_as_test(
+        machine,
+        settings=settings(
+            max_examples=SEQUENCES,
+            stateful_step_count=STEPS,
+            deadline=None,
+            derandomize=SEED is None,
+            database=None,
+            suppress_health_check=list(HealthCheck),
+        ),
+    )
+    assert Artist.checked > 5 * SEQUENCES
