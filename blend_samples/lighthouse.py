@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A subdivided lighthouse in a cage of four storeys: mean value coordinates shear it, Green's turn its parts."""
+"""A subdivided lighthouse in a leaning cage: mean value coordinates shear it, Green's turn its parts."""
 
 from __future__ import annotations
 
 import bpy
-import numpy as np
 
 from . import markers, materials, posing, studio
 from .models import lighthouse
@@ -55,12 +54,12 @@ def make() -> bpy.types.Scene:
 
 def add_storeys(tower: bpy.types.Object) -> bpy.types.Object:
     """A square tower of boxes around the round one, closed at both ends."""
-    points = [(x * half, y * half, z - 0.04) for z, half in STOREYS for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    points = [
+        (x * half, y * half, z - 0.04) for z, half in STOREYS for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    ]
     faces = [(3, 2, 1, 0), tuple(4 * len(STOREYS) - 4 + k for k in range(4))]
     for k in range(len(STOREYS) - 1):
-        faces += [
-            (4 * k + s, 4 * k + (s + 1) % 4, 4 * k + 4 + (s + 1) % 4, 4 * k + 4 + s) for s in range(4)
-        ]
+        faces += [(4 * k + s, 4 * k + (s + 1) % 4, 4 * k + 4 + (s + 1) % 4, 4 * k + 4 + s) for s in range(4)]
     mesh = bpy.data.meshes.new("Storeys")
     mesh.from_pydata(points, [], faces)
     cage = bpy.data.objects.new("Storeys", mesh)

@@ -84,7 +84,7 @@ def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bp
 def add_pose(
     cage: bpy.types.Object, name: str, points: np.ndarray, values: Mapping[int, float]
 ) -> bpy.types.ShapeKey:
-    """A shape key of the cage with its vertices at ``points`` (c, 3), as strong at each frame as ``values``."""
+    """A shape key of the cage, its vertices at ``points`` (c, 3), as strong at each frame as ``values``."""
     if cage.data.shape_keys is None:
         cage.shape_key_add(name="Rest")
     key = cage.shape_key_add(name=name)

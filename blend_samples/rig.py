@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 from math import radians
 
 import bpy
@@ -19,7 +20,13 @@ CHAINS = {
     "body": [(-0.60, 0.0, 0.62), (0.36, 0.0, 0.76)],
     "neck": [(0.36, 0.0, 0.76), (0.66, 0.0, 0.97), (0.92, 0.0, 1.24)],
     "head": [(0.92, 0.0, 1.24), (1.55, 0.0, 1.30)],
-    "tail": [(-0.60, 0.0, 0.62), (-1.08, 0.0, 0.42), (-1.52, 0.0, 0.35), (-1.86, 0.0, 0.50), (-2.08, 0.0, 0.95)],
+    "tail": [
+        (-0.60, 0.0, 0.62),
+        (-1.08, 0.0, 0.42),
+        (-1.52, 0.0, 0.35),
+        (-1.86, 0.0, 0.50),
+        (-2.08, 0.0, 0.95),
+    ],
     "foreleg": [(0.40, 0.30, 0.55), (0.45, 0.37, 0.05)],
     "hindleg": [(-0.56, 0.36, 0.44), (-0.58, 0.43, 0.05)],
 }
@@ -83,7 +90,7 @@ def add_armature(dragon: bpy.types.Object) -> bpy.types.Object:
     for chain, joints in CHAINS.items():
         for suffix, side in ((".L", 1), (".R", -1)) if chain in PAIRS else (("", 1),):
             above = data.edit_bones.get(PARENTS.get(chain, ""))
-            for k, (head, tail) in enumerate(zip(joints, joints[1:]), 1):
+            for k, (head, tail) in enumerate(itertools.pairwise(joints), 1):
                 number = f".{k:03}" if len(joints) > 2 else ""
                 bone = data.edit_bones.new(chain + number + suffix)
                 bone.head, bone.tail = (Vector((x, side * y, z)) for x, y, z in (head, tail))

@@ -11,7 +11,6 @@ from .. import session
 from ..core.errors import SinewError
 from ..properties import SinewDeformer, deformers_of
 
-
 _NOT_YET_MESHES = ("CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "LATTICE")
 
 

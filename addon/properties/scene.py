@@ -13,7 +13,13 @@ OVERLAYS = (
     ("WEIGHT", "Handle Weight", "How firmly the active handle holds each vertex", "MOD_VERTEX_WEIGHT", 1),
     ("PARAMETER", "Parameter", "A parameter of the method, as painted by its vertex group", "BRUSH_DATA", 2),
     ("MASK", "Mask", "Where the deformation is shown", "MOD_MASK", 3),
-    ("CAGE", "Cage Weight", "How far each vertex goes with the selected vertices of the cage", "MESH_CUBE", 5),
+    (
+        "CAGE",
+        "Cage Weight",
+        "How far each vertex goes with the selected vertices of the cage",
+        "MESH_CUBE",
+        5,
+    ),
     ("DISTORTION", "Distortion", "Where the surface was stretched or compressed", "MOD_CLOTH", 4),
 )
 

@@ -230,7 +230,9 @@ def _cage(_obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> t
         bare = np.zeros((len(shape.points), 4), dtype=np.float32)
         return bare, Legend("Cage Weight", note=f"{deformer.definition.label} has no cage")
     count = len(found.vertices)
-    title = f"Weight of cage vertex {found.vertices[0]:,}" if count == 1 else f"Weight of {count:,} cage vertices"
+    title = (
+        f"Weight of cage vertex {found.vertices[0]:,}" if count == 1 else f"Weight of {count:,} cage vertices"
+    )
     painted = colours.influence(found.values, look.compressed, look.stretched, found.outside, look.opacity)
     notes = [
         "Select vertices of the cage" if count == 0 else "",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lighthouse of few faces, turned on a lathe: a Subdivision makes it smooth, creases keep its rims sharp."""
+"""A lighthouse of few faces from a lathe: a Subdivision makes it smooth, creases keep its rims sharp."""
 
 from __future__ import annotations
 

@@ -215,6 +215,7 @@ class MeanValue(CageCoordinates):
     def __init__(
         self, cage: SurfaceMesh, *, precision: Literal["single", "double"] = "single", threshold: float = 0.0
     ) -> None: ...
+
 class SubdivisionSurface:
     def __init__(
         self,

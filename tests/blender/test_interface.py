@@ -111,8 +111,8 @@ def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
     bpy.context.scene.collection.objects.link(obj)
     make_active(obj)
     sheet = draw_panel(WIDE)
-    said = " ".join(sheet.texts())
-    assert "Thing is a" in said and "Sinew moves meshes" in said
+    assert "Thing is a" in sheet.texts()
+    assert "Sinew moves meshes" in sheet.texts()
     assert ("object.convert" in sheet.operator_names()) == (kind != "LATTICE")
     with pytest.raises(RuntimeError, match="Thing is a"):
         bpy.ops.sinew.cage_add()
@@ -397,6 +397,17 @@ def test_drawing_never_writes(room):
 DRAWN = {
     *("active", "alert", "alignment", "emboss", "enabled", "operator_context", "ui_units_x"),
     *("use_property_split", "use_property_decorate"),
-    *("kind", "vertex_group", "control", "source", "index", "line", "page", "direction", "as_shape_key"),
+    *(
+        "kind",
+        "vertex_group",
+        "control",
+        "source",
+        "index",
+        "line",
+        "page",
+        "direction",
+        "as_shape_key",
+        "target",
+    ),
     *("bl_space_type", "bl_region_type", "bl_context", "bl_category", "bl_options", "bl_parent_id"),
 }

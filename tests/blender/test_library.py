@@ -95,9 +95,9 @@ def test_an_animated_cage_of_another_file_moves_a_mesh_of_this_one(scene, tmp_pa
         cage.location.z = height
         cage.keyframe_insert("location", frame=frame)
     path = save_collection((cage,), tmp_path / "cage.blend")
-    bpy.context.scene.frame_set(1)
     cage = link(path, collection=False)
     bpy.context.scene.collection.objects.link(cage)
+    bpy.context.scene.frame_set(1)  # the cage still stands where its file left it
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.6)
     target = bpy.context.object
     assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name) == {"FINISHED"}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: an automatic cage, posed in Edit Mode by keys, undone, its weights drawn.
+"""Runs inside a Blender with a window: an automatic cage, posed in Edit Mode by keys, its weights drawn.
 
 Steps are a generator; each ``yield`` gives Blender the time a person would take. Observations and screenshots
 go to the folder named after ``--``.
@@ -48,6 +48,10 @@ def prepare() -> None:
     bpy.context.object.modifiers.new("Subdivision", "SUBSURF").levels = 2
     bpy.ops.object.shade_smooth()
     viewport().spaces.active.show_region_ui = True
+
+
+def is_well() -> bool:
+    return head().sinew.active.status_level == "INFO"
 
 
 def moved(before: np.ndarray) -> float:
@@ -109,7 +113,7 @@ def steps():
 
     for method in COORDINATES:
         head().sinew.active.method = method
-        yield from until(lambda: head().sinew.active.status_level == "INFO" and moved(posed) > 1e-4)
+        yield from until(lambda before=posed: is_well() and moved(before) > 1e-4)
         posed = shown_points(head())
         seen[method] = [head().sinew.active.status_level, moved(at_rest), moved(posed)]
         yield

@@ -17,7 +17,8 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
 def test_the_cage_is_made_and_waits_to_be_edited(seen: dict):
     cage = seen["cage"]
     assert 150 <= cage["faces"] <= 250
-    assert cage["active"] and cage["drawn as"] == "WIRE"
+    assert cage["active"]
+    assert cage["drawn as"] == "WIRE"
     assert cage["level"] == "INFO", cage["status"]
 
 

@@ -277,8 +277,8 @@ VectorX CageWeights::sum(const std::vector<int>& columns) const
     const auto add = [&](const auto& store, auto number) {
         constexpr int block = block_points<decltype(number)>;
         for (int i = 0; i < points_; ++i) {
-            const auto* const from = store.blocks.get() +
-                                     static_cast<std::size_t>(i / block) * block * column_count() + i % block;
+            const auto* const from =
+                store.blocks.get() + static_cast<std::size_t>(i / block) * block * column_count() + i % block;
             for (int c : columns)
                 total[i] += static_cast<double>(from[static_cast<std::size_t>(c) * block]);
         }

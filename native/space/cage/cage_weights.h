@@ -32,10 +32,11 @@ struct CageWeightOptions
 
 /// (n, k) weights that take the moves of k control columns to n points, bound once and applied each frame.
 ///
-/// Where weights are dropped, those kept are changed in proportion to their magnitude so that the row gives its
-/// sum as before, which keeps translations, and its rest point, which keeps affine maps (of Green coordinates:
-/// similarities). Where one would have to change by more than a tenth for that, near faces say, they keep the
-/// sum alone; where it would take more than half for the sum, the row keeps smaller weights, too.
+/// Where weights are dropped, those kept are changed in proportion to their magnitude so that the row gives
+/// its sum as before, which keeps translations, and its rest point, which keeps affine maps (of Green
+/// coordinates: similarities). Where one would have to change by more than a tenth for that, near faces say,
+/// they keep the sum alone; where it would take more than half for the sum, the row keeps smaller weights,
+/// too.
 class CageWeights
 {
 public:

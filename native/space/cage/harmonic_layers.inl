@@ -67,8 +67,8 @@ inline Four solid_angle(const LayerFace& face, const LayerPanel& panel, const Vi
     };
     const Four below = view.r[a] * view.r[b] * view.r[c] + dot(0, a, b) * view.r[c] +
                        dot(1, b, c) * view.r[a] + dot(2, c, a) * view.r[b];
-    const Four angle =
-        constant(2.0 * quarter_inverse_pi) * angle_between(magnitude(view.d) * constant(panel.double_area), below);
+    const Four angle = constant(2.0 * quarter_inverse_pi) *
+                       angle_between(magnitude(view.d) * constant(panel.double_area), below);
     return choose(above(constant(0.0), view.d), constant(0.0) - angle, angle);
 }
 
