@@ -15,15 +15,15 @@ from .posing import Move
 from .spot import bead_material, hide_material
 
 POSE_FRAME = 40
-SPACING, HEADING = 1.95, -52.0
+SPACING, HEADING = 1.72, -38.0
 LABELS = {
     "mean_value": "Mean Value",
     "positive_mean_value": "Positive Mean Value",
     "harmonic": "Harmonic",
     "green": "Green",
 }
-NOD = Move(shift=(0.0, 0.0, 0.03), turn=(18.0, 24.0, -26.0), pivot=(0.05, 0.0, 0.95))
-STEP = Move(turn=(0.0, -62.0, 0.0), pivot=(0.12, -0.2, 0.62))
+NOD = Move(shift=(0.02, 0.0, 0.05), turn=(24.0, -16.0, -20.0), pivot=(0.05, 0.0, 0.95))
+STEP = Move(turn=(0.0, -88.0, 0.0), pivot=(0.14, -0.2, 0.58))
 NOD_VALUES = {1: 0.0, POSE_FRAME: 1.0, 56: 0.35, 72: 1.0, 96: 0.0}
 STEP_VALUES = {1: 0.0, POSE_FRAME: 1.0, 48: 0.7, 56: 1.0, 64: 0.7, 72: 1.0, 96: 0.0}
 
@@ -47,16 +47,16 @@ def make() -> bpy.types.Scene:
         cages.append(posing.share_cage(cages[0], cow, method))
     pose(cages[0])
     for cow, cage in zip(cows.values(), cages):
-        markers.add_cage_edges(cage, 0.010)
+        markers.add_cage_edges(cage, 0.006)
         posing.check_posed(cow, 1, POSE_FRAME)
         smooth = cow.modifiers.new("Subdivision", "SUBSURF")
         smooth.levels, smooth.render_levels = 1, 2
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.0, 0.0, 0.86), distance=24.0, elevation=10.0, width=8.1)
+    studio.add_camera(scene, target=(0.0, 0.0, 0.84), distance=24.0, elevation=9.0, width=7.0)
     studio.add_lights(scene, target=(0.0, 0.0, 0.8), size=9.0)
     for k, label in enumerate(LABELS.values()):
-        studio.add_label(scene, label, ((k - 1.5) * SPACING, -1.35, 0.0), 0.17)
+        studio.add_label(scene, label, ((k - 1.5) * SPACING, -1.25, 0.0), 0.15)
     studio.set_up_render(scene, samples=64, height=480)
     studio.open_at(scene, POSE_FRAME, first)
     return scene

@@ -46,7 +46,7 @@ def make() -> bpy.types.Scene:
     studio.add_camera(scene, target=(0.35, 0.0, 1.06), distance=26.0, elevation=9.0, width=7.2)
     studio.add_lights(scene, target=(0.0, 0.0, 1.0), size=9.0)
     for k, label in enumerate(LABELS.values()):
-        studio.add_label(scene, label, ((k - 1) * SPACING, -1.1, 0.0), 0.19)
+        studio.add_label(scene, label, ((k - 1) * SPACING, -1.5, 0.0), 0.19)
     studio.set_up_render(scene, samples=64, height=560)
     studio.open_at(scene, POSE_FRAME, towers["green"])
     return scene

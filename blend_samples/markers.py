@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands for the controls in a picture: orange pins and edges of cages, blue pads under what is fixed."""
+"""What stands for the controls in a picture: orange pins and edges of cages, blue pads where it is fixed."""
 
 from __future__ import annotations
 

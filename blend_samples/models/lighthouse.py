@@ -37,7 +37,7 @@ PROFILE = (
     (0.075, 2.20, 0.6, STONE),
     (0.060, 2.26, 0.0, STONE),
 )
-WINDOWS = ((3, 12), (7, 11), (9, 13))  # ring of faces, segment
+WINDOWS = ((4, 11), (7, 12), (9, 11))  # ring of faces, segment
 DOOR = (2, 13)
 
 
