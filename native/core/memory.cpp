@@ -20,8 +20,8 @@ void require_memory(std::int64_t bytes, const char* what)
 {
     const std::int64_t most = limit;
     if (most > 0 && bytes > most)
-        throw OutOfMemory(std::string(what) + " needs " + in_words(bytes) + ", the memory limit is " + in_words(most) +
-                          ": raise the limit or use fewer vertices");
+        throw OutOfMemory(std::string(what) + " needs " + in_words(bytes) + ", the memory limit is " +
+                          in_words(most) + ": raise the limit or use fewer vertices");
 }
 
 std::string in_words(std::int64_t bytes)

@@ -2,8 +2,6 @@
 // For every method of this room.
 #pragma once
 
-// Part of the method mean_value.
-
 #include "native/mesh/surface_mesh.h"
 
 namespace sinew {

@@ -2,8 +2,6 @@
 // For every method of this room.
 #pragma once
 
-// Part of the method mean_value.
-
 #include "native/core/progress.h"
 #include "native/space/cage/cage.h"
 #include "native/space/cage/cage_weights.h"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// For every method of this room.
 #pragma once
-
-// Part of the method mean_value.
 
 #include "native/space/cage/cage.h"
 #include "native/space/cage/cage_kernels.h"

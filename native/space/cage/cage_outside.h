@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// For every method of this room.
 #pragma once
 
 #include "native/space/cage/mean_value.h"

@@ -2,8 +2,6 @@
 // For every method of this room.
 #pragma once
 
-// Part of the method mean_value.
-
 #include "native/core/types.h"
 #include "native/solvers/factor_engine.h"
 
