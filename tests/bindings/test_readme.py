@@ -30,3 +30,4 @@ def test_the_readme_script_lifts_the_head() -> None:
 
     exec(compile(more, str(README), "exec"), names)
     assert names["problems"].clean
+    assert np.abs(names["positions"] - points * (1.0, 1.0, 1.5)).max() < 1e-6 * np.abs(points).max()
