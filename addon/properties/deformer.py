@@ -13,7 +13,7 @@ from bpy.props import (
     PointerProperty,
     StringProperty,
 )
-from bpy.types import Context, Mesh, Object, PropertyGroup
+from bpy.types import Context, Mesh, Modifier, Object, PropertyGroup
 
 from ..core import status
 from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
@@ -46,6 +46,30 @@ def _cage_changed(deformer: "SinewDeformer", context: Context) -> None:
     """Another cage rests where it is when it is bound."""
     deformer.cage_rest = None
     _changed(deformer, context)
+
+
+def _cage_smoother(deformer: "SinewDeformer") -> Modifier | None:
+    """The Subdivision of the cage."""
+    modifiers = () if deformer.cage is None else deformer.cage.modifiers
+    return next((modifier for modifier in modifiers if modifier.type == "SUBSURF"), None)
+
+
+def _cage_levels(deformer: "SinewDeformer") -> int:
+    smoother = _cage_smoother(deformer)
+    return 0 if smoother is None else smoother.levels
+
+
+def _set_cage_levels(deformer: "SinewDeformer", levels: int) -> None:
+    cage, smoother = deformer.cage, _cage_smoother(deformer)
+    if cage is None or cage.library is not None:
+        return
+    if levels == 0:
+        if smoother is not None:
+            cage.modifiers.remove(smoother)
+        return
+    if smoother is None:
+        smoother = cage.modifiers.new("Subdivision", "SUBSURF")
+    smoother.levels = smoother.render_levels = levels
 
 
 def _may_be_cage(deformer: "SinewDeformer", obj: Object) -> bool:
@@ -83,6 +107,17 @@ class SinewDeformer(PropertyGroup):
         options={"HIDDEN"},
         override=_OVERRIDE,
         description="The cage at bind, in the frame of the mesh",
+    )
+    cage_subdivision: IntProperty(
+        name="Subdivision",
+        min=0,
+        max=6,
+        soft_max=3,
+        get=_cage_levels,
+        set=_set_cage_levels,
+        options={"SKIP_SAVE"},
+        description="Levels of the cage's Subdivision modifier, which makes it smooth; 0 for none. "
+        "The cage then has other vertices: Set Rest Cage",
     )
     owns_cage: BoolProperty(
         description="The cage was made for this deformer, and goes with it",

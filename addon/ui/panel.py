@@ -207,6 +207,7 @@ def _draw_cage(layout: UILayout, deformer: SinewDeformer) -> None:
     if deformer.cage is None:
         _draw_add_cage(layout)
     else:
+        column.prop(deformer, "cage_subdivision")
         layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
 
 

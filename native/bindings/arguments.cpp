@@ -168,17 +168,19 @@ SinglePoints singles(const py::object& object, const char* name, py::ssize_t row
     return {array.mutable_data(), rows, 3};
 }
 
-void round_into(const Points& positions, SinglePoints& out)
+namespace {
+
+/// \param write  number k of the positions
+template <class Write>
+void fill_finite(SinglePoints& out, Write&& write)
 {
     std::atomic<bool> finite{true};
-    parallel_chunks(static_cast<int>(positions.rows()), 8192, [&](int begin, int end) {
-        const double* from = positions.data() + 3 * static_cast<std::size_t>(begin);
-        float* to = out.data() + 3 * static_cast<std::size_t>(begin);
-        const std::size_t count = 3 * static_cast<std::size_t>(end - begin);
+    parallel_chunks(static_cast<int>(out.rows()), 8192, [&](int begin, int end) {
         std::uint32_t largest = 0; // of the bits without the sign, which have the order of the numbers
-        for (std::size_t k = 0; k < count; ++k) {
-            to[k] = static_cast<float>(from[k]);
-            largest = std::max(largest, std::bit_cast<std::uint32_t>(to[k]) & 0x7FFFFFFFU);
+        for (std::size_t k = 3 * static_cast<std::size_t>(begin); k < 3 * static_cast<std::size_t>(end);
+             ++k) {
+            out.data()[k] = write(k);
+            largest = std::max(largest, std::bit_cast<std::uint32_t>(out.data()[k]) & 0x7FFFFFFFU);
         }
         if (largest >= 0x7F800000U)
             finite = false;
@@ -186,6 +188,18 @@ void round_into(const Points& positions, SinglePoints& out)
     if (!finite)
         throw InvalidConstraint(
             "the solution is not finite in single precision - check the scale of the poses");
+}
+
+} // namespace
+
+void round_into(const Points& positions, SinglePoints& out)
+{
+    fill_finite(out, [from = positions.data()](std::size_t k) { return static_cast<float>(from[k]); });
+}
+
+void require_finite(SinglePoints& out)
+{
+    fill_finite(out, [own = out.data()](std::size_t k) { return own[k]; });
 }
 
 py::array_t<double> to_numpy(Points&& points)

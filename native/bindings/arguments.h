@@ -69,6 +69,9 @@ SinglePoints singles(const py::object& object, const char* name, py::ssize_t row
 /// \throw InvalidConstraint  a position is not finite then.
 void round_into(const Points& positions, SinglePoints& out);
 
+/// Needs no GIL. \throw InvalidConstraint  a position is not finite.
+void require_finite(SinglePoints& out);
+
 /// Moves points into a NumPy array without a copy.
 py::array_t<double> to_numpy(Points&& points);
 

@@ -23,33 +23,15 @@ CageWeightOptions weight_options(const std::string& precision, double threshold)
             threshold};
 }
 
-/// `out` as an (n, 3) array of T to write into, or nothing where it is another type.
-template <class T>
-T* writable(const py::object& out, Eigen::Index count)
-{
-    if (!py::isinstance<py::array_t<T, py::array::c_style>>(out))
-        return nullptr;
-    auto array = py::reinterpret_borrow<py::array_t<T, py::array::c_style>>(out);
-    if (array.ndim() != 2 || array.shape(0) != count || array.shape(1) != 3)
-        throw InvalidConstraint("out: shape is not (" + std::to_string(count) + ", 3)");
-    return array.mutable_data(); // throws where it is read-only
-}
-
 py::object warp(const CageCoordinates& coordinates, const py::object& vertices, const py::object& out)
 {
     const FloatArray array = floats(vertices, "cage_points");
     const PointsView view = points<InvalidConstraint>(array, "cage_points");
     if (!out.is_none()) {
-        const Eigen::Index count = coordinates.points().rows();
-        if (float* const singles = writable<float>(out, count)) {
-            const py::gil_scoped_release unlocked;
-            coordinates.warp(view, singles);
-        } else if (double* const doubles = writable<double>(out, count)) {
-            const py::gil_scoped_release unlocked;
-            coordinates.warp(view, doubles);
-        } else {
-            throw py::type_error("out: a C-contiguous float32 or float64 array is needed");
-        }
+        SinglePoints single = singles(out, "out", coordinates.points().rows());
+        const py::gil_scoped_release unlocked;
+        coordinates.warp(view, single.data());
+        require_finite(single);
         return out;
     }
     Points positions;
@@ -125,7 +107,7 @@ the object then stays as it was.)")
              R"(Where a posed cage takes the bound points -> (n, 3).
 
 cage_points  (c, 3) posed cage vertices.
-out          None, or a C-contiguous (n, 3) float32 or float64 array to write into, which is returned.
+out          None, or a writable C-contiguous (n, 3) float32 array to write into, which is returned.
 
 The rest cage gives the rest points back to the last bit.
 

@@ -119,6 +119,26 @@ def test_a_subdivided_cage_is_a_cage():
     assert np.abs(evaluated_points(target) - expected).max() < FLOAT32
 
 
+def test_the_subdivision_of_the_panel_is_the_cages_own_modifier(caged):
+    target, cage = target_and_cage(caged)
+    deformer = target.sinew.active
+    assert deformer.cage_subdivision == 0
+    deformer.cage_subdivision = 2
+    (smoother,) = cage.modifiers
+    assert (smoother.type, smoother.levels, smoother.render_levels) == ("SUBSURF", 2, 2)
+    make_active(target)
+    assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+    assert "cage of 98" in deformer.status
+    smoother.levels = 1
+    assert deformer.cage_subdivision == 1
+    deformer.cage_subdivision = 0
+    assert not cage.modifiers
+    cage.modifiers.new("Subdivision", "SUBSURF")
+    deformer.cage = None
+    deformer.cage_subdivision = 3
+    assert deformer.cage_subdivision == 0
+
+
 def test_a_hidden_cage_still_moves_it(caged):
     target, cage = target_and_cage(caged)
     cage.hide_viewport = True

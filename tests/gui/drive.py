@@ -43,7 +43,6 @@ HOOVES = (100, 200), (470, 126)
 MENU = (600, 760)
 MENU_ADD_HANDLE = (640, 736)
 METHOD = (930, 585)
-METHOD_THIN_SHELL = (743, 527)
 FACTOR = (975, 238), (940, 238)
 LAST = 12  # frame
 
@@ -210,9 +209,7 @@ def settings():
     arap = shown()
     yield from click(*METHOD)
     yield from rest()
-    move(*METHOD_THIN_SHELL)
-    yield
-    press("LEFTMOUSE")
+    press("T")  # underlined in Thin Shell
     yield from rest(3)
     seen["method"] = deformer().method
     seen["method_changed"] = apart(shown(), arap)
