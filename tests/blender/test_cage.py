@@ -398,3 +398,38 @@ def test_an_automatic_cage_holds_the_mesh_and_moves_it(room):
     make_active(target)
     bpy.ops.sinew.deformer_remove()
     assert name not in bpy.data.objects
+
+
+def test_harmonic_errs_a_tenth_of_mesh_deform():
+    """In a cube, where both should be trilinear: each corner is moved by 1, Mesh Deform at its precision 5."""
+    corners = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    points = np.random.default_rng(0).uniform(0.02, 0.98, (1000, 3))
+
+    def new_object(name: str, vertices: np.ndarray, polygons: list) -> bpy.types.Object:
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata(vertices.tolist(), [], polygons)
+        obj = bpy.data.objects.new(name, mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        return obj
+
+    cage = new_object("Cage", corners, faces)
+    ours, theirs = (new_object(name, points, [(0, 1, 2)]) for name in ("Ours", "Theirs"))
+    modifier = theirs.modifiers.new("Mesh Deform", "MESH_DEFORM")
+    modifier.object, modifier.precision = cage, 5
+    with bpy.context.temp_override(object=theirs, active_object=theirs):
+        bpy.ops.object.meshdeform_bind(modifier=modifier.name)
+    make_active(ours)
+    assert bpy.ops.sinew.cage_add(source="OBJECT", cage="Cage", method="harmonic") == {"FINISHED"}
+
+    exact = np.prod(np.where(corners > 0.5, points[:, None], 1.0 - points[:, None]), axis=2)
+    worst = {obj.name: 0.0 for obj in (ours, theirs)}
+    for corner, place in enumerate(corners):
+        cage.data.vertices[corner].co.z = place[2] + 1.0
+        cage.data.update()
+        for obj in (ours, theirs):
+            found = evaluated_points(obj)[:, 2] - points[:, 2]
+            worst[obj.name] = max(worst[obj.name], np.abs(found - exact[:, corner]).max())
+        cage.data.vertices[corner].co.z = place[2]
+    assert 1e-4 < worst["Theirs"] < 0.1
+    assert worst["Ours"] <= 0.1 * worst["Theirs"], worst
