@@ -12,11 +12,12 @@ from .native import (
     limit_memory,
     limit_threads,
 )
-from .recipes import CageRecipe, Progress, Recipe
+from .recipes import CageRecipe, CageReport, Progress, Recipe
 
 __all__ = (
     "Availability",
     "CageRecipe",
+    "CageReport",
     "Diagnosis",
     "Factor",
     "Progress",

@@ -65,6 +65,14 @@ class Recipe:
 
 
 @dataclass(frozen=True)
+class CageReport:
+    """What a bind to a cage found: vertices ``outside`` of it, its faces ``crossing`` others; indices."""
+
+    outside: np.ndarray
+    crossing: np.ndarray
+
+
+@dataclass(frozen=True)
 class CageRecipe:
     """Of a method with a cage.
 
@@ -90,7 +98,9 @@ class CageRecipe:
             raise CageError(
                 str(error), tuple(error.elements), f"cage {error.element_kind}", remedy
             ) from error
-        return _Warp(coordinates, self.points), coordinates.bind(self.points, progress)
+        outside = coordinates.bind(self.points, progress).outside
+        crossing = np.unique(native.diagnose_cage(cage).crossing_faces)
+        return _Warp(coordinates, self.points), CageReport(outside, crossing)
 
     def change_to(self, other: object, _solver: object, report: object) -> Change | None:
         """What binds the coordinates to another recipe; None where only new ones do."""

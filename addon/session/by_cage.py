@@ -10,7 +10,7 @@ import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 from mathutils import Matrix
 
-from ..backend import CageRecipe
+from ..backend import CageRecipe, CageReport
 from ..compat import read_positions
 from ..core import frames
 from ..core.errors import CageError
@@ -69,14 +69,17 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     )
 
 
-def notes(report: object, on_base: bool) -> tuple[Status, ...]:
-    """Vertices that the cage does not hold."""
-    count = len(report.outside)
-    if not count:
-        return ()
-    text = "1 vertex lies outside the cage" if count == 1 else f"{count:,} vertices lie outside the cage"
-    elements = (tuple(report.outside.tolist()), "vertex") if on_base else ((), "")
-    return (Status(Level.WARNING, text, *elements),)
+def notes(report: CageReport, on_base: bool) -> tuple[Status, ...]:
+    """Vertices that the cage does not hold; its faces that cross."""
+    found, count = [], len(report.outside)
+    if count:
+        text = "1 vertex lies outside the cage" if count == 1 else f"{count:,} vertices lie outside the cage"
+        elements = (tuple(report.outside.tolist()), "vertex") if on_base else ((), "")
+        found.append(Status(Level.WARNING, text, *elements))
+    if len(report.crossing):
+        text = f"{len(report.crossing):,} faces of the cage cross each other"
+        found.append(Status(Level.WARNING, text, tuple(report.crossing.tolist()), "cage face"))
+    return tuple(found)
 
 
 def pose(turn: Turn, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:

@@ -228,6 +228,20 @@ def test_a_cage_that_is_none_is_refused(spoil, said):
     assert np.array_equal(evaluated_points(target), base_points(target))
 
 
+def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected(room):
+    target, cage = ball(), box()
+    bpy.ops.object.select_all(action="DESELECT")
+    cage.data.vertices[0].co = (1.5, 0.3, 0.2)  # through the opposite side
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name) == {"FINISHED"}
+    (note,) = (line for line in room("core.status").notes(target.sinew.active.uid) if line.elements)
+    assert "faces of the cage cross" in note.text
+    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    assert bpy.context.object == cage
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert set(note.elements) <= {polygon.index for polygon in cage.data.polygons if polygon.select}
+
+
 def test_a_cage_inside_out_can_be_flipped():
     target, cage = ball(), box()
     cage.data.flip_normals()
