@@ -288,10 +288,14 @@ def medians(calls: dict[str, Callable[[int], object]], rounds: int, warm: int = 
     return {f"{name}_ms": float(np.median(values)) for name, values in times.items() if values}
 
 
-def frame(method: str, repeat: int, drag: bool = False, goal: float = 0.0) -> dict[str, object]:
+def frame(
+    method: str, repeat: int, drag: bool = False, goal: float = 0.0, **parameters: object
+) -> dict[str, object]:
     """A whole frame next to Laplacian Deform's."""
     obj = plate(SIDE)
     deformer = deformer_on(obj, method)
+    for name, value in parameters.items():
+        setattr(deformer.parameters, name, value)
     peer, control = peer_of(obj)
     bind_laplacian_deform(peer, laplacian_deform_on(peer, control, repeat))
     ours, theirs = Frames(obj, deformer.handles[1].control), Frames(peer, control)
@@ -439,6 +443,7 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
 ROWS: dict[str, Callable[[], dict[str, object]]] = {
     "frame thin_shell": lambda: frame("thin_shell", 1, goal=20.0),
     "frame arap": lambda: frame("arap", 3, goal=8.0),
+    "frame short arap": lambda: frame("arap", 3, goal=8.0, max_iterations=3),
     "frame cage": lambda: cage_frame("mean_value"),
     "drag arap": lambda: frame("arap", 3, drag=True, goal=8.0),
     "overhead thin_shell": lambda: overhead("thin_shell", 101),

@@ -83,6 +83,7 @@ WORKS = (
     Work("cage_warp", "warp of a cage, single precision", "BLAS sgemm, one thread", {ANY: 1.5}),
     Work("frame_thin_shell", "frame in Blender, `thin_shell`", FRAME, {ANY: 20.0}),
     Work("frame_arap", "frame in Blender, `arap`", f"{FRAME}, repeat 3", {ANY: 8.0}),
+    Work("frame_arap_3", "the same with 3 iterations", f"{FRAME}, repeat 3", {ANY: 8.0}),
     Work("frame_cage", "frame in Blender, `mean_value`, 296 cage vertices", "Mesh Deform", {ANY: 1.0}),
     Work("drag_arap", "the same while dragging", f"{FRAME}, repeat 3", {ANY: 8.0}),
     Work(

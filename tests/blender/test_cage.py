@@ -234,9 +234,10 @@ def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected(room):
     cage.data.vertices[0].co = (1.5, 0.3, 0.2)  # through the opposite side
     make_active(target)
     assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name) == {"FINISHED"}
-    (note,) = (line for line in room("core.status").notes(target.sinew.active.uid) if line.elements)
+    lines = [line for line in room("core.status").notes(target.sinew.active.uid) if line.elements]
+    (note,) = (line for line in lines if line.element_kind == "cage face")
     assert "faces of the cage cross" in note.text
-    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    assert bpy.ops.sinew.select_problems(line=lines.index(note)) == {"FINISHED"}
     assert bpy.context.object == cage
     bpy.ops.object.mode_set(mode="OBJECT")
     assert set(note.elements) <= {polygon.index for polygon in cage.data.polygons if polygon.select}
@@ -415,7 +416,7 @@ def test_an_automatic_cage_holds_the_mesh_and_moves_it(room):
 
 
 def test_harmonic_errs_a_tenth_of_mesh_deform():
-    """In a cube, where both should be trilinear: each corner is moved by 1, Mesh Deform at its precision 5."""
+    """In a cube, where both should be trilinear: each corner moved by 1, Mesh Deform at precision 5."""
     corners = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     points = np.random.default_rng(0).uniform(0.02, 0.98, (1000, 3))
