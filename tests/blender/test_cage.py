@@ -448,3 +448,37 @@ def test_harmonic_errs_a_tenth_of_mesh_deform():
         cage.data.vertices[corner].co.z = place[2]
     assert 1e-4 < worst["Theirs"] < 0.1
     assert worst["Ours"] <= 0.1 * worst["Theirs"], worst
+
+
+@pytest.mark.parametrize("first", ["Sinew", "Subdivision"])
+def test_before_and_after_a_subdivision_of_the_mesh(room, caged, first: str):
+    """Warped at control level and then subdivided, or subdivided and then warped: as the stack says."""
+    target, cage = target_and_cage(caged)
+    smoother = target.modifiers.new("Subdivision", "SUBSURF")
+    smoother.levels = smoother.render_levels = 1
+    if first == "Subdivision":
+        make_active(target)
+        bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=0)
+        bpy.ops.sinew.bind()
+    cage.data.vertices[0].co = (-1.6, -0.7, -1.3)
+    cage.data.update()
+    found = evaluated_points(target)
+
+    native = room("backend").availability().module
+    corners = np.array([tuple(polygon.vertices) for polygon in cage.data.polygons])
+    rest = np.array([vertex.co[:] for vertex in target.sinew.active.cage_rest.vertices])
+    coordinates = native.MeanValue(native.SurfaceMesh(rest, corners), precision="double")
+    if first == "Subdivision":
+        target.sinew.active.factor = 0.0
+        smooth = evaluated_points(target)
+        coordinates.bind(smooth.astype(float))
+        expected = coordinates.warp(base_points(cage))
+    else:
+        coordinates.bind(base_points(target))
+        plain = bpy.data.objects.new("Plain", target.data.copy())
+        plain.data.vertices.foreach_set("co", coordinates.warp(base_points(cage)).astype(np.float32).ravel())
+        bpy.context.scene.collection.objects.link(plain)
+        plain.modifiers.new("Subdivision", "SUBSURF").levels = 1
+        expected = evaluated_points(plain)
+    assert np.abs(found - expected).max() < FLOAT32
+    assert len(found) > 500
