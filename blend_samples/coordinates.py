@@ -53,7 +53,7 @@ def make() -> bpy.types.Scene:
         smooth.levels, smooth.render_levels = 1, 2
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.0, 0.0, 0.84), distance=24.0, elevation=9.0, width=7.0)
+    studio.add_camera(scene, target=(-0.12, 0.0, 0.84), distance=24.0, elevation=9.0, width=7.15)
     studio.add_lights(scene, target=(0.0, 0.0, 0.8), size=9.0)
     for k, label in enumerate(LABELS.values()):
         studio.add_label(scene, label, ((k - 1.5) * SPACING, -1.25, 0.0), 0.15)
