@@ -156,6 +156,14 @@ def check_posed(obj: bpy.types.Object, rest_frame: int, pose_frame: int) -> None
         if not np.isfinite(shapes[-1]).all():
             raise SampleError(f"{obj.name}: frame {frame} is not finite")
     size = np.ptp(shapes[0], axis=0).max()
+    scene.frame_set(rest_frame)
+    for deformer in obj.sinew.deformers:
+        if deformer.cage is not None:  # a cage at rest moves nothing
+            posed, deformer.factor = deformer.factor, 0.0
+            off = np.abs(shape(obj) - shapes[0]).max() / size
+            deformer.factor = posed
+            if off > 1e-4:
+                raise SampleError(f"{obj.name}: the cage at rest moves it by {off:.3g} of its size")
     travel = np.linalg.norm(shapes[1] - shapes[0], axis=1).max() / size
     if not 0.05 < travel < 3.0:
         raise SampleError(f"{obj.name}: the pose moves vertices by {travel:.3g} of its size")

@@ -13,7 +13,7 @@ from . import markers, materials, posing, studio
 from .models import creature
 
 POSE_FRAME = 40
-SPACING, HEADING = 3.6, -49.0
+SPACING, HEADING = 3.0, -49.0
 
 # in the dragon's own frame: x ahead, y to its left
 CHAINS = {
@@ -34,13 +34,13 @@ PARENTS = {"neck": "body", "head": "neck.002", "tail": "body", "foreleg": "body"
 PAIRS = ("foreleg", "hindleg")
 # bone -> frame -> turns in degrees about the dragon's own axes
 TURNS = {
-    "neck.001": {1: (0, 0, 0), POSE_FRAME: (0, 4, -14), 64: (0, -8, 12), 96: (0, 0, 0)},
-    "neck.002": {1: (0, 0, 0), POSE_FRAME: (0, 4, -16), 64: (0, -6, 14), 96: (0, 0, 0)},
-    "head": {1: (0, 0, 0), POSE_FRAME: (12, 6, -14), 64: (-12, -6, 14), 96: (0, 0, 0)},
-    "tail.001": {1: (0, 0, 0), POSE_FRAME: (0, 5, -8), 64: (0, 4, -18), 96: (0, 0, 0)},
-    "tail.002": {1: (0, 0, 0), POSE_FRAME: (0, 7, -14), 64: (0, 6, -26), 96: (0, 0, 0)},
-    "tail.003": {1: (0, 0, 0), POSE_FRAME: (0, 8, -20), 64: (0, 8, -30), 96: (0, 0, 0)},
-    "tail.004": {1: (0, 0, 0), POSE_FRAME: (0, 8, -22), 64: (0, 8, -26), 96: (0, 0, 0)},
+    "neck.001": {1: (0, 0, 0), POSE_FRAME: (0, -6, -10), 64: (0, 6, 10), 96: (0, 0, 0)},
+    "neck.002": {1: (0, 0, 0), POSE_FRAME: (0, -8, -12), 64: (0, 6, 12), 96: (0, 0, 0)},
+    "head": {1: (0, 0, 0), POSE_FRAME: (14, -2, -16), 64: (-12, 6, 14), 96: (0, 0, 0)},
+    "tail.001": {1: (0, 0, 0), POSE_FRAME: (0, 10, 10), 64: (0, 4, -14), 96: (0, 0, 0)},
+    "tail.002": {1: (0, 0, 0), POSE_FRAME: (0, 16, 14), 64: (0, 6, -20), 96: (0, 0, 0)},
+    "tail.003": {1: (0, 0, 0), POSE_FRAME: (0, 22, 16), 64: (0, 8, -24), 96: (0, 0, 0)},
+    "tail.004": {1: (0, 0, 0), POSE_FRAME: (0, 20, 14), 64: (0, 8, -20), 96: (0, 0, 0)},
 }
 
 
@@ -68,7 +68,7 @@ def make() -> bpy.types.Scene:
     posing.check_posed(posed, 1, POSE_FRAME)
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(-0.06, 0.0, 0.90), distance=26.0, elevation=13.0, width=7.5)
+    studio.add_camera(scene, target=(-0.06, 0.0, 0.90), distance=26.0, elevation=13.0, width=6.6)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=8.0)
     for k, label in enumerate(dragons):
         studio.add_label(scene, label, ((k - 0.5) * SPACING + 0.12, -1.55, 0.0), 0.17)
@@ -105,7 +105,12 @@ def carry_cage(cage: bpy.types.Object, rig: bpy.types.Object) -> None:
     """What Ctrl P, With Automatic Weights does: the armature carries the cage, as it would carry a mesh."""
     posing.make_active(rig)
     cage.select_set(True)
+    bpy.context.view_layer.update()
+    place = cage.matrix_world.copy()
     posing.expect(bpy.ops.object.parent_set(type="ARMATURE_AUTO"), "parent_set(type='ARMATURE_AUTO')")
+    bpy.context.view_layer.update()
+    if (cage.matrix_world.translation - place.translation).length > 1e-4:
+        raise posing.SampleError("The cage did not stay in its place")
     if any(not vertex.groups for vertex in cage.data.vertices):
         raise posing.SampleError("The armature leaves vertices of the cage behind")
 

@@ -8,6 +8,7 @@ import bmesh
 import bpy
 import numpy as np
 from bpy.types import Object
+from mathutils import Matrix
 
 from ..backend import Progress, automatic_cage
 from ..core.errors import CageError
@@ -49,10 +50,24 @@ def add_cage_object(obj: Object, shape: Shape) -> Object:
     cage = bpy.data.objects.new(mesh.name, mesh)
     for collection in obj.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(cage)
-    cage.parent = obj
+    _parent(cage, obj)
     cage.show_in_front = True
     bpy.context.view_layer.update()
     return cage
+
+
+def _parent(cage: Object, obj: Object) -> None:
+    """As Ctrl P does, so that the cage stays in its place when it gets another parent, an armature say."""
+    cage.parent = obj
+    world = obj.matrix_world.copy()
+    cage.matrix_basis = world
+    sheared = np.abs(np.array(cage.matrix_basis) - np.array(world)).max() > 1e-5 * max(
+        world.median_scale, 1.0
+    )
+    if sheared or world.determinant() == 0.0:
+        cage.matrix_basis = Matrix()
+    else:
+        cage.matrix_parent_inverse = world.inverted()
 
 
 @state.suspended()

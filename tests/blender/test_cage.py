@@ -482,3 +482,35 @@ def test_before_and_after_a_subdivision_of_the_mesh(room, caged, first: str):
         expected = evaluated_points(plain)
     assert np.abs(found - expected).max() < FLOAT32
     assert len(found) > 500
+
+
+@pytest.mark.parametrize("sheared", [False, True])
+def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_parent(sheared: bool):
+    target = ball()
+    target.location, target.rotation_euler, target.scale = (3.0, -1.0, 0.5), (0.4, 0.2, 1.1), (1.5, 0.7, 1.0)
+    if sheared:
+        target.parent = bpy.data.objects.new("Above", None)
+        target.parent.scale.x = 3.0
+        bpy.context.scene.collection.objects.link(target.parent)
+    update()
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(source="AUTO", faces=60) == {"FINISHED"}
+    cage = target.sinew.active.cage
+    rest = base_points(target)
+    target.location.x += 2.0
+    update()
+    assert np.abs(evaluated_points(target) - rest).max() < 4 * FLOAT32
+    if sheared:
+        return  # no location, rotation and scale of its own stand for where it is
+    target.location.x -= 2.0
+    update()
+    place = np.array(cage.matrix_world)
+    rig = bpy.data.objects.new("Rig", None)
+    rig.location = (5.0, 6.0, 7.0)
+    bpy.context.scene.collection.objects.link(rig)
+    make_active(rig)
+    cage.select_set(True)
+    assert bpy.ops.object.parent_set(type="OBJECT") == {"FINISHED"}
+    update()
+    assert cage.parent == rig
+    assert np.abs(np.array(cage.matrix_world) - place).max() < 1e-5
