@@ -76,6 +76,7 @@ def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bp
     """A cage of the same mesh around another object, so that both take every pose together."""
     twin = cage.copy()
     twin.name, twin.parent = f"{obj.name} Cage", obj
+    twin.matrix_parent_inverse = cage.matrix_parent_inverse
     bpy.context.scene.collection.objects.link(twin)
     bpy.context.view_layer.update()
     return add_cage(obj, method, source="OBJECT", cage=twin.name)
