@@ -50,7 +50,7 @@ def test_the_manuals_script_poses_keys_and_bakes(doll: tuple, tmp_path: Path) ->
     obj, head, feet = doll
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "doll.blend"))
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 3
-    (script,) = scripts("docs/scripting.md")
+    script, _ = scripts("docs/scripting.md")
     before_factor, after_factor = script.split("deformer.factor = 0.0\n")
     names = run(before_factor, "docs/scripting.md")
     moved = evaluated_points(obj) - base_points(obj)
@@ -60,6 +60,16 @@ def test_the_manuals_script_poses_keys_and_bakes(doll: tuple, tmp_path: Path) ->
     assert (tmp_path / "cache" / "head.pc2").is_file()
     assert names["deformer"].bake.is_baked
     assert np.allclose(evaluated_points(obj), base_points(obj), atol=FLOAT32)  # Factor is 0 in all frames
+
+
+def test_the_manuals_cage_moves_the_mesh(doll: tuple) -> None:
+    obj, _head, _feet = doll
+    _, script = scripts("docs/scripting.md")
+    names = run(script, "docs/scripting.md")
+    assert names["cage"].parent == obj
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    moved = np.abs(evaluated_points(obj) - base_points(obj)).max()
+    assert 0.01 < moved < 0.5
 
 
 def test_the_manual_speaks_of_operators_that_exist() -> None:
