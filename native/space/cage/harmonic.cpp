@@ -3,6 +3,8 @@
 
 #include "native/core/errors.h"
 #include "native/space/cage/harmonic_boundary.h"
+#include "native/space/cage/harmonic_data.h"
+#include "native/space/cage/harmonic_grid.h"
 
 #include <Eigen/LU>
 
@@ -32,6 +34,23 @@ int most_unknowns(HarmonicQuality quality)
     }
 }
 
+/// Along the longest side of the box around the cage.
+int cells(HarmonicQuality quality)
+{
+    if (const char* e = std::getenv("CELLS"))
+        return std::atoi(e);
+    switch (quality) {
+    case HarmonicQuality::fast:
+        return 64;
+    case HarmonicQuality::medium:
+        return 96;
+    case HarmonicQuality::fine:
+        return 128;
+    default:
+        return 192;
+    }
+}
+
 int level_for(int triangles, HarmonicQuality quality)
 {
     int level = harmonic_pattern_count - 1;
@@ -44,7 +63,7 @@ int level_for(int triangles, HarmonicQuality quality)
 
 Harmonic::Harmonic(Cage cage, const HarmonicOptions& options)
     : CageCoordinates(std::move(cage), options.weights), quality_(options.quality), surface_(this->cage()),
-      outside_(this->cage(), options.outside)
+      outside_(this->cage(), options.outside), data_(harmonic_data(this->cage()))
 {
 }
 
@@ -56,6 +75,19 @@ double Harmonic::residual_max() const { return boundary_ ? boundary_->residual_m
 
 double Harmonic::prepare(PointsView points, const Progress& progress)
 {
+    if (std::getenv("CELLS")) {
+        constexpr double share = 0.9;
+        const HarmonicGrid grid(cage(), cells(quality_));
+        grid_ = std::make_unique<HarmonicGrid::Weights>(
+            grid.evaluate(points, static_cast<int>(points.rows()) / checked_points + 1,
+                          Progress([&](double fraction, const char* stage) {
+                              progress.tick(share * fraction, stage);
+                              return true;
+                          })));
+        first_point_ = points.data();
+        error_ = grid_->error;
+        return share;
+    }
     constexpr double share = 0.6;
     if (!boundary_) {
         const int level = level_for(static_cast<int>(cage().triangles().size()), quality_);
@@ -95,7 +127,16 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
 
 void Harmonic::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
-    outside = evaluate(*boundary_, block, rows);
+    if (grid_) {
+        const auto first = (block.data() - first_point_) / 3;
+        rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+                   grid_->rows.data() + first * cage().vertex_count(), block.rows(), cage().vertex_count())
+                   .cast<double>();
+        outside.assign(grid_->inside.begin() + first, grid_->inside.begin() + first + block.rows());
+        finish(block, rows, outside);
+    } else {
+        outside = evaluate(*boundary_, block, rows);
+    }
     for (char& flag : outside)
         flag = !flag;
     outside_.fill(block, outside, rows);
@@ -107,20 +148,27 @@ std::vector<char> Harmonic::evaluate(const HarmonicBoundary& boundary, PointsVie
     std::vector<double> winding;
     boundary.evaluate(block, rows, winding);
     std::vector<char> inside(winding.size());
+    for (std::size_t i = 0; i < winding.size(); ++i)
+        inside[i] = std::abs(winding[i] - 1.0) < 0.5;
+    finish(block, rows, inside);
+    return inside;
+}
+
+/// Sets the data at points on the cage, which count as inside, and mends the weights of the others there.
+void Harmonic::finish(PointsView block, RowMatrix& rows, std::vector<char>& inside) const
+{
     for (Eigen::Index i = 0; i < block.rows(); ++i) {
         const Vector3 point = block.row(i).transpose();
         char& in = inside[static_cast<std::size_t>(i)];
         Vector3 hats;
         if (const int t = surface_.triangle_at(point, hats); t >= 0) {
-            boundary.data_at(t, hats, rows.row(i).data());
+            rows.row(i).setZero();
+            data_[static_cast<std::size_t>(t)].add(hats, 1.0, rows.row(i).data());
             in = 1;
-            continue;
-        }
-        in = std::abs(winding[static_cast<std::size_t>(i)] - 1.0) < 0.5;
-        if (in)
+        } else if (in) {
             mend(point, rows.row(i));
+        }
     }
-    return inside;
 }
 
 void Harmonic::mend(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const

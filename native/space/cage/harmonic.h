@@ -4,6 +4,8 @@
 #include "native/space/cage/cage_coordinates.h"
 #include "native/space/cage/cage_outside.h"
 #include "native/space/cage/cage_surface.h"
+#include "native/space/cage/harmonic_data.h"
+#include "native/space/cage/harmonic_grid.h"
 
 #include <memory>
 
@@ -65,12 +67,16 @@ protected:
 private:
     /// Rows of points inside; true where a point is.
     std::vector<char> evaluate(const HarmonicBoundary& boundary, PointsView block, RowMatrix& rows) const;
+    void finish(PointsView block, RowMatrix& rows, std::vector<char>& inside) const;
     void mend(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
 
     HarmonicQuality quality_;
     CageSurface surface_;
     OutsideWeights outside_;
+    std::vector<HarmonicData> data_;
     std::unique_ptr<HarmonicBoundary> boundary_, coarser_;
+    std::unique_ptr<HarmonicGrid::Weights> grid_;
+    const double* first_point_ = nullptr;
     double error_ = 0.0;
 };
 

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/cage/harmonic_grid.h"
+
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr int strip = HarmonicMultigrid::strip;
+constexpr double shortest = 0.05; ///< of a link, in steps, whose second difference is still used
+constexpr int at_once = 4;        ///< strips
+constexpr std::int64_t small = 64 << 20; ///< bytes of their work up to which several strips are solved at once
+
+} // namespace
+
+/// What the weights at a point are made of: values at nodes, and data of the cage.
+struct HarmonicGrid::Reading
+{
+    std::vector<std::pair<int, float>> nodes, data;
+    void clear()
+    {
+        nodes.clear();
+        data.clear();
+    }
+    /// Adds up what is named twice.
+    void merge()
+    {
+        for (auto* list : {&nodes, &data}) {
+            std::ranges::stable_sort(*list, {}, &std::pair<int, float>::first);
+            std::size_t kept = 0;
+            for (std::size_t k = 0; k < list->size(); ++k)
+                if (kept > 0 && (*list)[kept - 1].first == (*list)[k].first)
+                    (*list)[kept - 1].second += (*list)[k].second;
+                else
+                    (*list)[kept++] = (*list)[k];
+            list->resize(kept);
+        }
+    }
+};
+
+/// Of many points: those of point i are nodes[node_first[i]] to nodes[node_first[i + 1]], and so are the data.
+struct HarmonicGrid::Readings
+{
+    std::vector<std::size_t> node_first{0}, data_first{0};
+    std::vector<std::pair<int, float>> nodes, data;
+};
+
+HarmonicGrid::HarmonicGrid(const Cage& cage, int cells)
+    : columns_(cage.vertex_count()), lattice_(cage, cells), data_(harmonic_data(cage)),
+      multigrid_(lattice_, data_, columns_)
+{
+}
+
+void HarmonicGrid::interpolate(const Vector3& at, const HarmonicLattice::Node& lowest, int level,
+                               double factor, Reading& reading) const
+{
+    const int width = 1 << level;
+    Vector3 part;
+    for (int axis = 0; axis < 3; ++axis)
+        part[axis] = std::clamp((at[axis] - lowest[axis]) / width, 0.0, 1.0);
+    for (int c = 0; c < 8; ++c) {
+        HarmonicLattice::Node node = lowest;
+        double weight = factor;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int up = c >> axis & 1;
+            node[axis] += up * width;
+            weight *= up ? part[axis] : 1.0 - part[axis];
+        }
+        if (weight == 0.0)
+            continue;
+        const int row = multigrid_.row(level, node);
+        double own = weight;
+        for (int axis = 0; axis < 3; ++axis) {
+            const HarmonicLattice::Crossing* crossing[2];
+            int neighbour[2];
+            double length[2];
+            bool used = true;
+            for (int side = 0; side < 2; ++side) {
+                HarmonicLattice::Node other = node;
+                other[axis] += side ? width : -width;
+                crossing[side] = lattice_.next(node, axis, side ? 1 : -1, width);
+                neighbour[side] = crossing[side] ? -1 : multigrid_.row(level, other);
+                length[side] = crossing[side] ? std::abs(crossing[side]->depth - node[axis]) / width : 1.0;
+                used = used && (crossing[side] ? length[side] > shortest : neighbour[side] >= 0);
+            }
+            if (!used)
+                continue;
+            const double bend = -0.5 * part[axis] * (1.0 - part[axis]) * weight;
+            for (int side = 0; side < 2; ++side) {
+                const double share = bend * 2.0 / (length[side] * (length[0] + length[1]));
+                own -= share;
+                if (!crossing[side])
+                    reading.nodes.emplace_back(neighbour[side], static_cast<float>(share));
+                else
+                    data_[crossing[side]->triangle].each(crossing[side]->hats, [&](int v, double value) {
+                        reading.data.emplace_back(v, static_cast<float>(share * value));
+                    });
+            }
+        }
+        reading.nodes.emplace_back(row, static_cast<float>(own));
+    }
+}
+
+/// For a point inside.
+void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
+{
+    const int width = 1 << level;
+    HarmonicLattice::Node lowest;
+    if (lattice_.cube(at, width, lowest) && lattice_.is_full(lowest, width)) {
+        interpolate(at, lowest, level, 1.0, reading);
+        return;
+    }
+    const HarmonicLattice::Hit wall = lattice_.closest(at, width);
+    if (wall.triangle < 0)
+        return;
+    const auto add = [&](const HarmonicLattice::Hit& hit, double factor) {
+        data_[hit.triangle].each(hit.hats, [&](int v, double value) {
+            reading.data.emplace_back(v, static_cast<float>(factor * value));
+        });
+    };
+    const Vector3 along = wall.distance > 1e-6 ? Vector3((at - lattice_.on(wall)) / wall.distance)
+                                               : Vector3(-lattice_.normal(wall.triangle));
+    const HarmonicLattice::Hit opposite = lattice_.march(at, along, width);
+    const double part = wall.distance / (wall.distance + opposite.distance);
+    add(wall, 1.0 - part);
+    if (opposite.triangle >= 0)
+        add(opposite, part);
+    else if (std::isfinite(opposite.distance))
+        interpolate(at + opposite.distance * along, opposite.full, level, part, reading);
+}
+
+HarmonicGrid::Readings HarmonicGrid::read(PointsView points, int step, int level,
+                                          const std::vector<char>& inside) const
+{
+    constexpr int grain = 256;
+    const int count = static_cast<int>((points.rows() + step - 1) / step);
+    std::vector<Readings> chunks((count + grain - 1) / grain);
+    parallel_chunks(count, grain, [&](int begin, int end) {
+        Readings& own = chunks[begin / grain];
+        Reading reading;
+        for (int i = begin; i < end; ++i) {
+            reading.clear();
+            if (inside[i * step])
+                read(lattice_.seen(points.row(i * step).transpose()), level, reading);
+            reading.merge();
+            own.nodes.insert(own.nodes.end(), reading.nodes.begin(), reading.nodes.end());
+            own.data.insert(own.data.end(), reading.data.begin(), reading.data.end());
+            own.node_first.push_back(own.nodes.size());
+            own.data_first.push_back(own.data.size());
+        }
+    });
+    Readings all;
+    for (const Readings& chunk : chunks) {
+        for (std::size_t k = 1; k < chunk.node_first.size(); ++k) {
+            all.node_first.push_back(all.nodes.size() + chunk.node_first[k]);
+            all.data_first.push_back(all.data.size() + chunk.data_first[k]);
+        }
+        all.nodes.insert(all.nodes.end(), chunk.nodes.begin(), chunk.nodes.end());
+        all.data.insert(all.data.end(), chunk.data.begin(), chunk.data.end());
+    }
+    return all;
+}
+
+HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, const Progress& progress) const
+{
+    const int count = static_cast<int>(points.rows());
+    Weights found;
+    found.inside.assign(count, 0);
+    parallel_for(
+        count, [&](int i) { found.inside[i] = lattice_.holds(lattice_.seen(points.row(i).transpose())); },
+        256);
+    const Readings fine = read(points, 1, 0, found.inside), coarse = read(points, checked, 1, found.inside);
+    const int checks = static_cast<int>(coarse.node_first.size()) - 1;
+    std::vector<float> check(static_cast<std::size_t>(checks) * columns_, 0.0f);
+    found.rows.assign(static_cast<std::size_t>(count) * columns_, 0.0f);
+    const auto gather = [&](const Readings& readings, const std::vector<HarmonicMultigrid::Row>& values,
+                            int first_column, std::vector<float>& rows) {
+        const int some = std::min(strip, columns_ - first_column);
+        parallel_for(
+            static_cast<int>(readings.node_first.size()) - 1,
+            [&](int i) {
+                HarmonicMultigrid::Row sum{};
+                for (std::size_t k = readings.node_first[i]; k < readings.node_first[i + 1]; ++k) {
+                    const auto& [row, weight] = readings.nodes[k];
+                    for (int lane = 0; lane < strip; ++lane)
+                        sum.at[lane] += weight * values[row].at[lane];
+                }
+                std::copy_n(sum.at, some, rows.data() + static_cast<std::size_t>(i) * columns_ + first_column);
+            },
+            1024);
+    };
+
+    const int strips = (columns_ + strip - 1) / strip;
+    const int together = multigrid_.work_bytes() < small ? std::min(at_once, strips) : 1;
+    std::vector<HarmonicMultigrid::Work> works(together);
+    for (int first = 0; first < strips; first += together) {
+        progress.tick(static_cast<double>(first) / strips, "solving the lattice");
+        parallel_tasks(std::min(together, strips - first), [&](int task) {
+            HarmonicMultigrid::Work& work = works[task];
+            const int column = (first + task) * strip;
+            multigrid_.solve(column, work, [&](int level) {
+                if (level == 1)
+                    gather(coarse, work.values[1], column, check);
+                if (level == 0)
+                    gather(fine, work.values[0], column, found.rows);
+            });
+        });
+    }
+    const auto add_data = [&](const Readings& readings, std::vector<float>& rows) {
+        parallel_for(static_cast<int>(readings.data_first.size()) - 1, [&](int i) {
+            for (std::size_t k = readings.data_first[i]; k < readings.data_first[i + 1]; ++k)
+                rows[static_cast<std::size_t>(i) * columns_ + readings.data[k].first] +=
+                    readings.data[k].second;
+        });
+    };
+    add_data(fine, found.rows);
+    add_data(coarse, check);
+    found.error = 0.0;
+    for (int i = 0; i < checks; ++i)
+        for (int v = 0; v < columns_; ++v)
+            found.error = std::max(
+                found.error,
+                static_cast<double>(
+                    std::abs(check[static_cast<std::size_t>(i) * columns_ + v] -
+                             found.rows[static_cast<std::size_t>(i) * checked * columns_ + v])));
+    return found;
+}
+
+} // namespace sinew
