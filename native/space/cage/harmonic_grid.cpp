@@ -5,9 +5,11 @@
 #include "native/core/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 
 namespace sinew {
@@ -55,7 +57,7 @@ struct HarmonicGrid::Readings
 
 HarmonicGrid::HarmonicGrid(const Cage& cage, int cells)
     : columns_(cage.vertex_count()), lattice_(cage, cells), data_(harmonic_data(cage)),
-      multigrid_(lattice_, data_, columns_)
+      multigrid_(lattice_, cage, data_)
 {
 }
 
@@ -177,52 +179,62 @@ HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, con
     parallel_for(
         count, [&](int i) { found.inside[i] = lattice_.holds(lattice_.seen(points.row(i).transpose())); },
         256);
-    const Readings fine = read(points, 1, 0, found.inside), coarse = read(points, checked, 1, found.inside);
-    const int checks = static_cast<int>(coarse.node_first.size()) - 1;
+    const int levels = multigrid_.base() + 1;
+    const int checks = (count + checked - 1) / checked;
+    std::vector<Readings> fine, coarse; // a level
+    for (int level = 0; level < std::max(levels, 2); ++level) {
+        fine.push_back(read(points, 1, level, found.inside));
+        coarse.push_back(read(points, checked, level, found.inside));
+    }
     std::vector<float> check(static_cast<std::size_t>(checks) * columns_, 0.0f);
     found.rows.assign(static_cast<std::size_t>(count) * columns_, 0.0f);
-    const auto gather = [&](const Readings& readings, const std::vector<HarmonicMultigrid::Row>& values,
-                            int first_column, std::vector<float>& rows) {
-        const int some = std::min(strip, columns_ - first_column);
+    /// Blends what a level says into the rows.
+    const auto gather = [&](const Readings& readings, int step, int level,
+                            const std::vector<HarmonicMultigrid::Row>& values, int strip_index,
+                            std::vector<float>& rows) {
+        const std::span<const int> vertices = multigrid_.vertices(strip_index);
         parallel_for(
             static_cast<int>(readings.node_first.size()) - 1,
             [&](int i) {
+                const auto share = static_cast<float>(multigrid_.share(
+                    strip_index, level, lattice_.seen(points.row(i * step).transpose())));
+                if (share == 0.0f)
+                    return;
                 HarmonicMultigrid::Row sum{};
                 for (std::size_t k = readings.node_first[i]; k < readings.node_first[i + 1]; ++k) {
                     const auto& [row, weight] = readings.nodes[k];
                     for (int lane = 0; lane < strip; ++lane)
                         sum.at[lane] += weight * values[row].at[lane];
                 }
-                std::copy_n(sum.at, some, rows.data() + static_cast<std::size_t>(i) * columns_ + first_column);
+                float* const row = rows.data() + static_cast<std::size_t>(i) * columns_;
+                std::array<float, strip> data{};
+                for (std::size_t k = readings.data_first[i]; k < readings.data_first[i + 1]; ++k)
+                    if (const int place = multigrid_.place(readings.data[k].first);
+                        place / strip == strip_index)
+                        data[place % strip] += readings.data[k].second;
+                for (std::size_t lane = 0; lane < vertices.size(); ++lane) {
+                    float& weight = row[vertices[lane]];
+                    weight += share * (sum.at[lane] + data[lane] - weight);
+                }
             },
             1024);
     };
 
-    const int strips = (columns_ + strip - 1) / strip;
+    const int strips = multigrid_.strip_count();
     const int together = multigrid_.work_bytes() < small ? std::min(at_once, strips) : 1;
     std::vector<HarmonicMultigrid::Work> works(together);
     for (int first = 0; first < strips; first += together) {
         progress.tick(static_cast<double>(first) / strips, "solving the lattice");
         parallel_tasks(std::min(together, strips - first), [&](int task) {
             HarmonicMultigrid::Work& work = works[task];
-            const int column = (first + task) * strip;
-            multigrid_.solve(column, work, [&](int level) {
-                if (level == 1)
-                    gather(coarse, work.values[1], column, check);
-                if (level == 0)
-                    gather(fine, work.values[0], column, found.rows);
+            multigrid_.solve(first + task, work, [&](int level) {
+                if (level >= 1 && level < static_cast<int>(coarse.size()))
+                    gather(coarse[level], checked, level, work.values[level], first + task, check);
+                if (level < levels)
+                    gather(fine[level], 1, level, work.values[level], first + task, found.rows);
             });
         });
     }
-    const auto add_data = [&](const Readings& readings, std::vector<float>& rows) {
-        parallel_for(static_cast<int>(readings.data_first.size()) - 1, [&](int i) {
-            for (std::size_t k = readings.data_first[i]; k < readings.data_first[i + 1]; ++k)
-                rows[static_cast<std::size_t>(i) * columns_ + readings.data[k].first] +=
-                    readings.data[k].second;
-        });
-    };
-    add_data(fine, found.rows);
-    add_data(coarse, check);
     found.error = 0.0;
     for (int i = 0; i < checks; ++i)
         for (int v = 0; v < columns_; ++v)

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
-#include <cstdio>
+#include <limits>
+#include <numeric>
 
 namespace sinew {
 
@@ -20,19 +20,19 @@ constexpr int strip = HarmonicMultigrid::strip;
 constexpr int coarsest = 4;        ///< nodes along the longest side where halving ends
 constexpr int last_sweeps = 24;    ///< on the coarsest level
 constexpr double shortest = 1e-5;  ///< of a link, in steps
-constexpr float converged = 1e-5f; ///< residual where cycles end
+constexpr double converged = 1e-4; ///< residual before a cycle that is the last: it leaves a tenth
+constexpr int whole = 64;          ///< nodes along the longest side of the finest level without windows
+constexpr int padding = 10;        ///< steps of a level from the faces to the sides of its window
 constexpr int most_cycles = 40;
 constexpr int grain = 2048;
 
-void clear(std::vector<Row>& rows) { std::ranges::fill(rows, Row{}); }
-
 } // namespace
 
-HarmonicMultigrid::HarmonicMultigrid(const HarmonicLattice& lattice, const std::vector<HarmonicData>& data,
-                                     int columns)
+HarmonicMultigrid::HarmonicMultigrid(const HarmonicLattice& lattice, const Cage& cage,
+                                     const std::vector<HarmonicData>& data)
 {
+    order(lattice, cage);
     const int longest = *std::ranges::max_element(lattice.size());
-    const int strips = (columns + strip - 1) / strip;
     for (int level = 0; level == 0 || (longest >> level) >= coarsest; ++level) {
         levels_.emplace_back();
         number(lattice, level);
@@ -40,10 +40,104 @@ HarmonicMultigrid::HarmonicMultigrid(const HarmonicLattice& lattice, const std::
             levels_.pop_back();
             break;
         }
-        link(lattice, data, level, strips);
+        link(lattice, data, level);
     }
     for (int level = 0; level + 1 < level_count(); ++level)
         nest(level);
+    while (base_ + 1 < level_count() && (longest >> base_) > whole)
+        ++base_;
+}
+
+/// Makes strips of vertices that lie together: halves along the longest side of their box.
+void HarmonicMultigrid::order(const HarmonicLattice& lattice, const Cage& cage)
+{
+    const int count = cage.vertex_count();
+    std::vector<Vector3> at;
+    for (int v = 0; v < count; ++v)
+        at.push_back(lattice.seen(cage.rest().point(v)));
+    order_.resize(count);
+    std::iota(order_.begin(), order_.end(), 0);
+    const std::function<void(int, int)> split = [&](int begin, int end) {
+        if (end - begin <= strip)
+            return;
+        Vector3 low = at[order_[begin]], high = low;
+        for (int i = begin; i < end; ++i) {
+            low = low.cwiseMin(at[order_[i]]);
+            high = high.cwiseMax(at[order_[i]]);
+        }
+        int axis;
+        (high - low).maxCoeff(&axis);
+        std::sort(order_.begin() + begin, order_.begin() + end, [&](int v, int w) {
+            return std::pair(at[v][axis], v) < std::pair(at[w][axis], w);
+        });
+        const int middle = begin + ((end - begin) / 2 + strip - 1) / strip * strip;
+        split(begin, middle);
+        split(middle, end);
+    };
+    split(0, count);
+    place_.resize(count);
+    for (int i = 0; i < count; ++i)
+        place_[order_[i]] = i;
+
+    constexpr int far = std::numeric_limits<int>::max();
+    stars_.assign((count + strip - 1) / strip, {{far, far, far}, {0, 0, 0}});
+    for (int f = 0; f < cage.rest().face_count(); ++f)
+        for (int v : cage.rest().face(f))
+            for (int w : cage.rest().face(f)) {
+                Window& star = stars_[place_[v] / strip];
+                for (int axis = 0; axis < 3; ++axis) {
+                    star.low[axis] = std::min(star.low[axis], static_cast<int>(std::floor(at[w][axis])));
+                    star.high[axis] = std::max(star.high[axis], static_cast<int>(std::ceil(at[w][axis])));
+                }
+            }
+}
+
+std::span<const int> HarmonicMultigrid::vertices(int strip_index) const
+{
+    const std::size_t first = static_cast<std::size_t>(strip_index) * strip;
+    return {order_.data() + first, std::min<std::size_t>(strip, order_.size() - first)};
+}
+
+HarmonicMultigrid::Window HarmonicMultigrid::window(int strip_index, int level) const
+{
+    Window window = stars_[strip_index];
+    for (int axis = 0; axis < 3; ++axis) {
+        window.low[axis] -= padding << level;
+        window.high[axis] += padding << level;
+    }
+    return window;
+}
+
+double HarmonicMultigrid::share(int strip_index, int level, const Vector3& at) const
+{
+    if (level >= base_)
+        return 1.0;
+    const Window own = window(strip_index, level);
+    const double width = 0.5 * (padding << level);
+    double least = 1.0;
+    for (int axis = 0; axis < 3; ++axis)
+        least = std::min({least, (at[axis] - own.low[axis]) / width, (own.high[axis] - at[axis]) / width});
+    return std::max(least, 0.0);
+}
+
+/// Those of a window and so many steps around it.
+HarmonicMultigrid::Work::Rows HarmonicMultigrid::rows(int level, const Window& window, int around) const
+{
+    const Level& own = levels_[level];
+    Node low, high;
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = std::max(((window.low[axis] + (1 << level) - 1) >> level) - around, 0);
+        high[axis] = std::min((window.high[axis] >> level) + around, own.size[axis] - 1);
+    }
+    Work::Rows found;
+    for (int i = low[0]; i <= high[0]; ++i)
+        for (int j = low[1]; j <= high[1]; ++j) {
+            const int* const line = own.rows.data() + (static_cast<std::size_t>(i) * own.size[1] + j) * own.size[2];
+            for (int k = low[2]; k <= high[2]; ++k)
+                if (line[k] >= 0)
+                    (line[k] < own.reds ? found.reds : found.blacks).push_back(line[k]);
+        }
+    return found;
 }
 
 void HarmonicMultigrid::number(const HarmonicLattice& lattice, int level)
@@ -78,16 +172,14 @@ int HarmonicMultigrid::row(int level, const Node& node) const
     return own.rows[at];
 }
 
-void HarmonicMultigrid::link(const HarmonicLattice& lattice, const std::vector<HarmonicData>& data, int level,
-                             int strips)
+void HarmonicMultigrid::link(const HarmonicLattice& lattice, const std::vector<HarmonicData>& data, int level)
 {
-    static const bool symmetric = std::getenv("SYM") != nullptr;
     Level& own = levels_[level];
     const int width = 1 << level;
     own.link.resize(own.count);
     own.share.resize(own.count);
     own.diagonal.resize(own.count);
-    own.sources.resize(strips);
+    own.sources.resize(strip_count());
     std::size_t at = 0;
     for (int i = 0; i < own.size[0]; ++i)
         for (int j = 0; j < own.size[1]; ++j)
@@ -116,8 +208,6 @@ void HarmonicMultigrid::link(const HarmonicLattice& lattice, const std::vector<H
                         // A link that ends neither inside nor on the cage is left out: rounding made it.
                         const bool ends = crossing[l] || own.link[row][l] != own.count;
                         share[l] = ends ? 2.0 / (length[l] * (length[l] + length[l ^ 1])) : 0.0;
-                        if (symmetric && ends)
-                            share[l] = 1.0 / length[l];
                         sum += share[l];
                     }
                 }
@@ -128,8 +218,9 @@ void HarmonicMultigrid::link(const HarmonicLattice& lattice, const std::vector<H
                     if (!crossing[l])
                         continue;
                     data[crossing[l]->triangle].each(crossing[l]->hats, [&](int vertex, double value) {
-                        own.sources[vertex / strip].push_back(
-                            {row, vertex % strip, static_cast<float>(part * value)});
+                        const int place = place_[vertex];
+                        own.sources[place / strip].push_back(
+                            {row, place % strip, static_cast<float>(part * value)});
                     });
                 }
             }
@@ -197,51 +288,47 @@ std::int64_t HarmonicMultigrid::work_bytes() const
     return rows * static_cast<std::int64_t>(sizeof(Row));
 }
 
-/// Each value becomes what its neighbours and its source say.
-void HarmonicMultigrid::relax(int level, int begin, int end, Work& work) const
+/// What a node's neighbours and its source say.
+HarmonicMultigrid::Row HarmonicMultigrid::wanted(int level, int row, const Work& work) const
 {
     const Level& own = levels_[level];
-    Row* const values = work.values[level].data();
-    const Row* const sources = work.sources[level].data();
+    const Row* const values = work.values[level].data();
+    Row sum = work.sources[level][row];
+    for (int l = 0; l < 6; ++l) {
+        const Row& other = values[own.link[row][l]];
+        const float share = own.share[row][l];
+        for (int k = 0; k < strip; ++k)
+            sum.at[k] += share * other.at[k];
+    }
+    return sum;
+}
+
+/// Nodes of one colour.
+void HarmonicMultigrid::relax(int level, const std::vector<int>& rows, Work& work) const
+{
     parallel_for(
-        end - begin,
-        [&](int i) {
-            const int row = begin + i;
-            Row sum = sources[row];
-            for (int l = 0; l < 6; ++l) {
-                const Row& other = values[own.link[row][l]];
-                const float share = own.share[row][l];
-                for (int k = 0; k < strip; ++k)
-                    sum.at[k] += share * other.at[k];
-            }
-            values[row] = sum;
-        },
-        grain);
+        static_cast<int>(rows.size()),
+        [&](int i) { work.values[level][rows[i]] = wanted(level, rows[i], work); }, grain);
 }
 
 /// At the reds, after the blacks have been relaxed: these have none.
 double HarmonicMultigrid::find_residual(int level, Work& work) const
 {
     const Level& own = levels_[level];
-    const Row* const values = work.values[level].data();
-    const Row* const sources = work.sources[level].data();
-    Row* const residuals = work.residuals[level].data();
-    std::vector<float> largest((own.reds + grain - 1) / grain, 0.0f);
-    parallel_chunks(own.reds, grain, [&](int begin, int end) {
+    const std::vector<int>& rows = work.solved[level].reds;
+    const int count = static_cast<int>(rows.size());
+    std::vector<float> largest((count + grain - 1) / grain, 0.0f);
+    parallel_chunks(count, grain, [&](int begin, int end) {
         Row most{};
-        for (int row = begin; row < end; ++row) {
-            Row sum = sources[row];
-            for (int l = 0; l < 6; ++l) {
-                const Row& other = values[own.link[row][l]];
-                const float share = own.share[row][l];
-                for (int k = 0; k < strip; ++k)
-                    sum.at[k] += share * other.at[k];
-            }
-            const float diagonal = own.diagonal[row];
+        for (int i = begin; i < end; ++i) {
+            const int row = rows[i];
+            const Row sum = wanted(level, row, work);
+            const Row& value = work.values[level][row];
+            Row& residual = work.residuals[level][row];
             for (int k = 0; k < strip; ++k) {
-                const float gap = sum.at[k] - values[row].at[k];
+                const float gap = sum.at[k] - value.at[k];
                 most.at[k] = std::max(most.at[k], std::abs(gap));
-                residuals[row].at[k] = diagonal * gap;
+                residual.at[k] = own.diagonal[row] * gap;
             }
         }
         largest[begin / grain] = *std::max_element(most.at, most.at + strip);
@@ -249,17 +336,17 @@ double HarmonicMultigrid::find_residual(int level, Work& work) const
     return largest.empty() ? 0.0 : *std::ranges::max_element(largest);
 }
 
-/// To the blacks of a level from the next: its values, or what they correct. The reds follow in a sweep.
-void HarmonicMultigrid::prolong(int level, Work& work, bool correct) const
+/// To blacks of a level from the next: its values, or what they correct. The reds follow in a sweep.
+void HarmonicMultigrid::prolong(int level, const std::vector<int>& rows, Work& work, bool correct) const
 {
     const Level& own = levels_[level];
     const int none = levels_[level + 1].count;
-    Row* const values = work.values[level].data() + own.reds;
+    Row* const values = work.values[level].data();
     const Row* const coarse = work.values[level + 1].data();
     parallel_for(
-        own.count - own.reds,
+        static_cast<int>(rows.size()),
         [&](int i) {
-            const Parents& parents = own.parents[i];
+            const Parents& parents = own.parents[rows[i] - own.reds];
             Row sum{};
             int count = correct ? parents.count : 0;
             for (int c = 0; c < parents.count; ++c) {
@@ -268,19 +355,20 @@ void HarmonicMultigrid::prolong(int level, Work& work, bool correct) const
                     sum.at[k] += coarse[parents.row[c]].at[k];
             }
             const float part = 1.0f / static_cast<float>(std::max(count, 1));
+            Row& value = values[rows[i]];
             for (int k = 0; k < strip; ++k)
-                values[i].at[k] = (correct ? values[i].at[k] : 0.0f) + part * sum.at[k];
+                value.at[k] = (correct ? value.at[k] : 0.0f) + part * sum.at[k];
         },
         grain);
 }
 
 void HarmonicMultigrid::cycle(int level, Work& work, double* residual) const
 {
-    const Level& own = levels_[level];
-    const bool last = level + 1 == level_count();
+    const Work::Rows& own = work.solved[level];
+    const bool last = level + 1 == level_count() || work.solved[level + 1].reds.empty();
     for (int sweep = 0; sweep < (last ? last_sweeps : 1); ++sweep) {
-        relax(level, 0, own.reds, work);
-        relax(level, own.reds, own.count, work);
+        relax(level, own.reds, work);
+        relax(level, own.blacks, work);
     }
     if (last && !residual)
         return;
@@ -292,57 +380,69 @@ void HarmonicMultigrid::cycle(int level, Work& work, double* residual) const
     const Level& next = levels_[level + 1];
     const Row* const residuals = work.residuals[level].data();
     Row* const sources = work.sources[level + 1].data();
-    parallel_for(
-        next.count,
-        [&](int i) {
-            const std::array<int, 13>& children = next.children[i];
-            Row sum{};
-            for (int c = 1; c < 13; ++c)
+    for (const std::vector<int>* rows : {&work.solved[level + 1].reds, &work.solved[level + 1].blacks})
+        parallel_for(
+            static_cast<int>(rows->size()),
+            [&](int i) {
+                const int row = (*rows)[i];
+                const std::array<int, 13>& children = next.children[row];
+                Row sum{};
+                for (int c = 1; c < 13; ++c)
+                    for (int k = 0; k < strip; ++k)
+                        sum.at[k] += residuals[children[c]].at[k];
+                // Full weighting, and the square of the levels' steps.
+                const float part = 0.5f / next.diagonal[row];
                 for (int k = 0; k < strip; ++k)
-                    sum.at[k] += residuals[children[c]].at[k];
-            // Full weighting, and the square of the levels' steps.
-            const float part = 0.5f / next.diagonal[i];
-            for (int k = 0; k < strip; ++k)
-                sources[i].at[k] = part * (residuals[children[0]].at[k] + 0.25f * sum.at[k]);
-        },
-        grain);
-    clear(work.values[level + 1]);
+                    sources[row].at[k] = part * (residuals[children[0]].at[k] + 0.25f * sum.at[k]);
+            },
+            grain);
+    for (const std::vector<int>* rows : {&work.cleared[level + 1].reds, &work.cleared[level + 1].blacks})
+        for (int row : *rows)
+            work.values[level + 1][row] = {};
     cycle(level + 1, work, nullptr);
-    prolong(level, work, true);
-    relax(level, 0, own.reds, work);
-    relax(level, own.reds, own.count, work);
+    prolong(level, own.blacks, work, true);
+    relax(level, own.reds, work);
+    relax(level, own.blacks, work);
 }
 
-double HarmonicMultigrid::solve(int first_column, Work& work, const std::function<void(int level)>& done) const
+void HarmonicMultigrid::solve(int strip_index, Work& work, const std::function<void(int level)>& done) const
 {
-    if (work.values.empty())
+    if (work.values.empty()) {
         for (const Level& level : levels_) {
             work.values.emplace_back(level.count + 1, Row{});
             work.sources.emplace_back(level.count, Row{});
             work.residuals.emplace_back(level.reds + 1, Row{});
         }
-    static const bool talk = std::getenv("TALK") != nullptr;
-    double residual = 0.0;
+        work.solved.resize(levels_.size());
+        work.cleared.resize(levels_.size());
+    }
     for (int level = level_count() - 1; level >= 0; --level) {
-        if (level + 1 < level_count())
-            prolong(level, work, false);
-        else
-            clear(work.values[level]);
-        clear(work.sources[level]);
-        for (const Source& source : levels_[level].sources[first_column / strip])
-            work.sources[level][source.row].at[source.lane] += source.value;
-        double before = 1.0;
-        for (int k = 0; k < most_cycles; ++k) {
-            cycle(level, work, &residual);
-            if (talk)
-                std::fprintf(stderr, "level %d (%d) cycle %d: %.2e\n", level, levels_[level].count, k, residual);
-            if (residual < converged)
-                break;
-            before = residual;
+        const Window all{{0, 0, 0}, {1 << 30, 1 << 30, 1 << 30}};
+        const Window own = level < base_ ? window(strip_index, level) : all;
+        Window inner = own;
+        // A coarser node's correction needs residuals around it: the windows shrink.
+        for (int k = level; k < level_count(); ++k) {
+            work.solved[k] = rows(k, inner, 0);
+            work.cleared[k] = rows(k, inner, 1);
+            for (int axis = 0; axis < 3 && level < base_; ++axis) {
+                inner.low[axis] += 1 << k;
+                inner.high[axis] -= 1 << k;
+            }
         }
+        for (const std::vector<int>* rows : {&work.cleared[level].reds, &work.cleared[level].blacks})
+            for (int row : *rows)
+                work.sources[level][row] = work.values[level][row] = {};
+        for (const Source& source : levels_[level].sources[strip_index])
+            work.sources[level][source.row].at[source.lane] += source.value;
+        if (level + 1 < level_count()) {
+            prolong(level, rows(level, own, 2).blacks, work, false);
+            relax(level, work.cleared[level].reds, work);
+        }
+        double residual = 1.0;
+        for (int k = 0; k < most_cycles && residual > converged; ++k)
+            cycle(level, work, &residual);
         done(level);
     }
-    return residual;
 }
 
 } // namespace sinew
