@@ -27,8 +27,10 @@ constexpr std::int64_t small = 64 << 20; ///< bytes of their work up to which se
 struct HarmonicGrid::Reading
 {
     std::vector<std::pair<int, float>> nodes, data;
+    double reach = 0.0; ///< up to how far from the point the nodes lie along an axis
     void clear()
     {
+        reach = 0.0;
         nodes.clear();
         data.clear();
     }
@@ -53,6 +55,7 @@ struct HarmonicGrid::Readings
 {
     std::vector<std::size_t> node_first{0}, data_first{0};
     std::vector<std::pair<int, float>> nodes, data;
+    std::vector<float> reach;
 };
 
 HarmonicGrid::HarmonicGrid(const Cage& cage, int cells)
@@ -79,6 +82,8 @@ void HarmonicGrid::interpolate(const Vector3& at, const HarmonicLattice::Node& l
         if (weight == 0.0)
             continue;
         const int row = multigrid_.row(level, node);
+        if (row < 0)
+            continue; // in no window
         double own = weight;
         for (int axis = 0; axis < 3; ++axis) {
             const HarmonicLattice::Crossing* crossing[2];
@@ -117,6 +122,7 @@ void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
     const int width = 1 << level;
     HarmonicLattice::Node lowest;
     if (lattice_.cube(at, width, lowest) && lattice_.is_full(lowest, width)) {
+        reading.reach = 2.0 * width;
         interpolate(at, lowest, level, 1.0, reading);
         return;
     }
@@ -135,8 +141,10 @@ void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
     add(wall, 1.0 - part);
     if (opposite.triangle >= 0)
         add(opposite, part);
-    else if (std::isfinite(opposite.distance))
+    else if (std::isfinite(opposite.distance)) {
+        reading.reach = opposite.distance + 2.0 * width;
         interpolate(at + opposite.distance * along, opposite.full, level, part, reading);
+    }
 }
 
 HarmonicGrid::Readings HarmonicGrid::read(PointsView points, int step, int level,
@@ -155,6 +163,7 @@ HarmonicGrid::Readings HarmonicGrid::read(PointsView points, int step, int level
             reading.merge();
             own.nodes.insert(own.nodes.end(), reading.nodes.begin(), reading.nodes.end());
             own.data.insert(own.data.end(), reading.data.begin(), reading.data.end());
+            own.reach.push_back(static_cast<float>(reading.reach));
             own.node_first.push_back(own.nodes.size());
             own.data_first.push_back(own.data.size());
         }
@@ -165,6 +174,7 @@ HarmonicGrid::Readings HarmonicGrid::read(PointsView points, int step, int level
             all.node_first.push_back(all.nodes.size() + chunk.node_first[k]);
             all.data_first.push_back(all.data.size() + chunk.data_first[k]);
         }
+        all.reach.insert(all.reach.end(), chunk.reach.begin(), chunk.reach.end());
         all.nodes.insert(all.nodes.end(), chunk.nodes.begin(), chunk.nodes.end());
         all.data.insert(all.data.end(), chunk.data.begin(), chunk.data.end());
     }
@@ -197,7 +207,7 @@ HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, con
             static_cast<int>(readings.node_first.size()) - 1,
             [&](int i) {
                 const auto share = static_cast<float>(multigrid_.share(
-                    strip_index, level, lattice_.seen(points.row(i * step).transpose())));
+                    strip_index, level, lattice_.seen(points.row(i * step).transpose()), readings.reach[i]));
                 if (share == 0.0f)
                     return;
                 HarmonicMultigrid::Row sum{};

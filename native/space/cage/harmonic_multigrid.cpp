@@ -33,10 +33,12 @@ HarmonicMultigrid::HarmonicMultigrid(const HarmonicLattice& lattice, const Cage&
 {
     order(lattice, cage);
     const int longest = *std::ranges::max_element(lattice.size());
+    while ((longest >> base_) > whole)
+        ++base_;
     for (int level = 0; level == 0 || (longest >> level) >= coarsest; ++level) {
         levels_.emplace_back();
         number(lattice, level);
-        if (level > 0 && levels_.back().count == 0) {
+        if (level > base_ && levels_.back().count == 0) {
             levels_.pop_back();
             break;
         }
@@ -44,8 +46,6 @@ HarmonicMultigrid::HarmonicMultigrid(const HarmonicLattice& lattice, const Cage&
     }
     for (int level = 0; level + 1 < level_count(); ++level)
         nest(level);
-    while (base_ + 1 < level_count() && (longest >> base_) > whole)
-        ++base_;
 }
 
 /// Makes strips of vertices that lie together: halves along the longest side of their box.
@@ -108,7 +108,7 @@ HarmonicMultigrid::Window HarmonicMultigrid::window(int strip_index, int level) 
     return window;
 }
 
-double HarmonicMultigrid::share(int strip_index, int level, const Vector3& at) const
+double HarmonicMultigrid::share(int strip_index, int level, const Vector3& at, double reach) const
 {
     if (level >= base_)
         return 1.0;
@@ -116,23 +116,31 @@ double HarmonicMultigrid::share(int strip_index, int level, const Vector3& at) c
     const double width = 0.5 * (padding << level);
     double least = 1.0;
     for (int axis = 0; axis < 3; ++axis)
-        least = std::min({least, (at[axis] - own.low[axis]) / width, (own.high[axis] - at[axis]) / width});
+        least = std::min({least, (at[axis] - own.low[axis] - reach) / width,
+                          (own.high[axis] - at[axis] - reach) / width});
     return std::max(least, 0.0);
 }
 
-/// Those of a window and so many steps around it.
+/// The lowest and the highest node of a window and so many steps around it, in steps of a level.
+std::array<Node, 2> HarmonicMultigrid::range(int level, const Window& window, int around) const
+{
+    std::array<Node, 2> range;
+    for (int axis = 0; axis < 3; ++axis) {
+        range[0][axis] = std::max(((window.low[axis] + (1 << level) - 1) >> level) - around, 0);
+        range[1][axis] = std::min((window.high[axis] >> level) + around, levels_[level].size[axis] - 1);
+    }
+    return range;
+}
+
 HarmonicMultigrid::Work::Rows HarmonicMultigrid::rows(int level, const Window& window, int around) const
 {
     const Level& own = levels_[level];
-    Node low, high;
-    for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::max(((window.low[axis] + (1 << level) - 1) >> level) - around, 0);
-        high[axis] = std::min((window.high[axis] >> level) + around, own.size[axis] - 1);
-    }
+    const auto [low, high] = range(level, window, around);
     Work::Rows found;
     for (int i = low[0]; i <= high[0]; ++i)
         for (int j = low[1]; j <= high[1]; ++j) {
-            const int* const line = own.rows.data() + (static_cast<std::size_t>(i) * own.size[1] + j) * own.size[2];
+            const int* const line =
+                own.rows.data() + (static_cast<std::size_t>(i) * own.size[1] + j) * own.size[2];
             for (int k = low[2]; k <= high[2]; ++k)
                 if (line[k] >= 0)
                     (line[k] < own.reds ? found.reds : found.blacks).push_back(line[k]);
@@ -146,17 +154,28 @@ void HarmonicMultigrid::number(const HarmonicLattice& lattice, int level)
     const int width = 1 << level;
     for (int axis = 0; axis < 3; ++axis)
         own.size[axis] = (lattice.size()[axis] - 1) / width + 1;
-    own.rows.assign(static_cast<std::size_t>(own.size[0]) * own.size[1] * own.size[2], -1);
+    constexpr int unused = -1, wanted = -2;
+    own.rows.assign(static_cast<std::size_t>(own.size[0]) * own.size[1] * own.size[2],
+                    level < base_ ? unused : wanted);
+    for (int s = 0; s < strip_count() && level < base_; ++s) {
+        const auto [low, high] = range(level, window(s, level), 3);
+        for (int i = low[0]; i <= high[0]; ++i)
+            for (int j = low[1]; j <= high[1]; ++j) {
+                const auto line = own.rows.begin() + (static_cast<std::ptrdiff_t>(i) * own.size[1] + j) * own.size[2];
+                std::fill(line + low[2], line + high[2] + 1, wanted);
+            }
+    }
     for (int colour = 0; colour < 2; ++colour) {
         std::size_t at = 0;
         for (int i = 0; i < own.size[0]; ++i)
             for (int j = 0; j < own.size[1]; ++j)
                 for (int k = 0; k < own.size[2]; ++k, ++at)
-                    if ((i + j + k) % 2 == colour && lattice.inside({i * width, j * width, k * width}))
+                    if (own.rows[at] == wanted && (i + j + k) % 2 == colour && lattice.inside({i * width, j * width, k * width}))
                         own.rows[at] = own.count++;
         if (colour == 0)
             own.reds = own.count;
     }
+    std::ranges::replace(own.rows, wanted, unused);
 }
 
 int HarmonicMultigrid::row(int level, const Node& node) const

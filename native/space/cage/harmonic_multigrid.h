@@ -60,13 +60,14 @@ public:
     int place(int vertex) const { return place_[vertex]; }
     /// Memory of one Work.
     std::int64_t work_bytes() const;
-    /// The part of a level's answer that counts at a point: 1 in its window, falling to 0 towards its sides.
-    double share(int strip_index, int level, const Vector3& at) const;
+    /// The part of a level's answer that counts at a point that needs nodes up to `reach` from it: 1 in the
+    /// level's window, falling to 0 towards its sides.
+    double share(int strip_index, int level, const Vector3& at, double reach) const;
 
     /// \param done  is told each level whose values stand, in its window; the last one is 0, the finest.
     void solve(int strip_index, Work& work, const std::function<void(int level)>& done) const;
 
-    /// The row of a level's node, a multiple of 2^level; -1 where it is not inside.
+    /// The row of a level's node, a multiple of 2^level; -1 where it is not inside or in no strip's window.
     int row(int level, const Node& node) const;
 
 private:
@@ -98,6 +99,7 @@ private:
     void link(const HarmonicLattice& lattice, const std::vector<HarmonicData>& data, int level);
     void nest(int level);
     Window window(int strip_index, int level) const;
+    std::array<Node, 2> range(int level, const Window& window, int around) const;
     Work::Rows rows(int level, const Window& window, int around) const;
     Row wanted(int level, int row, const Work& work) const;
     void relax(int level, const std::vector<int>& rows, Work& work) const;
