@@ -137,14 +137,27 @@ void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
     const Vector3 along = wall.distance > 1e-6 ? Vector3((at - lattice_.on(wall)) / wall.distance)
                                                : Vector3(-lattice_.normal(wall.triangle));
     const HarmonicLattice::Hit opposite = lattice_.march(at, along, width);
-    const double part = wall.distance / (wall.distance + opposite.distance);
-    add(wall, 1.0 - part);
-    if (opposite.triangle >= 0)
-        add(opposite, part);
-    else if (std::isfinite(opposite.distance)) {
-        reading.reach = opposite.distance + 2.0 * width;
-        interpolate(at + opposite.distance * along, opposite.full, level, part, reading);
+    const double t = wall.distance, first = t + opposite.distance; // from the wall
+    if (opposite.triangle >= 0 || !std::isfinite(first)) {
+        const double part = opposite.triangle >= 0 ? t / first : 0.0;
+        add(wall, 1.0 - part);
+        if (part > 0.0)
+            add(opposite, part);
+        return;
     }
+    // Quadratic where another full cube lies behind.
+    const double second = first + std::max(first, static_cast<double>(width));
+    const Vector3 behind = at + (second - t) * along;
+    double parts[3]{1.0 - t / first, t / first, 0.0};
+    if (lattice_.cube(behind, width, lowest) && lattice_.is_full(lowest, width)) {
+        parts[0] = (first - t) * (second - t) / (first * second);
+        parts[1] = t * (second - t) / (first * (second - first));
+        parts[2] = -t * (first - t) / (second * (second - first));
+        interpolate(behind, lowest, level, parts[2], reading);
+    }
+    reading.reach = (parts[2] != 0.0 ? second : first) - t + 2.0 * width;
+    add(wall, parts[0]);
+    interpolate(at + opposite.distance * along, opposite.full, level, parts[1], reading);
 }
 
 HarmonicGrid::Readings HarmonicGrid::read(PointsView points, int step, int level,
