@@ -16,6 +16,8 @@ namespace sinew {
 
 namespace {
 
+/// Where the elements' three to six unknowns a triangle cost a lattice's time and err more than it does.
+constexpr int most_triangles = 600;
 constexpr int checked_points = 200; ///< for the estimate of the error
 constexpr int most_mends = 60;
 constexpr double faintest = 1e-12; ///< weight that a vertex cut off has where it is needed
@@ -37,17 +39,15 @@ int most_unknowns(HarmonicQuality quality)
 /// Along the longest side of the box around the cage.
 int cells(HarmonicQuality quality)
 {
-    if (const char* e = std::getenv("CELLS"))
-        return std::atoi(e);
     switch (quality) {
     case HarmonicQuality::fast:
-        return 64;
-    case HarmonicQuality::medium:
         return 96;
+    case HarmonicQuality::medium:
+        return 160;
     case HarmonicQuality::fine:
-        return 128;
+        return 256;
     default:
-        return 192;
+        return 384;
     }
 }
 
@@ -62,38 +62,47 @@ int level_for(int triangles, HarmonicQuality quality)
 } // namespace
 
 Harmonic::Harmonic(Cage cage, const HarmonicOptions& options)
-    : CageCoordinates(std::move(cage), options.weights), quality_(options.quality), surface_(this->cage()),
+    : CageCoordinates(std::move(cage), options.weights), quality_(options.quality), solver_(options.solver), surface_(this->cage()),
       outside_(this->cage(), options.outside), data_(harmonic_data(this->cage()))
 {
+    if (solver_ == HarmonicSolver::automatic)
+        solver_ = this->cage().triangles().size() > most_triangles ? HarmonicSolver::lattice
+                                                                   : HarmonicSolver::boundary;
 }
 
 Harmonic::~Harmonic() = default;
 
-int Harmonic::unknowns() const { return boundary_ ? boundary_->unknowns() : 0; }
 double Harmonic::residual_rms() const { return boundary_ ? boundary_->residual_rms() : 0.0; }
 double Harmonic::residual_max() const { return boundary_ ? boundary_->residual_max() : 0.0; }
 
 double Harmonic::prepare(PointsView points, const Progress& progress)
 {
-    if (std::getenv("CELLS")) {
-        constexpr double share = 0.9;
-        const HarmonicGrid grid(cage(), cells(quality_));
-        grid_ = std::make_unique<HarmonicGrid::Weights>(
-            grid.evaluate(points, static_cast<int>(points.rows()) / checked_points + 1,
-                          Progress([&](double fraction, const char* stage) {
-                              progress.tick(share * fraction, stage);
-                              return true;
-                          })));
-        first_point_ = points.data();
-        error_ = grid_->error;
+    const double share = solver_ == HarmonicSolver::lattice ? 0.9 : 0.6;
+    const Progress within([&](double fraction, const char* stage) {
+        progress.tick(share * fraction, stage);
+        return true;
+    });
+    if (solver_ == HarmonicSolver::boundary) {
+        solve_boundary(points, within);
         return share;
     }
-    constexpr double share = 0.6;
+    within.tick(0.0, "cutting the lattice");
+    const HarmonicGrid grid(cage(), cells(quality_));
+    const int step = static_cast<int>(points.rows()) / checked_points + 1;
+    grid_ = std::make_unique<HarmonicGrid::Weights>(grid.evaluate(points, step, within));
+    first_point_ = points.data();
+    unknowns_ = grid.node_count();
+    error_ = grid_->error;
+    return share;
+}
+
+void Harmonic::solve_boundary(PointsView points, const Progress& progress)
+{
     if (!boundary_) {
         const int level = level_for(static_cast<int>(cage().triangles().size()), quality_);
         const auto within = [&](double from, double part) {
             return Progress([&progress, from, part](double fraction, const char* stage) {
-                progress.tick(share * (from + part * fraction), stage);
+                progress.tick(from + part * fraction, stage);
                 return true;
             });
         };
@@ -105,6 +114,7 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
             coarser = std::make_unique<HarmonicBoundary>(cage(), half, within(0.0, 0.2));
         boundary_ = std::make_unique<HarmonicBoundary>(cage(), level, within(0.2, 0.8));
         coarser_ = std::move(coarser);
+        unknowns_ = boundary_->unknowns();
     }
 
     // A pattern of half the unknowns errs two to three times as much, so the difference is about its error.
@@ -122,7 +132,6 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
             if (inside[static_cast<std::size_t>(i)])
                 error_ = std::max(error_, (fine.row(i) - coarse.row(i)).cwiseAbs().maxCoeff());
     }
-    return share;
 }
 
 void Harmonic::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const

@@ -475,12 +475,6 @@ void HarmonicBoundary::evaluate(PointsView points, RowMatrix& weights, std::vect
         winding[static_cast<std::size_t>(i)] = weights.row(i).sum();
 }
 
-void HarmonicBoundary::data_at(int triangle, const Vector3& hats, double* row) const
-{
-    std::fill(row, row + vertex_count_, 0.0);
-    data_[static_cast<std::size_t>(triangle)].add(hats, 1.0, row);
-}
-
 void HarmonicBoundary::measure_residual(const Progress& progress)
 {
     progress.tick(0.9, "measuring the residual");

@@ -45,9 +45,6 @@ public:
     /// \param[out] winding  (b) how often the cage winds around each point: 1 inside, 0 outside.
     void evaluate(PointsView block, RowMatrix& weights, std::vector<double>& winding) const;
 
-    /// row (c) = the data at a point of a triangle, by the hats of its corners there.
-    void data_at(int triangle, const Vector3& hats, double* row) const;
-
     /// phi less data at four points a triangle: the root mean of its squares summed over the vertices, and
     /// the largest magnitude. As phi - data is harmonic, its largest magnitude anywhere is on the cage.
     double residual_rms() const { return residual_rms_; }

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -18,6 +19,7 @@ namespace {
 
 constexpr int strip = HarmonicMultigrid::strip;
 constexpr double shortest = 0.05; ///< of a link, in steps, whose second difference is still used
+constexpr std::int64_t reading_bytes = 600; ///< of a point, on all levels, about
 constexpr int at_once = 4;        ///< strips
 constexpr std::int64_t small = 64 << 20; ///< bytes of their work up to which several strips are solved at once
 
@@ -139,10 +141,34 @@ void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
     const HarmonicLattice::Hit opposite = lattice_.march(at, along, width);
     const double t = wall.distance, first = t + opposite.distance; // from the wall
     if (opposite.triangle >= 0 || !std::isfinite(first)) {
-        const double part = opposite.triangle >= 0 ? t / first : 0.0;
-        add(wall, 1.0 - part);
-        if (part > 0.0)
-            add(opposite, part);
+        // Differences of Laplace's equation at the point itself, along that line and two across. The line
+        // alone, on coarser levels, shows how much these matter.
+        std::array<std::pair<HarmonicLattice::Hit, Vector3>, 6> ends{
+            {{wall, -along}, {opposite, along}}};
+        const Vector3 across = along.unitOrthogonal(), third = along.cross(across);
+        for (int k = 2; k < 6; ++k) {
+            const Vector3 way = (k % 2 ? 1.0 : -1.0) * (k < 4 ? across : third);
+            ends[k] = {lattice_.march(at, way, width), way};
+        }
+        std::array<double, 6> share{};
+        for (int axis = 0; axis < (level == 0 ? 3 : 1); ++axis) {
+            const double a = std::max(ends[2 * axis].first.distance, 1e-9),
+                         b = std::max(ends[2 * axis + 1].first.distance, 1e-9);
+            if (!std::isfinite(a * b))
+                continue;
+            share[2 * axis] = 1.0 / (a * (a + b));
+            share[2 * axis + 1] = 1.0 / (b * (a + b));
+        }
+        const double sum = std::accumulate(share.begin(), share.end(), 0.0);
+        if (!(sum > 0.0))
+            return add(wall, 1.0);
+        for (int k = 0; k < 6; ++k)
+            if (const auto& [hit, way] = ends[k]; share[k] > 0.0 && hit.triangle >= 0) {
+                add(hit, share[k] / sum);
+            } else if (share[k] > 0.0) {
+                reading.reach = std::max(reading.reach, hit.distance + 2.0 * width);
+                interpolate(at + hit.distance * way, hit.full, level, share[k] / sum, reading);
+            }
         return;
     }
     // Quadratic where another full cube lies behind.
@@ -197,6 +223,12 @@ HarmonicGrid::Readings HarmonicGrid::read(PointsView points, int step, int level
 HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, const Progress& progress) const
 {
     const int count = static_cast<int>(points.rows());
+    const int strips = multigrid_.strip_count();
+    const int together = multigrid_.work_bytes() < small ? std::min(at_once, strips) : 1;
+    require_memory(multigrid_.bytes() + together * multigrid_.work_bytes() +
+                       static_cast<std::int64_t>(count) *
+                           (columns_ * static_cast<std::int64_t>(sizeof(float)) + reading_bytes),
+                   "the lattice in the cage");
     Weights found;
     found.inside.assign(count, 0);
     parallel_for(
@@ -243,14 +275,13 @@ HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, con
             1024);
     };
 
-    const int strips = multigrid_.strip_count();
-    const int together = multigrid_.work_bytes() < small ? std::min(at_once, strips) : 1;
     std::vector<HarmonicMultigrid::Work> works(together);
+    std::vector<double> residuals(strips);
     for (int first = 0; first < strips; first += together) {
         progress.tick(static_cast<double>(first) / strips, "solving the lattice");
         parallel_tasks(std::min(together, strips - first), [&](int task) {
             HarmonicMultigrid::Work& work = works[task];
-            multigrid_.solve(first + task, work, [&](int level) {
+            residuals[first + task] = multigrid_.solve(first + task, work, [&](int level) {
                 if (level >= 1 && level < static_cast<int>(coarse.size()))
                     gather(coarse[level], checked, level, work.values[level], first + task, check);
                 if (level < levels)
@@ -258,7 +289,7 @@ HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, con
             });
         });
     }
-    found.error = 0.0;
+    found.error = *std::ranges::max_element(residuals);
     for (int i = 0; i < checks; ++i)
         for (int v = 0; v < columns_; ++v)
             found.error = std::max(

@@ -36,6 +36,8 @@ public:
     /// \throw OutOfMemory  what evaluate() needs for `points` is more than limit_memory() allows.
     HarmonicGrid(const Cage& cage, int cells);
 
+    int node_count() const { return multigrid_.node_count(); }
+
     /// Cost O(nodes inside * c), and O(points * c). The same bits on any number of threads.
     /// \param checked  every how manieth point is checked for the error.
     /// \throw OutOfMemory, Cancelled

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/harmonic_lattice.h"
 
+#include "native/core/memory.h"
 #include "native/space/cage/cage_triangles.h"
 
 #include <Eigen/Geometry>
@@ -61,6 +62,7 @@ HarmonicLattice::HarmonicLattice(const Cage& cage, int cells) : triangles_(cage.
     const Points& points = cage.rest().points();
     const Vector3 low = points.colwise().minCoeff(), high = points.colwise().maxCoeff();
     step_ = (high - low).maxCoeff() / cells;
+    require_memory(bytes(cage, cells), "the lattice in the cage");
     for (int axis = 0; axis < 3; ++axis)
         size_[axis] = static_cast<int>(std::ceil((high[axis] - low[axis]) / step_)) + 3;
     // Where a line passes through a vertex, rounding may count a triangle too many or too few: elsewhere then.
@@ -80,7 +82,7 @@ std::int64_t HarmonicLattice::bytes(const Cage& cage, int cells)
     const Points& points = cage.rest().points();
     const Vector3 sides = (points.colwise().maxCoeff() - points.colwise().minCoeff()).transpose();
     const Vector3 nodes = sides / sides.maxCoeff() * cells + Vector3::Constant(3.0);
-    return static_cast<std::int64_t>(nodes.prod() * (sizeof(int) + 1));
+    return static_cast<std::int64_t>(nodes.prod() * (2 * sizeof(int) + 1));
 }
 
 /// Finds all crossings and the winding of the nodes. \return whether every line leaves as often as it enters.

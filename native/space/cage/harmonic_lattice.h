@@ -36,9 +36,8 @@ public:
     };
 
     /// \param cells  along the longest side of the box around the cage.
+    /// \throw OutOfMemory  more than limit_memory() allows.
     HarmonicLattice(const Cage& cage, int cells);
-
-    static std::int64_t bytes(const Cage& cage, int cells);
 
     double step() const { return step_; }
     const Node& size() const { return size_; } ///< nodes along each axis
@@ -76,6 +75,7 @@ public:
     Hit march(const Vector3& at, const Vector3& along, int width) const;
 
 private:
+    static std::int64_t bytes(const Cage& cage, int cells); ///< the numbers of the nodes included
     bool cross();
     void bin();
     std::span<const int> touching(const Node& cell) const;

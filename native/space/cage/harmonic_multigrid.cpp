@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/harmonic_multigrid.h"
 
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ constexpr int coarsest = 4;        ///< nodes along the longest side where halvi
 constexpr int last_sweeps = 24;    ///< on the coarsest level
 constexpr double shortest = 1e-5;  ///< of a link, in steps
 constexpr double converged = 1e-4; ///< residual before a cycle that is the last: it leaves a tenth
-constexpr int whole = 64;          ///< nodes along the longest side of the finest level without windows
+constexpr int whole = 72;          ///< nodes along the longest side of the finest level without windows
 constexpr int padding = 10;        ///< steps of a level from the faces to the sides of its window
 constexpr int most_cycles = 40;
 constexpr int grain = 2048;
@@ -42,8 +43,10 @@ HarmonicMultigrid::HarmonicMultigrid(const HarmonicLattice& lattice, const Cage&
             levels_.pop_back();
             break;
         }
-        link(lattice, data, level);
     }
+    require_memory(bytes(), "the lattice in the cage");
+    for (int level = 0; level < level_count(); ++level)
+        link(lattice, data, level);
     for (int level = 0; level + 1 < level_count(); ++level)
         nest(level);
 }
@@ -299,6 +302,16 @@ void HarmonicMultigrid::nest(int level)
             }
 }
 
+std::int64_t HarmonicMultigrid::bytes() const
+{
+    constexpr std::int64_t a_node = 12 * sizeof(int) + sizeof(float) +
+                                    sizeof(Parents) / 2 + 13 * sizeof(int) / 8;
+    std::int64_t bytes = 0;
+    for (const Level& level : levels_)
+        bytes += level.count * a_node + static_cast<std::int64_t>(level.rows.size() * sizeof(int));
+    return bytes;
+}
+
 std::int64_t HarmonicMultigrid::work_bytes() const
 {
     std::int64_t rows = 0;
@@ -381,21 +394,19 @@ void HarmonicMultigrid::prolong(int level, const std::vector<int>& rows, Work& w
         grain);
 }
 
-void HarmonicMultigrid::cycle(int level, Work& work, double* residual) const
+/// \return the residual halfway. Without correction by coarser levels, sweeps alone, which never raise it.
+double HarmonicMultigrid::cycle(int level, Work& work, bool correct) const
 {
     const Work::Rows& own = work.solved[level];
-    const bool last = level + 1 == level_count() || work.solved[level + 1].reds.empty();
+    const bool last =
+        !correct || level + 1 == level_count() || work.solved[level + 1].reds.empty();
     for (int sweep = 0; sweep < (last ? last_sweeps : 1); ++sweep) {
         relax(level, own.reds, work);
         relax(level, own.blacks, work);
     }
-    if (last && !residual)
-        return;
-    const double most = find_residual(level, work);
-    if (residual)
-        *residual = most;
+    const double residual = find_residual(level, work);
     if (last)
-        return;
+        return residual;
     const Level& next = levels_[level + 1];
     const Row* const residuals = work.residuals[level].data();
     Row* const sources = work.sources[level + 1].data();
@@ -418,13 +429,14 @@ void HarmonicMultigrid::cycle(int level, Work& work, double* residual) const
     for (const std::vector<int>* rows : {&work.cleared[level + 1].reds, &work.cleared[level + 1].blacks})
         for (int row : *rows)
             work.values[level + 1][row] = {};
-    cycle(level + 1, work, nullptr);
+    cycle(level + 1, work, true);
     prolong(level, own.blacks, work, true);
     relax(level, own.reds, work);
     relax(level, own.blacks, work);
+    return residual;
 }
 
-void HarmonicMultigrid::solve(int strip_index, Work& work, const std::function<void(int level)>& done) const
+double HarmonicMultigrid::solve(int strip_index, Work& work, const std::function<void(int level)>& done) const
 {
     if (work.values.empty()) {
         for (const Level& level : levels_) {
@@ -435,6 +447,7 @@ void HarmonicMultigrid::solve(int strip_index, Work& work, const std::function<v
         work.solved.resize(levels_.size());
         work.cleared.resize(levels_.size());
     }
+    double left = 0.0;
     for (int level = level_count() - 1; level >= 0; --level) {
         const Window all{{0, 0, 0}, {1 << 30, 1 << 30, 1 << 30}};
         const Window own = level < base_ ? window(strip_index, level) : all;
@@ -457,11 +470,17 @@ void HarmonicMultigrid::solve(int strip_index, Work& work, const std::function<v
             prolong(level, rows(level, own, 2).blacks, work, false);
             relax(level, work.cleared[level].reds, work);
         }
-        double residual = 1.0;
-        for (int k = 0; k < most_cycles && residual > converged; ++k)
-            cycle(level, work, &residual);
+        double residual = std::numeric_limits<double>::infinity();
+        bool correct = true;
+        for (int k = 0; k < most_cycles && residual > converged; ++k) {
+            const double before = residual;
+            residual = cycle(level, work, correct);
+            correct = correct && residual < before;
+        }
+        left = std::max(left, residual);
         done(level);
     }
+    return left;
 }
 
 } // namespace sinew

@@ -47,6 +47,7 @@ public:
         std::vector<Rows> solved, cleared;                        ///< a level: nodes of the window, and around
     };
 
+    /// \throw OutOfMemory  more than limit_memory() allows.
     HarmonicMultigrid(const HarmonicLattice& lattice, const Cage& cage, const std::vector<HarmonicData>& data);
 
     int level_count() const { return static_cast<int>(levels_.size()); }
@@ -58,6 +59,7 @@ public:
     std::span<const int> vertices(int strip_index) const;
     /// Where among the vertices of all strips one is.
     int place(int vertex) const { return place_[vertex]; }
+    std::int64_t bytes() const;
     /// Memory of one Work.
     std::int64_t work_bytes() const;
     /// The part of a level's answer that counts at a point that needs nodes up to `reach` from it: 1 in the
@@ -65,7 +67,8 @@ public:
     double share(int strip_index, int level, const Vector3& at, double reach) const;
 
     /// \param done  is told each level whose values stand, in its window; the last one is 0, the finest.
-    void solve(int strip_index, Work& work, const std::function<void(int level)>& done) const;
+    /// \return the largest residual left: by how much a value is not what its neighbours say.
+    double solve(int strip_index, Work& work, const std::function<void(int level)>& done) const;
 
     /// The row of a level's node, a multiple of 2^level; -1 where it is not inside or in no strip's window.
     int row(int level, const Node& node) const;
@@ -104,7 +107,7 @@ private:
     Row wanted(int level, int row, const Work& work) const;
     void relax(int level, const std::vector<int>& rows, Work& work) const;
     double find_residual(int level, Work& work) const;
-    void cycle(int level, Work& work, double* residual) const;
+    double cycle(int level, Work& work, bool correct) const;
     void prolong(int level, const std::vector<int>& rows, Work& work, bool correct) const;
 
     std::vector<Level> levels_;
