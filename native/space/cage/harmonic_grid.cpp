@@ -4,6 +4,8 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <cmath>

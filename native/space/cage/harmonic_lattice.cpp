@@ -290,14 +290,20 @@ HarmonicLattice::Hit HarmonicLattice::closest(const Vector3& at, int width) cons
     Node own;
     if (!cube(at, 1, own))
         return best;
+    bool facing = false;
     const auto look = [&](const Node& cell) {
         for (int t : touching(cell)) {
             const Vector3 hats = closest_hats(at, corner(t, 0), corner(t, 1), corner(t, 2));
-            const Vector3 foot =
-                hats[0] * corner(t, 0) + hats[1] * corner(t, 1) + hats[2] * corner(t, 2);
-            const double distance = (at - foot).norm();
-            if (distance < best.distance || (distance == best.distance && t < best.triangle))
-                best = {distance, t, hats, {}};
+            const Hit hit{0.0, t, hats, {}};
+            const Vector3 away = at - on(hit);
+            const double distance = away.norm();
+            // Where faces touch, the one that has the point behind it.
+            const bool faces = normal(t).dot(away) <= 0.0;
+            if (distance < best.distance - about || (distance < best.distance + about && faces && !facing)) {
+                best = hit;
+                best.distance = distance;
+                facing = faces;
+            }
         }
     };
     look(own);
