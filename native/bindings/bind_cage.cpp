@@ -234,9 +234,10 @@ Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption. W
 also raises InvalidMesh for faces without area and faces that touch one another.)")
         .def_property_readonly("unknowns", &Harmonic::unknowns,
                                "Unknowns of the boundary's flux or nodes of the lattice, once bound.")
-        .def_property_readonly("residual_rms", &Harmonic::residual_rms,
-                               "Root mean square gap of the weights to the data on the cage, once bound; 0 on a "
-                               "lattice.")
+        .def_property_readonly(
+            "residual_rms", &Harmonic::residual_rms,
+            "Root mean square gap of the weights to the data on the cage, once bound; 0 on a "
+            "lattice.")
         .def_property_readonly("residual_max", &Harmonic::residual_max,
                                "The largest one, a bound of the error anywhere but for its sampling.");
 

@@ -62,8 +62,8 @@ int level_for(int triangles, HarmonicQuality quality)
 } // namespace
 
 Harmonic::Harmonic(Cage cage, const HarmonicOptions& options)
-    : CageCoordinates(std::move(cage), options.weights), quality_(options.quality), solver_(options.solver), surface_(this->cage()),
-      outside_(this->cage(), options.outside), data_(harmonic_data(this->cage()))
+    : CageCoordinates(std::move(cage), options.weights), quality_(options.quality), solver_(options.solver),
+      surface_(this->cage()), outside_(this->cage(), options.outside), data_(harmonic_data(this->cage()))
 {
     if (solver_ == HarmonicSolver::automatic)
         solver_ = this->cage().triangles().size() > most_triangles ? HarmonicSolver::lattice

@@ -43,9 +43,9 @@ struct HarmonicOptions
 /// triangles of larger faces, bilinear on parallelograms. On other quads that are plane and convex it is the
 /// quadratic on their halves closest to that; twisted quads are their two triangles. Departs from the paper,
 /// whose grid holds the boundary to a cell. Cages of up to 600 triangles are solved by boundary elements, see
-/// HarmonicBoundary: weights are smooth inside, and the error shrinks with the pattern of panels. Larger ones,
-/// whose system would cost faces^3, are solved on a lattice that knows where it is cut, see HarmonicGrid.
-/// Both are exact on the cage (to 1e-10 of its size).
+/// HarmonicBoundary: weights are smooth inside, and the error shrinks with the pattern of panels. Larger
+/// ones, whose system would cost faces^3, are solved on a lattice that knows where it is cut, see
+/// HarmonicGrid. Both are exact on the cage (to 1e-10 of its size).
 ///
 /// Weights are mended: negative ones become 0, and a factor 1 + a . (1, v - x) a weight, with one a of four
 /// numbers a point, gives back sum 1 and linear precision.

@@ -319,7 +319,8 @@ void HarmonicBoundary::assemble(DenseSystem& system, int begin, int end) const
                 const int i = (t - begin) * points + 3 * p + q;
                 block.set(i, inside_point(t, hats));
                 for (int c = 0; c < 3; ++c)
-                    data_[static_cast<std::size_t>(t)].add(hats, panel.area * rule(q, c), system.right_side(t * n + panel.corner[c]));
+                    data_[static_cast<std::size_t>(t)].add(hats, panel.area * rule(q, c),
+                                                           system.right_side(t * n + panel.corner[c]));
             }
     block.fill();
 

@@ -23,7 +23,8 @@ constexpr int strip = HarmonicMultigrid::strip;
 constexpr double shortest = 0.05; ///< of a link, in steps, whose second difference is still used
 constexpr std::int64_t reading_bytes = 600; ///< of a point, on all levels, about
 constexpr int at_once = 4;        ///< strips
-constexpr std::int64_t small = 64 << 20; ///< bytes of their work up to which several strips are solved at once
+constexpr std::int64_t small =
+    64 << 20; ///< bytes of their work up to which several strips are solved at once
 
 } // namespace
 
@@ -54,7 +55,8 @@ struct HarmonicGrid::Reading
     }
 };
 
-/// Of many points: those of point i are nodes[node_first[i]] to nodes[node_first[i + 1]], and so are the data.
+/// Of many points: those of point i are nodes[node_first[i]] to nodes[node_first[i + 1]], and so are the
+/// data.
 struct HarmonicGrid::Readings
 {
     std::vector<std::size_t> node_first{0}, data_first{0};
@@ -145,8 +147,7 @@ void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
     if (opposite.triangle >= 0 || !std::isfinite(first)) {
         // Differences of Laplace's equation at the point itself, along that line and two across. The line
         // alone, on coarser levels, shows how much these matter.
-        std::array<std::pair<HarmonicLattice::Hit, Vector3>, 6> ends{
-            {{wall, -along}, {opposite, along}}};
+        std::array<std::pair<HarmonicLattice::Hit, Vector3>, 6> ends{{{wall, -along}, {opposite, along}}};
         const Vector3 across = along.unitOrthogonal(), third = along.cross(across);
         for (int k = 2; k < 6; ++k) {
             const Vector3 way = (k % 2 ? 1.0 : -1.0) * (k < 4 ? across : third);
@@ -294,11 +295,10 @@ HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, con
     found.error = *std::ranges::max_element(residuals);
     for (int i = 0; i < checks; ++i)
         for (int v = 0; v < columns_; ++v)
-            found.error = std::max(
-                found.error,
-                static_cast<double>(
-                    std::abs(check[static_cast<std::size_t>(i) * columns_ + v] -
-                             found.rows[static_cast<std::size_t>(i) * checked * columns_ + v])));
+            found.error =
+                std::max(found.error, static_cast<double>(std::abs(
+                                          check[static_cast<std::size_t>(i) * columns_ + v] -
+                                          found.rows[static_cast<std::size_t>(i) * checked * columns_ + v])));
     return found;
 }
 

@@ -65,7 +65,8 @@ HarmonicLattice::HarmonicLattice(const Cage& cage, int cells) : triangles_(cage.
     require_memory(bytes(cage, cells), "the lattice in the cage");
     for (int axis = 0; axis < 3; ++axis)
         size_[axis] = static_cast<int>(std::ceil((high[axis] - low[axis]) / step_)) + 3;
-    // Where a line passes through a vertex, rounding may count a triangle too many or too few: elsewhere then.
+    // Where a line passes through a vertex, rounding may count a triangle too many or too few: elsewhere
+    // then.
     for (double shift = 0.0;; shift += 0.01) {
         origin_ = low - step_ * Vector3(.37 + shift, .41 + shift, .43 + shift);
         points_.clear();
@@ -168,8 +169,7 @@ void HarmonicLattice::bin()
         const double reach = (0.5 + about) * normal.lpNorm<1>();
         for (int i = low[0]; i <= high[0]; ++i)
             for (int j = low[1]; j <= high[1]; ++j)
-                for (int k = low[2]; k <= high[2]; ++k)
-                {
+                for (int k = low[2]; k <= high[2]; ++k) {
                     const Vector3 middle(i + .5, j + .5, k + .5);
                     if (!(std::abs(normal.dot(middle - a)) <= reach))
                         continue;
@@ -253,7 +253,8 @@ bool HarmonicLattice::holds(const Vector3& at) const
     if (!cube(at, 1, cell))
         return false;
     const std::span<const int> triangles = touching(cell);
-    // The winding changes by what crosses the way to a corner of the cube, one that passes by no edge closely.
+    // The winding changes by what crosses the way to a corner of the cube, one that passes by no edge
+    // closely.
     for (int c = 0; c < 8; ++c) {
         const Node node{cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)};
         const Vector3 end(node[0], node[1], node[2]);
@@ -359,8 +360,8 @@ HarmonicLattice::Hit HarmonicLattice::march(const Vector3& at, const Vector3& al
                 continue;
             const Vector3 s(along.dot(q.cross(r)), along.dot(r.cross(p)), along.dot(p.cross(q)));
             const double distance = normal.dot(p) / speed;
-            if (s.minCoeff() < -grazing * s.cwiseAbs().sum() || distance < 0.0 ||
-                distance > to + grazing || distance >= hit.distance)
+            if (s.minCoeff() < -grazing * s.cwiseAbs().sum() || distance < 0.0 || distance > to + grazing ||
+                distance >= hit.distance)
                 continue;
             const Vector3 hats = s.cwiseMax(0.0);
             hit = {distance, t, hats / hats.sum(), {}};

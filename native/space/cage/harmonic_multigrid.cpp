@@ -70,9 +70,8 @@ void HarmonicMultigrid::order(const HarmonicLattice& lattice, const Cage& cage)
         }
         int axis;
         (high - low).maxCoeff(&axis);
-        std::sort(order_.begin() + begin, order_.begin() + end, [&](int v, int w) {
-            return std::pair(at[v][axis], v) < std::pair(at[w][axis], w);
-        });
+        std::sort(order_.begin() + begin, order_.begin() + end,
+                  [&](int v, int w) { return std::pair(at[v][axis], v) < std::pair(at[w][axis], w); });
         const int middle = begin + ((end - begin) / 2 + strip - 1) / strip * strip;
         split(begin, middle);
         split(middle, end);
@@ -119,8 +118,8 @@ double HarmonicMultigrid::share(int strip_index, int level, const Vector3& at, d
     const double width = 0.5 * (padding << level);
     double least = 1.0;
     for (int axis = 0; axis < 3; ++axis)
-        least = std::min({least, (at[axis] - own.low[axis] - reach) / width,
-                          (own.high[axis] - at[axis] - reach) / width});
+        least = std::min(
+            {least, (at[axis] - own.low[axis] - reach) / width, (own.high[axis] - at[axis] - reach) / width});
     return std::max(least, 0.0);
 }
 
@@ -164,7 +163,8 @@ void HarmonicMultigrid::number(const HarmonicLattice& lattice, int level)
         const auto [low, high] = range(level, window(s, level), 3);
         for (int i = low[0]; i <= high[0]; ++i)
             for (int j = low[1]; j <= high[1]; ++j) {
-                const auto line = own.rows.begin() + (static_cast<std::ptrdiff_t>(i) * own.size[1] + j) * own.size[2];
+                const auto line =
+                    own.rows.begin() + (static_cast<std::ptrdiff_t>(i) * own.size[1] + j) * own.size[2];
                 std::fill(line + low[2], line + high[2] + 1, wanted);
             }
     }
@@ -173,7 +173,8 @@ void HarmonicMultigrid::number(const HarmonicLattice& lattice, int level)
         for (int i = 0; i < own.size[0]; ++i)
             for (int j = 0; j < own.size[1]; ++j)
                 for (int k = 0; k < own.size[2]; ++k, ++at)
-                    if (own.rows[at] == wanted && (i + j + k) % 2 == colour && lattice.inside({i * width, j * width, k * width}))
+                    if (own.rows[at] == wanted && (i + j + k) % 2 == colour &&
+                        lattice.inside({i * width, j * width, k * width}))
                         own.rows[at] = own.count++;
         if (colour == 0)
             own.reds = own.count;
@@ -304,8 +305,8 @@ void HarmonicMultigrid::nest(int level)
 
 std::int64_t HarmonicMultigrid::bytes() const
 {
-    constexpr std::int64_t a_node = 12 * sizeof(int) + sizeof(float) +
-                                    sizeof(Parents) / 2 + 13 * sizeof(int) / 8;
+    constexpr std::int64_t a_node =
+        12 * sizeof(int) + sizeof(float) + sizeof(Parents) / 2 + 13 * sizeof(int) / 8;
     std::int64_t bytes = 0;
     for (const Level& level : levels_)
         bytes += level.count * a_node + static_cast<std::int64_t>(level.rows.size() * sizeof(int));
@@ -398,8 +399,7 @@ void HarmonicMultigrid::prolong(int level, const std::vector<int>& rows, Work& w
 double HarmonicMultigrid::cycle(int level, Work& work, bool correct) const
 {
     const Work::Rows& own = work.solved[level];
-    const bool last =
-        !correct || level + 1 == level_count() || work.solved[level + 1].reds.empty();
+    const bool last = !correct || level + 1 == level_count() || work.solved[level + 1].reds.empty();
     for (int sweep = 0; sweep < (last ? last_sweeps : 1); ++sweep) {
         relax(level, own.reds, work);
         relax(level, own.blacks, work);

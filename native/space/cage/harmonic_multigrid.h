@@ -16,12 +16,12 @@ namespace sinew {
 
 /// Harmonic functions at the nodes of a lattice inside a cage, sixteen neighbouring cage vertices at a time.
 ///
-/// Differences over a node's links along each axis, to its neighbour or to where the link crosses the cage and
-/// the data are known (G. Shortley, R. Weller 1938; F. Gibou et al., J. Comput. Phys. 176, 2002): weights of
-/// one sign, so that values lie between the data, and exact for linear functions. Solved from coarse to fine
-/// by V-cycles of Gauss-Seidel sweeps in two colours (A. Brandt 1977), each level with its own crossings. The
-/// finer levels are solved in a window around the faces at the vertices alone, as everywhere else the
-/// functions are smooth.
+/// Differences over a node's links along each axis, to its neighbour or to where the link crosses the cage
+/// and the data are known (G. Shortley, R. Weller 1938; F. Gibou et al., J. Comput. Phys. 176, 2002): weights
+/// of one sign, so that values lie between the data, and exact for linear functions. Solved from coarse to
+/// fine by V-cycles of Gauss-Seidel sweeps in two colours (A. Brandt 1977), each level with its own
+/// crossings. The finer levels are solved in a window around the faces at the vertices alone, as everywhere
+/// else the functions are smooth.
 class HarmonicMultigrid
 {
 public:
@@ -44,11 +44,12 @@ public:
             std::vector<int> reds, blacks;
         };
         std::vector<std::vector<Row>> values, sources, residuals; ///< a level; the last row of values is 0
-        std::vector<Rows> solved, cleared;                        ///< a level: nodes of the window, and around
+        std::vector<Rows> solved, cleared; ///< a level: nodes of the window, and around
     };
 
     /// \throw OutOfMemory  more than limit_memory() allows.
-    HarmonicMultigrid(const HarmonicLattice& lattice, const Cage& cage, const std::vector<HarmonicData>& data);
+    HarmonicMultigrid(const HarmonicLattice& lattice, const Cage& cage,
+                      const std::vector<HarmonicData>& data);
 
     int level_count() const { return static_cast<int>(levels_.size()); }
     /// The finest level that is solved everywhere.
@@ -81,19 +82,19 @@ private:
     };
     struct Parents
     {
-        int count;              ///< 2 or 8
+        int count; ///< 2 or 8
         std::array<int, 8> row; ///< on the next level, `its count` for none
     };
     struct Level
     {
         int reds = 0, count = 0; ///< rows: first the nodes whose coordinates have an even sum
-        std::vector<std::array<int, 6>> link;      ///< down and up each axis; `count` across the cage
-        std::vector<std::array<float, 6>> share;   ///< of each neighbour's value in the node's
-        std::vector<float> diagonal;               ///< the node's own in the sum of its second differences
-        std::vector<std::vector<Source>> sources;  ///< data, a strip
-        std::vector<Parents> parents;              ///< of each black
+        std::vector<std::array<int, 6>> link; ///< down and up each axis; `count` across the cage
+        std::vector<std::array<float, 6>> share; ///< of each neighbour's value in the node's
+        std::vector<float> diagonal; ///< the node's own in the sum of its second differences
+        std::vector<std::vector<Source>> sources; ///< data, a strip
+        std::vector<Parents> parents; ///< of each black
         std::vector<std::array<int, 13>> children; ///< reds of the level before
-        std::vector<int> rows;                     ///< of all nodes
+        std::vector<int> rows; ///< of all nodes
         Node size;
     };
 
@@ -113,7 +114,7 @@ private:
     std::vector<Level> levels_;
     int base_ = 0;
     std::vector<int> order_, place_; ///< vertices strip by strip; where each is
-    std::vector<Window> stars_;      ///< around the faces at a strip's vertices
+    std::vector<Window> stars_; ///< around the faces at a strip's vertices
 };
 
 } // namespace sinew

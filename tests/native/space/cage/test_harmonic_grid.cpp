@@ -49,7 +49,8 @@ SurfaceMesh box(std::array<int, 3> cells, const Vector3& size, bool triangles)
     const auto vertex = [&](const std::array<int, 3>& at) {
         const auto [entry, is_new] = number.try_emplace(at, static_cast<int>(p.size()));
         if (is_new)
-            p.emplace_back(size[0] * at[0] / cells[0], size[1] * at[1] / cells[1], size[2] * at[2] / cells[2]);
+            p.emplace_back(size[0] * at[0] / cells[0], size[1] * at[1] / cells[1],
+                           size[2] * at[2] / cells[2]);
         return entry->second;
     };
     for (int axis = 0; axis < 3; ++axis)
@@ -135,7 +136,6 @@ TEST(HarmonicGrid, agrees_with_the_boundary_both_ways)
     EXPECT_LT(difference, boundary_error + grid_error);
     EXPECT_LT(boundary_error + grid_error, 0.1); // so that it says something
     EXPECT_GT(difference, 1e-5);                 // and they are two
-
 }
 
 TEST(HarmonicGrid, is_chosen_beyond_600_triangles)
@@ -144,7 +144,8 @@ TEST(HarmonicGrid, is_chosen_beyond_600_triangles)
     automatic.solver = HarmonicSolver::automatic;
     Points x(1, 3);
     x << .43, .03, .06;
-    const SurfaceMesh smaller = box({74, 1, 1}, {1, .1, .1}, true), larger = box({75, 1, 1}, {1, .1, .1}, true);
+    const SurfaceMesh smaller = box({74, 1, 1}, {1, .1, .1}, true),
+                      larger = box({75, 1, 1}, {1, .1, .1}, true);
     EXPECT_EQ(smaller.triangles().size(), 596U);
     EXPECT_EQ(larger.triangles().size(), 604U);
     EXPECT_GT(largest(weights(smaller, x, automatic) - weights(smaller, x)), 0);
@@ -172,7 +173,8 @@ TEST(HarmonicGrid, is_barycentric_in_large_cages_and_close_to_them)
         const Triangle& t = cage.triangles()[static_cast<std::size_t>(random.below(2048))];
         Vector3 hats(random.unit(), i % 3 == 0 ? 0 : random.unit(), i % 3 == 1 ? 0 : random.unit());
         hats /= hats.sum();
-        const Vector3 at = hats[0] * cage.point(t[0]) + hats[1] * cage.point(t[1]) + hats[2] * cage.point(t[2]);
+        const Vector3 at =
+            hats[0] * cage.point(t[0]) + hats[1] * cage.point(t[1]) + hats[2] * cage.point(t[2]);
         x.row(i) = (1 - std::pow(10.0, -2 - i % 7)) * at.transpose();
     }
     const RowMatrix w = weights(cage, x);
@@ -226,8 +228,7 @@ TEST(HarmonicGrid, follows_limbs_thinner_than_a_step)
                 EXPECT_LT(w(i, v), 1e-8); // what the mend may give to faint vertices
             }
     // Two arms a thousandth apart do not feel each other.
-    const SurfaceMesh arms =
-        shapes::joined(cage, cage, {0, 1.1e-4, 0});
+    const SurfaceMesh arms = shapes::joined(cage, cage, {0, 1.1e-4, 0});
     const RowMatrix both = weights(arms, x);
     EXPECT_LT(largest(both.leftCols(w.cols()) - w), 1e-8);
     EXPECT_LT(largest(both.rightCols(w.cols())), 1e-8);
@@ -240,7 +241,8 @@ TEST(HarmonicGrid, is_close_to_the_boundary_in_a_thin_rod)
     for (const SurfaceMesh* rod : {&cage, &thin}) {
         Points x(4, 3);
         const double wide = rod->points().col(1).maxCoeff();
-        x << .52, .5 * wide, .5 * wide, .31, .3 * wide, .6 * wide, .77, .8 * wide, .7 * wide, .5, .1 * wide, .5 * wide;
+        x << .52, .5 * wide, .5 * wide, .31, .3 * wide, .6 * wide, .77, .8 * wide, .7 * wide, .5, .1 * wide,
+            .5 * wide;
         HarmonicOptions options = lattice(HarmonicQuality::fine);
         options.solver = HarmonicSolver::boundary;
         const RowMatrix expected = weights(*rod, x, options);
