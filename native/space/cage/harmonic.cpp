@@ -142,7 +142,7 @@ void Harmonic::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& ou
                    grid_->rows.data() + first * cage().vertex_count(), block.rows(), cage().vertex_count())
                    .cast<double>();
         outside.assign(grid_->inside.begin() + first, grid_->inside.begin() + first + block.rows());
-        finish(block, rows, outside);
+        settle(block, rows, outside);
     } else {
         outside = evaluate(*boundary_, block, rows);
     }
@@ -159,12 +159,12 @@ std::vector<char> Harmonic::evaluate(const HarmonicBoundary& boundary, PointsVie
     std::vector<char> inside(winding.size());
     for (std::size_t i = 0; i < winding.size(); ++i)
         inside[i] = std::abs(winding[i] - 1.0) < 0.5;
-    finish(block, rows, inside);
+    settle(block, rows, inside);
     return inside;
 }
 
 /// Sets the data at points on the cage, which count as inside, and mends the weights of the others there.
-void Harmonic::finish(PointsView block, RowMatrix& rows, std::vector<char>& inside) const
+void Harmonic::settle(PointsView block, RowMatrix& rows, std::vector<char>& inside) const
 {
     for (Eigen::Index i = 0; i < block.rows(); ++i) {
         const Vector3 point = block.row(i).transpose();

@@ -78,7 +78,7 @@ private:
     void solve_boundary(PointsView points, const Progress& progress);
     /// Rows of points inside; true where a point is.
     std::vector<char> evaluate(const HarmonicBoundary& boundary, PointsView block, RowMatrix& rows) const;
-    void finish(PointsView block, RowMatrix& rows, std::vector<char>& inside) const;
+    void settle(PointsView block, RowMatrix& rows, std::vector<char>& inside) const;
     void mend(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
 
     HarmonicQuality quality_;

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int strip = HarmonicMultigrid::strip;
 constexpr double shortest = 0.05; ///< of a link, in steps, whose second difference is still used
-constexpr std::int64_t reading_bytes = 600; ///< of a point, on all levels, about
+constexpr std::int64_t reading_bytes = 1000; ///< of a point, on all levels, about
 constexpr int at_once = 4;        ///< strips
 constexpr std::int64_t small =
     64 << 20; ///< bytes of their work up to which several strips are solved at once
