@@ -180,11 +180,12 @@ through itself. A closed form: cost O(points x triangles).)");
 
     py::class_<Harmonic, CageCoordinates>(
         module, "Harmonic",
-        R"(Harmonic coordinates [Joshi et al. 2007], section 5.4, by boundary elements.
+        R"(Harmonic coordinates [Joshi et al. 2007], section 5.4, by boundary elements or on a cut lattice.
 
-Non-negative, sum 1, linear precision, no maximum inside. The first bind() solves the cage's boundary.)")
+Non-negative, sum 1, linear precision, no maximum inside. Up to 600 triangles, the first bind() solves the
+cage's boundary; with more, each bind() solves a lattice inside.)")
         .def(py::init([](const SurfaceMesh& cage, const std::string& precision, double threshold,
-                         const std::string& quality, const std::string& outside) {
+                         const std::string& quality, const std::string& outside, const std::string& solver) {
                  HarmonicOptions options;
                  options.weights = weight_options(precision, threshold);
                  options.quality = choose<HarmonicQuality>(quality, "quality",
@@ -193,24 +194,32 @@ Non-negative, sum 1, linear precision, no maximum inside. The first bind() solve
                                                             {"fine", HarmonicQuality::fine},
                                                             {"finest", HarmonicQuality::finest}});
                  options.outside = cage_outside(outside);
+                 options.solver = choose<HarmonicSolver>(solver, "solver",
+                                                         {{"auto", HarmonicSolver::automatic},
+                                                          {"boundary", HarmonicSolver::boundary},
+                                                          {"lattice", HarmonicSolver::lattice}});
                  const py::gil_scoped_release unlocked;
                  return std::make_unique<Harmonic>(Cage(cage), options);
              }),
              py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0,
-             py::arg("quality") = "medium", py::arg("outside") = "error", R"(
+             py::arg("quality") = "medium", py::arg("outside") = "error", py::arg("solver") = "auto", R"(
 cage       SurfaceMesh, the closed rest cage, faces outwards.
 precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
 threshold  weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
-quality    'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4000 or 12000 unknowns on the cage; time
-           grows with their cube, memory with their square.
+quality    'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4000 or 12000 unknowns on the cage, whose
+           cube is the time and whose square the memory; or 96, 160, 256 or 384 steps of the lattice along
+           the cage's longest side.
 outside    points outside: 'error' names them, 'mean_value' gives them mean value weights.
+solver     'boundary' elements or a 'lattice'; 'auto' takes the lattice beyond 600 triangles.
 
-Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption. bind() also raises InvalidMesh
-for faces without area and faces that touch one another.)")
+Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption. With boundary elements, bind()
+also raises InvalidMesh for faces without area and faces that touch one another.)")
         .def_property_readonly("unknowns", &Harmonic::unknowns,
-                               "Unknowns of the boundary's flux, once bound.")
-        .def_property_readonly("residual_rms", &Harmonic::residual_rms,
-                               "Root mean square gap of the weights to the data on the cage, once bound.")
+                               "Unknowns of the boundary's flux or nodes of the lattice, once bound.")
+        .def_property_readonly(
+            "residual_rms", &Harmonic::residual_rms,
+            "Root mean square gap of the weights to the data on the cage, once bound; 0 on a "
+            "lattice.")
         .def_property_readonly("residual_max", &Harmonic::residual_max,
                                "The largest one, a bound of the error anywhere but for its sampling.");
 

@@ -301,6 +301,7 @@ class Harmonic(CageCoordinates):
         threshold: float = 0.0,
         quality: Literal["fast", "medium", "fine", "finest"] = "medium",
         outside: Literal["error", "mean_value"] = "error",
+        solver: Literal["auto", "boundary", "lattice"] = "auto",
     ) -> None: ...
     @property
     def unknowns(self) -> int: ...

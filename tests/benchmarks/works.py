@@ -102,6 +102,8 @@ WORKS = (
     Work("harmonic_error_5", "its largest error", "Mesh Deform's, precision 5", {ANY: 10.0}),
     Work("harmonic_6", "`Harmonic.bind`, 10k points", "Mesh Deform, precision 6", {ANY: 100.0}),
     Work("harmonic_error_6", "its largest error", "Mesh Deform's, precision 6", {ANY: 10.0}),
+    Work("harmonic_large", "`Harmonic.bind`, 10k points, lattice", "boundary elements", {ANY: 1.0}),
+    Work("harmonic_large_peak", "its peak memory", "that of the elements", {ANY: 1.0}, at_most=True),
     Work("positive_rays", "exact `PositiveMeanValue`, 300 faces", "4096 rays", {ANY: 1.0}),
     Work("positive_point", "its time a point", "200 microseconds", {ANY: 1.0}),
     Work("positive_error", "its error, to that of 8M rays", "that of 4096 rays", {ANY: 100.0}),

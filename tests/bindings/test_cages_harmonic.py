@@ -210,6 +210,7 @@ def test_unknown_choices_are_refused() -> None:
     for make in (
         lambda: sn.Harmonic(surface(), quality="best"),
         lambda: sn.Harmonic(surface(), outside="zero"),
+        lambda: sn.Harmonic(surface(), solver="grid"),
         lambda: sn.PositiveMeanValue(surface(), outside="zero"),
         lambda: sn.PositiveMeanValue(surface(), exact=False, directions=7),
     ):
@@ -250,3 +251,15 @@ def test_harmonic_cube_is_trilinear_from_python() -> None:
     harmonic.bind(x)
     expected = np.prod(np.where(corners > 0.5, x[:, None], 1 - x[:, None]), axis=2)
     assert np.abs(harmonic.vertex_weights - expected).max() < 1e-4
+
+
+def test_lattice_and_boundary_agree_from_python() -> None:
+    x = inside(200)
+    found = {}
+    for solver in ("boundary", "lattice"):
+        harmonic = sn.Harmonic(surface(), precision="double", quality="medium", solver=solver)
+        found[solver] = (harmonic.bind(x).error, harmonic.vertex_weights)
+    (boundary_error, boundary), (lattice_error, lattice) = found["boundary"], found["lattice"]
+    assert np.abs(boundary - lattice).max() < boundary_error + lattice_error < 0.1
+    assert harmonic.residual_max == 0
+    assert np.abs(lattice @ u_prism(True)[0] - x).max() < 1e-11

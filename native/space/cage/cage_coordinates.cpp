@@ -27,6 +27,11 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
     Points rest_controls;
     controls(view(cage_.rest().points()), rest_controls);
     CageWeights weights(count, rest_controls, cage_.vertex_count(), options_);
+    const struct Release
+    {
+        CageCoordinates& method;
+        ~Release() { method.release(); }
+    } at_the_end{*this};
     const double prepared = prepare(points, progress);
     std::vector<char> outside(static_cast<std::size_t>(count), 0);
     // From tick to tick a tenth of a second or so; what a point gets does not depend on where they fall.

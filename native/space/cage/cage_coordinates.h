@@ -63,7 +63,8 @@ protected:
     /// What all weights need, once before them. Must leave the object as it was if it throws.
     /// \return the share of the time of bind() that it takes, which `progress` is counted within.
     virtual double prepare(PointsView, const Progress&) { return 0.0; }
-    /// Weights of a block of points, a point a row. Called from several threads at once.
+    /// Weights of a block of points, a point a row. Called from several threads at once, with parts of what
+    /// prepare() got, where it lies.
     /// \param[out] rows     (b, columns())
     /// \param[out] outside  (b) whether each point lies outside.
     virtual void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const = 0;
@@ -79,6 +80,8 @@ protected:
     virtual int block_size() const { return CageWeights::part; }
     /// The method's own part of the report, after all points.
     virtual void finish(CageReport&) const {}
+    /// What prepare() made for these points alone may go: bind() ends, or throws.
+    virtual void release() {}
 
 private:
     void moves(PointsView vertices, Points& moves) const;

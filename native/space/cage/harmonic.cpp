@@ -3,6 +3,8 @@
 
 #include "native/core/errors.h"
 #include "native/space/cage/harmonic_boundary.h"
+#include "native/space/cage/harmonic_data.h"
+#include "native/space/cage/harmonic_grid.h"
 
 #include <Eigen/LU>
 
@@ -14,6 +16,8 @@ namespace sinew {
 
 namespace {
 
+/// Where the elements' three to six unknowns a triangle cost a lattice's time and err more than it does.
+constexpr int most_triangles = 600;
 constexpr int checked_points = 200; ///< for the estimate of the error
 constexpr int most_mends = 60;
 constexpr double faintest = 1e-12; ///< weight that a vertex cut off has where it is needed
@@ -32,6 +36,21 @@ int most_unknowns(HarmonicQuality quality)
     }
 }
 
+/// Along the longest side of the box around the cage.
+int cells(HarmonicQuality quality)
+{
+    switch (quality) {
+    case HarmonicQuality::fast:
+        return 96;
+    case HarmonicQuality::medium:
+        return 160;
+    case HarmonicQuality::fine:
+        return 256;
+    default:
+        return 384;
+    }
+}
+
 int level_for(int triangles, HarmonicQuality quality)
 {
     int level = harmonic_pattern_count - 1;
@@ -43,25 +62,47 @@ int level_for(int triangles, HarmonicQuality quality)
 } // namespace
 
 Harmonic::Harmonic(Cage cage, const HarmonicOptions& options)
-    : CageCoordinates(std::move(cage), options.weights), quality_(options.quality), surface_(this->cage()),
-      outside_(this->cage(), options.outside)
+    : CageCoordinates(std::move(cage), options.weights), quality_(options.quality), solver_(options.solver),
+      surface_(this->cage()), outside_(this->cage(), options.outside), data_(harmonic_data(this->cage()))
 {
+    if (solver_ == HarmonicSolver::automatic)
+        solver_ = this->cage().triangles().size() > most_triangles ? HarmonicSolver::lattice
+                                                                   : HarmonicSolver::boundary;
 }
 
 Harmonic::~Harmonic() = default;
 
-int Harmonic::unknowns() const { return boundary_ ? boundary_->unknowns() : 0; }
 double Harmonic::residual_rms() const { return boundary_ ? boundary_->residual_rms() : 0.0; }
 double Harmonic::residual_max() const { return boundary_ ? boundary_->residual_max() : 0.0; }
 
 double Harmonic::prepare(PointsView points, const Progress& progress)
 {
-    constexpr double share = 0.6;
+    const double share = solver_ == HarmonicSolver::lattice ? 0.9 : 0.6;
+    const Progress within([&](double fraction, const char* stage) {
+        progress.tick(share * fraction, stage);
+        return true;
+    });
+    if (solver_ == HarmonicSolver::boundary) {
+        solve_boundary(points, within);
+        return share;
+    }
+    within.tick(0.0, "cutting the lattice");
+    const HarmonicGrid grid(cage(), cells(quality_));
+    const int step = static_cast<int>(points.rows()) / checked_points + 1;
+    grid_ = std::make_unique<HarmonicGrid::Weights>(grid.evaluate(points, step, within));
+    first_point_ = points.data();
+    unknowns_ = grid.node_count();
+    error_ = grid_->error;
+    return share;
+}
+
+void Harmonic::solve_boundary(PointsView points, const Progress& progress)
+{
     if (!boundary_) {
         const int level = level_for(static_cast<int>(cage().triangles().size()), quality_);
         const auto within = [&](double from, double part) {
             return Progress([&progress, from, part](double fraction, const char* stage) {
-                progress.tick(share * (from + part * fraction), stage);
+                progress.tick(from + part * fraction, stage);
                 return true;
             });
         };
@@ -73,6 +114,7 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
             coarser = std::make_unique<HarmonicBoundary>(cage(), half, within(0.0, 0.2));
         boundary_ = std::make_unique<HarmonicBoundary>(cage(), level, within(0.2, 0.8));
         coarser_ = std::move(coarser);
+        unknowns_ = boundary_->unknowns();
     }
 
     // A pattern of half the unknowns errs two to three times as much, so the difference is about its error.
@@ -90,12 +132,20 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
             if (inside[static_cast<std::size_t>(i)])
                 error_ = std::max(error_, (fine.row(i) - coarse.row(i)).cwiseAbs().maxCoeff());
     }
-    return share;
 }
 
 void Harmonic::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
-    outside = evaluate(*boundary_, block, rows);
+    if (grid_) {
+        const auto first = (block.data() - first_point_) / 3;
+        rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+                   grid_->rows.data() + first * cage().vertex_count(), block.rows(), cage().vertex_count())
+                   .cast<double>();
+        outside.assign(grid_->inside.begin() + first, grid_->inside.begin() + first + block.rows());
+        settle(block, rows, outside);
+    } else {
+        outside = evaluate(*boundary_, block, rows);
+    }
     for (char& flag : outside)
         flag = !flag;
     outside_.fill(block, outside, rows);
@@ -107,20 +157,27 @@ std::vector<char> Harmonic::evaluate(const HarmonicBoundary& boundary, PointsVie
     std::vector<double> winding;
     boundary.evaluate(block, rows, winding);
     std::vector<char> inside(winding.size());
+    for (std::size_t i = 0; i < winding.size(); ++i)
+        inside[i] = std::abs(winding[i] - 1.0) < 0.5;
+    settle(block, rows, inside);
+    return inside;
+}
+
+/// Sets the data at points on the cage, which count as inside, and mends the weights of the others there.
+void Harmonic::settle(PointsView block, RowMatrix& rows, std::vector<char>& inside) const
+{
     for (Eigen::Index i = 0; i < block.rows(); ++i) {
         const Vector3 point = block.row(i).transpose();
         char& in = inside[static_cast<std::size_t>(i)];
         Vector3 hats;
         if (const int t = surface_.triangle_at(point, hats); t >= 0) {
-            boundary.data_at(t, hats, rows.row(i).data());
+            rows.row(i).setZero();
+            data_[static_cast<std::size_t>(t)].add(hats, 1.0, rows.row(i).data());
             in = 1;
-            continue;
-        }
-        in = std::abs(winding[static_cast<std::size_t>(i)] - 1.0) < 0.5;
-        if (in)
+        } else if (in) {
             mend(point, rows.row(i));
+        }
     }
-    return inside;
 }
 
 void Harmonic::mend(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const

@@ -20,7 +20,6 @@ namespace {
 
 constexpr double inward = 1e-9;     ///< how far inside the cage the collocation points lie, of its size
 constexpr double flattest = 1e-7;   ///< least height of a triangle, of its longest side
-constexpr double plane_quad = 1e-4; ///< largest distance of a plane quad's diagonals, of their lengths
 constexpr double least_pivot = 1e-7;
 constexpr int far_group = 64;   ///< triangles whose far fields are multiplied at once
 constexpr int block_rows = 192; ///< collocation points that are assembled at once, about
@@ -111,6 +110,7 @@ HarmonicBoundary::HarmonicBoundary(const Cage& cage, int level, const Progress& 
           0.5 *
           (cage.rest().points().colwise().maxCoeff() + cage.rest().points().colwise().minCoeff()).transpose())
 {
+    data_ = harmonic_data(cage);
     place(cage);
     cut();
     const int count = static_cast<int>(triangles_.size()), n = unknowns();
@@ -191,47 +191,16 @@ void HarmonicBoundary::place(const Cage& cage)
             radius = std::max(radius, (p[k] - middle).norm());
         middles_.push_back(middle);
         reaches_.push_back(std::pow(pattern_.near_radii * radius, 2));
-        data_.push_back({triangle, {}, {}});
         LayerTriangle& whole = triangles_[static_cast<std::size_t>(t)];
-        whole.diagonal = -1;
-        const std::span<const int> polygon = rest.face(rest.triangle_faces()[static_cast<std::size_t>(t)]);
-        if (polygon.size() != 4)
+        whole.diagonal = data_[static_cast<std::size_t>(t)].diagonal;
+        if (whole.diagonal < 0)
             continue;
-
-        // The half of a quad: a, c end the diagonal. Where the quad is plane and convex its data are those of
-        // the halves and a multiple of hat_a hat_c times the affine dependency of its corners; the largest
-        // that leaves all data non-negative, which is the bilinear function on parallelograms.
-        const auto at = [&](int v) { return std::find(polygon.begin(), polygon.end(), v) - polygon.begin(); };
-        int k = 0;
-        while ((at(triangle[k]) - at(triangle[(k + 1) % 3])) % 2 != 0)
-            ++k;
-        const auto turned = [&](int v, int by) {
-            return polygon[static_cast<std::size_t>((at(v) + by) % 4)];
-        };
-        const int a = triangle[k], c = triangle[(k + 1) % 3], b = turned(a, 1), d = turned(a, 3);
-        const auto position = [&](int v) -> Vector3 { return (rest.point(v) - centre_) / size_; };
-        const Vector3 ac = position(c) - position(a), bd = position(d) - position(b);
-        const Vector3 between = position(b) - position(a), normal = ac.cross(bd);
-        const double twist = std::abs(normal.dot(between)) / normal.norm();
-        const double alpha = between.cross(bd).dot(normal) / normal.squaredNorm();
-        const double beta = between.cross(ac).dot(normal) / normal.squaredNorm();
-        if (!(twist < plane_quad * std::min(ac.norm(), bd.norm())) || alpha <= 0.0 || alpha >= 1.0 ||
-            beta <= 0.0 || beta >= 1.0)
-            continue;
-        const double most = 1.0 / std::max(alpha, 1.0 - alpha);
-        Data& data = data_.back();
-        const std::array<int, 4> quad{a, b, c, d};
-        const std::array<double, 4> share{-(1.0 - alpha), 1.0 - beta, -alpha, beta};
-        for (int i = 0; i < 4; ++i) {
-            data.quad[i] = quad[static_cast<std::size_t>(i)];
-            data.share[i] = most * share[static_cast<std::size_t>(i)];
-        }
+        const int k = whole.diagonal;
         const int j = (k + 1) % 3;
         const auto gradient = [&](int hat) -> Eigen::Vector2d {
             const LayerEdge& opposite = edge[(hat + 1) % 3];
             return -panel.inverse_height[hat] * Eigen::Vector2d(opposite.mx, opposite.my);
         };
-        whole.diagonal = k;
         whole.product = gradient(k).dot(gradient(j));
         for (int e = 0; e < 3; ++e)
             whole.along[e] = gradient(k).dot(Eigen::Vector2d(edge[e].sx, edge[e].sy));
@@ -291,22 +260,11 @@ Vector3 HarmonicBoundary::inside_point(int triangle, const Vector3& hats) const
     return point;
 }
 
-void HarmonicBoundary::add_data(int triangle, const Vector3& hats, double factor, double* row) const
-{
-    const Data& data = data_[static_cast<std::size_t>(triangle)];
-    for (int k = 0; k < 3; ++k)
-        row[data.vertex[static_cast<std::size_t>(k)]] += factor * hats[k];
-    const int k = triangles_[static_cast<std::size_t>(triangle)].diagonal;
-    if (k >= 0)
-        for (int i = 0; i < 4; ++i)
-            row[data.quad[i]] += factor * hats[k] * hats[(k + 1) % 3] * data.share[i];
-}
-
 /// `fields` are the first four rows of LayerKernels::both; rows (block.count, stride).
 void HarmonicBoundary::add_double_layer(int triangle, const Block& block, const double* fields, double* rows,
                                         int stride) const
 {
-    const Data& data = data_[static_cast<std::size_t>(triangle)];
+    const HarmonicData& data = data_[static_cast<std::size_t>(triangle)];
     const bool quad = triangles_[static_cast<std::size_t>(triangle)].diagonal >= 0;
     for (int i = 0; i < block.count; ++i, rows += stride) {
         for (int k = 0; k < 3; ++k)
@@ -361,7 +319,8 @@ void HarmonicBoundary::assemble(DenseSystem& system, int begin, int end) const
                 const int i = (t - begin) * points + 3 * p + q;
                 block.set(i, inside_point(t, hats));
                 for (int c = 0; c < 3; ++c)
-                    add_data(t, hats, panel.area * rule(q, c), system.right_side(t * n + panel.corner[c]));
+                    data_[static_cast<std::size_t>(t)].add(hats, panel.area * rule(q, c),
+                                                           system.right_side(t * n + panel.corner[c]));
             }
     block.fill();
 
@@ -517,12 +476,6 @@ void HarmonicBoundary::evaluate(PointsView points, RowMatrix& weights, std::vect
         winding[static_cast<std::size_t>(i)] = weights.row(i).sum();
 }
 
-void HarmonicBoundary::data_at(int triangle, const Vector3& hats, double* row) const
-{
-    std::fill(row, row + vertex_count_, 0.0);
-    add_data(triangle, hats, 1.0, row);
-}
-
 void HarmonicBoundary::measure_residual(const Progress& progress)
 {
     progress.tick(0.9, "measuring the residual");
@@ -537,7 +490,7 @@ void HarmonicBoundary::measure_residual(const Progress& progress)
             const Vector3 hats = i % 4 == 3 ? Vector3(Vector3::Constant(1.0 / 3.0))
                                             : Vector3(Vector3::Constant(.05) + .85 * Vector3::Unit(i % 4));
             block.set(i - begin, inside_point(i / 4, hats));
-            add_data(i / 4, hats, -1.0, rows.row(i - begin).data());
+            data_[static_cast<std::size_t>(i / 4)].add(hats, -1.0, rows.row(i - begin).data());
         }
         block.fill();
         evaluate(block, rows.data(), stride);

@@ -8,6 +8,7 @@
 #include "native/solvers/dense_system.h"
 #include "native/solvers/factor_engine.h"
 #include "native/space/cage/cage.h"
+#include "native/space/cage/harmonic_data.h"
 #include "native/space/cage/harmonic_layers.h"
 #include "native/space/cage/harmonic_pattern.h"
 
@@ -44,9 +45,6 @@ public:
     /// \param[out] winding  (b) how often the cage winds around each point: 1 inside, 0 outside.
     void evaluate(PointsView block, RowMatrix& weights, std::vector<double>& winding) const;
 
-    /// row (c) = the data at a point of a triangle, by the hats of its corners there.
-    void data_at(int triangle, const Vector3& hats, double* row) const;
-
     /// phi less data at four points a triangle: the root mean of its squares summed over the vertices, and
     /// the largest magnitude. As phi - data is harmonic, its largest magnitude anywhere is on the cage.
     double residual_rms() const { return residual_rms_; }
@@ -55,14 +53,6 @@ public:
 private:
     struct Block;
     struct Near;
-    /// Data on a triangle: its hats, and on the half of a plane convex quad the product of two of them.
-    struct Data
-    {
-        Triangle vertex;
-        int quad[4];
-        double share[4]; ///< of the product, for the vertices of `quad`
-    };
-
     void place(const Cage& cage);
     void cut();
     void assemble(DenseSystem& system, int begin, int end) const;
@@ -70,7 +60,6 @@ private:
     void keep(const DenseSystem& system);
     void measure_residual(const Progress& progress);
     void evaluate(const Block& block, double* rows, int stride) const;
-    void add_data(int triangle, const Vector3& hats, double factor, double* row) const;
     void gather_near(int triangle, const Block& block, Near& near) const;
     void add_double_layer(int triangle, const Block& block, const double* fields, double* rows,
                           int stride) const;
@@ -82,7 +71,7 @@ private:
     Vector3 centre_;
     std::vector<LayerTriangle> triangles_; ///< in units of the cage's size around its centre
     std::vector<LayerFace> faces_;         ///< the same, cut
-    std::vector<Data> data_;
+    std::vector<HarmonicData> data_;
     std::vector<Vector3> middles_;
     std::vector<double> reaches_; ///< squared distance from its middle up to which a triangle is near
     std::vector<double> corners_; ///< what triangles_ and faces_ point to

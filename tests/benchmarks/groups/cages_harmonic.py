@@ -3,13 +3,16 @@
 
 Both binds of harmonic weights get the same cage and points. Errors are the largest of a weight, on a cube
 against the trilinear functions, which are harmonic there, on a cage of 150 faces against our own weights at
-their finest.
+their finest. On large cages the lattice stands next to the boundary elements, each in a process of its own.
 """
 
 import functools
 import itertools
+import json
+import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +41,9 @@ def plan(options: Options) -> list[Task]:
         for precision in PRECISIONS[: 0 if options.quick else None]:
             works = (f"harmonic_{precision}", f"harmonic_error_{precision}")
             tasks.append(Task("cages_harmonic", works, {"case": case, "precision": precision}))
+    for case in LARGE if not options.quick else ():
+        works = ("harmonic_large", "harmonic_large_peak")
+        tasks.append(Task("cages_harmonic", works, {"case": case}))
     for threads in options.threads:
         works = ("positive_rays", "positive_point", "positive_error")
         tasks.append(Task("cages_harmonic", works, {"case": "positive", "threads": threads}))
@@ -45,7 +51,10 @@ def plan(options: Options) -> list[Task]:
 
 
 def measure(case: str, precision: int = 0, threads: int = 0) -> list[Row]:
-    found = _positive(threads) if case == "positive" else _harmonic(case, precision)
+    if case in LARGE:
+        found = _large(case)
+    else:
+        found = _positive(threads) if case == "positive" else _harmonic(case, precision)
     return [{"size": POINTS, "vertices": POINTS, "case": case, **row} for row in found]
 
 
@@ -72,6 +81,7 @@ def ring(around: int, across: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 CAGES = {"cube": cube, "150 faces": functools.partial(ring, 15, 5)}
+LARGE = {"2000 faces": (50, 20), "5000 faces": (100, 25)}
 
 
 def inside(case: str, count: int = POINTS) -> np.ndarray:
@@ -115,6 +125,33 @@ def _harmonic(case: str, precision: int) -> list[Row]:
         {"work": f"harmonic_{precision}", "unit": "s", "ours": time, "peer": seconds, **about},
         {"work": f"harmonic_error_{precision}", "unit": "", **errors, **about},
     ]
+
+
+def _large(case: str) -> list[Row]:
+    """Boundary elements have three unknowns a face there, whatever the quality."""
+    apart = {}
+    for side, solver in (("ours", "lattice"), ("peer", "boundary")):
+        command = [sys.executable, "-m", "groups.cages_harmonic", solver, case]
+        done = subprocess.run(command, check=True, capture_output=True, text=True, cwd=HERE)
+        apart[side] = json.loads(done.stdout)
+
+    def row(work: str, unit: str, what: str) -> Row:
+        return {"work": work, "unit": unit} | {side: apart[side][what] for side in apart}
+
+    errors = {f"{side}_error": apart[side]["error"] for side in apart}
+    return [row("harmonic_large", "s", "seconds") | errors, row("harmonic_large_peak", "bytes", "peak")]
+
+
+def _bind_large(solver: str, case: str) -> dict[str, float]:
+    from .memory import Growth
+
+    cage, faces = ring(*LARGE[case])
+    points = inside("150 faces")
+    harmonic = sinew_native.Harmonic(sinew_native.SurfaceMesh(cage, faces), solver=solver)
+    growth = Growth()
+    begin = time.perf_counter()
+    error = harmonic.bind(points).error
+    return {"seconds": time.perf_counter() - begin, "error": error, "peak": growth.counted()["peak"]}
 
 
 def _mesh_deform(
@@ -168,3 +205,7 @@ def _positive(threads: int) -> list[Row]:
         {"work": "positive_error", "unit": "", **errors},
     ]
     return [{"threads": threads, **row} for row in rows]
+
+
+if __name__ == "__main__":
+    print(json.dumps(_bind_large(*sys.argv[1:])))

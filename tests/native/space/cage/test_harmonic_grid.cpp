@@ -1,0 +1,384 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/core/errors.h"
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
+#include "native/space/cage/harmonic.h"
+#include "native/space/cage/mean_value.h"
+#include "tests/native/space/cage/cages.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <map>
+
+namespace sinew {
+
+namespace {
+
+HarmonicOptions lattice(HarmonicQuality quality = HarmonicQuality::fast)
+{
+    HarmonicOptions options;
+    options.weights = {WeightPrecision::double_precision, 0.0};
+    options.quality = quality;
+    options.solver = HarmonicSolver::lattice;
+    return options;
+}
+
+RowMatrix weights(const SurfaceMesh& cage, const Points& points, const HarmonicOptions& options = lattice())
+{
+    Harmonic harmonic(Cage(cage), options);
+    harmonic.bind(view(points));
+    return harmonic.weights().dense();
+}
+
+double largest(const RowMatrix& matrix) { return matrix.cwiseAbs().maxCoeff(); }
+
+void expect_barycentric(const RowMatrix& w, const SurfaceMesh& cage, const Points& points)
+{
+    EXPECT_LT((w.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-12);
+    EXPECT_LT(largest(w * cage.points() - points), 1e-12 * shapes::size(cage.points()));
+    EXPECT_GE(w.minCoeff(), 0);
+}
+
+/// The box [0, size], each side a grid of squares, or of twice as many triangles.
+SurfaceMesh box(std::array<int, 3> cells, const Vector3& size, bool triangles)
+{
+    std::map<std::array<int, 3>, int> number;
+    std::vector<Vector3> p;
+    shapes::Polygons faces;
+    const auto vertex = [&](const std::array<int, 3>& at) {
+        const auto [entry, is_new] = number.try_emplace(at, static_cast<int>(p.size()));
+        if (is_new)
+            p.emplace_back(size[0] * at[0] / cells[0], size[1] * at[1] / cells[1],
+                           size[2] * at[2] / cells[2]);
+        return entry->second;
+    };
+    for (int axis = 0; axis < 3; ++axis)
+        for (int side = 0; side < 2; ++side) {
+            const int u = (axis + (side ? 1 : 2)) % 3, v = (axis + (side ? 2 : 1)) % 3;
+            for (int i = 0; i < cells[u]; ++i)
+                for (int j = 0; j < cells[v]; ++j) {
+                    const auto corner = [&](int du, int dv) {
+                        std::array<int, 3> at;
+                        at[axis] = side * cells[axis];
+                        at[u] = i + du;
+                        at[v] = j + dv;
+                        return vertex(at);
+                    };
+                    const int a = corner(0, 0), b = corner(1, 0), c = corner(1, 1), d = corner(0, 1);
+                    if (triangles) {
+                        faces.push_back({a, b, c});
+                        faces.push_back({a, c, d});
+                    } else {
+                        faces.push_back({a, b, c, d});
+                    }
+                }
+        }
+    return shapes::mesh(p, faces);
+}
+
+/// Of the vertices of a box [0, 1]^3: the eight functions that are linear along each axis, at some points.
+RowMatrix trilinear(const Points& points)
+{
+    RowMatrix values = RowMatrix::Ones(points.rows(), 8);
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+        for (int v = 0; v < 8; ++v)
+            for (int axis = 0; axis < 3; ++axis)
+                values(i, v) *= v >> axis & 1 ? points(i, axis) : 1 - points(i, axis);
+    return values;
+}
+
+Points in_cube(int count, double depth = 0)
+{
+    shapes::Random random(1);
+    Points points(count, 3);
+    for (Eigen::Index k = 0; k < points.size(); ++k)
+        points.data()[k] = depth + (1 - 2 * depth) * random.unit();
+    return points;
+}
+
+/// A sphere of triangles with shallow bumps.
+SurfaceMesh bumpy(int level) { return shapes::bumpy_sphere(level, 0.01); }
+
+} // namespace
+
+TEST(HarmonicGrid, sums_to_trilinear_functions_in_a_cube_of_many_squares)
+{
+    // They are bilinear on every square, so on the cage they are the hats with their values at the vertices,
+    // and harmonic inside.
+    const SurfaceMesh cage = box({12, 12, 12}, Vector3::Ones(), false); // 1728 triangles
+    Points x = in_cube(500);
+    x.row(0) << 0.5, 0.5, 1e-7;
+    const RowMatrix w = weights(cage, x);
+    EXPECT_LT(largest(w * trilinear(cage.points()) - trilinear(x)), 3e-4); // 1e-4 where levels meet, and what cycles leave
+    expect_barycentric(w, cage, x);
+}
+
+TEST(HarmonicGrid, is_trilinear_in_a_cube_of_six)
+{
+    // The differences are exact there, so what is left is that of the cycles.
+    const Points x = in_cube(500);
+    const RowMatrix w = weights(box({1, 1, 1}, Vector3::Ones(), false), x);
+    const Points corners = box({1, 1, 1}, Vector3::Ones(), false).points();
+    EXPECT_LT(largest(w - trilinear(x) * trilinear(corners).transpose()), 1e-4);
+}
+
+TEST(HarmonicGrid, agrees_with_the_boundary_both_ways)
+{
+    const SurfaceMesh cage = bumpy(3); // 512 triangles
+    const Points x = cages::in_ball(400, 0.8);
+    HarmonicOptions options = lattice();
+    options.solver = HarmonicSolver::boundary;
+    Harmonic boundary(Cage(cage), options), grid(Cage(cage), lattice(HarmonicQuality::medium));
+    const double boundary_error = boundary.bind(view(x)).error, grid_error = grid.bind(view(x)).error;
+    const RowMatrix w = grid.weights().dense();
+    const double difference = largest(boundary.weights().dense() - w);
+    EXPECT_LT(difference, boundary_error + grid_error);
+    EXPECT_LT(boundary_error + grid_error, 0.1); // so that it says something
+    EXPECT_GT(difference, 1e-5);                 // and they are two
+}
+
+TEST(HarmonicGrid, is_chosen_beyond_600_triangles)
+{
+    HarmonicOptions automatic = lattice();
+    automatic.solver = HarmonicSolver::automatic;
+    Points x(1, 3);
+    x << .43, .03, .06;
+    const SurfaceMesh smaller = box({74, 1, 1}, {1, .1, .1}, true),
+                      larger = box({75, 1, 1}, {1, .1, .1}, true);
+    EXPECT_EQ(smaller.triangles().size(), 596U);
+    EXPECT_EQ(larger.triangles().size(), 604U);
+    EXPECT_GT(largest(weights(smaller, x, automatic) - weights(smaller, x)), 0);
+    EXPECT_EQ(weights(larger, x, automatic), weights(larger, x));
+}
+
+TEST(HarmonicGrid, has_the_known_weights_in_the_octahedron)
+{
+    Points x(2, 3);
+    x << 0.1, 0.2, 0.3, 0, 0, 0;
+    const RowMatrix w = weights(shapes::octahedron(), x, lattice(HarmonicQuality::medium));
+    RowMatrix known(1, 6);
+    known << .19001, .09001, .26375, .06375, .34624, .04624;
+    EXPECT_LT(largest(w.topRows(1) - known), 3e-4); // second order: 96 steps err 2.5e-4 or so
+    EXPECT_LT((w.row(1).array() - 1.0 / 6).abs().maxCoeff(), 3e-4);
+}
+
+TEST(HarmonicGrid, is_barycentric_in_large_cages_and_close_to_them)
+{
+    const SurfaceMesh cage = bumpy(4); // 2048 triangles
+    Points x = cages::in_ball(600, 0.97);
+    // Just inside of faces, edges and vertices.
+    shapes::Random random(2);
+    for (int i = 0; i < 300; ++i) {
+        const Triangle& t = cage.triangles()[static_cast<std::size_t>(random.below(2048))];
+        Vector3 hats(random.unit(), i % 3 == 0 ? 0 : random.unit(), i % 3 == 1 ? 0 : random.unit());
+        hats /= hats.sum();
+        const Vector3 at =
+            hats[0] * cage.point(t[0]) + hats[1] * cage.point(t[1]) + hats[2] * cage.point(t[2]);
+        x.row(i) = (1 - std::pow(10.0, -2 - i % 7)) * at.transpose();
+    }
+    const RowMatrix w = weights(cage, x);
+    expect_barycentric(w, cage, x);
+    EXPECT_LT(w.maxCoeff(), 1);
+}
+
+TEST(HarmonicGrid, gives_the_data_on_the_cage)
+{
+    const SurfaceMesh cage = bumpy(3);
+    const int n = cage.vertex_count();
+    EXPECT_LT(largest(weights(cage, cage.points()) - RowMatrix::Identity(n, n)), 1e-9);
+    const SurfaceMesh squares = box({4, 4, 4}, Vector3::Ones(), false);
+    Points on(1, 3), before(1, 3);
+    on << 0, .625, .625; // the middle of a square
+    before << 1e-8, on(0, 1), on(0, 2);
+    const RowMatrix w = weights(squares, on);
+    EXPECT_NEAR(w.maxCoeff(), .25, 1e-9);
+    EXPECT_LT(largest(weights(squares, before) - w), 1e-5); // 1e-8 of a square of 1/4, and the mend
+}
+
+TEST(HarmonicGrid, has_no_extremum_inside)
+{
+    const SurfaceMesh cage = bumpy(3);
+    const Points x = cages::in_ball(300, 0.7);
+    const RowMatrix w = weights(cage, x);
+    EXPECT_LT(w.maxCoeff(), 0.2); // far less than the 1 at a vertex
+    Points star(7, 3);
+    star.rowwise() = Eigen::RowVector3d(.31, -.22, .17);
+    constexpr double step = 0.06; // three of the lattice
+    for (int k = 0; k < 3; ++k) {
+        star(1 + 2 * k, k) += step;
+        star(2 + 2 * k, k) -= step;
+    }
+    const RowMatrix around = weights(cage, star);
+    const Eigen::RowVectorXd mean = around.bottomRows(6).colwise().mean();
+    EXPECT_LT((mean - around.row(0)).cwiseAbs().maxCoeff(), 0.02 * around.row(0).maxCoeff());
+}
+
+TEST(HarmonicGrid, follows_limbs_thinner_than_a_step)
+{
+    // A rod of a hundredth of a step: no node lies inside. On its axis the four sides count alike.
+    const SurfaceMesh cage = box({200, 1, 1}, {1, 1e-4, 1e-4}, true);
+    Points x(3, 3);
+    x << .5, 5e-5, 5e-5, .2525, 2e-5, 7e-5, .9, 9e-5, 1e-5;
+    const RowMatrix w = weights(cage, x);
+    expect_barycentric(w, cage, x);
+    for (Eigen::Index v = 0; v < w.cols(); ++v)
+        for (int i = 0; i < 3; ++i)
+            if (std::abs(cage.point(static_cast<int>(v)).x() - x(i, 0)) > 0.011) {
+                EXPECT_LT(w(i, v), 1e-8); // what the mend may give to faint vertices
+            }
+    // Two arms a thousandth apart do not feel each other.
+    const SurfaceMesh arms = shapes::joined(cage, cage, {0, 1.1e-4, 0});
+    const RowMatrix both = weights(arms, x);
+    EXPECT_LT(largest(both.leftCols(w.cols()) - w), 1e-8);
+    EXPECT_LT(largest(both.rightCols(w.cols())), 1e-8);
+}
+
+TEST(HarmonicGrid, is_close_to_the_boundary_in_a_thin_rod)
+{
+    const SurfaceMesh cage = box({20, 1, 1}, {1, .05, .05}, true); // five steps thick
+    const SurfaceMesh thin = box({20, 1, 1}, {1, .009, .009}, true); // less than one
+    for (const SurfaceMesh* rod : {&cage, &thin}) {
+        Points x(4, 3);
+        const double wide = rod->points().col(1).maxCoeff();
+        x << .52, .5 * wide, .5 * wide, .31, .3 * wide, .6 * wide, .77, .8 * wide, .7 * wide, .5, .1 * wide,
+            .5 * wide;
+        HarmonicOptions options = lattice(HarmonicQuality::fine);
+        options.solver = HarmonicSolver::boundary;
+        const RowMatrix expected = weights(*rod, x, options);
+        Harmonic grid(Cage(*rod), lattice());
+        const double error = grid.bind(view(x)).error;
+        EXPECT_LT(largest(grid.weights().dense() - expected), 0.1);
+        EXPECT_LT(largest(grid.weights().dense() - expected), 2 * error + 1e-3);
+    }
+}
+
+TEST(HarmonicGrid, reports_an_error_that_shrinks_with_quality)
+{
+    const SurfaceMesh cage = bumpy(3);
+    const Points x = cages::in_ball(400, 0.9);
+    Harmonic fast(Cage(cage), lattice()), medium(Cage(cage), lattice(HarmonicQuality::medium));
+    const double fast_error = fast.bind(view(x)).error, medium_error = medium.bind(view(x)).error;
+    const double difference = largest(fast.weights().dense() - medium.weights().dense());
+    EXPECT_LT(medium_error, fast_error);
+    EXPECT_LT(difference, 2 * fast_error);
+    EXPECT_GT(difference, 0.02 * fast_error);
+    EXPECT_LT(fast.unknowns(), medium.unknowns());
+    EXPECT_EQ(fast.residual_max(), 0);
+}
+
+TEST(HarmonicGrid, reproduces_affine_maps)
+{
+    const SurfaceMesh cage = bumpy(3);
+    const Points x = cages::in_ball(200, 0.9);
+    Harmonic harmonic(Cage(cage), lattice());
+    harmonic.bind(view(x));
+    shapes::Random random(7);
+    const Pose pose = shapes::affine(random.matrix(), random.vector());
+    Points warped;
+    harmonic.warp(view(shapes::transformed(cage.points(), pose)), warped);
+    EXPECT_LT(shapes::distance(warped, shapes::transformed(x, pose)), 1e-11);
+}
+
+TEST(HarmonicGrid, names_points_outside_or_falls_back_on_mean_values)
+{
+    const SurfaceMesh cage = box({4, 4, 4}, Vector3::Ones(), false);
+    Points x(6, 3);
+    x << .5, .5, .5, 2, .5, .5, .2, .9, .4, .5, .5, -1e-4, 1e9, 0, 0, .3, 1 + 1e-7, .7;
+    Harmonic harmonic(Cage(cage), lattice());
+    try {
+        harmonic.bind(view(x));
+        FAIL() << "not refused";
+    } catch (const InvalidConstraint& error) {
+        EXPECT_EQ(error.elements(), (std::vector<int>{1, 3, 4, 5}));
+    }
+    HarmonicOptions options = lattice();
+    options.outside = CageOutside::mean_value;
+    Harmonic both(Cage(cage), options);
+    EXPECT_EQ(both.bind(view(x)).outside, (std::vector<int>{1, 3, 4, 5}));
+    MeanValue mean_value(Cage(cage), {WeightPrecision::double_precision, 0.0});
+    mean_value.bind(view(x));
+    for (int i : {1, 3, 5})
+        EXPECT_LT((both.weights().dense().row(i) - mean_value.weights().dense().row(i)).norm(), 1e-12);
+}
+
+TEST(HarmonicGrid, tells_inside_from_outside_as_the_winding_number_does)
+{
+    const SurfaceMesh cage = cages::bumpy(4, 0.6, 3); // spikes of neighbours a third apart
+    const Points x = shapes::points_around(cage, 2000, 1);
+    HarmonicOptions options = lattice();
+    options.outside = CageOutside::mean_value;
+    Harmonic harmonic(Cage(cage), options);
+    const std::vector<int> outside = harmonic.bind(view(x)).outside;
+    const Cage same(cage);
+    const CageSurface surface(same);
+    std::vector<int> expected;
+    for (int i = 0; i < 2000; ++i)
+        if (std::abs(surface.winding(x.row(i).transpose()) - 1) > 0.5)
+            expected.push_back(i);
+    EXPECT_EQ(outside, expected);
+}
+
+TEST(HarmonicGrid, stays_as_it_was_when_a_bind_is_cancelled)
+{
+    const SurfaceMesh cage = bumpy(3);
+    const Points first = cages::in_ball(10, 0.5), second = cages::in_ball(20, 0.5);
+    Harmonic harmonic(Cage(cage), lattice());
+    double last = 0;
+    harmonic.bind(view(first), Progress([&](double fraction, const char*) {
+                      EXPECT_GE(fraction, last);
+                      last = fraction;
+                      return true;
+                  }));
+    EXPECT_EQ(last, 1);
+    const RowMatrix before = harmonic.weights().dense();
+    for (int ticks : {1, 2, 3, 6}) {
+        const Progress few([&](double, const char*) { return --ticks > 0; });
+        EXPECT_THROW(harmonic.bind(view(second), few), Cancelled);
+        EXPECT_EQ(harmonic.weights().dense(), before);
+    }
+}
+
+TEST(HarmonicGrid, is_refused_above_the_memory_limit)
+{
+    const Points x = cages::in_ball(10, 0.5);
+    for (const std::int64_t limit : {1 << 20, 8 << 20, 20 << 20}) { // lattice, its links, the work
+        Harmonic harmonic(Cage(bumpy(3)), lattice());
+        limit_memory(limit);
+        EXPECT_THROW(harmonic.bind(view(x)), OutOfMemory);
+        limit_memory(0);
+    }
+    Harmonic harmonic(Cage(bumpy(3)), lattice());
+    EXPECT_NO_THROW(harmonic.bind(view(x)));
+}
+
+TEST(HarmonicGrid, gives_the_same_bits_on_one_thread_and_in_any_company)
+{
+    const SurfaceMesh cage = bumpy(3);
+    const Points x = cages::in_ball(1000, 0.95);
+    const RowMatrix many = weights(cage, x);
+    limit_threads(1);
+    const RowMatrix one = weights(cage, x);
+    limit_threads(0);
+    EXPECT_EQ(many, one);
+    const Points some = x.middleRows(100, 200);
+    EXPECT_EQ(weights(cage, some), many.middleRows(100, 200));
+}
+
+TEST(HarmonicGrid, lives_with_flat_and_touching_faces)
+{
+    Points points = bumpy(3).points();
+    points.row(0) = points.row(bumpy(3).triangles()[0][0] == 0 ? bumpy(3).triangles()[0][1] : 0);
+    const SurfaceMesh flat = shapes::moved(bumpy(3), points);
+    const Points x = cages::in_ball(100, 0.8);
+    expect_barycentric(weights(flat, x), flat, x);
+    // Two cubes that share a wall: none of one's weights in the other.
+    const SurfaceMesh cube = box({4, 4, 4}, Vector3::Ones(), true);
+    const SurfaceMesh touching = shapes::joined(cube, cube, {1, 0, 0});
+    const Points inside = in_cube(200, 1e-3);
+    const RowMatrix w = weights(touching, inside);
+    expect_barycentric(w, touching, inside);
+    EXPECT_LT(largest(w.rightCols(cube.vertex_count())), 1e-3); // what the cycles leave
+}
+
+} // namespace sinew
