@@ -110,7 +110,8 @@ TEST(HarmonicGrid, sums_to_trilinear_functions_in_a_cube_of_many_squares)
     Points x = in_cube(500);
     x.row(0) << 0.5, 0.5, 1e-7;
     const RowMatrix w = weights(cage, x);
-    EXPECT_LT(largest(w * trilinear(cage.points()) - trilinear(x)), 3e-4); // 1e-4 where levels meet, and what cycles leave
+    EXPECT_LT(largest(w * trilinear(cage.points()) - trilinear(x)),
+              3e-4); // 1e-4 where levels meet, and what cycles leave
     expect_barycentric(w, cage, x);
 }
 
