@@ -57,8 +57,14 @@ def ensure(
     rest = deformer.rest_in(mode)
     token = rest.get(Keys.REST_TOKEN, "")
     key = steering.bind_key(settings, token)
-    if session.bound is not None and session.bound.key == key and not session.bound.factor.is_spent:
-        return session.bound
+    bound = session.bound
+    if (
+        bound is not None
+        and bound.key == key
+        and not bound.factor.is_spent
+        and not (wait and bound.is_preview)
+    ):
+        return bound
     require_backend()
     if session.failed == key:
         return None
@@ -75,11 +81,11 @@ def ensure(
             abandon(deformer.uid)
         session.drop_work()  # its answer would be one of the old factor
         build = None if session.bound is None else session.bound.factor.hand_over(request.recipe)
+        if not wait and may_wait(len(request.rest.points)):
+            _jobs[deformer.uid] = _begin(request) if build is None else Work(build, request)
+            return None
         if build is None:
             build = partial(build_factor, request.recipe)
-        if not wait and may_wait(len(request.rest.points)):
-            _jobs[deformer.uid] = Work(build, request)
-            return None
         begin = time.perf_counter()
         factor = build(progress)
     except SinewError as error:
@@ -88,6 +94,14 @@ def ensure(
     return _install(
         session, deformer.uid, request, factor, time.perf_counter() - begin, rest == deformer.rest
     )
+
+
+def _begin(request: BindInput) -> Work:
+    """A thread that builds a factor; where a quick one is worth showing, that one first."""
+    preview = request.recipe.preview()
+    if preview is not None:
+        return Work(partial(build_factor, preview), replace(request, recipe=preview, after=request))
+    return Work(partial(build_factor, request.recipe), request)
 
 
 def _refuse(session: Session, uid: str, key: tuple, error: SinewError, request: BindInput | None) -> None:
@@ -112,6 +126,7 @@ def _install(
         request.indices,
         request.control,
         seconds * 1000.0,
+        request.after is not None,
     )
     session.failed = None
     session.shown.clear()
@@ -188,6 +203,9 @@ def collect() -> list[str]:
         ready.append(uid)
         if done.result is not None:
             _install(state.of(uid), uid, done.subject, done.result, done.seconds)
+            if done.subject.after is not None:
+                real = done.subject.after
+                _jobs[uid] = Work(partial(build_factor, real.recipe), real)
         elif done.error is not None:
             _refuse(state.of(uid), uid, done.subject.key, done.error, done.subject)
     return ready

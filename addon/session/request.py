@@ -32,6 +32,7 @@ class BindInput:
     control: str
     handles: tuple[str, ...] = ()
     indices: tuple[np.ndarray, ...] = ()
+    after: "BindInput | None" = None  # of a preview: what is bound next
 
 
 def option_values(settings: SinewDeformer) -> tuple:

@@ -29,6 +29,7 @@ class Bound:
     indices: tuple[np.ndarray, ...]
     control: str  # what moves the mesh, in words
     milliseconds: float
+    is_preview: bool = False  # rough, while a thread computes the real one
 
 
 @dataclass

@@ -514,3 +514,33 @@ def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_paren
     update()
     assert cage.parent == rig
     assert np.abs(np.array(cage.matrix_world) - place).max() < 1e-5
+
+
+def test_rays_are_shown_until_the_exact_weights_are_there(room, caged, monkeypatch: pytest.MonkeyPatch):
+    """As in a window, where heavy meshes bind in a thread."""
+    target, cage = target_and_cage(caged)
+    binding, deformer = room("session.binding"), target.sinew.active
+    monkeypatch.setattr(binding, "may_wait", lambda _count: True)
+    cage.data.vertices[0].co = (-1.6, -0.7, -1.3)
+    with room("session").suspended():
+        deformer.method = "positive_mean_value"
+    session = room("session").find(deformer.uid)
+    assert binding.ensure(session, deformer, deformer, wait=False) is None
+    shapes = []
+    for is_preview in (True, False):
+        binding.job(deformer.uid).thread.join(timeout=20.0)
+        assert binding.collect() == [deformer.uid]
+        assert session.bound.is_preview is is_preview
+        target.update_tag(refresh={"OBJECT"})
+        shapes.append(evaluated_points(target) if not is_preview else _shown_by(session, cage, target))
+    assert binding.job(deformer.uid) is None
+    monkeypatch.undo()
+    assert 1e-6 < np.abs(shapes[0] - shapes[1]).max() < 0.1
+    bpy.ops.sinew.bind()
+    assert np.abs(evaluated_points(target) - shapes[1]).max() < FLOAT32
+
+
+def _shown_by(session, cage: bpy.types.Object, target: bpy.types.Object) -> np.ndarray:
+    """By the factor that is bound; in background an evaluation would wait for the exact one."""
+    relative = target.matrix_world.inverted() @ cage.matrix_world
+    return session.bound.factor.solve(apply_matrix(relative, base_points(cage)))[0]
