@@ -29,7 +29,7 @@ from mathutils import Matrix
 from rig import apply_matrix, base_points, evaluated_points, make_active, update
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
-SEQUENCES = max(1, int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200")) // 5)
+SEQUENCES = max(20, int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200")) // 5)  # the first ones are short
 STEPS = 30
 MOST_UNDO = 25  # Blender keeps 32
 TOLERANCE = 2e-5  # float32 weights and positions, of shapes of a few units
@@ -216,7 +216,7 @@ class Artist(RuleBasedStateMachine):
         deformer.method, deformer.factor = method, factor
         self.done()
 
-    @precondition(lambda self: self.caged(0) and bpy.context.mode == "OBJECT")
+    @precondition(lambda self: self.depth > 8 and self.caged(0) and bpy.context.mode == "OBJECT")
     @rule(pick=PICK)
     def delete_cage(self, pick):
         make_active(self.caged(pick)[1].cage)
