@@ -202,7 +202,7 @@ LAYERS = (
     Layer("architecture", 120, architecture),
     Layer("tools", 120, tools),
     Layer("native", 300, native),
-    Layer("sanitizers", 600, sanitizers),
+    Layer("sanitizers", 1500, sanitizers),
     Layer("bindings", 420, bindings),
     Layer("addon", 120, addon),
     Layer("blender-3.4", 900, blender_3_4),
