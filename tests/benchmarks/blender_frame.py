@@ -19,7 +19,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
-import bmesh
 import bpy
 import numpy as np
 from mathutils import Matrix
@@ -310,6 +309,8 @@ def frame(
 
 def box_around(obj: bpy.types.Object) -> bpy.types.Object:
     """A closed cage of 296 vertices around the plate."""
+    import bmesh  # comes with bpy, as a module only after it
+
     mesh = bpy.data.meshes.new("Cage")
     made = bmesh.new()
     bmesh.ops.create_cube(made, size=2.0, matrix=Matrix.Diagonal((1.1, 1.1, 0.3, 1.0)))
