@@ -158,6 +158,21 @@ class Frames:
         return float(np.abs(self.flat - rest).max())
 
 
+class CageFrames(Frames):
+    """The same by the cage's vertices, as in Edit Mode: Mesh Deform does not notice when the object moves."""
+
+    def __init__(self, obj: bpy.types.Object, cage: bpy.types.Object) -> None:
+        super().__init__(obj, cage)
+        self.points = np.array([(*vertex.co, 1.0) for vertex in cage.data.vertices])
+
+    def __call__(self, number: int) -> None:
+        mesh, posed = self.control.data, self.points @ np.array(motion(number)).T
+        mesh.vertices.foreach_set("co", posed[:, :3].astype(np.float32).ravel())
+        mesh.update()
+        update()
+        read_back(self.obj, self.flat)
+
+
 class Bare:
     """A copy of the object that our Python does not know: write the shape, evaluate the modifier, read."""
 
@@ -337,7 +352,7 @@ def cage_frame(method: str) -> dict[str, object]:
     update()
     if not modifier.is_bound:
         raise RuntimeError("Mesh Deform is not bound")
-    ours, theirs = Frames(obj, cage), Frames(peer, other)
+    ours, theirs = CageFrames(obj, cage), CageFrames(peer, other)
     found = medians({"ours": ours, "peer": theirs}, 21)
     if min(ours.moved(), theirs.moved()) < 0.1:
         raise RuntimeError("nothing moved")
