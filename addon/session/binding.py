@@ -57,14 +57,11 @@ def ensure(
     rest = deformer.rest_in(mode)
     token = rest.get(Keys.REST_TOKEN, "")
     key = steering.bind_key(settings, token)
-    bound = session.bound
-    if (
-        bound is not None
-        and bound.key == key
-        and not bound.factor.is_spent
-        and not (wait and bound.is_preview)
-    ):
-        return bound
+    bound, job = session.bound, _jobs.get(deformer.uid)
+    if bound is not None and bound.key == key and not bound.factor.is_spent:
+        followed = not wait and job is not None and job.subject.key == key
+        if followed or not bound.is_preview:
+            return bound
     require_backend()
     if session.failed == key:
         return None
@@ -72,7 +69,6 @@ def ensure(
     try:
         if session.rest is None or session.rest.token != token:
             session.rest = read_rest(rest)
-        job = _jobs.get(deformer.uid)
         if job is not None and job.subject.key == key and not wait:
             return None
         kind, base_count = steering.of(settings), len(deformer.id_data.data.vertices)

@@ -147,9 +147,11 @@ def influence(deformer: SinewDeformer) -> Influence | None:
     Modifiers of the cage keep the numbers of its own vertices, or add others after them.
     """
     session = state.find(deformer.uid)
-    if session is None or session.bound is None or deformer.definition.control is not Control.CAGE:
+    if session is None or session.bound is None:
         return None
     factor = session.bound.factor
+    if factor.is_spent or factor.recipe.method.control is not Control.CAGE:
+        return None  # a thread binds another
     vertices = tuple(v for v in chosen(deformer) if v < len(factor.recipe.cage_points))
     return Influence(vertices, factor.influence(vertices), factor.report.outside)
 

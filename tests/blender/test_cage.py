@@ -532,6 +532,12 @@ def test_rays_are_shown_until_the_exact_weights_are_there(room, caged, monkeypat
         assert binding.collect() == [deformer.uid]
         assert session.bound.is_preview is is_preview
         target.update_tag(refresh={"OBJECT"})
+        if is_preview:  # what came in between stopped the exact weights: they are asked for anew
+            assert binding.ensure(session, deformer, deformer, wait=False) is session.bound
+            binding.abandon(deformer.uid)
+            assert binding.ensure(session, deformer, deformer, wait=False) is None
+            binding.job(deformer.uid).thread.join(timeout=20.0)
+            assert binding.collect() == [deformer.uid]
         shapes.append(evaluated_points(target) if not is_preview else _shown_by(session, cage, target))
     assert binding.job(deformer.uid) is None
     monkeypatch.undo()

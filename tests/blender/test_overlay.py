@@ -572,6 +572,13 @@ def test_vertices_outside_the_cage_and_negative_weights_stand_out(paint, room, c
     assert f"{outside.sum():,} outside the cage" in picture.legend.note
 
 
+def test_no_cage_weights_while_another_method_is_bound(paint, room, bound_plate: Rig):
+    """As in a window, where a thread binds the method just chosen."""
+    with room("session").suspended():
+        bound_plate.deformer.method = "green"
+    assert room("session.result").influence(bound_plate.deformer) is None
+
+
 def test_a_method_without_a_cage_has_no_cage_weights(paint, bound_plate: Rig):
     picture = paint(bound_plate.obj, overlay="CAGE")
     assert not picture.colours[:, 3].any()
