@@ -26,13 +26,18 @@ if(SINEW_SANITIZE)
   endif()
 endif()
 
-# Sources named *_avx2.cpp run on processors that have AVX2, in place of their plain twins. No fused
-# operations: both give the same results to the last bit.
-function(sinew_compile_for_avx2 target)
+# Sources named *_avx2.cpp and *_avx512.cpp run on processors that have these instructions, in place of their plain
+# twins. No fused operations: all give the same results to the last bit.
+function(sinew_compile_for_wide_processors target)
   if(NOT MSVC AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     get_target_property(sources ${target} SOURCES)
-    list(FILTER sources INCLUDE REGEX "_avx2\\.cpp$")
-    set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS "-mavx2;-mno-fma")
+    set(avx2 -mavx2)
+    set(avx512 -mavx512f -mavx512vl -mavx512dq)
+    foreach(instructions IN ITEMS avx2 avx512)
+      set(those ${sources})
+      list(FILTER those INCLUDE REGEX "_${instructions}\\.cpp$")
+      set_source_files_properties(${those} PROPERTIES COMPILE_OPTIONS "${${instructions}};-mno-fma")
+    endforeach()
     target_compile_definitions(${target} PRIVATE SINEW_HAVE_AVX2)
   endif()
 endfunction()

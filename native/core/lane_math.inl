@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Angles and logarithms, four side by side. For the .inl files of kernels, see lane_types.inl. Only
+// Angles and logarithms side by side. For the .inl files of kernels, see lane_types.inl. Only
 // additions, multiplications, divisions and roots: the same bits on every machine, unlike those of a C
 // library.
 
@@ -13,11 +13,11 @@
 namespace {
 
 #ifdef __GNUC__
-typedef unsigned long long LaneBits __attribute__((vector_size(32)));
+typedef unsigned long long LaneBits __attribute__((vector_size(8 * lane_count)));
 
 inline LaneBits bits_of(Lanes<double> a) { return (LaneBits)a; }
 inline Lanes<double> lanes_of(LaneBits bits) { return (Lanes<double>)bits; }
-inline LaneBits same_bits(unsigned long long value) { return LaneBits{value, value, value, value}; }
+inline LaneBits same_bits(unsigned long long value) { return LaneBits{} + value; }
 #else
 struct LaneBits
 {

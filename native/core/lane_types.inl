@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Four numbers side by side. For the .inl files of kernels, which are compiled once for each instruction set:
-// in an unnamed namespace, so that no function compiled for wider instructions is shared with other code.
+// Four numbers side by side, or eight where SINEW_EIGHT_LANES is defined. For the .inl files of kernels,
+// which are compiled once for each instruction set: in an unnamed namespace, so that no function compiled for
+// wider instructions is shared with other code.
 
 #ifndef __GNUC__
 #include <cmath>
@@ -10,21 +11,28 @@
 
 namespace {
 
+#ifdef SINEW_EIGHT_LANES
+constexpr int lane_count = 8;
+#else
+constexpr int lane_count = 4;
+#endif
+
 #ifdef __GNUC__
-template <class T>
+template <class T, int count>
 struct LanesOf;
-template <>
-struct LanesOf<double>
+template <int count>
+struct LanesOf<double, count>
 {
-    typedef double type __attribute__((vector_size(32), aligned(8)));
+    typedef double type __attribute__((vector_size(8 * count), aligned(8)));
 };
-template <>
-struct LanesOf<float>
+template <int count>
+struct LanesOf<float, count>
 {
-    typedef float type __attribute__((vector_size(16), aligned(4)));
+    typedef float type __attribute__((vector_size(4 * count), aligned(4)));
 };
 template <class T>
-using Lanes = typename LanesOf<T>::type;
+using Lanes = typename LanesOf<T, lane_count>::type;
+using FourLanes = LanesOf<double, 4>::type;
 
 template <class T>
 inline Lanes<T> load(const T* from)
@@ -37,6 +45,7 @@ inline void store(T* to, Lanes<T> lanes)
     *reinterpret_cast<Lanes<T>*>(to) = lanes;
 }
 
+#ifndef SINEW_EIGHT_LANES
 /// Lane k in all four.
 template <int k, class T>
 inline T splat(T lanes)
@@ -49,22 +58,49 @@ inline T turned(T lanes)
 {
     return __builtin_shufflevector(lanes, lanes, 1, 2, 0, 3);
 }
-/// Lane k of the n-th becomes lane n of the k-th.
-inline void transpose(Lanes<double>& a, Lanes<double>& b, Lanes<double>& c, Lanes<double>& d)
+template <class Mask>
+inline bool all(Mask mask)
 {
-    const Lanes<double> ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
-    const Lanes<double> ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
-    const Lanes<double> cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
-    const Lanes<double> cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    return mask[0] && mask[1] && mask[2] && mask[3];
+}
+#endif
+/// Lane k of the n-th becomes lane n of the k-th.
+inline void transpose(FourLanes& a, FourLanes& b, FourLanes& c, FourLanes& d)
+{
+    const FourLanes ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+    const FourLanes ab13 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const FourLanes cd02 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+    const FourLanes cd13 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
     a = __builtin_shufflevector(ab02, cd02, 0, 1, 4, 5);
     b = __builtin_shufflevector(ab13, cd13, 0, 1, 4, 5);
     c = __builtin_shufflevector(ab02, cd02, 2, 3, 6, 7);
     d = __builtin_shufflevector(ab13, cd13, 2, 3, 6, 7);
 }
-inline Lanes<double> constant(double value) { return Lanes<double>{value, value, value, value}; }
+/// Lane k of a, b, c and d to the k-th row of four numbers.
+inline void store_rows(double* rows, int stride, Lanes<double> a, Lanes<double> b, Lanes<double> c,
+                       Lanes<double> d)
+{
+    const auto four = [&](double* to, FourLanes p, FourLanes q, FourLanes r, FourLanes s) {
+        transpose(p, q, r, s);
+        const FourLanes lines[4] = {p, q, r, s};
+        for (int k = 0; k < 4; ++k)
+            *reinterpret_cast<FourLanes*>(to + k * stride) = lines[k];
+    };
+#ifdef SINEW_EIGHT_LANES
+    const auto low = [](Lanes<double> x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); };
+    const auto high = [](Lanes<double> x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); };
+    four(rows, low(a), low(b), low(c), low(d));
+    four(rows + 4 * stride, high(a), high(b), high(c), high(d));
+#else
+    four(rows, a, b, c, d);
+#endif
+}
+inline Lanes<double> constant(double value) { return value - Lanes<double>{}; }
 inline Lanes<double> root(Lanes<double> a) // one by one each would look whether errno is to be set
 {
-#if defined(__AVX__)
+#if defined(SINEW_EIGHT_LANES)
+    return _mm512_sqrt_pd(a);
+#elif defined(__AVX__)
     return _mm256_sqrt_pd(a);
 #elif defined(__SSE2__)
     const __m128d low = _mm_sqrt_pd(__builtin_shufflevector(a, a, 0, 1));
@@ -82,16 +118,13 @@ inline Lanes<double> choose(Mask mask, Lanes<double> yes, Lanes<double> no)
 {
     return mask ? yes : no;
 }
-template <class Mask>
-inline bool all(Mask mask)
-{
-    return mask[0] && mask[1] && mask[2] && mask[3];
-}
 /// Bit k: what lane k of a mask of doubles says.
 template <class Mask>
 inline int mask_bits(Mask mask)
 {
-#if defined(__AVX__)
+#if defined(SINEW_EIGHT_LANES)
+    return _mm512_movepi64_mask((__m512i)mask);
+#elif defined(__AVX__)
     return _mm256_movemask_pd((Lanes<double>)mask);
 #elif defined(__SSE2__)
     const Lanes<double> lanes = (Lanes<double>)mask;
@@ -175,6 +208,12 @@ inline void transpose(Lanes<double>& a, Lanes<double>& b, Lanes<double>& c, Lane
     b = {{m[0][1], m[1][1], m[2][1], m[3][1]}};
     c = {{m[0][2], m[1][2], m[2][2], m[3][2]}};
     d = {{m[0][3], m[1][3], m[2][3], m[3][3]}};
+}
+inline void store_rows(double* rows, int stride, Lanes<double> a, Lanes<double> b, Lanes<double> c,
+                       Lanes<double> d)
+{
+    for (int k = 0; k < 4; ++k)
+        store(rows + k * stride, Lanes<double>{{a[k], b[k], c[k], d[k]}});
 }
 inline Lanes<double> constant(double value) { return {{value, value, value, value}}; }
 inline Lanes<double> root(const Lanes<double>& a)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/dense_kernels.h"
 
+#include "native/core/processor.h"
+
 #include <cmath>
 #include <cstddef>
 
@@ -9,7 +11,7 @@
 namespace sinew {
 
 #ifdef SINEW_HAVE_AVX2
-extern const DenseKernels dense_kernels_with_avx2;
+extern const DenseKernels dense_kernels_with_avx2, dense_kernels_with_avx512;
 #endif
 
 const DenseKernels& baseline_dense_kernels()
@@ -27,10 +29,20 @@ const DenseKernels* avx2_dense_kernels()
     return nullptr;
 }
 
+const DenseKernels* avx512_dense_kernels()
+{
+#ifdef SINEW_HAVE_AVX2
+    if (has_avx512())
+        return &dense_kernels_with_avx512;
+#endif
+    return nullptr;
+}
+
 const DenseKernels& dense_kernels()
 {
-    static const DenseKernels& kernels =
-        avx2_dense_kernels() ? *avx2_dense_kernels() : baseline_dense_kernels();
+    static const DenseKernels& kernels = avx512_dense_kernels() ? *avx512_dense_kernels()
+                                         : avx2_dense_kernels() ? *avx2_dense_kernels()
+                                                                : baseline_dense_kernels();
     return kernels;
 }
 

@@ -19,8 +19,10 @@ struct DenseKernels
 /// The widest kernels that this processor runs.
 const DenseKernels& dense_kernels();
 
-/// By name, for tests: the kernels every processor runs, and those with AVX2 (null where it has none).
+/// By name, for tests: the kernels every processor runs, and those with AVX2 and AVX-512 (null where it has
+/// none).
 const DenseKernels& baseline_dense_kernels();
 const DenseKernels* avx2_dense_kernels();
+const DenseKernels* avx512_dense_kernels();
 
 } // namespace sinew

@@ -8,23 +8,18 @@ namespace {
 template <int height>
 inline void add_strip(const double* a, int stride_a, int inner, const double* b, double* const* c)
 {
-    Lanes<double> left[height], right[height];
-    for (int r = 0; r < height; ++r) {
-        left[r] = load(c[r]);
-        right[r] = load(c[r] + 4);
-    }
-    for (int k = 0; k < inner; ++k, b += 8) {
-        const Lanes<double> first = load(b), second = load(b + 4);
-        for (int r = 0; r < height; ++r) {
-            const double factor = a[r * stride_a + k];
-            left[r] = left[r] + factor * first;
-            right[r] = right[r] + factor * second;
-        }
-    }
-    for (int r = 0; r < height; ++r) {
-        store(c[r], left[r]);
-        store(c[r] + 4, right[r]);
-    }
+    constexpr int parts = 8 / lane_count;
+    Lanes<double> sum[height][parts];
+    for (int r = 0; r < height; ++r)
+        for (int part = 0; part < parts; ++part)
+            sum[r][part] = load(c[r] + lane_count * part);
+    for (int k = 0; k < inner; ++k, b += 8)
+        for (int r = 0; r < height; ++r)
+            for (int part = 0; part < parts; ++part)
+                sum[r][part] = sum[r][part] + a[r * stride_a + k] * load(b + lane_count * part);
+    for (int r = 0; r < height; ++r)
+        for (int part = 0; part < parts; ++part)
+            store(c[r] + lane_count * part, sum[r][part]);
 }
 
 void add_product(const double* a, int stride_a, int rows, int inner, const double* b, int strips, double* c,
@@ -32,11 +27,13 @@ void add_product(const double* a, int stride_a, int rows, int inner, const doubl
 {
     const auto line = [&](int r) { return c + static_cast<std::ptrdiff_t>(place ? place[r] : r) * stride_c; };
     for (int s = 0; s < strips; ++s, b += 8 * inner) {
+        constexpr int high = lane_count; // as many sums as there are registers for
         int r = 0;
-        for (; r + 4 <= rows; r += 4) {
-            double* const four[] = {line(r) + 8 * s, line(r + 1) + 8 * s, line(r + 2) + 8 * s,
-                                    line(r + 3) + 8 * s};
-            add_strip<4>(a + static_cast<std::ptrdiff_t>(r) * stride_a, stride_a, inner, b, four);
+        for (; r + high <= rows; r += high) {
+            double* lines[high];
+            for (int k = 0; k < high; ++k)
+                lines[k] = line(r + k) + 8 * s;
+            add_strip<high>(a + static_cast<std::ptrdiff_t>(r) * stride_a, stride_a, inner, b, lines);
         }
         for (; r < rows; ++r) {
             double* const one[] = {line(r) + 8 * s};

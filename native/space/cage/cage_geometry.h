@@ -28,7 +28,10 @@ public:
     Vector3 within_reach(const Vector3& x) const;
 
     /// Numbers that the kernels want for themselves.
-    std::size_t scratch_size() const { return 16 * vertices_.size() / 3 + 8 * edges_.size(); }
+    std::size_t scratch_size(const CageKernels& kernels) const
+    {
+        return static_cast<std::size_t>(kernels.lanes) * (4 * vertices_.size() / 3 + 2 * edges_.size());
+    }
 
     /// The cage's triangle that the t-th one of the tables is.
     int cage_triangle(int t) const { return kept_[static_cast<std::size_t>(t)]; }
@@ -53,14 +56,17 @@ private:
     std::vector<int> kept_;
 };
 
-/// Four points as seen, side by side: x of all, y of all, z of all.
-struct FourPoints
+/// Points as seen, side by side for the kernels: x of all, y of all, z of all.
+struct PointLanes
 {
-    double lanes[12];
+    int count;
+    double lanes[3 * most_cage_lanes];
+
+    explicit PointLanes(const CageKernels& kernels) : count(kernels.lanes) {}
     void set(int lane, const Vector3& x)
     {
         for (int axis = 0; axis < 3; ++axis)
-            lanes[4 * axis + lane] = x[axis];
+            lanes[count * axis + lane] = x[axis];
     }
 };
 

@@ -1,20 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/cage_kernels.h"
 
+#include "native/core/processor.h"
+
 #include <cstddef>
 
 #include "native/space/cage/cage_kernels.inl"
+#include "native/space/cage/cage_products.inl"
 
 namespace sinew {
 
 #ifdef SINEW_HAVE_AVX2
-extern const CageKernels cage_kernels_with_avx2;
+extern const CageKernels cage_kernels_with_avx2, cage_kernels_with_avx512;
 #endif
 
 const CageKernels& baseline_cage_kernels()
 {
-    static constexpr CageKernels kernels{
-        mean_value, green, product<double>, product<float>, sparse_product<double>, sparse_product<float>};
+    static constexpr CageKernels kernels{lane_count,           mean_value,     green,
+                                         product<double>,      product<float>, sparse_product<double>,
+                                         sparse_product<float>};
     return kernels;
 }
 
@@ -27,9 +31,29 @@ const CageKernels* avx2_cage_kernels()
     return nullptr;
 }
 
+const CageKernels* avx512_cage_kernels()
+{
+#ifdef SINEW_HAVE_AVX2
+    if (has_avx512()) {
+        // The products wait for memory: AVX2 is enough for them.
+        static const CageKernels kernels = [] {
+            CageKernels both = cage_kernels_with_avx2;
+            both.lanes = cage_kernels_with_avx512.lanes;
+            both.mean_value = cage_kernels_with_avx512.mean_value;
+            both.green = cage_kernels_with_avx512.green;
+            return both;
+        }();
+        return &kernels;
+    }
+#endif
+    return nullptr;
+}
+
 const CageKernels& cage_kernels()
 {
-    static const CageKernels& kernels = avx2_cage_kernels() ? *avx2_cage_kernels() : baseline_cage_kernels();
+    static const CageKernels& kernels = avx512_cage_kernels() ? *avx512_cage_kernels()
+                                        : avx2_cage_kernels() ? *avx2_cage_kernels()
+                                                              : baseline_cage_kernels();
     return kernels;
 }
 

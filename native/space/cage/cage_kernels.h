@@ -34,14 +34,15 @@ struct CageTables
     int vertex_count, edge_count, triangle_count;
 };
 
-/// The loops of the closed forms, four points at a time: what is told of them holds four numbers an entry.
-/// Both sets of kernels do the same operations in the same order, without fused ones, and call no library:
-/// results agree to the last bit.
+/// The loops of the closed forms, `lanes` points at a time: what is told of them holds so many numbers an
+/// entry. Every set of kernels does the same operations in the same order, without fused ones, and calls no
+/// library: results agree to the last bit.
 struct CageKernels
 {
+    int lanes;
     /// Mean value weights.
     /// \param points        (3) x, y, z
-    /// \param scratch       (16 vertex_count + 8 edge_count) plain numbers, whatever stands in them
+    /// \param scratch       (4 vertex_count + 2 edge_count), whatever stands in them
     /// \param[out] weights  (vertex_count), divided by their sum
     /// \param[out] sums     (1) that sum, divided by the sum of the magnitudes
     /// \param[out] on       the triangle that each point lies on, or -1
@@ -68,8 +69,12 @@ struct CageKernels
 /// The widest kernels that this processor runs.
 const CageKernels& cage_kernels();
 
-/// By name, for tests: the kernels every processor runs, and those with AVX2 (null where it has none).
+/// By name, for tests: the kernels every processor runs, and those with AVX2 and AVX-512 (null where it has
+/// none).
 const CageKernels& baseline_cage_kernels();
 const CageKernels* avx2_cage_kernels();
+const CageKernels* avx512_cage_kernels();
+
+constexpr int most_cage_lanes = 8;
 
 } // namespace sinew

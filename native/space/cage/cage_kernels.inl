@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bodies of CageKernels, compiled once for each instruction set; see core/lane_types.inl.
+// The closed forms of CageKernels, compiled once for each instruction set: lane_count points side by side.
 //
 // Seen from a point x, a triangle has: h, the height of x below its plane; p_k, the distance of x's foot from
 // side k (negative beyond it); t_a < t_b, where side k begins and ends, from the foot of x on its line; and
@@ -36,25 +36,24 @@ inline Vector cross(const Vector& a, const Vector& b)
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Entry i of an array of four lanes each.
-inline double* at(double* lanes, int i) { return lanes + 4 * static_cast<std::size_t>(i); }
-inline const double* at(const double* lanes, int i) { return lanes + 4 * static_cast<std::size_t>(i); }
+/// Entry i of an array of all lanes each.
+inline double* at(double* lanes, int i) { return lanes + lane_count * static_cast<std::size_t>(i); }
+inline const double* at(const double* lanes, int i)
+{
+    return lanes + lane_count * static_cast<std::size_t>(i);
+}
 
 inline Vector vector_at(const double* rays, int vertex)
 {
-    const double* const ray = rays + 16 * static_cast<std::size_t>(vertex);
-    return {load(ray), load(ray + 4), load(ray + 8)};
+    return {load(at(rays, 4 * vertex)), load(at(rays, 4 * vertex + 1)), load(at(rays, 4 * vertex + 2))};
 }
-inline L distance_at(const double* rays, int vertex)
-{
-    return load(rays + 16 * static_cast<std::size_t>(vertex) + 12);
-}
+inline L distance_at(const double* rays, int vertex) { return load(at(rays, 4 * vertex + 3)); }
 
 /// From the points to every vertex: x, y, z and the distance, of which mean value does without.
 template <bool distances>
 inline void aim(const CageTables& cage, const double* points, double* rays)
 {
-    const L x = load(points), y = load(points + 4), z = load(points + 8);
+    const L x = load(points), y = load(at(points, 1)), z = load(at(points, 2));
     for (int v = 0; v < cage.vertex_count; ++v) {
         const double* const vertex = cage.vertices + 3 * static_cast<std::size_t>(v);
         const Vector r{constant(vertex[0]) - x, constant(vertex[1]) - y, constant(vertex[2]) - z};
@@ -130,7 +129,7 @@ constexpr double touch = 1e-14; ///< a point that near lies on it
 SINEW_APART L near_plane(const CageTables& cage, int t, const double* rays, int near, L h, Vector p, L T,
                          int* on)
 {
-    for (int lane = 0; lane < 4; ++lane) {
+    for (int lane = 0; lane < lane_count; ++lane) {
         if (!(near >> lane & 1))
             continue;
         const double from_sides[3] = {p.x[lane], p.y[lane], p.z[lane]};
@@ -150,10 +149,10 @@ void mean_value(const CageTables& cage, const double* points, double* scratch, d
                 int* on)
 {
     double* const rays = scratch;
-    double* const integrals = scratch + 16 * static_cast<std::size_t>(cage.vertex_count);
+    double* const integrals = at(scratch, 4 * cage.vertex_count);
     aim<false>(cage, points, rays);
     clear(weights, cage.vertex_count);
-    for (int lane = 0; lane < 4; ++lane)
+    for (int lane = 0; lane < lane_count; ++lane)
         on[lane] = -1;
 
     // J, the integral of 1 / |y - x|^2 over an edge: its angle over its distance.
@@ -221,11 +220,11 @@ struct NearSide
     {
         const double* const a = at(rays, 4 * edge.a) + lane;
         const double* const b = at(rays, 4 * edge.b) + lane;
-        const bool nearer_a = a[12] <= b[12];
+        const bool nearer_a = *at(a, 3) <= *at(b, 3);
         const double* const from = nearer_a ? a : b;
-        const double t = along(edge.direction, from, 4);
+        const double t = along(edge.direction, from, lane_count);
         for (int axis = 0; axis < 3; ++axis)
-            foot[axis] = from[4 * axis] - t * edge.direction[axis];
+            foot[axis] = *at(from, axis) - t * edge.direction[axis];
         // Again: what rounding left along the side is much beside a short foot.
         const double rest = along(edge.direction, foot, 1);
         square = 0.0;
@@ -259,17 +258,18 @@ struct NearTriangle
                                     at(rays, 4 * triangle.corners[2]) + lane};
         h = along(triangle.normal, side.foot, 1);
         for (int i = 0; i < 3; ++i)
-            p[i] = along(triangle.outward[i], r[(i + 1) % 3], 4);
+            p[i] = along(triangle.outward[i], r[(i + 1) % 3], lane_count);
         p[k] = along(triangle.outward[k], side.foot, 1);
         // The denominator of the solid angle is |c| gap + (b |a| + a |b|).c; a and b are the foot and begin
         // or end along the edge, so that nothing but what is small is left of the bracket.
-        const double across = along(side.foot, r[k], 4), parallel = along(edge.direction, r[k], 4);
+        const double across = along(side.foot, r[k], lane_count),
+                     parallel = along(edge.direction, r[k], lane_count);
         const double sum = side.to_a + side.to_b;
         const double lean = side.begin < 0.0 && side.end > 0.0
                                 ? side.square * (side.end * side.end - side.begin * side.begin) /
                                       (side.end * side.to_a - side.begin * side.to_b)
                                 : side.end * side.to_a + side.begin * side.to_b;
-        const double x = r[k][12] * side.gap + across * sum + parallel * lean;
+        const double x = *at(r[k], 3) * side.gap + across * sum + parallel * lean;
         const double y = size_of(h) * triangle.double_area;
         half_angle = y > 0.0 || x != 0.0 ? angle_between(y, x) : 0.0;
         half_angle = h < 0.0 ? -half_angle : half_angle;
@@ -288,7 +288,7 @@ struct Near
 SINEW_APART Near near_sides(const CageTables& cage, const CageTriangle& triangle, const double* rays,
                             int near, Vector gaps, Near found)
 {
-    for (int lane = 0; lane < 4; ++lane) {
+    for (int lane = 0; lane < lane_count; ++lane) {
         if (!(near >> lane & 1))
             continue;
         const double gap[3] = {gaps.x[lane], gaps.y[lane], gaps.z[lane]};
@@ -308,7 +308,7 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
 {
     constexpr double quarter = 0.079577471545947668; // 1 / (4 pi)
     double* const rays = scratch;
-    double* const logs = scratch + 16 * static_cast<std::size_t>(cage.vertex_count);
+    double* const logs = at(scratch, 4 * cage.vertex_count);
     aim<true>(cage, points, rays);
     clear(phi, cage.vertex_count);
     L around = constant(0.0);
@@ -322,7 +322,7 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
         const auto near_lanes = above(constant(near_side * edge.length), sum);
         L l = constant(quarter) * log_of_ratio(sum + length, choose(near_lanes, length, gap));
         if (const int near = mask_bits(near_lanes))
-            for (int lane = 0; lane < 4; ++lane)
+            for (int lane = 0; lane < lane_count; ++lane)
                 if (near >> lane & 1) {
                     const NearSide side(edge, rays, lane);
                     const double s = side.to_a + side.to_b + edge.length;
@@ -369,83 +369,6 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
     store(winding, around);
     return touching;
 }
-
-/// sums (rows, 4) = weights, row i of which stands in [offsets[i], offsets[i + 1]), times factors (k, 4).
-template <class T>
-void sparse_product(const T* weights, const int* columns, const int* offsets, int rows, const T* factors,
-                    T* sums)
-{
-    for (int i = 0; i < rows; ++i) {
-        Lanes<T> even = T(0) * load(factors), odd = even;
-        int k = offsets[i];
-        for (; k + 1 < offsets[i + 1]; k += 2) {
-            even = even + weights[k] * load(factors + 4 * static_cast<std::size_t>(columns[k]));
-            odd = odd + weights[k + 1] * load(factors + 4 * static_cast<std::size_t>(columns[k + 1]));
-        }
-        if (k < offsets[i + 1])
-            even = even + weights[k] * load(factors + 4 * static_cast<std::size_t>(columns[k]));
-        store(sums + 4 * static_cast<std::size_t>(i), even + odd);
-    }
-}
-
-#ifdef __GNUC__
-template <class T>
-struct WideOf;
-template <>
-struct WideOf<double>
-{
-    typedef double type __attribute__((vector_size(32), aligned(8)));
-};
-template <>
-struct WideOf<float>
-{
-    typedef float type __attribute__((vector_size(32), aligned(4)));
-};
-
-/// Two vectors of points, three columns: six sums side by side.
-template <class T>
-void product(const T* block, int columns, const T* factors, T* sums)
-{
-    using Wide = typename WideOf<T>::type;
-    constexpr int width = 32 / sizeof(T);
-    const auto read = [](const T* from) { return *reinterpret_cast<const Wide*>(from); };
-    Wide total[6] = {};
-    while (columns > 0) {
-        // Sums of some columns each are added up: rounding grows with their number, not with that of columns.
-        const int some = columns < 64 ? columns : 64;
-        Wide sum[6] = {};
-        for (int c = 0; c < some; ++c, block += 2 * width, factors += 3) {
-            const Wide b[2] = {read(block), read(block + width)};
-            for (int k = 0; k < 6; ++k)
-                sum[k] = sum[k] + factors[k / 2] * b[k % 2];
-        }
-        for (int k = 0; k < 6; ++k)
-            total[k] = total[k] + sum[k];
-        columns -= some;
-    }
-    for (int k = 0; k < 6; ++k)
-        *reinterpret_cast<Wide*>(sums + width * k) = total[k];
-}
-#else
-template <class T>
-void product(const T* block, int columns, const T* factors, T* sums)
-{
-    constexpr int points = 64 / sizeof(T);
-    T total[3 * points] = {};
-    while (columns > 0) {
-        const int some = columns < 64 ? columns : 64;
-        T sum[3 * points] = {};
-        for (int c = 0; c < some; ++c, block += points, factors += 3)
-            for (int k = 0; k < 3 * points; ++k)
-                sum[k] = sum[k] + factors[k / points] * block[k % points];
-        for (int k = 0; k < 3 * points; ++k)
-            total[k] = total[k] + sum[k];
-        columns -= some;
-    }
-    for (int k = 0; k < 3 * points; ++k)
-        sums[k] = total[k];
-}
-#endif
 
 } // namespace
 

@@ -5,11 +5,13 @@
 #include <cstddef>
 
 #include "native/space/cage/cage_kernels.inl"
+#include "native/space/cage/cage_products.inl"
 
 namespace sinew {
 
 extern const CageKernels cage_kernels_with_avx2;
-const CageKernels cage_kernels_with_avx2{
-    mean_value, green, product<double>, product<float>, sparse_product<double>, sparse_product<float>};
+const CageKernels cage_kernels_with_avx2{lane_count,           mean_value,     green,
+                                         product<double>,      product<float>, sparse_product<double>,
+                                         sparse_product<float>};
 
 } // namespace sinew

@@ -73,18 +73,21 @@ void Green::controls(PointsView vertices, Points& controls) const
     }
 }
 
-struct Green::Four
+/// What the kernels tell of some points side by side.
+struct Green::Told
 {
+    const std::size_t lanes = static_cast<std::size_t>(cage_kernels().lanes);
     std::vector<double> scratch, phi, psi;
-    std::array<double, 4> winding;
+    std::array<double, most_cage_lanes> winding;
     int touching = 0;
 
-    explicit Four(const CageGeometry& geometry)
-        : scratch(geometry.scratch_size()), phi(4 * static_cast<std::size_t>(geometry.tables().vertex_count)),
-          psi(4 * static_cast<std::size_t>(geometry.tables().triangle_count))
+    explicit Told(const CageGeometry& geometry)
+        : scratch(geometry.scratch_size(cage_kernels())),
+          phi(lanes * static_cast<std::size_t>(geometry.tables().vertex_count)),
+          psi(lanes * static_cast<std::size_t>(geometry.tables().triangle_count))
     {
     }
-    void run(const CageTables& tables, const FourPoints& points)
+    void run(const CageTables& tables, const PointLanes& points)
     {
         touching = cage_kernels().green(tables, points.lanes, scratch.data(), phi.data(), psi.data(),
                                         winding.data());
@@ -95,22 +98,23 @@ void Green::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outsi
 {
     const CageTables tables = geometry_.tables();
     const int vertices = cage().vertex_count(), count = static_cast<int>(block.rows());
-    Four four(geometry_), alone(geometry_);
+    const int lanes = cage_kernels().lanes;
+    Told together(geometry_), alone(geometry_);
     rows.setZero(count, columns());
     outside.assign(static_cast<std::size_t>(count), 0);
-    for (int first = 0; first < count; first += 4) {
-        std::array<Vector3, 4> x;
-        FourPoints points;
-        for (int lane = 0; lane < 4; ++lane) {
+    for (int first = 0; first < count; first += lanes) {
+        std::array<Vector3, most_cage_lanes> x;
+        PointLanes points(cage_kernels());
+        for (int lane = 0; lane < lanes; ++lane) {
             x[lane] = geometry_.within_reach(geometry_.seen(block.row(std::min(first + lane, count - 1))));
             points.set(lane, x[lane]);
         }
-        four.run(tables, points);
-        for (int lane = 0; lane < std::min(4, count - first); ++lane) {
-            const Four* from = &four;
-            if (four.touching >> lane & 1) {
-                FourPoints same;
-                for (int k = 0; k < 4; ++k)
+        together.run(tables, points);
+        for (int lane = 0; lane < std::min(lanes, count - first); ++lane) {
+            const Told* from = &together;
+            if (together.touching >> lane & 1) {
+                PointLanes same(cage_kernels());
+                for (int k = 0; k < lanes; ++k)
                     same.set(k, moved_in(x[lane]));
                 alone.run(tables, same);
                 from = &alone;
@@ -119,10 +123,10 @@ void Green::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outsi
             const double times = std::round(from->winding[lane]);
             const double factor = times == 0.0 ? 1.0 : 1.0 / times;
             for (int v = 0; v < vertices; ++v)
-                row[v] = factor * from->phi[4 * static_cast<std::size_t>(v) + lane];
+                row[v] = factor * from->phi[from->lanes * static_cast<std::size_t>(v) + lane];
             for (int t = 0; t < tables.triangle_count; ++t)
                 row[vertices + geometry_.cage_triangle(t)] =
-                    factor * from->psi[4 * static_cast<std::size_t>(t) + lane];
+                    factor * from->psi[from->lanes * static_cast<std::size_t>(t) + lane];
             outside[static_cast<std::size_t>(first + lane)] = times < 1.0;
             if (times == 0.0)
                 continue_through(x[lane], row);

@@ -66,7 +66,7 @@ protected:
     bool reaches_outside() const override { return outside_ != GreenOutside::refuse; }
 
 private:
-    struct Four;
+    struct Told;
     /// Adds the continuation through a triangle to the row of a point outside.
     template <class Row>
     void continue_through(const Vector3& x, Row&& row) const;

@@ -77,10 +77,13 @@ bool holds(const LayerFace& face, const Vector3& point)
 
 } // namespace
 
-/// Points in the cage's units, all x before all y before all z, and the last one repeated to fill four lanes.
+/// Points in the cage's units, all x before all y before all z, and the last one repeated to fill all lanes.
 struct HarmonicBoundary::Block
 {
-    Block(int points) : count(points), stride(padded(points, 4)), xyz(static_cast<std::size_t>(3 * stride)) {}
+    Block(int points)
+        : count(points), stride(padded(points, most_layer_points)), xyz(static_cast<std::size_t>(3 * stride))
+    {
+    }
     void set(int i, const Vector3& point)
     {
         for (int k = 0; k < 3; ++k)
@@ -291,7 +294,7 @@ void HarmonicBoundary::gather_near(int triangle, const Block& block, Near& near)
     }
     if (near.points.empty())
         return;
-    const int count = static_cast<int>(near.points.size()), stride = padded(count, 4);
+    const int count = static_cast<int>(near.points.size()), stride = padded(count, most_layer_points);
     near.xyz.resize(static_cast<std::size_t>(3 * stride));
     for (int k = 0; k < 3; ++k)
         for (int i = 0; i < stride; ++i)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/harmonic_layers.h"
 
+#include "native/core/processor.h"
+
 #include <cmath>
 #include <cstddef>
 
@@ -9,7 +11,7 @@
 namespace sinew {
 
 #ifdef SINEW_HAVE_AVX2
-extern const LayerKernels layer_kernels_with_avx2;
+extern const LayerKernels layer_kernels_with_avx2, layer_kernels_with_avx512;
 #endif
 
 const LayerKernels& baseline_layer_kernels()
@@ -27,10 +29,20 @@ const LayerKernels* avx2_layer_kernels()
     return nullptr;
 }
 
+const LayerKernels* avx512_layer_kernels()
+{
+#ifdef SINEW_HAVE_AVX2
+    if (has_avx512())
+        return &layer_kernels_with_avx512;
+#endif
+    return nullptr;
+}
+
 const LayerKernels& layer_kernels()
 {
-    static const LayerKernels& kernels =
-        avx2_layer_kernels() ? *avx2_layer_kernels() : baseline_layer_kernels();
+    static const LayerKernels& kernels = avx512_layer_kernels() ? *avx512_layer_kernels()
+                                         : avx2_layer_kernels() ? *avx2_layer_kernels()
+                                                                : baseline_layer_kernels();
     return kernels;
 }
 

@@ -43,7 +43,7 @@ struct LayerTriangle
 };
 
 /// Layer potentials of the kernel 1 / (4 pi r) of faces at points, in closed form. `points` holds all x, then
-/// all y, then all z, `stride` numbers each; `count` is a multiple of 4.
+/// all y, then all z, `stride` numbers each; `count` is a multiple of most_layer_points.
 ///
 /// With omega the solid angle, L_k = the integral of 1/r along edge k, R_k that of r, h_k the distance to its
 /// line, d the depth below the plane, and hat values lambda_c at the foot of the point:
@@ -61,12 +61,16 @@ struct LayerKernels
 
 /// The largest faces that the kernels take.
 constexpr int most_layer_corners = 96, most_layer_edges = 256;
+/// Side by side.
+constexpr int most_layer_points = 8;
 
 /// The widest kernels that this processor runs.
 const LayerKernels& layer_kernels();
 
-/// By name, for tests: the kernels every processor runs, and those with AVX2 (null where it has none).
+/// By name, for tests: the kernels every processor runs, and those with AVX2 and AVX-512 (null where it has
+/// none).
 const LayerKernels& baseline_layer_kernels();
 const LayerKernels* avx2_layer_kernels();
+const LayerKernels* avx512_layer_kernels();
 
 } // namespace sinew

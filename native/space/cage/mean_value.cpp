@@ -12,25 +12,25 @@ void MeanValue::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& o
 {
     const CageTables tables = geometry_.tables();
     const CageKernels& kernels = cage_kernels();
-    const int vertices = columns(), count = static_cast<int>(block.rows());
-    std::vector<double> scratch(geometry_.scratch_size());
-    std::vector<double> weights(4 * static_cast<std::size_t>(vertices));
+    const int vertices = columns(), count = static_cast<int>(block.rows()), lanes = kernels.lanes;
+    std::vector<double> scratch(geometry_.scratch_size(kernels));
+    std::vector<double> weights(static_cast<std::size_t>(lanes) * static_cast<std::size_t>(vertices));
     rows.resize(count, vertices);
     outside.assign(static_cast<std::size_t>(count), 0);
-    for (int first = 0; first < count; first += 4) {
-        std::array<Vector3, 4> x;
-        FourPoints four;
-        for (int lane = 0; lane < 4; ++lane) {
+    for (int first = 0; first < count; first += lanes) {
+        std::array<Vector3, most_cage_lanes> x;
+        PointLanes points(kernels);
+        for (int lane = 0; lane < lanes; ++lane) {
             x[lane] = geometry_.within_reach(geometry_.seen(block.row(std::min(first + lane, count - 1))));
-            four.set(lane, x[lane]);
+            points.set(lane, x[lane]);
         }
-        std::array<int, 4> on;
-        std::array<double, 4> sums;
-        kernels.mean_value(tables, four.lanes, scratch.data(), weights.data(), sums.data(), on.data());
-        for (int lane = 0; lane < std::min(4, count - first); ++lane) {
+        std::array<int, most_cage_lanes> on;
+        std::array<double, most_cage_lanes> sums;
+        kernels.mean_value(tables, points.lanes, scratch.data(), weights.data(), sums.data(), on.data());
+        for (int lane = 0; lane < std::min(lanes, count - first); ++lane) {
             double* const row = rows.row(first + lane).data();
             for (int v = 0; v < vertices; ++v)
-                row[v] = weights[4 * static_cast<std::size_t>(v) + lane];
+                row[v] = weights[static_cast<std::size_t>(lanes) * static_cast<std::size_t>(v) + lane];
             const bool on_face = on[lane] >= 0, balanced = !(std::abs(sums[lane]) > 1e-13);
             if (on_face || balanced)
                 std::fill(row, row + vertices, 0.0);

@@ -96,19 +96,24 @@ TEST(DenseSystem, is_refused_above_the_memory_limit)
     EXPECT_NO_THROW(DenseSystem(500, 10));
 }
 
-TEST(DenseKernels, give_the_same_bits_with_avx2)
+TEST(DenseKernels, give_the_same_bits_with_wider_instructions)
 {
     if (!avx2_dense_kernels())
         GTEST_SKIP() << "this processor has no AVX2";
     shapes::Random random(5);
-    for (int rows : {1, 4, 7}) {
+    for (int rows : {1, 4, 7, 8, 13}) {
         const MatrixX a = random.dense(30, rows), b = random.dense(8, 3 * 30); // both read by columns
-        const std::vector<int> place{9, 2, 4, 0, 7, 1, 5};
-        MatrixX plain = random.dense(24, 10), wide = plain;
+        const std::vector<int> place{9, 2, 4, 0, 7, 1, 5, 12, 3, 11, 6, 10, 8};
+        const MatrixX before = random.dense(24, 13);
+        MatrixX plain = before;
         baseline_dense_kernels().add_product(a.data(), 30, rows, 30, b.data(), 3, plain.data(), 24,
                                              place.data());
-        avx2_dense_kernels()->add_product(a.data(), 30, rows, 30, b.data(), 3, wide.data(), 24, place.data());
-        EXPECT_EQ(plain, wide);
+        for (const DenseKernels* kernels : {avx2_dense_kernels(), avx512_dense_kernels()})
+            if (kernels) {
+                MatrixX wide = before;
+                kernels->add_product(a.data(), 30, rows, 30, b.data(), 3, wide.data(), 24, place.data());
+                EXPECT_EQ(plain, wide);
+            }
     }
 }
 

@@ -17,24 +17,53 @@ namespace {
 
 struct Results
 {
-    std::vector<double> weights, sums = std::vector<double>(4), phi, psi, winding = std::vector<double>(4);
-    std::array<int, 4> on;
+    std::vector<double> weights, sums, phi, psi, winding;
+    std::vector<int> on;
     int touching = 0;
-    bool operator==(const Results&) const = default;
 };
 
-Results of(const CageKernels& kernels, const CageGeometry& geometry, const FourPoints& points)
+/// What the kernels tell of some points, which fill their lanes.
+Results of(const CageKernels& kernels, const CageGeometry& geometry, const Points& points)
 {
     const CageTables tables = geometry.tables();
-    Results r;
-    std::vector<double> scratch(geometry.scratch_size(), 7.0);
-    r.weights.resize(4 * tables.vertex_count);
-    r.phi.resize(4 * tables.vertex_count);
-    r.psi.resize(4 * tables.triangle_count);
-    kernels.mean_value(tables, points.lanes, scratch.data(), r.weights.data(), r.sums.data(), r.on.data());
-    r.touching =
-        kernels.green(tables, points.lanes, scratch.data(), r.phi.data(), r.psi.data(), r.winding.data());
-    return r;
+    const std::size_t lanes = static_cast<std::size_t>(kernels.lanes);
+    const std::size_t vertices = static_cast<std::size_t>(tables.vertex_count);
+    const std::size_t triangles = static_cast<std::size_t>(tables.triangle_count);
+    Results all{{}, {}, std::vector<double>(vertices * 8), std::vector<double>(triangles * 8), {}, {}, 0};
+    all.weights.resize(vertices * 8);
+    std::vector<double> scratch(geometry.scratch_size(kernels), 7.0);
+    std::vector<double> weights(lanes * vertices), phi(weights), psi(lanes * triangles), sums(lanes),
+        winding(lanes);
+    std::vector<int> on(lanes);
+    for (int first = 0; first < 8; first += kernels.lanes) {
+        PointLanes some(kernels);
+        for (int lane = 0; lane < kernels.lanes; ++lane)
+            some.set(lane, geometry.seen(points.row(first + lane)));
+        kernels.mean_value(tables, some.lanes, scratch.data(), weights.data(), sums.data(), on.data());
+        all.touching |=
+            kernels.green(tables, some.lanes, scratch.data(), phi.data(), psi.data(), winding.data())
+            << first;
+        all.sums.insert(all.sums.end(), sums.begin(), sums.end());
+        all.winding.insert(all.winding.end(), winding.begin(), winding.end());
+        all.on.insert(all.on.end(), on.begin(), on.end());
+        const auto spread = [&](const std::vector<double>& from, std::vector<double>& to) {
+            for (std::size_t k = 0; k < from.size(); ++k)
+                to[k / lanes * 8 + static_cast<std::size_t>(first) + k % lanes] = from[k];
+        };
+        spread(weights, all.weights);
+        spread(phi, all.phi);
+        spread(psi, all.psi);
+    }
+    return all;
+}
+
+std::vector<const CageKernels*> wide_kernels()
+{
+    std::vector<const CageKernels*> found;
+    for (const CageKernels* kernels : {avx2_cage_kernels(), avx512_cage_kernels()})
+        if (kernels)
+            found.push_back(kernels);
+    return found;
 }
 
 template <class T>
@@ -68,26 +97,26 @@ void expect_same_products(void (*ours)(const T*, int, const T*, T*),
 
 TEST(CageKernels, agree_to_the_last_bit)
 {
-    const CageKernels* const wide = avx2_cage_kernels();
-    if (!wide)
+    if (wide_kernels().empty())
         GTEST_SKIP() << "this processor has no AVX2";
     for (const SurfaceMesh& mesh : {shapes::bumpy_sphere(2), shapes::u_prism()}) {
         const CageGeometry geometry{Cage(mesh)};
         Points points = shapes::points_near(mesh, {0.0, 1e-12, 1e-6, 1e-3});
-        for (Eigen::Index first = 0; first + 4 <= points.rows(); first += 4) {
-            FourPoints four;
-            for (int lane = 0; lane < 4; ++lane)
-                four.set(lane, geometry.seen(points.row(first + lane)));
-            const Results a = of(baseline_cage_kernels(), geometry, four), b = of(*wide, geometry, four);
-            // By bits: what is told of points that touch an edge may be no number.
-            EXPECT_EQ(0, std::memcmp(a.weights.data(), b.weights.data(), 8 * a.weights.size()));
-            EXPECT_EQ(0, std::memcmp(a.sums.data(), b.sums.data(), 8 * a.sums.size()));
-            EXPECT_EQ(a.on, b.on);
-            EXPECT_EQ(a.touching, b.touching);
-            if (a.touching == 0) {
-                EXPECT_EQ(a.phi, b.phi);
-                EXPECT_EQ(a.psi, b.psi);
-                EXPECT_EQ(a.winding, b.winding);
+        for (Eigen::Index first = 0; first + 8 <= points.rows(); first += 8) {
+            const Points eight = points.middleRows(first, 8);
+            const Results a = of(baseline_cage_kernels(), geometry, eight);
+            for (const CageKernels* kernels : wide_kernels()) {
+                const Results b = of(*kernels, geometry, eight);
+                // By bits: what is told of points that touch an edge may be no number.
+                EXPECT_EQ(0, std::memcmp(a.weights.data(), b.weights.data(), 8 * a.weights.size()));
+                EXPECT_EQ(0, std::memcmp(a.sums.data(), b.sums.data(), 8 * a.sums.size()));
+                EXPECT_EQ(a.on, b.on);
+                EXPECT_EQ(a.touching, b.touching);
+                if (a.touching == 0) {
+                    EXPECT_EQ(a.phi, b.phi);
+                    EXPECT_EQ(a.psi, b.psi);
+                    EXPECT_EQ(a.winding, b.winding);
+                }
             }
         }
     }
@@ -98,15 +127,12 @@ TEST(CageKernels, a_point_gets_the_same_beside_any_others)
     const SurfaceMesh mesh = shapes::bumpy_sphere(1);
     const CageGeometry geometry{Cage(mesh)};
     const Points points = shapes::points_around(mesh, 64, 1.5);
-    FourPoints alone, mixed;
-    for (int i = 0; i + 4 <= 64; ++i) {
-        for (int lane = 0; lane < 4; ++lane) {
-            alone.set(lane, geometry.seen(points.row(i)));
-            mixed.set(lane, geometry.seen(points.row(i + lane)));
-        }
-        const Results a = of(cage_kernels(), geometry, alone), b = of(cage_kernels(), geometry, mixed);
-        for (std::size_t k = 0; k < a.weights.size(); k += 4) {
-            EXPECT_EQ(a.weights[k], a.weights[k + 3]);
+    for (int i = 0; i + 8 <= 64; ++i) {
+        const Points alone = points.row(i).replicate(8, 1);
+        const Results a = of(cage_kernels(), geometry, alone),
+                      b = of(cage_kernels(), geometry, points.middleRows(i, 8));
+        for (std::size_t k = 0; k < a.weights.size(); k += 8) {
+            EXPECT_EQ(a.weights[k], a.weights[k + 7]);
             EXPECT_EQ(a.weights[k], b.weights[k]);
             EXPECT_EQ(a.phi[k], b.phi[k]);
         }

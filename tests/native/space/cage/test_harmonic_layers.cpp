@@ -114,15 +114,15 @@ private:
 
 std::array<double, 7> fields(const LayerKernels& kernels, const Example& example, const Vector3& x)
 {
-    std::array<double, 12> points;
+    std::array<double, 24> points;
     for (int k = 0; k < 3; ++k)
-        for (int lane = 0; lane < 4; ++lane)
-            points[4 * k + lane] = x[k];
-    std::array<double, 28> out;
-    kernels.both(example.triangle, points.data(), 4, 4, out.data());
+        for (int lane = 0; lane < 8; ++lane)
+            points[8 * k + lane] = x[k];
+    std::array<double, 56> out;
+    kernels.both(example.triangle, points.data(), 8, 8, out.data());
     std::array<double, 7> result;
     for (int k = 0; k < 7; ++k)
-        result[k] = out[4 * k + 3];
+        result[k] = out[8 * k + 7];
     return result;
 }
 
@@ -179,24 +179,28 @@ TEST(HarmonicLayers, single_layer_is_continuous_across_edges)
     }
 }
 
-TEST(HarmonicLayers, give_the_same_bits_with_avx2)
+TEST(HarmonicLayers, give_the_same_bits_with_wider_instructions)
 {
     if (!avx2_layer_kernels())
         GTEST_SKIP() << "this processor has no AVX2";
     shapes::Random random(1);
-    for (int k = 0; k < 200; ++k) {
-        const Vector3 x = k % 2 ? near(random.vector(), 1e-9 * k) : Vector3(random.vector());
-        EXPECT_EQ(fields(baseline_layer_kernels(), example, x), fields(*avx2_layer_kernels(), example, x));
-    }
-    std::vector<double> points(12);
+    std::vector<double> points(24), plain(32);
     for (double& p : points)
         p = random.signed_unit();
-    std::vector<double> plain(16), wide(16);
-    baseline_layer_kernels().single(example.triangle.face, points.data(), 4, 4, plain.data());
-    avx2_layer_kernels()->single(example.triangle.face, points.data(), 4, 4, wide.data());
-    EXPECT_EQ(plain, wide);
-    for (int lane = 0; lane < 4; ++lane) { // and the whole face as a pattern of one panel
-        const Vector3 x(points[lane], points[4 + lane], points[8 + lane]);
+    baseline_layer_kernels().single(example.triangle.face, points.data(), 8, 8, plain.data());
+    for (const LayerKernels* kernels : {avx2_layer_kernels(), avx512_layer_kernels()}) {
+        if (!kernels)
+            continue;
+        for (int k = 0; k < 200; ++k) {
+            const Vector3 x = k % 2 ? near(random.vector(), 1e-9 * k) : Vector3(random.vector());
+            EXPECT_EQ(fields(baseline_layer_kernels(), example, x), fields(*kernels, example, x));
+        }
+        std::vector<double> wide(32);
+        kernels->single(example.triangle.face, points.data(), 8, 8, wide.data());
+        EXPECT_EQ(plain, wide);
+    }
+    for (int lane = 0; lane < 8; ++lane) { // and the whole face as a pattern of one panel
+        const Vector3 x(points[lane], points[8 + lane], points[16 + lane]);
         for (int c = 0; c < 3; ++c)
             EXPECT_NEAR(plain[4 * lane + c], fields(baseline_layer_kernels(), example, x)[4 + c], 1e-15);
     }
