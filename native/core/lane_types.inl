@@ -99,7 +99,7 @@ inline Lanes<double> constant(double value) { return value - Lanes<double>{}; }
 inline Lanes<double> root(Lanes<double> a) // one by one each would look whether errno is to be set
 {
 #if defined(SINEW_EIGHT_LANES)
-    return _mm512_sqrt_pd(a);
+    return _mm512_maskz_sqrt_pd(255, a); // the plain one warns of what it leaves undefined
 #elif defined(__AVX__)
     return _mm256_sqrt_pd(a);
 #elif defined(__SSE2__)

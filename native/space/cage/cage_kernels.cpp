@@ -16,9 +16,10 @@ extern const CageKernels cage_kernels_with_avx2, cage_kernels_with_avx512;
 
 const CageKernels& baseline_cage_kernels()
 {
-    static constexpr CageKernels kernels{lane_count,           mean_value,     green,
-                                         product<double>,      product<float>, sparse_product<double>,
-                                         sparse_product<float>};
+    static constexpr CageKernels kernels{
+        lane_count,           mean_value,      green,          arc_integrals,
+        beyond_planes,        product<double>, product<float>, sparse_product<double>,
+        sparse_product<float>};
     return kernels;
 }
 
@@ -41,6 +42,8 @@ const CageKernels* avx512_cage_kernels()
             both.lanes = cage_kernels_with_avx512.lanes;
             both.mean_value = cage_kernels_with_avx512.mean_value;
             both.green = cage_kernels_with_avx512.green;
+            both.arc_integrals = cage_kernels_with_avx512.arc_integrals;
+            both.beyond_planes = cage_kernels_with_avx512.beyond_planes;
             return both;
         }();
         return &kernels;

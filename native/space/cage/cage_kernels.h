@@ -55,6 +55,19 @@ struct CageKernels
     /// \return bit k: point k lies on an edge or vertex, and what is told of it has no meaning
     int (*green)(const CageTables& cage, const double* points, double* scratch, double* phi, double* psi,
                  double* winding);
+    /// What arcs between two directions of any length add to the integral of the unit direction over what
+    /// they surround: half their angle along their unit normal.
+    /// \param arcs            (blocks, 6, most_cage_lanes) x, y, z of the first direction, then of the second
+    /// \param[out] integrals  (blocks, 3, most_cage_lanes)
+    void (*arc_integrals)(const double* arcs, int blocks, double* integrals);
+    /// Which planes points lie beyond, where single precision is sure of it: behind the first three, which
+    /// hold the origin, before the fourth.
+    /// \param points       (6, count) all x, then all y, then all z of the unit vectors to the points, then
+    /// of
+    ///                     the points
+    /// \param planes       (4, 4) unit normals and offsets
+    /// \param[out] beyond  (count) bits 0 to 3
+    void (*beyond_planes)(const float* points, int count, const float* planes, int* beyond);
     /// sums (3, points a block) = block * factors (columns, 3); a block holds one column of its points after
     /// the other: 8 doubles or 16 floats.
     void (*product_of_doubles)(const double* block, int columns, const double* factors, double* sums);
@@ -66,6 +79,8 @@ struct CageKernels
                                      const float* factors, float* sums);
 };
 
+constexpr int most_cage_lanes = 8;
+
 /// The widest kernels that this processor runs.
 const CageKernels& cage_kernels();
 
@@ -74,7 +89,5 @@ const CageKernels& cage_kernels();
 const CageKernels& baseline_cage_kernels();
 const CageKernels* avx2_cage_kernels();
 const CageKernels* avx512_cage_kernels();
-
-constexpr int most_cage_lanes = 8;
 
 } // namespace sinew

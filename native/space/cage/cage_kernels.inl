@@ -370,6 +370,36 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
     return touching;
 }
 
+void arc_integrals(const double* arcs, int blocks, double* integrals)
+{
+    constexpr int width = sinew::most_cage_lanes;
+    for (int block = 0; block < blocks; ++block, arcs += 6 * width, integrals += 3 * width)
+        for (int first = 0; first < width; first += lane_count) {
+            const auto read = [&](int row) { return load(arcs + row * width + first); };
+            const Vector a{read(0), read(1), read(2)}, b{read(3), read(4), read(5)}, normal = cross(a, b);
+            const L sine = root(dot(normal, normal) + constant(1e-60));
+            const L half = constant(0.5) * angle_over_sine(sine, dot(a, b));
+            store(integrals + first, half * normal.x);
+            store(integrals + width + first, half * normal.y);
+            store(integrals + 2 * width + first, half * normal.z);
+        }
+}
+
+void beyond_planes(const float* points, int count, const float* planes, int* beyond)
+{
+    constexpr float sure = 2e-6f;
+    const float *ux = points, *uy = ux + count, *uz = uy + count;
+    const float *px = uz + count, *py = px + count, *pz = py + count;
+    const float *n0 = planes, *n1 = n0 + 4, *n2 = n1 + 4, *n3 = n2 + 4;
+    for (int v = 0; v < count; ++v) { // written out, so that it runs on several points at once
+        const float a = n0[0] * ux[v] + n0[1] * uy[v] + n0[2] * uz[v];
+        const float b = n1[0] * ux[v] + n1[1] * uy[v] + n1[2] * uz[v];
+        const float c = n2[0] * ux[v] + n2[1] * uy[v] + n2[2] * uz[v];
+        const float d = n3[0] * px[v] + n3[1] * py[v] + n3[2] * pz[v] - n3[3];
+        beyond[v] = (a < -sure ? 1 : 0) | (b < -sure ? 2 : 0) | (c < -sure ? 4 : 0) | (d > sure ? 8 : 0);
+    }
+}
+
 } // namespace
 
 #undef SINEW_APART

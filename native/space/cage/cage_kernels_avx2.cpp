@@ -10,8 +10,9 @@
 namespace sinew {
 
 extern const CageKernels cage_kernels_with_avx2;
-const CageKernels cage_kernels_with_avx2{lane_count,           mean_value,     green,
-                                         product<double>,      product<float>, sparse_product<double>,
-                                         sparse_product<float>};
+const CageKernels cage_kernels_with_avx2{
+    lane_count,           mean_value,      green,          arc_integrals,
+    beyond_planes,        product<double>, product<float>, sparse_product<double>,
+    sparse_product<float>};
 
 } // namespace sinew

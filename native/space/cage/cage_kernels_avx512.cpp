@@ -10,6 +10,7 @@
 namespace sinew {
 
 extern const CageKernels cage_kernels_with_avx512;
-const CageKernels cage_kernels_with_avx512{lane_count, mean_value, green, nullptr, nullptr, nullptr, nullptr};
+const CageKernels cage_kernels_with_avx512{lane_count, mean_value, green,   arc_integrals, beyond_planes,
+                                           nullptr,    nullptr,    nullptr, nullptr};
 
 } // namespace sinew

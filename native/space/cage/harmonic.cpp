@@ -30,7 +30,7 @@ int most_unknowns(HarmonicQuality quality)
     case HarmonicQuality::medium:
         return 2000;
     case HarmonicQuality::fine:
-        return 4000;
+        return 4100;
     default:
         return 12000;
     }
@@ -68,6 +68,15 @@ Harmonic::Harmonic(Cage cage, const HarmonicOptions& options)
     if (solver_ == HarmonicSolver::automatic)
         solver_ = this->cage().triangles().size() > most_triangles ? HarmonicSolver::lattice
                                                                    : HarmonicSolver::boundary;
+    const Points& vertices = this->cage().rest().points();
+    middle_ = vertices.colwise().mean().transpose();
+    places_.resize(4, vertices.rows());
+    places_.row(0).setOnes();
+    places_.bottomRows(3) = (vertices.rowwise() - middle_.transpose()).transpose() / this->cage().size();
+    products_.resize(vertices.rows(), 10);
+    for (int i = 0, column = 0; i < 4; ++i)
+        for (int j = i; j < 4; ++j)
+            products_.col(column++) = places_.row(i).cwiseProduct(places_.row(j)).transpose();
 }
 
 Harmonic::~Harmonic() = default;
@@ -166,21 +175,61 @@ std::vector<char> Harmonic::evaluate(const HarmonicBoundary& boundary, PointsVie
 /// Sets the data at points on the cage, which count as inside, and mends the weights of the others there.
 void Harmonic::settle(PointsView block, RowMatrix& rows, std::vector<char>& inside) const
 {
+    std::vector<int> within;
     for (Eigen::Index i = 0; i < block.rows(); ++i) {
-        const Vector3 point = block.row(i).transpose();
         char& in = inside[static_cast<std::size_t>(i)];
         Vector3 hats;
-        if (const int t = surface_.triangle_at(point, hats); t >= 0) {
+        if (const int t = surface_.triangle_at(block.row(i).transpose(), hats); t >= 0) {
             rows.row(i).setZero();
             data_[static_cast<std::size_t>(t)].add(hats, 1.0, rows.row(i).data());
             in = 1;
         } else if (in) {
-            mend(point, rows.row(i));
+            within.push_back(static_cast<int>(i));
         }
+    }
+    mend(block, within, rows);
+}
+
+/// Negative weights become 0. With z the places of the vertices about the point, factors 1 + a . z whose a
+/// solves (sum w z z^T) a = e - sum w z restore sum and linear precision. All moments are one product.
+void Harmonic::mend(PointsView block, const std::vector<int>& inside, RowMatrix& rows) const
+{
+    RowMatrix weights(static_cast<Eigen::Index>(inside.size()), rows.cols());
+    for (std::size_t k = 0; k < inside.size(); ++k)
+        weights.row(static_cast<Eigen::Index>(k)) = rows.row(inside[k]).cwiseMax(0.0);
+    const RowMatrix moments = weights * products_;
+    RowMatrix changes(weights.rows(), 4);
+    for (Eigen::Index k = 0; k < weights.rows(); ++k) {
+        Eigen::Matrix4d about_middle;
+        for (int i = 0, column = 0; i < 4; ++i)
+            for (int j = i; j < 4; ++j)
+                about_middle(i, j) = about_middle(j, i) = moments(k, column++);
+        Eigen::Matrix4d shift = Eigen::Matrix4d::Identity(); // of the middle to the point
+        shift.col(0).tail<3>() =
+            (middle_ - block.row(inside[static_cast<std::size_t>(k)]).transpose()) / cage().size();
+        const Eigen::Matrix4d about_point = shift * about_middle * shift.transpose();
+        const Eigen::Vector4d a =
+            about_point.partialPivLu().solve(Eigen::Vector4d(Eigen::Vector4d::Unit(0) - about_point.col(0)));
+        changes.row(k) = (shift.transpose() * a).transpose();
+    }
+    const RowMatrix factors = changes * places_;
+    for (std::size_t k = 0; k < inside.size(); ++k) {
+        const auto kept = weights.row(static_cast<Eigen::Index>(k));
+        const auto by = factors.row(static_cast<Eigen::Index>(k)).array();
+        // A weight of 0 stays, whatever its factor.
+        const bool gentle = ((kept.array() <= 0.0) || (by >= -0.5)).all();
+        auto row = rows.row(inside[k]);
+        row = kept;
+        if (gentle)
+            row.array() *= 1.0 + by;
+        else
+            mend_near(block.row(inside[k]).transpose(), row);
     }
 }
 
-void Harmonic::mend(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const
+/// Close to the cage the error may exceed what the far vertices weigh. Factors exp(a . z), which are Newton's
+/// steps to the weights of least relative entropy, reach any point between the vertices.
+void Harmonic::mend_near(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const
 {
     const Points& vertices = cage().rest().points();
     const auto arm = [&](Eigen::Index v) {
@@ -188,34 +237,15 @@ void Harmonic::mend(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) co
         homogeneous << 1.0, (vertices.row(v).transpose() - point) / cage().size();
         return homogeneous;
     };
-    /// The a whose factors 1 + a . arm restore sum and linear precision.
-    const auto correction = [&] {
-        Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
-        for (Eigen::Index v = 0; v < row.size(); ++v)
-            if (row[v] > 0.0) {
-                const Eigen::Vector4d a = arm(v);
-                moments.noalias() += row[v] * a * a.transpose();
-            }
-        return Eigen::Vector4d(
-            moments.partialPivLu().solve(Eigen::Vector4d(Eigen::Vector4d::Unit(0) - moments.col(0))));
-    };
-    row = row.cwiseMax(0.0);
-    Eigen::Vector4d a = correction();
-    const Eigen::RowVectorXd before = row;
-    double least = a.allFinite() ? 1.0 : 0.0;
-    for (Eigen::Index v = 0; v < row.size() && least >= 0.5; ++v)
-        if (row[v] > 0.0) {
-            const double factor = 1.0 + a.dot(arm(v));
-            least = std::min(least, factor);
-            row[v] *= factor;
-        }
-    if (least >= 0.5)
-        return;
-    // Close to the cage the error may exceed what the far vertices weigh. Factors exp(a . arm), which are
-    // Newton's steps to the weights of least relative entropy, reach any point between the vertices.
-    row = before.cwiseMax(faintest);
+    row = row.cwiseMax(faintest);
     for (int step = 0; step < most_mends; ++step) {
-        a = correction();
+        Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
+        for (Eigen::Index v = 0; v < row.size(); ++v) {
+            const Eigen::Vector4d z = arm(v);
+            moments.noalias() += row[v] * z * z.transpose();
+        }
+        const Eigen::Vector4d a =
+            moments.partialPivLu().solve(Eigen::Vector4d(Eigen::Vector4d::Unit(0) - moments.col(0)));
         if (!a.allFinite())
             break;
         double largest = 0.0;

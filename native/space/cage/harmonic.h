@@ -79,13 +79,17 @@ private:
     /// Rows of points inside; true where a point is.
     std::vector<char> evaluate(const HarmonicBoundary& boundary, PointsView block, RowMatrix& rows) const;
     void settle(PointsView block, RowMatrix& rows, std::vector<char>& inside) const;
-    void mend(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
+    void mend(PointsView block, const std::vector<int>& inside, RowMatrix& rows) const;
+    void mend_near(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
 
     HarmonicQuality quality_;
     HarmonicSolver solver_;
     CageSurface surface_;
     OutsideWeights outside_;
     std::vector<HarmonicData> data_;
+    RowMatrix places_;   ///< (4, vertices) a 1 and the vertex about the cage's middle, in units of its size
+    RowMatrix products_; ///< (vertices, 10) products of these four with each other
+    Vector3 middle_;
     std::unique_ptr<HarmonicBoundary> boundary_, coarser_;
     std::unique_ptr<HarmonicGrid::Weights> grid_; ///< of the points that are being bound
     const double* first_point_ = nullptr;

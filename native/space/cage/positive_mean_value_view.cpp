@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/positive_mean_value_view.h"
 
+#include "native/space/cage/cage_kernels.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -15,55 +17,57 @@ namespace {
 
 using Piece = VisibleCage::Scratch::Piece;
 
-/// The half of a convex polygon before the plane through the apex, and that behind it.
-void split(const Piece& piece, const Vector3& normal, Piece& before, Piece& behind)
+/// How far the corners of a convex polygon lie before each side of a cone.
+struct Heights
 {
+    double at[3][Piece::most];
+};
+
+/// The half of a polygon before side k, with its heights over the sides after that, and the half behind it.
+void split(const Piece& piece, const Heights& heights, int k, Piece& before, Heights& before_heights,
+           Piece& behind)
+{
+    const double* at = heights.at[k];
     before.size = behind.size = 0;
-    double at[Piece::most + 1];
-    for (int i = 0; i < piece.size; ++i)
-        at[i] = normal.dot(piece.corner[i]);
-    at[piece.size] = at[0];
     for (int i = 0; i < piece.size; ++i) {
-        const Vector3& a = piece.corner[i];
-        if (at[i] >= 0.0)
-            before.add(a);
+        const int next = i + 1 < piece.size ? i + 1 : 0;
+        if (at[i] >= 0.0) {
+            for (int j = k + 1; j < 3; ++j)
+                before_heights.at[j][before.size] = heights.at[j][i];
+            before.add(piece.corner[i]);
+        }
         if (at[i] <= 0.0)
-            behind.add(a);
-        if (at[i] * at[i + 1] < 0.0) {
-            const Vector3& b = piece.corner[i + 1 < piece.size ? i + 1 : 0];
-            const Vector3 crossing = (a * at[i + 1] - b * at[i]) / (at[i + 1] - at[i]);
+            behind.add(piece.corner[i]);
+        if (at[i] * at[next] < 0.0) {
+            const double scale = 1.0 / (at[next] - at[i]), of_i = at[next] * scale, of_next = -at[i] * scale;
+            for (int j = k + 1; j < 3; ++j)
+                before_heights.at[j][before.size] = of_i * heights.at[j][i] + of_next * heights.at[j][next];
+            const Vector3 crossing = of_i * piece.corner[i] + of_next * piece.corner[next];
             before.add(crossing);
             behind.add(crossing);
         }
     }
 }
 
-/// The integral of the unit direction over a polygon on the sphere.
-Vector3 integral(const Piece& piece)
+/// \return false where the polygon lies wholly outside of one side.
+bool measure(const Piece& piece, const Vector3 (&sides)[3], Heights& found)
 {
-    Vector3 sum = Vector3::Zero();
-    for (int i = 0; i < piece.size; ++i) {
-        const Vector3& a = piece.corner[i];
-        const Vector3& b = piece.corner[i + 1 < piece.size ? i + 1 : 0];
-        const Vector3 normal = a.cross(b);
-        const double sine = normal.norm();
-        if (sine > 1e-300)
-            sum += normal * (0.5 * std::atan2(sine, a.dot(b)) / sine);
+    for (int k = 0; k < 3; ++k) {
+        bool outside = true;
+        for (int i = 0; i < piece.size; ++i) {
+            found.at[k][i] = sides[k].dot(piece.corner[i]);
+            outside = outside && found.at[k][i] <= 0.0;
+        }
+        if (outside)
+            return false;
     }
-    return sum;
+    return true;
 }
 
-/// Whether a piece lies wholly outside of one of three planes through the apex.
-bool beside_one_side(const Piece& piece, const Vector3 (&sides)[3])
+/// Some corner lies behind side k.
+bool is_cut(const Heights& heights, int k, int corners)
 {
-    for (const Vector3& side : sides) {
-        bool outside = true;
-        for (int i = 0; i < piece.size && outside; ++i)
-            outside = side.dot(piece.corner[i]) <= 0.0;
-        if (outside)
-            return true;
-    }
-    return false;
+    return std::any_of(heights.at[k], heights.at[k] + corners, [](double x) { return x < 0.0; });
 }
 
 bool none_before(const Vector3& normal, const Vector3& a, const Vector3& b, const Vector3& c)
@@ -108,7 +112,7 @@ VisibleCage::VisibleCage(const Cage& cage, int directions) : triangles_(cage.tri
 
 VisibleCage::~VisibleCage() = default;
 
-/// Sorts the faces into those that are left and those that are entered, the widest of these first.
+/// Sorts the faces into those that are left and those that are entered.
 void VisibleCage::look(const Vector3& x, Scratch& scratch) const
 {
     scratch.left.clear();
@@ -125,9 +129,6 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
         cone.volume = cone.a.dot(cone.side[0]);
         cone.normal = cone.side[0] + cone.side[1] + cone.side[2];
         cone.plane = cone.normal.dot(cone.a);
-        const double a = cone.a.norm(), b = cone.b.norm(), c = cone.c.norm();
-        cone.narrowness = std::min(
-            {cone.a.dot(cone.b) / (a * b), cone.b.dot(cone.c) / (b * c), cone.c.dot(cone.a) / (c * a)});
         if (cone.volume > 0.0) {
             scratch.left.push_back(cone);
         } else if (cone.volume < 0.0) {
@@ -136,8 +137,7 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
             scratch.entered.push_back(cone);
         }
     }
-    std::stable_sort(scratch.entered.begin(), scratch.entered.end(),
-                     [](const Cone& a, const Cone& b) { return a.narrowness < b.narrowness; });
+    scratch.candidates.resize(scratch.entered.size() + 1);
 
     // Number the vertices of the faces that may hide others.
     scratch.number.assign(vertices_.size(), -1);
@@ -172,40 +172,29 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
 /// planes. A face whose vertices share a bit hides nothing of this one.
 void VisibleCage::sort_vertices(const Cone& face, Scratch& scratch) const
 {
-    constexpr float sure = 2e-6f;
-    const std::size_t count = scratch.beyond.size();
-    float n[4][3];
-    for (int k = 0; k < 3; ++k) {
-        const Vector3 unit = face.side[k].normalized();
+    float planes[4][4];
+    for (int k = 0; k < 4; ++k) {
+        const Vector3& normal = k < 3 ? face.side[k] : face.normal;
+        const double length = normal.norm();
         for (int i = 0; i < 3; ++i)
-            n[k][i] = static_cast<float>(unit[i]);
+            planes[k][i] = static_cast<float>(normal[i] / length);
+        planes[k][3] = k < 3 ? 0.0f : static_cast<float>(face.plane / (length * size_));
     }
-    const double length = face.normal.norm();
-    for (int i = 0; i < 3; ++i)
-        n[3][i] = static_cast<float>(face.normal[i] / length);
-    const float plane = static_cast<float>(face.plane / (length * size_));
-    const float *ux = scratch.sight.data(), *uy = ux + count, *uz = uy + count;
-    const float *px = uz + count, *py = px + count, *pz = py + count;
     int* beyond = scratch.beyond.data();
-    for (std::size_t v = 0; v < count; ++v) { // written out, so that it runs on several vertices at once
-        const float a = n[0][0] * ux[v] + n[0][1] * uy[v] + n[0][2] * uz[v];
-        const float b = n[1][0] * ux[v] + n[1][1] * uy[v] + n[1][2] * uz[v];
-        const float c = n[2][0] * ux[v] + n[2][1] * uy[v] + n[2][2] * uz[v];
-        const float d = n[3][0] * px[v] + n[3][1] * py[v] + n[3][2] * pz[v] - plane;
-        beyond[v] = (a < -sure ? 1 : 0) | (b < -sure ? 2 : 0) | (c < -sure ? 4 : 0) | (d > sure ? 8 : 0);
-    }
+    cage_kernels().beyond_planes(scratch.sight.data(), static_cast<int>(scratch.beyond.size()), planes[0],
+                                 beyond);
     for (int k = 0; k < 3; ++k)
         if (const int own = scratch.number[static_cast<std::size_t>(face.vertex[k])]; own >= 0)
             beyond[own] = 15 & ~(1 << k);
 }
 
-/// Takes what `by` hides of `face` out of the pieces.
-void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
+/// Takes what `by` hides of `face` out of the pieces. `nearer`: it hides all that it covers.
+void VisibleCage::hide(const Cone& face, const Cone& by, bool nearer, Scratch& scratch) const
 {
     Piece beside[3], turns[2];
+    Heights heights[3];
     std::vector<Piece>& pieces = scratch.pieces;
     scratch.next.clear(); // what is left of the pieces that are cut
-    const bool uncut = pieces.size() == 1 && pieces[0].size == 3; // the whole face: exact() has asked already
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const Piece& piece = pieces[i];
@@ -220,22 +209,30 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
             for (const Piece& half : halves) {
                 Scratch part;
                 part.pieces.assign(1, half);
-                hide(face, by, part);
+                hide(face, by, nearer, part);
                 scratch.next.insert(scratch.next.end(), part.pieces.begin(), part.pieces.end());
             }
             hidden = true;
-        } else if (uncut || !beside_one_side(piece, by.side)) {
+        } else if (measure(piece, by.side, heights[2])) {
             const Piece* rest = &piece;
-            for (int k = 0; k < 3 && rest->size > 2; ++k) {
-                split(*rest, by.side[k], turns[k % 2], beside[cuts]);
+            const Heights* over = heights + 2;
+            for (int k = 0, turn = 0; k < 3 && rest->size > 2; ++k) {
+                if (!is_cut(*over, k, rest->size))
+                    continue;
+                split(*rest, *over, k, turns[turn], heights[turn], beside[cuts]);
                 cuts += beside[cuts].size > 2;
-                rest = &turns[k % 2];
+                rest = turns + turn;
+                over = heights + turn;
+                turn = 1 - turn;
             }
-            if (rest->size > 2) { // which of the two is nearer there?
-                Vector3 mean = Vector3::Zero();
-                for (int k = 0; k < rest->size; ++k)
-                    mean += rest->corner[k] / rest->corner[k].lpNorm<1>();
-                hidden = by.plane / by.normal.dot(mean) < face.plane / face.normal.dot(mean);
+            if (rest->size > 2) {
+                hidden = nearer;
+                if (!hidden) { // which of the two is nearer there?
+                    Vector3 mean = Vector3::Zero();
+                    for (int k = 0; k < rest->size; ++k)
+                        mean += rest->corner[k] / rest->corner[k].lpNorm<1>();
+                    hidden = by.plane / by.normal.dot(mean) < face.plane / face.normal.dot(mean);
+                }
             }
         }
         if (hidden)
@@ -247,9 +244,29 @@ void VisibleCage::hide(const Cone& face, const Cone& by, Scratch& scratch) const
     pieces.insert(pieces.end(), scratch.next.begin(), scratch.next.end());
 }
 
+/// Keeps the arcs around a polygon for the kernel.
+void VisibleCage::Scratch::add_arcs(const Piece& piece)
+{
+    constexpr int width = most_cage_lanes;
+    for (int i = 0; i < piece.size; ++i, ++arc_count) {
+        if (arc_count % width == 0)
+            arcs.resize(arcs.size() + 6 * width); // zeros where no arc follows
+        double* const arc = arcs.data() + arc_count / width * 6 * width + arc_count % width;
+        const Vector3& a = piece.corner[i];
+        const Vector3& b = piece.corner[i + 1 < piece.size ? i + 1 : 0];
+        for (int axis = 0; axis < 3; ++axis) {
+            arc[axis * width] = a[axis];
+            arc[(3 + axis) * width] = b[axis];
+        }
+    }
+}
+
 void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
 {
     look(x, scratch);
+    scratch.arcs.clear();
+    scratch.arc_count = 0;
+    scratch.last_arcs.clear();
     for (const Cone& face : scratch.left) {
         sort_vertices(face, scratch);
         const int* beyond = scratch.beyond.data();
@@ -258,24 +275,42 @@ void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
         whole.add(face.b);
         whole.add(face.c);
         scratch.pieces.assign(1, whole);
-        for (std::size_t k = 0; k < scratch.entered.size(); ++k) {
+        std::size_t some = 0; // without a branch that could be foreseen wrongly
+        for (std::size_t k = 0; k < scratch.hiding.size(); ++k) {
             const Triangle& corners = scratch.hiding[k];
-            if ((beyond[corners[0]] & beyond[corners[1]] & beyond[corners[2]]) != 0)
-                continue;
-            const Cone& by = scratch.entered[k];
-            const bool before = by.normal.dot(face.a) >= by.plane && by.normal.dot(face.b) >= by.plane &&
-                                by.normal.dot(face.c) >= by.plane;
-            if (before || none_before(by.side[0], face.a, face.b, face.c) ||
+            scratch.candidates[some] = k;
+            some += (beyond[corners[0]] & beyond[corners[1]] & beyond[corners[2]]) == 0;
+        }
+        for (std::size_t k = 0; k < some; ++k) {
+            const Cone& by = scratch.entered[scratch.candidates[k]];
+            const double a = by.normal.dot(face.a) - by.plane, b = by.normal.dot(face.b) - by.plane,
+                         c = by.normal.dot(face.c) - by.plane;
+            if ((a >= 0.0 && b >= 0.0 && c >= 0.0) || none_before(by.side[0], face.a, face.b, face.c) ||
                 none_before(by.side[1], face.a, face.b, face.c) ||
                 none_before(by.side[2], face.a, face.b, face.c))
                 continue;
-            hide(face, by, scratch);
+            hide(face, by, a < 0.0 && b < 0.0 && c < 0.0, scratch);
             if (scratch.pieces.empty())
                 break;
         }
-        Vector3 sum = Vector3::Zero();
         for (const Piece& piece : scratch.pieces)
-            sum += integral(piece);
+            scratch.add_arcs(piece);
+        scratch.last_arcs.push_back(scratch.arc_count);
+    }
+
+    constexpr int width = most_cage_lanes;
+    scratch.integrals.resize(scratch.arcs.size() / 2);
+    cage_kernels().arc_integrals(scratch.arcs.data(), static_cast<int>(scratch.arcs.size()) / (6 * width),
+                                 scratch.integrals.data());
+    int arc = 0;
+    for (std::size_t f = 0; f < scratch.left.size(); ++f) {
+        const Cone& face = scratch.left[f];
+        Vector3 sum = Vector3::Zero();
+        for (; arc < scratch.last_arcs[f]; ++arc)
+            for (int axis = 0; axis < 3; ++axis)
+                sum[axis] +=
+                    scratch
+                        .integrals[static_cast<std::size_t>((arc / width * 3 + axis) * width + arc % width)];
         for (int k = 0; k < 3; ++k) // negative by rounding alone
             row[face.vertex[k]] += std::max(0.0, sum.dot(face.side[k]) / face.volume);
     }

@@ -36,7 +36,7 @@ private:
 
     void look(const Vector3& x, Scratch& scratch) const;
     void sort_vertices(const Cone& face, Scratch& scratch) const;
-    void hide(const Cone& face, const Cone& by, Scratch& scratch) const;
+    void hide(const Cone& face, const Cone& by, bool nearer, Scratch& scratch) const;
 
     std::vector<Vector3> vertices_;
     std::vector<Triangle> triangles_;
@@ -51,7 +51,6 @@ struct VisibleCage::Cone
     Vector3 normal;       ///< not of unit length
     double plane, volume; ///< normal . p on the face; a . (b x c)
     Vector3 side[3];      ///< opposite a, b, c; a positive product with each is within the cone
-    double narrowness;    ///< least cosine between two corners
 };
 
 struct VisibleCage::Scratch
@@ -76,11 +75,17 @@ struct VisibleCage::Scratch
     };
 
     std::vector<Cone> left, entered;
-    std::vector<Triangle> hiding; ///< the corners of `entered`, by number
+    std::vector<std::size_t> candidates; ///< those of `entered` that may hide a face
+    std::vector<Triangle> hiding;        ///< the corners of `entered`, by number
     std::vector<int> number;      ///< of the vertices of `entered`; -1 for others
     std::vector<float> sight; ///< x, y, z of the unit vectors to the numbered vertices, then of the vectors
     std::vector<int> beyond;  ///< a numbered vertex: bits of the planes of a face that it is beyond
     std::vector<Piece> pieces, next;
+    std::vector<double> arcs, integrals; ///< see CageKernels::arc_integrals
+    int arc_count = 0;
+    std::vector<int> last_arcs; ///< of each of `left`: where those of the next begin
+
+    void add_arcs(const Piece& piece);
     std::vector<float> nearest; ///< 1 / distance of the first face along each direction
     std::vector<int> first;
 };

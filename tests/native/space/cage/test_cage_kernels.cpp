@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <vector>
@@ -136,6 +137,67 @@ TEST(CageKernels, a_point_gets_the_same_beside_any_others)
             EXPECT_EQ(a.weights[k], b.weights[k]);
             EXPECT_EQ(a.phi[k], b.phi[k]);
         }
+    }
+}
+
+TEST(CageKernels, arcs_agree_and_are_right)
+{
+    constexpr int blocks = 3, width = most_cage_lanes;
+    shapes::Random random(6);
+    std::vector<double> arcs(blocks * 6 * width), plain(blocks * 3 * width);
+    for (double& x : arcs)
+        x = random.signed_unit();
+    for (int axis = 0; axis < 3; ++axis) // one arc of no length
+        arcs[axis * width] = arcs[(3 + axis) * width];
+    baseline_cage_kernels().arc_integrals(arcs.data(), blocks, plain.data());
+    for (int i = 0; i < blocks * width; ++i) {
+        const auto vector = [&](const std::vector<double>& all, int rows, int first) -> Vector3 {
+            const double* at = all.data() + (i / width * rows + first) * width + i % width;
+            return {at[0], at[width], at[2 * width]};
+        };
+        const Vector3 a = vector(arcs, 6, 0), b = vector(arcs, 6, 3), normal = a.cross(b);
+        const double half = 0.5 * std::atan2(normal.norm(), a.dot(b));
+        EXPECT_LT((vector(plain, 3, 0) - half * normal.normalized()).norm(), 1e-14);
+    }
+    for (const CageKernels* kernels : wide_kernels()) {
+        std::vector<double> wide(plain.size());
+        kernels->arc_integrals(arcs.data(), blocks, wide.data());
+        EXPECT_EQ(plain, wide);
+    }
+}
+
+TEST(CageKernels, points_beyond_planes_agree_and_are_sure)
+{
+    constexpr int count = 101;
+    shapes::Random random(7);
+    std::vector<float> points(6 * count), planes(16);
+    for (int v = 0; v < count; ++v) {
+        const Vector3 p = random.vector(), u = p.normalized();
+        for (int axis = 0; axis < 3; ++axis) {
+            points[axis * count + v] = static_cast<float>(u[axis]);
+            points[(3 + axis) * count + v] = static_cast<float>(p[axis]);
+        }
+    }
+    for (int k = 0; k < 4; ++k) {
+        const Vector3 n = random.vector().normalized();
+        for (int axis = 0; axis < 3; ++axis)
+            planes[4 * k + axis] = static_cast<float>(n[axis]);
+        planes[4 * k + 3] = k < 3 ? 0.0f : 0.1f;
+    }
+    std::vector<int> plain(count);
+    baseline_cage_kernels().beyond_planes(points.data(), count, planes.data(), plain.data());
+    for (int v = 0; v < count; ++v)
+        for (int k = 0; k < 4; ++k) {
+            double height = -static_cast<double>(planes[4 * k + 3]);
+            for (int axis = 0; axis < 3; ++axis)
+                height +=
+                    static_cast<double>(planes[4 * k + axis]) * points[((k < 3 ? 0 : 3) + axis) * count + v];
+            EXPECT_EQ(plain[v] >> k & 1, (k < 3 ? height < -2e-6 : height > 2e-6) ? 1 : 0);
+        }
+    for (const CageKernels* kernels : wide_kernels()) {
+        std::vector<int> wide(count);
+        kernels->beyond_planes(points.data(), count, planes.data(), wide.data());
+        EXPECT_EQ(plain, wide);
     }
 }
 
