@@ -206,7 +206,7 @@ cage's boundary; with more, each bind() solves a lattice inside.)")
 cage       SurfaceMesh, the closed rest cage, faces outwards.
 precision  of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
 threshold  weights of a smaller magnitude are dropped, the others stored sparsely; 0 keeps all.
-quality    'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4000 or 12000 unknowns on the cage, whose
+quality    'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4100 or 12000 unknowns on the cage, whose
            cube is the time and whose square the memory; or 96, 160, 256 or 384 steps of the lattice along
            the cage's longest side.
 outside    points outside: 'error' names them, 'mean_value' gives them mean value weights.

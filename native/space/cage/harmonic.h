@@ -16,7 +16,7 @@ class HarmonicBoundary;
 enum class HarmonicQuality {
     fast,   ///< at most 1000 unknowns of flux; a lattice of 96 steps
     medium, ///< at most 2000; 160
-    fine,   ///< at most 4000; 256
+    fine,   ///< at most 4100; 256
     finest  ///< at most 12000: a reference, in minutes and 1.2 GB; 384
 };
 
