@@ -51,10 +51,7 @@ def plan(options: Options) -> list[Task]:
 
 
 def measure(case: str, threads: int = 0) -> list[Row]:
-    if case == "positive":
-        found = _positive(threads)
-    else:
-        found = _large(case) if case in LARGE else _harmonic(case)
+    found = _large(case) if case in LARGE else _positive(threads) if threads else _harmonic(case)
     return [{"size": POINTS, "vertices": POINTS, "case": case, **row} for row in found]
 
 
