@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compiled with AVX-512, and run only where the processor has it. Eight numbers side by side.
+#ifdef __AVX512DQ__ // nothing elsewhere: other processors, other compilers
 #define SINEW_EIGHT_LANES
 #include "native/solvers/dense_kernels.h"
 
@@ -14,3 +15,5 @@ extern const DenseKernels dense_kernels_with_avx512;
 const DenseKernels dense_kernels_with_avx512{add_product};
 
 } // namespace sinew
+
+#endif

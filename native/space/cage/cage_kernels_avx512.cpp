@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Compiled with AVX-512, and run only where the processor has it. Eight points side by side.
+#ifdef __AVX512DQ__ // nothing elsewhere: other processors, other compilers
 #define SINEW_EIGHT_LANES
 #include "native/space/cage/cage_kernels.h"
 
@@ -14,3 +15,5 @@ const CageKernels cage_kernels_with_avx512{lane_count, mean_value, green,   arc_
                                            nullptr,    nullptr,    nullptr, nullptr};
 
 } // namespace sinew
+
+#endif
