@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import bmesh
 import bpy
 import numpy as np
@@ -340,15 +338,6 @@ def test_elements_that_a_modifier_of_the_cage_made_are_not_shown_wrongly(room) -
     make_active(target)
     assert bpy.ops.sinew.select_problems(line=line) == {"FINISHED"}
     assert bpy.context.object == cage
-
-
-@pytest.fixture
-def preferences(addon_name: str) -> Iterator[bpy.types.AddonPreferences]:
-    """The add-on's, without a limit before and after."""
-    found = bpy.context.preferences.addons[addon_name].preferences
-    found.memory_limit = 0.0
-    yield found
-    bpy.context.preferences.addons[addon_name].preferences.memory_limit = 0.0
 
 
 @pytest.mark.parametrize("method", METHODS)
