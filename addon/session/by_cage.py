@@ -97,14 +97,16 @@ def pose(turn: Turn, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | Non
             "as it is now",
             remedy=Remedy.CAGE_REST,
         )
-    lost = np.flatnonzero(~frames.is_place(vertices))
-    if len(lost):
-        raise CageError("Vertices of the cage are nowhere - undo, or move them", tuple(lost), "cage vertex")
     world = np.array(turn.evaluated.matrix_world, dtype=np.float64)
     placed = np.array(cage.evaluated_get(turn.depsgraph).matrix_world, dtype=np.float64)
     relative = frames.inverse(world, "The mesh object") @ placed
-    held[_POSE] = frames.transformed(relative, vertices.astype(np.float64))
-    return held[_POSE], {}
+    with np.errstate(invalid="ignore"):  # said below
+        posed = frames.transformed(relative, vertices.astype(np.float64))
+    lost = np.flatnonzero(~frames.is_place(posed))
+    if len(lost):
+        raise CageError("Vertices of the cage are nowhere - undo, or move them", tuple(lost), "cage vertex")
+    held[_POSE] = posed
+    return posed, {}
 
 
 def placed(deformer: SinewDeformer, depsgraph: Depsgraph) -> list[object]:
