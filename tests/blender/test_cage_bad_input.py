@@ -115,6 +115,20 @@ def test_a_cage_that_is_nowhere_after_bind_leaves_the_rest_and_comes_back(room, 
     assert_goes_on(target, cage)
 
 
+def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
+    target, cage = ball(), box()
+    deformer = surround(target, cage)
+    cage.location.y = 0.5
+    posed = evaluated_points(target)
+    cage.delta_location.y = float("nan")
+    assert_at_rest(target)
+    assert "nowhere" in deformer.status
+    assert room("core.status").of(deformer.uid).element_kind == "cage vertex"
+    cage.delta_location.y = 0.0
+    assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
+    assert_goes_on(target, cage)
+
+
 def test_undo_of_what_sent_a_cage_nowhere_brings_the_pose_back() -> None:
     target, cage = ball(), box()
     surround(target, cage)
@@ -133,9 +147,13 @@ def test_undo_of_what_sent_a_cage_nowhere_brings_the_pose_back() -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_a_mesh_without_vertices_is_said_and_waits_for_some(method: str) -> None:
     target, cage = new_object("Ball", []), box()
+    make_active(target)
+    with pytest.raises(RuntimeError, match="The mesh has no vertices"):
+        bpy.ops.sinew.cage_add(source="AUTO", method=method)
+    assert target.sinew.active is None
     deformer = surround(target, cage, method)
     assert deformer.status_level == "ERROR"
-    assert "no vertices" in deformer.status
+    assert "The mesh has no vertices" in deformer.status
     update()
     points = base_points(ball())
     target.data.from_pydata(points.tolist(), [], [])
