@@ -11,7 +11,7 @@ from bpy.types import Object
 from mathutils import Matrix
 
 from ..backend import Progress, automatic_cage
-from ..core.errors import CageError, MeshError
+from ..core.errors import CageError
 from ..mesh_io import read_rest
 from ..properties import SinewDeformer
 from . import binding, by_cage, capture, rig, state
@@ -31,8 +31,6 @@ def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callab
         rest = read_rest(mesh)
     finally:
         bpy.data.meshes.remove(mesh)
-    if not len(rest.points):
-        raise MeshError(capture.NO_VERTICES)
     return partial(_around, rest.points, (rest.counts, rest.corners), options)
 
 

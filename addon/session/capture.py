@@ -17,8 +17,6 @@ from ..mesh_io import same_topology, weights_attribute
 from ..properties import SinewDeformer
 from . import node_group, regions, rig, state
 
-NO_VERTICES = "The mesh has no vertices - add some, or check the modifiers before Sinew"
-
 FEW_GROUPS = 8  # so many are kept for a quick read, in use or not: the next bind then copies weights alone
 
 
@@ -138,7 +136,7 @@ def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
         mesh = _new_mesh(copy)
     if len(mesh.vertices) == 0:
         bpy.data.meshes.remove(mesh)
-        raise MeshError(NO_VERTICES)
+        raise MeshError("The mesh has no vertices - add some, or check the modifiers before Sinew")
     mesh.name = Datablocks.REST
     mesh.materials.clear()
     mesh[Keys.REST_TOKEN] = rig.new_key()

@@ -148,7 +148,7 @@ def test_undo_of_what_sent_a_cage_nowhere_brings_the_pose_back() -> None:
 def test_a_mesh_without_vertices_is_said_and_waits_for_some(method: str) -> None:
     target, cage = new_object("Ball", []), box()
     make_active(target)
-    with pytest.raises(RuntimeError, match="The mesh has no vertices"):
+    with pytest.raises(RuntimeError, match=r"has no (vertices|points)"):
         bpy.ops.sinew.cage_add(source="AUTO", method=method)
     assert target.sinew.active is None
     deformer = surround(target, cage, method)
