@@ -3,16 +3,12 @@
 
 from __future__ import annotations
 
-from math import radians
-
 import bpy
 import numpy as np
 
-from . import markers, posing, studio
-from .models import spot
+from . import animals, markers, posing, studio
 from .models.shapes import smoothstep
 from .posing import Move
-from .spot import bead_material, hide_material
 
 POSE_FRAME = 40
 SPACING, HEADING = 1.72, -38.0
@@ -30,23 +26,13 @@ STEP_VALUES = {1: 0.0, POSE_FRAME: 1.0, 48: 0.7, 56: 1.0, 64: 0.7, 72: 1.0, 96: 
 
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Coordinates")
-    first = spot.build()
-    first.data.materials.append(hide_material())
-    first.data.materials.append(bead_material())
-    cows = {method: first if method == "mean_value" else first.copy() for method in LABELS}
-    for k, (method, cow) in enumerate(cows.items()):
-        cow.name = f"Spot {LABELS[method]}"
-        cow.location = ((k - 1.5) * SPACING, 0.0, 0.0)
-        cow.rotation_euler = (0.0, 0.0, radians(HEADING))
-        if cow != first:
-            scene.collection.objects.link(cow)
-    bpy.context.view_layer.update()
+    cows = posing.line_up(animals.cow(), LABELS.values(), SPACING, HEADING)
 
-    cages = [posing.add_cage(first, "mean_value", faces=240)]
-    for method, cow in list(cows.items())[1:]:
+    cages = [posing.add_cage(cows[0], "mean_value", faces=240)]
+    for method, cow in list(zip(LABELS, cows))[1:]:
         cages.append(posing.share_cage(cages[0], cow, method))
     pose(cages[0])
-    for cow, cage in zip(cows.values(), cages):
+    for cow, cage in zip(cows, cages):
         markers.add_cage_edges(cage, 0.006)
         posing.check_posed(cow, 1, POSE_FRAME)
         smooth = cow.modifiers.new("Subdivision", "SUBSURF")
@@ -55,10 +41,10 @@ def make() -> bpy.types.Scene:
     studio.add_backdrop(scene, behind=14.0)
     studio.add_camera(scene, target=(-0.12, 0.0, 0.84), distance=24.0, elevation=9.0, width=7.15)
     studio.add_lights(scene, target=(0.0, 0.0, 0.8), size=9.0)
-    for k, label in enumerate(LABELS.values()):
-        studio.add_label(scene, label, ((k - 1.5) * SPACING, -1.25, 0.0), 0.15)
+    for cow, label in zip(cows, LABELS.values()):
+        studio.add_label(scene, label, (cow.location.x, -1.25, 0.0), 0.15)
     studio.set_up_render(scene, samples=64, height=480)
-    studio.open_at(scene, POSE_FRAME, first)
+    studio.open_at(scene, POSE_FRAME, cows[0])
     return scene
 
 

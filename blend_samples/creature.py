@@ -3,13 +3,10 @@
 
 from __future__ import annotations
 
-from math import radians
-
 import bpy
 from mathutils import Vector
 
-from . import markers, materials, posing, studio
-from .models import creature
+from . import animals, markers, posing, studio
 from .posing import REST, Move
 
 POSE_FRAME = 40
@@ -37,27 +34,15 @@ TAIL_MOVES = {
 
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Creature")
-    first = creature.build()
-    first.data.materials.append(materials.skin_material("Skin", roughness=0.42, bump=0.25, grain=90.0))
-    first.data.materials.append(
-        materials.eye_material("Eye", creature.IRIS, creature.PUPIL, creature.IRIS_EDGE)
-    )
-    dragons = [first, first.copy(), first.copy()]
-    for k, (method, dragon) in enumerate(zip(LABELS, dragons)):
-        dragon.name = f"Dragon {LABELS[method]}"
-        dragon.location = ((k - 1) * SPACING, 0.0, 0.0)
-        dragon.rotation_euler = (0.0, 0.0, radians(HEADING))
-        if k:
-            scene.collection.objects.link(dragon)
-    bpy.context.view_layer.update()
+    dragons = posing.line_up(animals.dragon(), LABELS.values(), SPACING, HEADING)
     for method, dragon in zip(LABELS, dragons):
         pose(dragon, method)
 
     studio.add_backdrop(scene, behind=14.0)
     studio.add_camera(scene, target=(-0.06, 0.0, 0.90), distance=26.0, elevation=13.0, width=8.6)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=10.0)
-    for k, label in enumerate(LABELS.values()):
-        studio.add_label(scene, label, ((k - 1) * SPACING + 0.12, -1.75, 0.0), 0.22)
+    for dragon, label in zip(dragons, LABELS.values()):
+        studio.add_label(scene, label, (dragon.location.x + 0.12, -1.75, 0.0), 0.22)
     studio.set_up_render(scene, samples=64, height=540)
     studio.open_at(scene, POSE_FRAME, dragons[-1])
     return scene

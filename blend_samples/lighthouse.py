@@ -23,13 +23,7 @@ def make() -> bpy.types.Scene:
         first.data.materials.append(material)
     smooth = first.modifiers.new("Subdivision", "SUBSURF")
     smooth.levels = smooth.render_levels = 3
-    towers = {method: first.copy() if method else first for method in LABELS}
-    for k, (method, tower) in enumerate(towers.items()):
-        tower.name = f"Lighthouse {LABELS[method]}"
-        tower.location.x = (k - 1) * SPACING
-        if method:
-            scene.collection.objects.link(tower)
-    bpy.context.view_layer.update()
+    towers = dict(zip(LABELS, posing.line_up(first, LABELS.values(), SPACING)))
 
     rest = add_storeys(towers[None])
     cages = [posing.share_cage(rest, towers[method], method) for method in ("mean_value", "green")]
@@ -45,8 +39,8 @@ def make() -> bpy.types.Scene:
     studio.add_backdrop(scene, behind=14.0)
     studio.add_camera(scene, target=(0.35, 0.0, 1.06), distance=26.0, elevation=9.0, width=7.2)
     studio.add_lights(scene, target=(0.0, 0.0, 1.0), size=9.0)
-    for k, label in enumerate(LABELS.values()):
-        studio.add_label(scene, label, ((k - 1) * SPACING, -1.5, 0.0), 0.19)
+    for method, tower in towers.items():
+        studio.add_label(scene, LABELS[method], (tower.location.x, -1.5, 0.0), 0.19)
     studio.set_up_render(scene, samples=64, height=560)
     studio.open_at(scene, POSE_FRAME, towers["green"])
     return scene

@@ -34,20 +34,16 @@ def make() -> bpy.types.Scene:
     surface = materials.patched_material("Plate", plate.PLAIN, patches, roughness=0.5)
     materials.rule_lines(surface, cell=0.1, line=0.014)
     first.data.materials.append(surface)
-    plates = [first, first.copy(), first.copy()]
-    for k, (obj, (label, _, _)) in enumerate(zip(plates, SETTINGS)):
-        obj.name = f"Plate {label.split('   ')[0]}"
-        obj.location = ((k - 1) * SPACING, 0.0, 0.05)
-        if k:
-            scene.collection.objects.link(obj)
+    first.location.z = 0.05
+    plates = posing.line_up(first, (label.split("   ")[0] for label, _, _ in SETTINGS), SPACING)
     for obj, (_, stretching, bending) in zip(plates, SETTINGS):
         pose(obj, stretching, bending)
 
     studio.add_backdrop(scene, behind=14.0, tint=(0.30, 0.27, 0.235))
     studio.add_camera(scene, target=(0.0, 0.0, 0.31), distance=24.0, elevation=19.0, width=7.5)
     studio.add_lights(scene, target=(0.0, 0.0, 0.3), size=11.0)
-    for k, (label, _, _) in enumerate(SETTINGS):
-        studio.add_label(scene, label, ((k - 1) * SPACING, -1.52, 0.0), 0.165)
+    for obj, (label, _, _) in zip(plates, SETTINGS):
+        studio.add_label(scene, label, (obj.location.x, -1.52, 0.0), 0.165)
     studio.set_up_render(scene, samples=64, height=450)
     studio.open_at(scene, POSE_FRAME, plates[1])
     return scene

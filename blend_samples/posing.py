@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import radians
 
@@ -40,6 +40,22 @@ def make_active(obj: bpy.types.Object) -> None:
         other.select_set(False)
     obj.select_set(True)
     bpy.context.view_layer.objects.active = obj
+
+
+def line_up(
+    first: bpy.types.Object, labels: Iterable[str], spacing: float, heading: float = 0.0
+) -> list[bpy.types.Object]:
+    """The object and copies of it, one a label, in a row along x; each is turned by ``heading`` degrees."""
+    name, labels = first.name, list(labels)
+    row = [first, *(first.copy() for _ in labels[1:])]
+    for k, (obj, label) in enumerate(zip(row, labels)):
+        obj.name = f"{name} {label}"
+        obj.location.x = (k - 0.5 * (len(row) - 1)) * spacing
+        obj.rotation_euler.z = radians(heading)
+        if obj != first:
+            bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return row
 
 
 def add_deformer(obj: bpy.types.Object, method: str, **parameters: float | str) -> bpy.types.PropertyGroup:

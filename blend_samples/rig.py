@@ -4,16 +4,15 @@
 from __future__ import annotations
 
 import itertools
-from math import radians
 
 import bpy
 from mathutils import Vector
 
-from . import markers, materials, posing, studio
-from .models import creature
+from . import animals, markers, posing, studio
 
 POSE_FRAME = 40
 SPACING, HEADING = 3.0, -49.0
+LABELS = ("Rest", "Armature, Cage, Harmonic")
 
 # in the dragon's own frame: x ahead, y to its left
 CHAINS = {
@@ -46,20 +45,8 @@ TURNS = {
 
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Rig")
-    first = creature.build()
-    first.data.materials.append(materials.skin_material("Skin", roughness=0.42, bump=0.25, grain=90.0))
-    first.data.materials.append(
-        materials.eye_material("Eye", creature.IRIS, creature.PUPIL, creature.IRIS_EDGE)
-    )
-    dragons = {"Rest": first, "Armature, Cage, Harmonic": first.copy()}
-    for k, (label, dragon) in enumerate(dragons.items()):
-        dragon.name = f"Dragon {label}"
-        dragon.location = ((k - 0.5) * SPACING, 0.0, 0.0)
-        dragon.rotation_euler = (0.0, 0.0, radians(HEADING))
-        if k:
-            scene.collection.objects.link(dragon)
-    bpy.context.view_layer.update()
-    posed = dragons["Armature, Cage, Harmonic"]
+    dragons = posing.line_up(animals.dragon(), LABELS, SPACING, HEADING)
+    posed = dragons[-1]
     cage = posing.add_cage(posed, "harmonic", faces=500)
     rig = add_armature(posed)
     carry_cage(cage, rig)
@@ -70,8 +57,8 @@ def make() -> bpy.types.Scene:
     studio.add_backdrop(scene, behind=14.0)
     studio.add_camera(scene, target=(-0.06, 0.0, 0.90), distance=26.0, elevation=13.0, width=6.6)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=8.0)
-    for k, label in enumerate(dragons):
-        studio.add_label(scene, label, ((k - 0.5) * SPACING + 0.12, -1.55, 0.0), 0.17)
+    for dragon, label in zip(dragons, LABELS):
+        studio.add_label(scene, label, (dragon.location.x + 0.12, -1.55, 0.0), 0.17)
     studio.set_up_render(scene, samples=64, width=1080, height=520)
     studio.open_at(scene, POSE_FRAME, posed)
     return scene

@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
-from math import radians
-
 import bpy
 from mathutils import Vector
 
-from . import markers, materials, posing, studio
-from .models import spot
+from . import animals, markers, posing, studio
 from .posing import REST, Move
 
 POSE_FRAME = 40
 SPACING, HEADING = 2.35, -52.0
+LABELS = ("Rest", "As-Rigid-As-Possible")
 NOD = Move(shift=(0.02, -0.06, 0.07), turn=(22.0, -14.0, -16.0), pivot=(0.05, 0.0, 0.95))
 WAVE = Move(shift=(0.30, -0.12, 0.38), turn=(0.0, -52.0, -10.0), pivot=(0.18, -0.2, 0.10))
 HEAD_MOVES = {
@@ -34,48 +32,21 @@ HOOF_MOVES = {
 }
 
 
-def hide_material() -> bpy.types.Material:
-    pink, brown = (0.72, 0.34, 0.27), (0.085, 0.035, 0.018)
-    patches = (
-        ("blot", brown, 0.012),
-        ("muzzle", pink, 0.020),
-        ("nostril", (0.16, 0.05, 0.045), 0.006),
-        ("ear", pink, 0.020),
-        ("hoof", (0.05, 0.032, 0.025), 0.006),
-        ("horn", (0.55, 0.42, 0.26), 0.010),
-    )
-    return materials.patched_material("Hide", (0.80, 0.74, 0.66), patches, roughness=0.5)
-
-
-def bead_material() -> bpy.types.Material:
-    return materials.plain_material("Bead", (0.005, 0.004, 0.004), roughness=0.06, specular=0.6)
-
-
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Spot")
-    first = spot.build()
-    first.data.materials.append(hide_material())
-    first.data.materials.append(bead_material())
-    cows = {"Rest": first, "As-Rigid-As-Possible": first.copy()}
-    for k, (label, cow) in enumerate(cows.items()):
-        cow.name = f"Spot {label}"
-        cow.location = ((k - 0.5) * SPACING, 0.0, 0.0)
-        cow.rotation_euler = (0.0, 0.0, radians(HEADING))
-        if k:
-            scene.collection.objects.link(cow)
-    bpy.context.view_layer.update()
-    pose(cows["As-Rigid-As-Possible"])
-    for cow in cows.values():
+    cows = posing.line_up(animals.cow(), LABELS, SPACING, HEADING)
+    pose(cows[-1])
+    for cow in cows:
         smooth = cow.modifiers.new("Subdivision", "SUBSURF")
         smooth.levels, smooth.render_levels = 1, 2
 
     studio.add_backdrop(scene, behind=14.0)
     studio.add_camera(scene, target=(0.05, 0.0, 0.88), distance=20.0, elevation=12.0, width=5.1)
     studio.add_lights(scene, target=(0.0, 0.0, 0.8), size=6.0)
-    for k, label in enumerate(cows):
-        studio.add_label(scene, label, ((k - 0.5) * SPACING, -1.30, 0.0), 0.17)
+    for cow, label in zip(cows, LABELS):
+        studio.add_label(scene, label, (cow.location.x, -1.30, 0.0), 0.17)
     studio.set_up_render(scene, samples=64, width=1080, height=520)
-    studio.open_at(scene, POSE_FRAME, cows["As-Rigid-As-Possible"])
+    studio.open_at(scene, POSE_FRAME, cows[-1])
     return scene
 
 

@@ -94,16 +94,16 @@ class CageRecipe:
 
     def build(self, native, _mesh, progress: Progress | None) -> tuple[object, object]:
         """Bound coordinates and their report."""
+        cage = native.SurfaceMesh(self.cage_points, self.cage_faces)
         try:
-            cage = native.SurfaceMesh(self.cage_points, self.cage_faces)
             coordinates = getattr(native, self.method.native)(cage, **self.options)
-        except native.InvalidMesh as error:
-            flipped = error.element_kind == "face" and len(error.elements) == len(self.cage_faces[0])
-            remedy = Remedy.FLIP_CAGE if flipped else None
+            outside = coordinates.bind(self.points, progress).outside
+        except native.InvalidMesh as error:  # of the mesh, a bind refuses points alone
+            inside_out = 0 < len(native.diagnose_cage(cage).inverted_faces) == cage.face_count
+            remedy = Remedy.FLIP_CAGE if inside_out else Remedy.CAGE_REST
             raise CageError(
                 str(error), tuple(error.elements), f"cage {error.element_kind}", remedy
             ) from error
-        outside = coordinates.bind(self.points, progress).outside
         crossing = np.unique(native.diagnose_cage(cage).crossing_faces)
         return _Warp(coordinates, self.points), CageReport(outside, crossing)
 

@@ -3,7 +3,7 @@
 
 import bpy
 from bpy.props import IntProperty
-from bpy.types import Context, Operator
+from bpy.types import Context, Mesh, Operator
 
 from .. import session
 from ..core import status
@@ -41,6 +41,11 @@ class SINEW_OT_select_problems(Operator):
         shown = obj.sinew.active.cage if of_cage else obj
         if shown is None or shown.name not in context.view_layer.objects:
             self.report({"ERROR"}, "The cage is not in this view layer - nothing to select")
+            return {"CANCELLED"}
+        rest = obj.sinew.active.cage_rest if of_cage else None
+        if isinstance(rest, Mesh) and len(shown.data.vertices) != len(rest.vertices):
+            text = "The cage has other vertices than its rest - turn off its modifiers, then Set Rest Cage"
+            self.report({"ERROR"}, text)
             return {"CANCELLED"}
         if shown.mode != "EDIT":
             if context.object is not None and context.object.mode != "OBJECT":

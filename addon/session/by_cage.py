@@ -47,11 +47,14 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         raise CageError("The cage is not bound yet - press Bind", remedy=Remedy.BIND)
     read_weights(rest, mesh, settings)
     cage = read_rest(settings.cage_rest)
+    if not len(cage.points):
+        raise CageError("The cage has no vertices - add some, then Set Rest Cage", remedy=Remedy.CAGE_REST)
     if len(cage.not_finite):
         raise CageError(
-            "Vertices of the cage are nowhere - delete them, then Set Rest Cage",
+            "Vertices of the cage are nowhere - move or delete them, then Set Rest Cage",
             tuple(cage.not_finite),
             "cage vertex",
+            Remedy.CAGE_REST,
         )
     return BindInput(
         key=key,
@@ -94,14 +97,16 @@ def pose(turn: Turn, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | Non
             "as it is now",
             remedy=Remedy.CAGE_REST,
         )
-    if not np.isfinite(vertices).all():
-        lost = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
-        raise CageError("Vertices of the cage are nowhere - undo, or move them", tuple(lost), "cage vertex")
     world = np.array(turn.evaluated.matrix_world, dtype=np.float64)
     placed = np.array(cage.evaluated_get(turn.depsgraph).matrix_world, dtype=np.float64)
     relative = frames.inverse(world, "The mesh object") @ placed
-    held[_POSE] = frames.transformed(relative, vertices.astype(np.float64))
-    return held[_POSE], {}
+    with np.errstate(invalid="ignore"):  # said below
+        posed = frames.transformed(relative, vertices.astype(np.float64))
+    lost = np.flatnonzero(~frames.is_place(posed))
+    if len(lost):
+        raise CageError("Vertices of the cage are nowhere - undo, or move them", tuple(lost), "cage vertex")
+    held[_POSE] = posed
+    return posed, {}
 
 
 def placed(deformer: SinewDeformer, depsgraph: Depsgraph) -> list[object]:

@@ -170,18 +170,15 @@ SinglePoints singles(const py::object& object, const char* name, py::ssize_t row
 
 namespace {
 
-/// \param write  number k of the positions
-template <class Write>
-void fill_finite(SinglePoints& out, Write&& write)
+/// \param number  gives number k of the positions
+template <class Number>
+void require_finite_rows(Eigen::Index rows, Number&& number)
 {
     std::atomic<bool> finite{true};
-    parallel_chunks(static_cast<int>(out.rows()), 8192, [&](int begin, int end) {
+    parallel_chunks(static_cast<int>(rows), 8192, [&](int begin, int end) {
         std::uint32_t largest = 0; // of the bits without the sign, which have the order of the numbers
-        for (std::size_t k = 3 * static_cast<std::size_t>(begin); k < 3 * static_cast<std::size_t>(end);
-             ++k) {
-            out.data()[k] = write(k);
-            largest = std::max(largest, std::bit_cast<std::uint32_t>(out.data()[k]) & 0x7FFFFFFFU);
-        }
+        for (std::size_t k = 3 * static_cast<std::size_t>(begin); k < 3 * static_cast<std::size_t>(end); ++k)
+            largest = std::max(largest, std::bit_cast<std::uint32_t>(number(k)) & 0x7FFFFFFFU);
         if (largest >= 0x7F800000U)
             finite = false;
     });
@@ -194,12 +191,14 @@ void fill_finite(SinglePoints& out, Write&& write)
 
 void round_into(const Points& positions, SinglePoints& out)
 {
-    fill_finite(out, [from = positions.data()](std::size_t k) { return static_cast<float>(from[k]); });
+    require_finite_rows(out.rows(), [from = positions.data(), to = out.data()](std::size_t k) {
+        return to[k] = static_cast<float>(from[k]);
+    });
 }
 
-void require_finite(SinglePoints& out)
+void require_finite(const SinglePoints& positions)
 {
-    fill_finite(out, [own = out.data()](std::size_t k) { return own[k]; });
+    require_finite_rows(positions.rows(), [own = positions.data()](std::size_t k) { return own[k]; });
 }
 
 py::array_t<double> to_numpy(Points&& points)

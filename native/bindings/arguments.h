@@ -70,7 +70,7 @@ SinglePoints singles(const py::object& object, const char* name, py::ssize_t row
 void round_into(const Points& positions, SinglePoints& out);
 
 /// Needs no GIL. \throw InvalidConstraint  a position is not finite.
-void require_finite(SinglePoints& out);
+void require_finite(const SinglePoints& positions);
 
 /// Moves points into a NumPy array without a copy.
 py::array_t<double> to_numpy(Points&& points);

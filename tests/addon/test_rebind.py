@@ -39,29 +39,9 @@ def backend():
 
 
 @pytest.fixture
-def calls(backend, monkeypatch: pytest.MonkeyPatch) -> Counter:
+def calls(backend, count_native) -> Counter:
     """How often the native module was asked to build or bind something."""
-    native = backend.availability().module
-    found: Counter = Counter()
-
-    def counted(owner: object, name: str) -> None:
-        inner = getattr(owner, name)
-
-        def call(*arguments, **keywords):
-            found[name] += 1
-            return inner(*arguments, **keywords)
-
-        monkeypatch.setattr(owner, name, call)
-
-    for owner, names in (
-        (native.ThinShell, ("set_handles", "set_stiffness")),
-        (native.Arap, ("set_handles",)),
-        (native.SurfaceMesh, ("diagnose",)),
-        (native, ("SurfaceMesh", "ThinShell", "Arap")),
-    ):
-        for name in names:
-            counted(owner, name)
-    return found
+    return count_native(backend.availability().module)
 
 
 def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **options):

@@ -3,6 +3,7 @@
 
 import importlib
 import os
+from collections.abc import Iterator
 from types import ModuleType
 
 import bpy
@@ -45,6 +46,15 @@ def scene(addon_name: str, capfd: pytest.CaptureFixture):
     said = "".join(capfd.readouterr())
     for word in ("Traceback", "Dependency cycle", "Error in bpy.app.handlers"):
         assert word not in said, said
+
+
+@pytest.fixture
+def preferences(addon_name: str) -> Iterator[bpy.types.AddonPreferences]:
+    """The add-on's, without a memory limit before and after."""
+    found = bpy.context.preferences.addons[addon_name].preferences
+    found.memory_limit = 0.0
+    yield found
+    bpy.context.preferences.addons[addon_name].preferences.memory_limit = 0.0
 
 
 @pytest.fixture

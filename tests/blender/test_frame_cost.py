@@ -16,26 +16,10 @@ SHAPE = 12  # bytes a vertex, of a shape array
 
 
 @pytest.fixture
-def native(room, monkeypatch: pytest.MonkeyPatch) -> Counter:
+def native(room, count_native) -> Counter:
     """How often the native module was asked for something."""
     module = room("backend").availability().module
-    found: Counter = Counter()
-
-    def counted(owner: object, name: str) -> None:
-        inner = getattr(owner, name)
-
-        def call(*arguments, **keywords):
-            found[name] += 1
-            return inner(*arguments, **keywords)
-
-        monkeypatch.setattr(owner, name, call)
-
-    for owner in (module.ThinShell, module.Arap):
-        for name in ("set_handles", "set_stiffness", "solve"):
-            if hasattr(owner, name):
-                counted(owner, name)
-    counted(module, "SurfaceMesh")
-    return found
+    return count_native(module, "SurfaceMesh", "set_handles", "set_stiffness", "solve")
 
 
 def peak_of(action: Callable[[], object]) -> int:

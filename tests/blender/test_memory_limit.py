@@ -2,21 +2,11 @@
 """A bind that needs more memory than the preferences allow is refused by size, and nothing is lost."""
 
 import re
-from collections.abc import Iterator
 
 import bpy
 import numpy as np
 import pytest
 from rig import Rig, make_active
-
-
-@pytest.fixture
-def preferences(addon_name: str) -> Iterator[bpy.types.AddonPreferences]:
-    """The add-on's, without a limit before and after."""
-    found = bpy.context.preferences.addons[addon_name].preferences
-    found.memory_limit = 0.0
-    yield found
-    bpy.context.preferences.addons[addon_name].preferences.memory_limit = 0.0
 
 
 def test_bind_above_the_limit_names_both_sizes_and_shows_rest(preferences, room) -> None:

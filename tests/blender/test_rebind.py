@@ -14,29 +14,9 @@ from test_event_cost import calls_of
 
 
 @pytest.fixture
-def native(room, monkeypatch: pytest.MonkeyPatch) -> Counter:
+def native(room, count_native) -> Counter:
     """How often the native module was asked to build or bind something."""
-    module = room("backend").availability().module
-    found: Counter = Counter()
-
-    def counted(owner: object, name: str) -> None:
-        inner = getattr(owner, name)
-
-        def call(*arguments, **keywords):
-            found[name] += 1
-            return inner(*arguments, **keywords)
-
-        monkeypatch.setattr(owner, name, call)
-
-    for owner, names in (
-        (module.ThinShell, ("set_handles", "set_stiffness")),
-        (module.Arap, ("set_handles",)),
-        (module.SurfaceMesh, ("diagnose",)),
-        (module, ("SurfaceMesh", "ThinShell", "Arap")),
-    ):
-        for name in names:
-            counted(owner, name)
-    return found
+    return count_native(room("backend").availability().module)
 
 
 def bound(plate: Rig, room):

@@ -4,12 +4,22 @@
 import json
 import os
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
 
 HERE = Path(__file__).parent
+
+
+def blender(script: str, *arguments: object, options: Sequence[str] = ()) -> list[str]:
+    """The command that runs a script of this folder, with the modules beside it and those of ``blender/``."""
+    command = ["blender", "--factory-startup", *options]
+    if "PYTHONPATH" in os.environ:
+        command.append("--python-use-system-env")
+    modules = [str(HERE), str(HERE.parent / "blender")]
+    command += ["--python-expr", f"import sys; sys.path[:0] = {modules}", "--python", str(HERE / script)]
+    return [*command, "--", *map(str, arguments)]
 
 
 def drive(
@@ -29,13 +39,9 @@ def drive(
     if keep and "SINEW_TEST_OUTPUT" in os.environ:
         output = Path(os.environ["SINEW_TEST_OUTPUT"]) / Path(script).stem
     output.mkdir(parents=True, exist_ok=True)
-    command = ["blender", "--factory-startup", "--enable-event-simulate", "-noaudio"]
-    command += ["--window-geometry", "0", "0", *map(str, size)]
-    if "PYTHONPATH" in os.environ:
-        command.append("--python-use-system-env")
-    command += ["--python", str(HERE / script), "--", str(output)]
+    window = ["--enable-event-simulate", "-noaudio", "--window-geometry", "0", "0", *map(str, size)]
     ended = subprocess.run(
-        command,
+        blender(script, output, options=window),
         timeout=timeout,
         capture_output=True,
         text=True,

@@ -4,16 +4,9 @@
 Then the same way back by undo, and a bind that is cancelled.
 """
 
-import sys
-from pathlib import Path
-
 import bpy
 import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
-from mathutils import Vector
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
 from driving import (
     MODELS,
     OUTPUT,
@@ -36,6 +29,7 @@ from driving import (
     viewport,
     write,
 )
+from mathutils import Vector
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
 HEAD = (370, 626), (600, 456)

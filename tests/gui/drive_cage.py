@@ -5,14 +5,8 @@ Steps are a generator; each ``yield`` gives Blender the time a person would take
 go to the folder named after ``--``.
 """
 
-import sys
-from pathlib import Path
-
 import bpy
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
 from driving import (
     enable,
     in_view,

@@ -5,17 +5,11 @@ Steps are a generator; each ``yield`` gives Blender the time a person would take
 go to the folder named after ``--``.
 """
 
-import sys
-from pathlib import Path
-
 import bmesh
 import bpy
 import numpy as np
-from mathutils import Quaternion
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
 from driving import enable, in_view, move, play, press, region, screenshot, seen, select, viewport
+from mathutils import Quaternion
 
 SEQUENCES = {  # keys, and moves of the mouse in pixels; a leading + holds Shift
     "free": ["G", (60, 40)],

@@ -1,16 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender with a window: handles in their list, weights by brush, new vertices, heavy drags."""
 
-import sys
-from pathlib import Path
-
 import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
-from mathutils import Vector
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
 from driving import (
     click,
     drag,
@@ -32,6 +25,7 @@ from driving import (
     window,
     write,
 )
+from mathutils import Vector
 
 REGIONS = {
     "Ear.L": ("HANDLE", lambda point: point.x > 1.6),

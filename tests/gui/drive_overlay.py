@@ -5,16 +5,11 @@ Steps are a generator, as in ``drive.py``; observations and screenshots go to th
 """
 
 import sys
-from pathlib import Path
 
 import addon_utils
 import bpy
 import numpy as np
 from bpy_extras import view3d_utils
-from mathutils import Color, Euler, Matrix, Vector
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-
 from driving import (
     MODELS,
     MODULE,
@@ -29,6 +24,7 @@ from driving import (
     view_pixels,
     viewport,
 )
+from mathutils import Color, Euler, Matrix, Vector
 
 
 def overlays():

@@ -12,7 +12,6 @@ import numpy as np
 
 AUTOSAVE, ANSWER = sys.argv[sys.argv.index("--") + 1 :]
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "blender"))
 addon_utils.enable(os.environ.get("SINEW_ADDON_MODULE", "sinew"), default_set=True)
 
 from events import Expected  # noqa: E402 - needs the add-on

@@ -4,18 +4,12 @@ viewport lives on, unlocked, and Blender's own autosave.
 """
 
 import os
-import sys
 import time
-from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix
-
-sys.path.insert(0, str(Path(__file__).resolve().parent))
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "blender"))
-
 from driving import OUTPUT, enable, in_view, play, seen, session, until, viewport, window
+from mathutils import Matrix
 
 enable()
 

@@ -2,14 +2,12 @@
 """Playback, viewport render, F12 during a drag, 1,000 frames with an unlocked viewport, autosave."""
 
 import json
-import os
 import subprocess
 from pathlib import Path
 
 import pytest
-from blender_window import drive
+from blender_window import blender, drive
 
-HERE = Path(__file__).parent
 FRAMES = 1000
 CYCLES_FRAMES = FRAMES // 20
 TIMEOUT = 400.0  # about 70 s on a quiet machine: 40 of them render, the rest waits for the autosave
@@ -76,10 +74,7 @@ def test_blenders_own_autosave_opens_with_the_pose_and_lives_on(seen: dict, tmp_
     """In another Blender, as after a crash."""
     assert seen["autosave"]
     answer = tmp_path / "seen.json"
-    command = ["blender", "-b", "--factory-startup"]
-    if "PYTHONPATH" in os.environ:
-        command.append("--python-use-system-env")
-    command += ["--python", str(HERE / "drive_recover.py"), "--", seen["autosave"], str(answer)]
+    command = blender("drive_recover.py", seen["autosave"], answer, options=["-b"])
     ended = subprocess.run(command, timeout=60, capture_output=True, text=True, check=False)
     said = ended.stdout + ended.stderr
     assert "Traceback" not in said, said[-3000:]

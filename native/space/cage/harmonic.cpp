@@ -22,39 +22,30 @@ constexpr int checked_points = 200; ///< for the estimate of the error
 constexpr int most_mends = 60;
 constexpr double faintest = 1e-12; ///< weight that a vertex cut off has where it is needed
 
-int most_unknowns(HarmonicQuality quality)
+struct Budget
 {
-    switch (quality) {
-    case HarmonicQuality::fast:
-        return 1000;
-    case HarmonicQuality::medium:
-        return 2000;
-    case HarmonicQuality::fine:
-        return 4100;
-    default:
-        return 12000;
-    }
-}
+    int unknowns; ///< of the elements, at most
+    int cells;    ///< of the lattice, along the longest side of the box around the cage
+};
 
-/// Along the longest side of the box around the cage.
-int cells(HarmonicQuality quality)
+Budget budget(HarmonicQuality quality)
 {
     switch (quality) {
     case HarmonicQuality::fast:
-        return 96;
+        return {1000, 96};
     case HarmonicQuality::medium:
-        return 160;
+        return {2000, 160};
     case HarmonicQuality::fine:
-        return 256;
+        return {4100, 256};
     default:
-        return 384;
+        return {12000, 384};
     }
 }
 
 int level_for(int triangles, HarmonicQuality quality)
 {
     int level = harmonic_pattern_count - 1;
-    while (level > 0 && triangles * harmonic_pattern_unknowns(level) > most_unknowns(quality))
+    while (level > 0 && triangles * harmonic_pattern_unknowns(level) > budget(quality).unknowns)
         --level;
     return level;
 }
@@ -96,7 +87,7 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
         return share;
     }
     within.tick(0.0, "cutting the lattice");
-    const HarmonicGrid grid(cage(), cells(quality_));
+    const HarmonicGrid grid(cage(), budget(quality_).cells);
     const int step = static_cast<int>(points.rows()) / checked_points + 1;
     grid_ = std::make_unique<HarmonicGrid::Weights>(grid.evaluate(points, step, within));
     first_point_ = points.data();

@@ -196,6 +196,18 @@ int HarmonicMultigrid::row(int level, const Node& node) const
     return own.rows[at];
 }
 
+/// \param visit  gets each row of a level, and its node in steps of that level.
+template <class Visit>
+void HarmonicMultigrid::each_row(const Level& level, Visit&& visit)
+{
+    std::size_t at = 0;
+    for (int i = 0; i < level.size[0]; ++i)
+        for (int j = 0; j < level.size[1]; ++j)
+            for (int k = 0; k < level.size[2]; ++k, ++at)
+                if (const int row = level.rows[at]; row >= 0)
+                    visit(row, Node{i, j, k});
+}
+
 void HarmonicMultigrid::link(const HarmonicLattice& lattice, const std::vector<HarmonicData>& data, int level)
 {
     Level& own = levels_[level];
@@ -204,50 +216,42 @@ void HarmonicMultigrid::link(const HarmonicLattice& lattice, const std::vector<H
     own.share.resize(own.count);
     own.diagonal.resize(own.count);
     own.sources.resize(strip_count());
-    std::size_t at = 0;
-    for (int i = 0; i < own.size[0]; ++i)
-        for (int j = 0; j < own.size[1]; ++j)
-            for (int k = 0; k < own.size[2]; ++k, ++at) {
-                const int row = own.rows[at];
-                if (row < 0)
-                    continue;
-                const Node node{i * width, j * width, k * width};
-                std::array<const HarmonicLattice::Crossing*, 6> crossing;
-                std::array<double, 6> length, share;
-                double sum = 0.0;
-                for (int axis = 0; axis < 3; ++axis) {
-                    for (int side = 0; side < 2; ++side) {
-                        const int l = 2 * axis + side, sign = side ? 1 : -1;
-                        Node other = node;
-                        other[axis] += sign * width;
-                        crossing[l] = lattice.next(node, axis, sign, width);
-                        const int neighbour = crossing[l] ? -1 : this->row(level, other);
-                        own.link[row][l] = neighbour < 0 ? own.count : neighbour;
-                        length[l] = crossing[l] ? std::max(std::abs(crossing[l]->depth - node[axis]) / width,
-                                                           shortest)
-                                                : 1.0;
-                    }
-                    for (int side = 0; side < 2; ++side) {
-                        const int l = 2 * axis + side;
-                        // A link that ends neither inside nor on the cage is left out: rounding made it.
-                        const bool ends = crossing[l] || own.link[row][l] != own.count;
-                        share[l] = ends ? 2.0 / (length[l] * (length[l] + length[l ^ 1])) : 0.0;
-                        sum += share[l];
-                    }
-                }
-                own.diagonal[row] = static_cast<float>(sum);
-                for (int l = 0; l < 6; ++l) {
-                    const double part = sum > 0.0 ? share[l] / sum : 0.0;
-                    own.share[row][l] = static_cast<float>(part);
-                    if (!crossing[l])
-                        continue;
-                    data[crossing[l]->triangle].each(crossing[l]->hats, [&](int vertex, double value) {
-                        const int place = place_[vertex];
-                        own.sources[place / strip].push_back(
-                            {row, place % strip, static_cast<float>(part * value)});
-                    });
-                }
+    each_row(own, [&](int row, const Node& steps) {
+        const Node node{steps[0] * width, steps[1] * width, steps[2] * width};
+        std::array<const HarmonicLattice::Crossing*, 6> crossing;
+        std::array<double, 6> length, share;
+        double sum = 0.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int side = 0; side < 2; ++side) {
+                const int l = 2 * axis + side, sign = side ? 1 : -1;
+                Node other = node;
+                other[axis] += sign * width;
+                crossing[l] = lattice.next(node, axis, sign, width);
+                const int neighbour = crossing[l] ? -1 : this->row(level, other);
+                own.link[row][l] = neighbour < 0 ? own.count : neighbour;
+                length[l] =
+                    crossing[l] ? std::max(std::abs(crossing[l]->depth - node[axis]) / width, shortest) : 1.0;
             }
+            for (int side = 0; side < 2; ++side) {
+                const int l = 2 * axis + side;
+                // A link that ends neither inside nor on the cage is left out: rounding made it.
+                const bool ends = crossing[l] || own.link[row][l] != own.count;
+                share[l] = ends ? 2.0 / (length[l] * (length[l] + length[l ^ 1])) : 0.0;
+                sum += share[l];
+            }
+        }
+        own.diagonal[row] = static_cast<float>(sum);
+        for (int l = 0; l < 6; ++l) {
+            const double part = sum > 0.0 ? share[l] / sum : 0.0;
+            own.share[row][l] = static_cast<float>(part);
+            if (!crossing[l])
+                continue;
+            data[crossing[l]->triangle].each(crossing[l]->hats, [&](int vertex, double value) {
+                const int place = place_[vertex];
+                own.sources[place / strip].push_back({row, place % strip, static_cast<float>(part * value)});
+            });
+        }
+    });
 }
 
 /// What a level has to do with the next.
@@ -257,51 +261,41 @@ void HarmonicMultigrid::nest(int level)
     const int width = 1 << level;
     own.parents.resize(own.count - own.reds);
     next.children.resize(next.count);
-    std::size_t at = 0;
-    for (int i = 0; i < own.size[0]; ++i)
-        for (int j = 0; j < own.size[1]; ++j)
-            for (int k = 0; k < own.size[2]; ++k, ++at) {
-                const int row = own.rows[at];
-                if (row < own.reds)
-                    continue;
-                Parents& parents = own.parents[row - own.reds];
-                const Node odd{i % 2, j % 2, k % 2};
-                const bool one = odd[0] + odd[1] + odd[2] == 1;
-                parents.count = one ? 2 : 8;
-                parents.row.fill(next.count);
-                for (int c = 0; c < parents.count; ++c) {
-                    Node parent{i, j, k};
-                    for (int axis = 0; axis < 3; ++axis) {
-                        const int up = one ? c : c >> axis & 1;
-                        parent[axis] = (parent[axis] + odd[axis] * (2 * up - 1)) * width;
-                    }
-                    const int axis = odd[0] ? 0 : odd[1] ? 1 : 2;
-                    const bool cut = one && own.link[row][2 * axis + c] == own.count;
-                    if (const int found = cut ? -1 : this->row(level + 1, parent); found >= 0)
-                        parents.row[c] = found;
-                }
+    each_row(own, [&](int row, const Node& steps) {
+        if (row < own.reds)
+            return;
+        Parents& parents = own.parents[row - own.reds];
+        const Node odd{steps[0] % 2, steps[1] % 2, steps[2] % 2};
+        const bool one = odd[0] + odd[1] + odd[2] == 1;
+        parents.count = one ? 2 : 8;
+        parents.row.fill(next.count);
+        for (int c = 0; c < parents.count; ++c) {
+            Node parent = steps;
+            for (int axis = 0; axis < 3; ++axis) {
+                const int up = one ? c : c >> axis & 1;
+                parent[axis] = (parent[axis] + odd[axis] * (2 * up - 1)) * width;
             }
-    at = 0;
-    for (int i = 0; i < next.size[0]; ++i)
-        for (int j = 0; j < next.size[1]; ++j)
-            for (int k = 0; k < next.size[2]; ++k, ++at) {
-                const int row = next.rows[at];
-                if (row < 0)
-                    continue;
-                const Node node{2 * i * width, 2 * j * width, 2 * k * width};
-                std::array<int, 13>& children = next.children[row];
-                children.fill(own.reds);
-                children[0] = this->row(level, node);
-                int c = 1;
-                for (int axis = 0; axis < 3; ++axis)
-                    for (int corner = 0; corner < 4; ++corner, ++c) {
-                        Node child = node;
-                        child[(axis + 1) % 3] += corner & 1 ? width : -width;
-                        child[(axis + 2) % 3] += corner & 2 ? width : -width;
-                        if (const int found = this->row(level, child); found >= 0)
-                            children[c] = found;
-                    }
+            const int axis = odd[0] ? 0 : odd[1] ? 1 : 2;
+            const bool cut = one && own.link[row][2 * axis + c] == own.count;
+            if (const int found = cut ? -1 : this->row(level + 1, parent); found >= 0)
+                parents.row[c] = found;
+        }
+    });
+    each_row(next, [&](int row, const Node& steps) {
+        const Node node{2 * steps[0] * width, 2 * steps[1] * width, 2 * steps[2] * width};
+        std::array<int, 13>& children = next.children[row];
+        children.fill(own.reds);
+        children[0] = this->row(level, node);
+        int c = 1;
+        for (int axis = 0; axis < 3; ++axis)
+            for (int corner = 0; corner < 4; ++corner, ++c) {
+                Node child = node;
+                child[(axis + 1) % 3] += corner & 1 ? width : -width;
+                child[(axis + 2) % 3] += corner & 2 ? width : -width;
+                if (const int found = this->row(level, child); found >= 0)
+                    children[c] = found;
             }
+    });
 }
 
 std::int64_t HarmonicMultigrid::bytes() const

@@ -102,6 +102,8 @@ private:
     void number(const HarmonicLattice& lattice, int level);
     void link(const HarmonicLattice& lattice, const std::vector<HarmonicData>& data, int level);
     void nest(int level);
+    template <class Visit>
+    static void each_row(const Level& level, Visit&& visit);
     Window window(int strip_index, int level) const;
     std::array<Node, 2> range(int level, const Window& window, int around) const;
     Work::Rows rows(int level, const Window& window, int around) const;

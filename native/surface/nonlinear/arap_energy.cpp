@@ -18,10 +18,9 @@ namespace {
 /// rotation it had closes it; at the minimum, where rotations rest, it changes nothing.
 constexpr double tie = 1e-8;
 
-constexpr int lanes = 4, columns = arap_columns;
 constexpr int entries = 9; ///< numbers of a rotation
 using Packed = Eigen::Matrix<double, 3, 3>;
-constexpr std::size_t chunk_numbers = columns * (arap_chunk + 1); ///< of a chunk's covariances
+constexpr std::size_t chunk_numbers = arap_columns * (arap_chunk + 1); ///< of a chunk's covariances
 
 /// Places along a curve that fills the bounding box: G. M. Morton, 1966.
 std::vector<std::uint64_t> morton_codes(const Points& points)
@@ -355,8 +354,7 @@ void ArapProblem::fit(const ArapChunk& chunk, const double* S, const Matrices& b
     for (int i = 0; i < count; ++i) {
         if (safe[i])
             continue;
-        using Own = Eigen::Map<const Eigen::Matrix<double, 3, 3>, 0, Eigen::OuterStride<lanes>>;
-        const Matrix3 own = Own(S + columns * static_cast<std::size_t>(i));
+        const Matrix3 own = arap_covariance(S, i);
         const Matrix3 last =
             Eigen::Map<const Packed>(before.data() + first + entries * static_cast<std::size_t>(i));
         Eigen::Map<Packed>(after.data() + first + entries * static_cast<std::size_t>(i)) =

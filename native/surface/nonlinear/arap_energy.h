@@ -7,12 +7,20 @@
 #include "native/solvers/single_factor.h"
 #include "native/surface/nonlinear/arap_kernels.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
 
 namespace sinew {
+
+/// The covariance of a chunk's i-th node, out of the lanes that the kernels leave it in.
+inline auto arap_covariance(const double* S, int i)
+{
+    using Lanes = Eigen::Map<const Matrix3, 0, Eigen::OuterStride<arap_columns / 3>>;
+    return Lanes(S + arap_columns * static_cast<std::size_t>(i));
+}
 
 /// A soft pull on a node of an ARAP graph, in units of the Laplacian's diagonal entries.
 struct ArapPull

@@ -197,10 +197,7 @@ TEST(ArapKernels, torques_are_the_slope_of_the_fit)
         arap_kernels().torques(view, chunk, S.data(), example.rotations.data(), t.data());
         arap_kernels().add_neighbours(view, chunk, example.rotations.data(), S.data());
         for (int i = 0; i < count; i += 7) {
-            Matrix3 pulls;
-            for (int column = 0; column < 3; ++column)
-                for (int row = 0; row < 3; ++row)
-                    pulls(row, column) = S[arap_columns * i + 4 * column + row];
+            const Matrix3 pulls = arap_covariance(S.data(), i);
             for (int axis = 0; axis < 3; ++axis) {
                 const double step = 1e-6;
                 const auto turned = [&](double angle) {
