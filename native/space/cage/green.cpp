@@ -14,6 +14,8 @@ namespace sinew {
 
 namespace {
 
+constexpr double touching = 1e-25; ///< square of how far a point on the cage may seem to lie from it
+
 /// s n' of a triangle with rest sides u, v: the paper's equation 9.
 Vector3 stretched_normal(const Vector3& u, const Vector3& v, Vector3 to_u, Vector3 to_v)
 {
@@ -112,7 +114,10 @@ void Green::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outsi
         together.run(tables, points);
         for (int lane = 0; lane < std::min(lanes, count - first); ++lane) {
             const Told* from = &together;
-            if (together.touching >> lane & 1) {
+            // On a face rounding says on which side a point lies: inside it is.
+            const bool touches = (together.touching >> lane & 1) ||
+                                 (std::round(together.winding[lane]) == 0.0 && is_on_cage(x[lane]));
+            if (touches) {
                 PointLanes same(cage_kernels());
                 for (int k = 0; k < lanes; ++k)
                     same.set(k, moved_in(x[lane]));
@@ -144,12 +149,17 @@ void Green::continue_through(const Vector3& x, Row&& row) const
     row[cage().vertex_count() + geometry_.cage_triangle(exit)] -= geometry_.depth(exit, x);
 }
 
+bool Green::is_on_cage(const Vector3& x) const
+{
+    return geometry_.square_distance(geometry_.nearest(x), x) <= touching;
+}
+
 Vector3 Green::moved_in(const Vector3& x) const
 {
     const CageTables tables = geometry_.tables();
     Vector3 outwards = Vector3::Zero();
     for (int t = 0; t < tables.triangle_count; ++t)
-        if (geometry_.square_distance(t, x) <= 1e-25)
+        if (geometry_.square_distance(t, x) <= touching)
             outwards += Vector3::Map(tables.triangles[t].normal);
     return x - 1e-12 * outwards.stableNormalized();
 }

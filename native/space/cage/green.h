@@ -70,7 +70,8 @@ private:
     /// Adds the continuation through a triangle to the row of a point outside.
     template <class Row>
     void continue_through(const Vector3& x, Row&& row) const;
-    /// A point that close to an edge, moved a little into the cage.
+    bool is_on_cage(const Vector3& x) const;
+    /// A point on the cage, moved a little into it.
     Vector3 moved_in(const Vector3& x) const;
 
     CageGeometry geometry_;

@@ -156,6 +156,27 @@ TEST(Green, continues_through_one_face_if_asked)
     EXPECT_THROW(Green(Cage(cage), doubles(GreenOutside::face, -1)), InvalidOption);
 }
 
+TEST(Green, takes_points_on_faces_for_inside)
+{
+    for (const SurfaceMesh& mesh : {shapes::bumpy_sphere(1), shapes::u_prism()}) {
+        shapes::Random random(8);
+        std::vector<Vector3> on;
+        for (const Triangle& t : mesh.triangles())
+            for (int k = 0; k < 20; ++k) {
+                const double s = random.unit(), r = (1.0 - s) * random.unit();
+                on.push_back(s * mesh.point(t[0]) + r * mesh.point(t[1]) + (1.0 - s - r) * mesh.point(t[2]));
+            }
+        Points points(static_cast<Eigen::Index>(on.size()), 3);
+        for (std::size_t i = 0; i < on.size(); ++i)
+            points.row(static_cast<Eigen::Index>(i)) = on[i].transpose();
+        Green green{Cage(mesh), doubles(GreenOutside::refuse)};
+        EXPECT_TRUE(green.bind(view(points)).outside.empty());
+        Points warped;
+        green.warp(view(mesh.points()), warped);
+        EXPECT_LT((warped - points).cwiseAbs().maxCoeff(), 1e-11); // moved in by 1e-12 of the cage's size
+    }
+}
+
 TEST(Green, refuses_points_outside_if_asked)
 {
     Green green(Cage(shapes::cube()), doubles(GreenOutside::refuse));
