@@ -19,7 +19,7 @@ LABELS = {
     "green": "Green",
 }
 NOD = Move(shift=(0.02, 0.0, 0.05), turn=(24.0, -16.0, -20.0), pivot=(0.05, 0.0, 0.95))
-STEP = Move(turn=(0.0, -88.0, 0.0), pivot=(0.14, -0.2, 0.58))
+STEP = Move(shift=(0.3, -0.16, 0.12), turn=(0.0, -70.0, 0.0), pivot=(0.14, -0.2, 0.58))
 NOD_VALUES = {1: 0.0, POSE_FRAME: 1.0, 56: 0.35, 72: 1.0, 96: 0.0}
 STEP_VALUES = {1: 0.0, POSE_FRAME: 1.0, 48: 0.7, 56: 1.0, 64: 0.7, 72: 1.0, 96: 0.0}
 
@@ -42,7 +42,8 @@ def make() -> bpy.types.Scene:
     studio.add_camera(scene, target=(-0.12, 0.0, 0.84), distance=24.0, elevation=9.0, width=7.15)
     studio.add_lights(scene, target=(0.0, 0.0, 0.8), size=9.0)
     for cow, label in zip(cows, LABELS.values()):
-        studio.add_label(scene, label, (cow.location.x, -1.25, 0.0), 0.15)
+        middle = 0.95 * cow.location.x - 0.17  # of the cow as the camera sees it, to which the label is nearer
+        studio.add_label(scene, label, (middle, -1.25, 0.0), 0.15)
     studio.set_up_render(scene, samples=64, height=480)
     studio.open_at(scene, POSE_FRAME, cows[0])
     return scene
