@@ -14,7 +14,8 @@ namespace sinew {
 
 namespace {
 
-constexpr double touching = 1e-25; ///< square of how far a point on the cage may seem to lie from it
+/// Squares of distances: of what a point that touches may touch, and of what rounding makes of none.
+constexpr double touched = 1e-25, rounding = 1e-29;
 
 /// s n' of a triangle with rest sides u, v: the paper's equation 9.
 Vector3 stretched_normal(const Vector3& u, const Vector3& v, Vector3 to_u, Vector3 to_v)
@@ -151,7 +152,7 @@ void Green::continue_through(const Vector3& x, Row&& row) const
 
 bool Green::is_on_cage(const Vector3& x) const
 {
-    return geometry_.square_distance(geometry_.nearest(x), x) <= touching;
+    return geometry_.square_distance(geometry_.nearest(x), x) <= rounding;
 }
 
 Vector3 Green::moved_in(const Vector3& x) const
@@ -159,7 +160,7 @@ Vector3 Green::moved_in(const Vector3& x) const
     const CageTables tables = geometry_.tables();
     Vector3 outwards = Vector3::Zero();
     for (int t = 0; t < tables.triangle_count; ++t)
-        if (geometry_.square_distance(t, x) <= touching)
+        if (geometry_.square_distance(t, x) <= touched)
             outwards += Vector3::Map(tables.triangles[t].normal);
     return x - 1e-12 * outwards.stableNormalized();
 }
