@@ -108,7 +108,7 @@ def _strays(root: Path, found: list[Row]) -> Iterator[str]:
                 yield f"native/{room}/{header.name}: neither a row of the registry nor part of a method"
         for source in files(root, f"native/{room}", ".cpp"):
             header = source.with_name(
-                source.stem.removesuffix("_avx2") + ".h"
+                source.stem.removesuffix("_avx2").removesuffix("_avx512") + ".h"
             )  # one for every instruction set
             if not header.is_file():
                 yield f"native/{room}/{source.name}: has no header beside it"
