@@ -16,7 +16,7 @@ from ..core.errors import SinewError
 from ..core.status import Level
 from ..mesh_io import read_incoming
 from ..properties import SinewDeformer
-from . import capture, edit, evaluate, rig, state
+from . import capture, edit, evaluate, kinds, rig, state
 
 
 def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = False) -> list[str]:
@@ -46,6 +46,7 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
 
 def _refuse(obj: Object, deformer: SinewDeformer, modifier: Modifier | None, as_shape_key: bool) -> None:
     """What Blender refuses too, and what has no shape to apply."""
+    kinds.require_mesh(obj, "Apply changes")
     if obj.data.users > 1:
         raise SinewError("Other objects share this mesh - make it single-user first (Object > Relations)")
     if obj.data.library is not None or obj.data.override_library is not None:

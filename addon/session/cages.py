@@ -11,10 +11,10 @@ from bpy.types import Object
 from mathutils import Matrix
 
 from ..backend import Progress, automatic_cage
-from ..core.errors import CageError
+from ..core.errors import CageError, MeshError
 from ..mesh_io import read_rest
 from ..properties import SinewDeformer
-from . import binding, by_cage, capture, rig, state
+from . import binding, by_cage, capture, hull, rig, state
 
 Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per face, vertex of each corner
 
@@ -22,7 +22,7 @@ Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per 
 def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
     """What makes a cage around what enters the deformer, or would enter a new one. Any thread may call it.
 
-    ``options`` as ``backend.automatic_cage`` takes them.
+    ``options`` as ``backend.automatic_cage`` takes them. Loose points count as their convex hull.
     """
     modifier = None if deformer is None else rig.find_modifier(obj, deformer)
     position = len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
@@ -31,7 +31,12 @@ def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callab
         rest = read_rest(mesh)
     finally:
         bpy.data.meshes.remove(mesh)
-    return partial(_around, rest.points, (rest.counts, rest.corners), options)
+    if not len(rest.points):
+        raise MeshError(f"{obj.name} has no points - add some, or check the modifiers before Sinew")
+    points, faces = rest.points, (rest.counts, rest.corners)
+    if not len(rest.counts):
+        points, faces = hull.around(points)
+    return partial(_around, points, faces, options)
 
 
 def _around(

@@ -5,11 +5,13 @@ import bpy
 from bpy.types import Context, Object, Panel, UILayout
 from bpy.utils import register_classes_factory
 
-from .. import bake
+from .. import bake, session
+from ..core.status import Remedy
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import BAKE_TARGETS, SinewDeformer
 from .places import ROOT, SidebarPanel
+from .status_box import draw_remedy
 from .text import draw_text
 
 _LABELS = {identifier: label for identifier, label, *_rest in BAKE_TARGETS}
@@ -35,6 +37,9 @@ class SINEW_PT_bake(SidebarPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
+        if not session.is_mesh(obj):
+            _draw_export(context, layout, obj, deformer)
+            return
         if deformer.bake.is_baked:
             _draw_baked(context, layout, deformer)
         _draw_settings(context, layout, obj, deformer)
@@ -51,6 +56,17 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
         path.active = False
         path.label(text=settings.filepath, icon="BLANK1")
     box.operator(Operators.UNBAKE, icon="LOOP_BACK")
+
+
+def _draw_export(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    """What is no mesh goes into Alembic files alone."""
+    text = f"Shape keys and caches hold meshes, and this is a {session.label(obj)} object"
+    if bake.can_write_alembic():
+        draw_text(context, layout, f"{text}: it goes into an Alembic file", "INFO")
+        _bake(context, layout, deformer, "Bake to Alembic", "RENDER_ANIMATION").target = "ALEMBIC"
+    else:
+        draw_text(context, layout, f"{text} - convert it to a mesh", "INFO")
+        draw_remedy(layout, Remedy.CONVERT)
 
 
 def _draw_settings(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:

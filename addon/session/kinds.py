@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects can be moved, and by what: the one place that knows their types.
+
+A mesh has vertices, which anything moves. Curves, text, hair and point clouds have control points, or a
+surface that Blender makes of them: no regions can be marked there, so only cages move them.
+"""
+
+from bpy.types import ID, Object
+
+from ..core.errors import OptionError, SinewError
+from ..core.kinds import BY_ID, MESH, Kind
+from ..core.methods import Control, Method
+from ..core.status import Remedy
+from ..ids import Keys
+from ..properties import SinewDeformer
+
+_MOVED = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD")
+
+
+def is_mesh(obj: Object) -> bool:
+    """All methods and operators work."""
+    return obj.type == "MESH"
+
+
+def can_be_moved(obj: Object) -> bool:
+    """At least a cage moves it."""
+    return obj.type in _MOVED
+
+
+def label(obj: Object) -> str:
+    """The type, as in a sentence."""
+    return obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
+
+
+def of(deformer: SinewDeformer) -> Kind:
+    """What the deformer moves, as it was bound."""
+    rest = deformer.rest_in("VIEWPORT")
+    return MESH if rest is None else BY_ID[rest.get(Keys.REST_KIND, MESH.id)]
+
+
+def size(obj: Object) -> int:
+    """Roughly how heavy the object is, in vertices or points; 0 where that takes long to tell."""
+    for points in ("vertices", "points"):
+        if hasattr(obj.data, points):
+            return len(getattr(obj.data, points))
+    return 0
+
+
+def vertex_count(obj: Object) -> int:
+    """Of the mesh without modifiers; -1 for objects of another type."""
+    return len(obj.data.vertices) if is_mesh(obj) else -1
+
+
+def structure(obj: Object) -> str:
+    """What an object of another type than mesh is made of, to compare: positions do not count."""
+    data = obj.data
+    if obj.type == "FONT":
+        return f"{data.body}\n{data.font.name if data.font else ''}"
+    if obj.type == "CURVE":
+        return " ".join(
+            f"{spline.type}{len(spline.bezier_points) or len(spline.points)}{'o' * spline.use_cyclic_u}"
+            for spline in data.splines
+        )
+    return f"{len(getattr(data, 'curves', ()))} {size(obj)}"
+
+
+def render_resolution(data: ID) -> int:
+    """Of a curve or text that is tessellated otherwise in renders, else 0."""
+    resolution = getattr(data, "render_resolution_u", 0)
+    return resolution if resolution != getattr(data, "resolution_u", 0) else 0
+
+
+def require_method(obj: Object, method: Method) -> None:
+    """Only cages move what is no mesh."""
+    if not is_mesh(obj) and method.control is not Control.CAGE:
+        raise OptionError(
+            f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)} object - choose a "
+            "cage method, or convert it to a mesh",
+            remedy=Remedy.CONVERT,
+        )
+
+
+def require_mesh(obj: Object, what: str) -> None:
+    """``what`` begins the sentence."""
+    if not is_mesh(obj):
+        raise SinewError(f"{what} meshes, and {obj.name} is a {label(obj)} object - convert it to a mesh")
