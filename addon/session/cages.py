@@ -14,7 +14,7 @@ from ..backend import Progress, automatic_cage
 from ..core.errors import CageError, MeshError
 from ..mesh_io import read_rest
 from ..properties import SinewDeformer
-from . import binding, by_cage, capture, hull, rig, state
+from . import binding, by_cage, capture, hull, kinds, rig, state
 
 Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per face, vertex of each corner
 
@@ -62,8 +62,16 @@ def add_cage_object(obj: Object, shape: Shape) -> Object:
 
 
 def _parent(cage: Object, obj: Object) -> None:
-    """As Ctrl P does, so that the cage stays in its place when it gets another parent, an armature say."""
-    cage.parent = obj
+    """As Ctrl P does, so that the cage stays in its place when it gets another parent, an armature say.
+
+    A child of a curve would go along its path, so there a constraint carries the cage.
+    """
+    follows = None
+    if kinds.is_path(obj):
+        follows = cage.constraints.new("CHILD_OF")
+        follows.target = obj
+    else:
+        cage.parent = obj
     world = obj.matrix_world.copy()
     cage.matrix_basis = world
     sheared = np.abs(np.array(cage.matrix_basis) - np.array(world)).max() > 1e-5 * max(
@@ -71,8 +79,11 @@ def _parent(cage: Object, obj: Object) -> None:
     )
     if sheared or world.determinant() == 0.0:
         cage.matrix_basis = Matrix()
-    else:
+        return
+    if follows is None:
         cage.matrix_parent_inverse = world.inverted()
+    else:
+        follows.inverse_matrix = world.inverted()
 
 
 @state.suspended()

@@ -27,6 +27,11 @@ def can_be_moved(obj: Object) -> bool:
     return obj.type in _MOVED
 
 
+def is_path(obj: Object) -> bool:
+    """Children may follow its curve instead of its frame."""
+    return obj.type == "CURVE"
+
+
 def label(obj: Object) -> str:
     """The type, as in a sentence."""
     return obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
