@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Kind:
-    """``component`` is its geometry as Blender's nodes name it.
+    """``component``: of a geometry, as Blender's nodes call it. ``nouns``: one, and several of what is moved.
 
     ``parts``: how many points of the rest shape belong to one of the component: itself, then its handles. The
     points of all come first, then all left handles, then all right ones.
@@ -14,14 +14,15 @@ class Kind:
 
     id: str
     component: str
-    noun: str
+    nouns: tuple[str, str]
     parts: int = 1
 
 
-MESH = Kind("MESH", "MESH", "vertices")
-SURFACE = Kind("SURFACE", "MESH", "vertices")  # of a curve or text that is filled, extruded or bevelled
-CURVE = Kind("CURVE", "CURVE", "points")
-BEZIER = Kind("BEZIER", "CURVE", "points and handles", 3)
-POINTCLOUD = Kind("POINTCLOUD", "POINTCLOUD", "points")
+_VERTICES, _POINTS = ("vertex", "vertices"), ("point", "points")
+MESH = Kind("MESH", "MESH", _VERTICES)
+SURFACE = Kind("SURFACE", "MESH", _VERTICES)  # of a curve or text that is filled, extruded or bevelled
+CURVE = Kind("CURVE", "CURVE", _POINTS)
+BEZIER = Kind("BEZIER", "CURVE", ("point or handle", "points and handles"), 3)
+POINTCLOUD = Kind("POINTCLOUD", "POINTCLOUD", _POINTS)
 
 BY_ID = {kind.id: kind for kind in (MESH, SURFACE, CURVE, BEZIER, POINTCLOUD)}

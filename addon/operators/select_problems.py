@@ -42,6 +42,9 @@ class SINEW_OT_select_problems(Operator):
         if shown is None or shown.name not in context.view_layer.objects:
             self.report({"ERROR"}, "The cage is not in this view layer - nothing to select")
             return {"CANCELLED"}
+        if not session.is_mesh(shown):
+            self.report({"ERROR"}, f"{shown.name} has no vertices that could be selected")
+            return {"CANCELLED"}
         if shown.mode != "EDIT":
             if context.object is not None and context.object.mode != "OBJECT":
                 bpy.ops.object.mode_set(mode="OBJECT")

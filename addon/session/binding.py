@@ -12,7 +12,7 @@ from ..backend import Factor, Progress, availability, build_factor
 from ..core import status
 from ..core.errors import BackendMissingError, CancelledError, SinewError
 from ..core.kinds import MESH
-from ..core.status import Level, Status
+from ..core.status import Level, Remedy, Status
 from ..ids import Keys
 from ..mesh_io import read_rest
 from ..properties import SinewDeformer
@@ -107,6 +107,8 @@ def _refuse(session: Session, uid: str, key: tuple, error: SinewError, request: 
         regions_at_fault = [request.indices[row] for row in error.elements]
         error.elements = tuple(int(vertex) for members in regions_at_fault for vertex in members)
         error.element_kind = "vertex"
+    if request is not None and request.rest.kind is not MESH and not error.element_kind.startswith("cage"):
+        error.elements, error.remedy = (), Remedy.NONE  # nothing of it can be selected, or repaired
     status.put_notes(uid, ())
     status.fail(uid, error)
 
@@ -137,7 +139,7 @@ def _install(
 def summary(bound: Bound) -> str:
     """The status line of a deformer that is well."""
     time_spent = duration(bound.milliseconds)
-    return f"{len(bound.rest.points):,} {bound.rest.kind.noun}, {bound.control}, bound in {time_spent}"
+    return f"{len(bound.rest.points):,} {bound.rest.kind.nouns[1]}, {bound.control}, bound in {time_spent}"
 
 
 def duration(milliseconds: float) -> str:
@@ -149,7 +151,7 @@ def duration(milliseconds: float) -> str:
 
 def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
     """What is unusual about the mesh. Elements count the vertices that enter: Select shows the base mesh."""
-    warnings = steering.of_method(request.recipe.method).notes(factor.report, request.on_base)
+    warnings = steering.of_method(request.recipe.method).notes(factor.report, request)
     if request.rest.kind is not MESH:
         return warnings  # there is nothing to repair
     diagnosis = replace(factor.diagnosis, not_finite=request.rest.not_finite)

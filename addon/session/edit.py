@@ -56,10 +56,11 @@ def remove_deformer(obj: Object, index: int) -> None:
         controls.release(handle)
         _release_group(obj, deformer, handle)
     cages.release_cage(deformer)
-    _forget(obj, index)
+    forget(obj, index)
 
 
-def _forget(obj: Object, index: int) -> None:
+def forget(obj: Object, index: int) -> None:
+    """Take a deformer off, and leave its controls and its cage."""
     deformer = obj.sinew.deformers[index]
     binding.abandon(deformer.uid)
     state.drop(deformer.uid)

@@ -33,7 +33,9 @@ def _farthest_out(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     a, b, c = triangles.transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
     offsets = np.einsum("ij,ij->i", normals, a)
-    found = [(int(np.argmax(away)), away.max()) for away in (points @ n - d for n, d in zip(normals, offsets))]
+    found = [
+        (int(np.argmax(away)), away.max()) for away in (points @ n - d for n, d in zip(normals, offsets))
+    ]
     return np.unique([index for index, away in found if away > 0.0]).astype(int)
 
 

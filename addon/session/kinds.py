@@ -43,6 +43,11 @@ def of(deformer: SinewDeformer) -> Kind:
     return MESH if rest is None else BY_ID[rest.get(Keys.REST_KIND, MESH.id)]
 
 
+def suits(obj: Object, deformer: SinewDeformer) -> bool:
+    """The object still is a mesh, or still is none, as when the deformer was bound."""
+    return not deformer.is_bound or (of(deformer) is MESH) == is_mesh(obj)
+
+
 def size(obj: Object) -> int:
     """Roughly how heavy the object is, in vertices or points; 0 where that takes long to tell."""
     for points in ("vertices", "points"):
