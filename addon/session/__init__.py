@@ -19,7 +19,7 @@ from .edit import (
 )
 from .evaluate import settle, update
 from .grab import NOTHING_FREE, Grab
-from .kinds import can_be_moved, is_mesh, label, require_mesh, size
+from .kinds import can_be_moved, is_exported, is_mesh, label, require_mesh, size
 from .mirror import Mirrored, MirrorOptions, handles_of_side, mirror, side_of_handle
 from .move import move_deformer, move_handle
 from .parting import part_regions
@@ -65,6 +65,7 @@ __all__ = (
     "group_from_selection",
     "handles_of_side",
     "has_pending",
+    "is_exported",
     "is_mesh",
     "is_moved_by_control",
     "is_needed",

@@ -36,7 +36,10 @@ TOPOLOGY_CHANGED = "Topology changed - Rebind"
 def find(turn: Turn, bound: Bound) -> tuple[np.ndarray | None, bool]:
     """The incoming positions float32 (n, 3), None for rest; and whether only displacements can be shown."""
     if not kinds.is_mesh(turn.obj):
-        if turn.new_geometry and kinds.structure(turn.obj) != bound.rest.structure:
+        session = turn.session
+        if turn.new_geometry or session.structure is None:
+            session.structure = kinds.structure(turn.obj)
+        if session.structure != bound.rest.structure:
             raise TopologyChangedError(TOPOLOGY_CHANGED)
         return None, True  # to a cage it is all the same: what it moves, it moves on from where that is
     expected = len(bound.rest.points)

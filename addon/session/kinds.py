@@ -43,6 +43,11 @@ def of(deformer: SinewDeformer) -> Kind:
     return MESH if rest is None else BY_ID[rest.get(Keys.REST_KIND, MESH.id)]
 
 
+def is_exported(obj: Object) -> bool:
+    """Blender writes the shape shown into Alembic files; of others the one without modifiers, or nothing."""
+    return obj.type in ("MESH", "CURVES")
+
+
 def suits(obj: Object, deformer: SinewDeformer) -> bool:
     """The object still is a mesh, or still is none, as when the deformer was bound."""
     return not deformer.is_bound or (of(deformer) is MESH) == is_mesh(obj)

@@ -6,12 +6,10 @@ from bpy.types import Context, Object, Panel, UILayout
 from bpy.utils import register_classes_factory
 
 from .. import bake, session
-from ..core.status import Remedy
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import BAKE_TARGETS, SinewDeformer
 from .places import ROOT, SidebarPanel
-from .status_box import draw_remedy
 from .text import draw_text
 
 _LABELS = {identifier: label for identifier, label, *_rest in BAKE_TARGETS}
@@ -59,14 +57,12 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
 
 
 def _draw_export(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    """What is no mesh goes into Alembic files alone."""
-    text = f"Shape keys and caches hold meshes, and this is a {session.label(obj)} object"
-    if bake.can_write_alembic():
-        draw_text(context, layout, f"{text}: it goes into an Alembic file", "INFO")
+    """What is no mesh goes into Alembic files at most."""
+    text = f"Bakes hold meshes, and this is a {session.label(obj)} object - convert it to bake it"
+    if session.is_exported(obj) and bake.can_write_alembic():
+        text = f"A {session.label(obj)} object goes into Alembic files"
         _bake(context, layout, deformer, "Bake to Alembic", "RENDER_ANIMATION").target = "ALEMBIC"
-    else:
-        draw_text(context, layout, f"{text} - convert it to a mesh", "INFO")
-        draw_remedy(layout, Remedy.CONVERT)
+    draw_text(context, layout, text, "INFO")
 
 
 def _draw_settings(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
