@@ -25,8 +25,9 @@ def export(context: Context, objects: list[Object], frames: range, chosen: str) 
         raise SinewError("Alembic files hold every frame - set Step to 1")
     for obj in objects:
         if not session.is_exported(obj):
+            kind = session.label(obj)
             raise SinewError(
-                f"Blender writes a {session.label(obj)} object without modifiers - convert {obj.name} to a mesh"
+                f"Blender writes a {kind} object without modifiers - convert {obj.name} to a mesh"
             )
         if not obj.visible_get():
             raise SinewError(f"{obj.name} is hidden - show the object and its collection to export it")

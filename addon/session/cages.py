@@ -143,6 +143,7 @@ def flip_cage(deformer: SinewDeformer) -> None:
 
 def release_cage(deformer: SinewDeformer) -> None:
     """Remove the cage made for a deformer, unless another deformer uses it."""
+    rig.release_cage(deformer)
     cage, deformer.cage = deformer.cage, None
     if cage is None or not deformer.owns_cage or cage.library is not None or cage.sinew.deformers:
         return
