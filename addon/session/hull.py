@@ -8,6 +8,7 @@ import numpy as np
 from ..compat import read_faces, read_positions
 
 _THICKNESS = 1e-3  # of the size: what lies in a plane or on a line becomes solid by so much
+_SLIVER = 1e-6  # of the largest triangle; smaller ones look anywhere
 _CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
 
 
@@ -15,28 +16,34 @@ def around(points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray
     """Points (h, 3) and triangles (counts, corners) of a closed mesh that holds all ``points`` (n, 3).
 
     It lies about a thousandth of their size outside them. Each round adds the points that stick out most, so
-    the hull itself is of few points only: a tenth of a second for 100,000.
+    the hull itself is always of few points: a fifth of a second for 100,000.
     """
     reach = _THICKNESS * (float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0)
     outermost = np.unique(np.concatenate((points @ _CORNERS.T, points, -points), axis=1).argmax(axis=0))
+    waiting = np.arange(len(points))
     while True:
         solid = (points[outermost, None, :] + reach * _CORNERS).reshape(-1, 3)
         corners, faces = _hull(solid)
-        found = np.setdiff1d(_farthest_out(points, corners[faces[1].reshape(-1, 3)]), outermost)
+        waiting, farthest = _outside(points, waiting, corners[faces[1].reshape(-1, 3)])
+        found = np.setdiff1d(farthest, outermost)
         if not len(found):
             return corners, faces
         outermost = np.concatenate((outermost, found))
 
 
-def _farthest_out(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """The point farthest outside of each of the ``triangles`` (t, 3, 3) that have some outside."""
+def _outside(points: np.ndarray, waiting: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, list[int]]:
+    """Which of the points ``waiting`` lie outside ``triangles`` (t, 3, 3); the farthest of each."""
     a, b, c = triangles.transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
-    offsets = np.einsum("ij,ij->i", normals, a)
-    found = [
-        (int(np.argmax(away)), away.max()) for away in (points @ n - d for n, d in zip(normals, offsets))
-    ]
-    return np.unique([index for index, away in found if away > 0.0]).astype(int)
+    length = np.linalg.norm(normals, axis=1)
+    is_out, farthest = np.zeros(len(waiting), dtype=bool), []
+    wide, places = length > _SLIVER * length.max(), points[waiting]
+    for corner, normal in zip(a[wide], normals[wide]):
+        away = places @ normal - corner @ normal
+        is_out |= away > 0.0
+        if len(away) and away.max() > 0.0:
+            farthest.append(int(waiting[away.argmax()]))
+    return waiting[is_out], farthest
 
 
 def _hull(points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:

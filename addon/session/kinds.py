@@ -80,9 +80,8 @@ def structure(obj: Object) -> str:
 
 
 def render_resolution(data: ID) -> int:
-    """Of a curve or text that is tessellated otherwise in renders, else 0."""
-    resolution = getattr(data, "render_resolution_u", 0)
-    return resolution if resolution != getattr(data, "resolution_u", 0) else 0
+    """Steps a segment of a curve or text in renders, where they may be others than in viewports; else 0."""
+    return getattr(data, "render_resolution_u", 0)
 
 
 def require_method(obj: Object, method: Method) -> None:

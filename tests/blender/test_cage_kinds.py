@@ -154,6 +154,10 @@ def test_renders_and_frames_show_an_animated_cage(caged):
 def test_renders_may_tessellate_otherwise(kind):
     obj = MAKERS[kind]()
     obj.data.resolution_u, obj.data.render_resolution_u = 4, 9
+    if obj.type == "CURVE":
+        obj.data.resolution_u = 9
+        for spline in obj.data.splines:  # a change of the curve's own would be one of all of them
+            spline.resolution_u = 4
     obj, cage = bind(obj)
     cage.data.transform(shear())
     cage.data.update()
