@@ -25,4 +25,9 @@ CURVE = Kind("CURVE", "CURVE", _POINTS)
 BEZIER = Kind("BEZIER", "CURVE", ("point or handle", "points and handles"), 3)
 POINTCLOUD = Kind("POINTCLOUD", "POINTCLOUD", _POINTS)
 
-BY_ID = {kind.id: kind for kind in (MESH, SURFACE, CURVE, BEZIER, POINTCLOUD)}
+_BY_ID = {kind.id: kind for kind in (MESH, SURFACE, CURVE, BEZIER, POINTCLOUD)}
+
+
+def named(name: object) -> Kind:
+    """By id; files may hold anything, and what is unknown counts as a mesh."""
+    return _BY_ID.get(name, MESH) if isinstance(name, str) else MESH

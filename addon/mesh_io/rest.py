@@ -10,7 +10,7 @@ from bpy.types import Mesh
 
 from ..compat import read_faces, read_positions
 from ..core import frames
-from ..core.kinds import BY_ID, MESH, Kind
+from ..core.kinds import MESH, Kind, named
 from ..ids import Keys
 
 _KEYS = (Keys.REST_TOKEN, Keys.REST_GROUPS, Keys.REST_KIND, Keys.REST_STRUCTURE)
@@ -55,7 +55,7 @@ def read_rest(mesh: Mesh) -> RestShape:
         counts,
         corners,
         not_finite=not_finite,
-        kind=BY_ID[mesh.get(Keys.REST_KIND, MESH.id)],
+        kind=named(mesh.get(Keys.REST_KIND)),
         structure=mesh.get(Keys.REST_STRUCTURE, ""),
     )
 

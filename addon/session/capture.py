@@ -12,7 +12,7 @@ import bpy
 from bpy.types import Mesh, Modifier, Object
 
 from ..core.errors import MeshError
-from ..core.kinds import BY_ID, MESH
+from ..core.kinds import MESH, named
 from ..ids import Datablocks, Keys
 from ..mesh_io import same_topology, weights_attribute
 from ..properties import SinewDeformer
@@ -166,7 +166,7 @@ def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
 def _as_rest(mesh: Mesh, names: list[str]) -> Mesh:
     """Named and marked; ``names`` of the vertex groups."""
     if len(mesh.vertices) == 0:
-        kind = BY_ID[mesh.get(Keys.REST_KIND, MESH.id)]
+        kind = named(mesh.get(Keys.REST_KIND))
         bpy.data.meshes.remove(mesh)
         what = "mesh has no vertices" if kind is MESH else "object has no points"
         raise MeshError(f"The {what} - add some, or check the modifiers before Sinew")

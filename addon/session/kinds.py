@@ -8,7 +8,7 @@ surface that Blender makes of them: no regions can be marked there, so only cage
 from bpy.types import ID, Object
 
 from ..core.errors import OptionError, SinewError
-from ..core.kinds import BY_ID, MESH, Kind
+from ..core.kinds import MESH, Kind, named
 from ..core.methods import Control, Method
 from ..core.status import Remedy
 from ..ids import Keys
@@ -40,7 +40,7 @@ def label(obj: Object) -> str:
 def of(deformer: SinewDeformer) -> Kind:
     """What the deformer moves, as it was bound."""
     rest = deformer.rest_in("VIEWPORT")
-    return MESH if rest is None else BY_ID[rest.get(Keys.REST_KIND, MESH.id)]
+    return MESH if rest is None else named(rest.get(Keys.REST_KIND))
 
 
 def is_exported(obj: Object) -> bool:

@@ -9,8 +9,9 @@ That of vertices also stores what came in for the next solve.
 Factor and the kind of shape ride in the last vertex of the shape mesh (``mesh_io/shape.py``).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import partial, reduce
 
 import bpy
 import numpy as np
@@ -25,6 +26,7 @@ _PART = ".sinew_part"  # in a mesh of control points: which part of which kind a
 _POINT, _LEFT, _RIGHT, _CLOUD = 1, 2, 3, 4
 _KINDS = {0: SURFACE, _POINT: CURVE, _RIGHT: BEZIER, _CLOUD: POINTCLOUD}  # by the last part there is
 _SIDES = ("LEFT", "RIGHT")
+_COMPONENTS = {"MESH": "Mesh", "CURVE": "Curve", "POINTCLOUD": "Point Cloud"}  # as sockets are called
 _BEZIER = 2.0  # the number of the type of curve
 
 
@@ -78,15 +80,22 @@ class _Builder:
         return self.out(node, "Geometry")
 
     def count(self, geometry: NodeSocket, component: str) -> NodeSocket:
-        """How many points a component of the geometry has."""
+        """How many points, or instances, a component of the geometry has."""
         node = self.add("GeometryNodeAttributeDomainSize", {"component": component}, Geometry=geometry)
-        return self.out(node, "Point Count")
+        return self.out(node, "Instance Count" if component == "INSTANCES" else "Point Count")
 
     def sample(self, geometry: NodeSocket, value: NodeSocket, at: NodeSocket) -> NodeSocket:
         """A vector of the point number ``at`` of the geometry."""
         settings = {"data_type": "FLOAT_VECTOR", "domain": "POINT"}
         node = self.add("GeometryNodeSampleIndex", settings, Geometry=geometry, Value=value, Index=at)
         return self.out(node, "Value")
+
+    def join(self, geometries: Iterable[NodeSocket]) -> NodeSocket:
+        """All of them in one."""
+        node = self.add("GeometryNodeJoinGeometry")
+        for geometry in geometries:
+            self.feed(node.inputs[0], geometry)
+        return self.out(node, "Geometry")
 
     def handle(self, side: str) -> NodeSocket:
         """Where the handle of each point of a curve is, LEFT or RIGHT."""
@@ -111,7 +120,7 @@ def ensure(kind: Kind) -> GeometryNodeTree:
             return group
     group = bpy.data.node_groups.new(Datablocks.NODE_GROUP, "GeometryNodeTree")
     group[Keys.GROUP_VERSION] = _VERSION
-    group[Keys.GROUP_KIND] = [kind.component, str(kind.parts)]
+    group[Keys.GROUP_KIND] = _name(kind)
     _interface(group)
     _nodes(group, kind)
     return group
@@ -123,10 +132,12 @@ def shows(modifier: NodesModifier, kind: Kind) -> bool:
 
 
 def _fits(group: GeometryNodeTree, kind: Kind) -> bool:
-    return list(group.get(Keys.GROUP_KIND, (MESH.component, str(MESH.parts)))) == [
-        kind.component,
-        str(kind.parts),
-    ]
+    return group.get(Keys.GROUP_KIND, _name(MESH)) == _name(kind)
+
+
+def _name(kind: Kind) -> str:
+    """Kinds of one name share a group."""
+    return f"{kind.component} {kind.parts}"
 
 
 def _is_whole(group: GeometryNodeTree) -> bool:
@@ -179,6 +190,9 @@ def _nodes(group: GeometryNodeTree, kind: Kind) -> None:
     if kind.component == MESH.component:
         for name, typ, value in ((Inputs.INCOMING, "FLOAT_VECTOR", position), (Inputs.INDEX, "INT", index)):
             kept = build.store(kept, typ, entry.outputs[name], value)
+    else:
+        kept, rejoin = _apart(build, kept, kind.component)
+    alone = kept
 
     shapes = [
         build.add("GeometryNodeObjectInfo", {"transform_space": "ORIGINAL"}, Object=entry.outputs[name])
@@ -201,7 +215,6 @@ def _nodes(group: GeometryNodeTree, kind: Kind) -> None:
         length = build.add("FunctionNodeStringLength", String=entry.outputs[Inputs.MASK]).outputs[0]
         exists = build.math("GREATER_THAN", length, 0.5)
     painted = build.switch("FLOAT", exists, 1.0, build.out(mask, "Attribute"))
-
     share = build.math("MULTIPLY", last[0], painted)
 
     def moved(before: NodeSocket, part: int) -> NodeSocket:
@@ -224,7 +237,7 @@ def _nodes(group: GeometryNodeTree, kind: Kind) -> None:
     shown = build.out(node, "Geometry")
     for part, side in enumerate(_SIDES[: kind.parts - 1], 1):
         handle = build.handle(side)
-        before = build.sample(entry.outputs["Geometry"], handle, index)  # points take their handles along
+        before = build.sample(alone, handle, index)  # in ``shown`` points took their handles along
         node = build.add(
             "GeometryNodeSetCurveHandlePositions",
             {"mode": side},
@@ -233,8 +246,28 @@ def _nodes(group: GeometryNodeTree, kind: Kind) -> None:
             Position=moved(before, part),
         )
         shown = build.out(node, "Curve")
-    leave = build.add("NodeGroupOutput")
-    build.feed(leave.inputs["Geometry"], shown)
+    if kind.component != MESH.component:
+        shown = rejoin(shown)
+    build.feed(build.add("NodeGroupOutput").inputs["Geometry"], shown)
+
+
+def _apart(
+    build: _Builder, geometry: NodeSocket, component: str
+) -> tuple[NodeSocket, Callable[[NodeSocket], NodeSocket]]:
+    """One component alone, and what joins the others to it again: instances, say, are not moved by its shape.
+
+    Where there are no others, nothing is taken apart, which keeps what sculpting needs. Meshes never are: it
+    might cost a copy.
+    """
+    parts = build.add("GeometryNodeSeparateComponents", Geometry=geometry).outputs
+    counts = [build.count(geometry, other) for other in (*_COMPONENTS, "INSTANCES") if other != component]
+    has_others = build.math("GREATER_THAN", reduce(partial(build.math, "ADD"), counts), 0.5)
+
+    def rejoin(moved: NodeSocket) -> NodeSocket:
+        others = [part for part in parts if part.name != _COMPONENTS[component]]
+        return build.switch("GEOMETRY", has_others, moved, build.join((moved, *others)))
+
+    return build.switch("GEOMETRY", has_others, geometry, parts[_COMPONENTS[component]]), rejoin
 
 
 @contextmanager
@@ -280,17 +313,16 @@ def _points_of(group: GeometryNodeTree, obj: Object) -> None:
     points = build.math("MULTIPLY", build.count(given, "CURVE"), no_surface)
     handles = build.math("MULTIPLY", points, any_bezier)
 
-    joined = build.add("GeometryNodeJoinGeometry")
-    build.feed(joined.inputs[0], components["Mesh"])
+    joined = [components["Mesh"]]
     for part, count in ((_RIGHT, handles), (_LEFT, handles), (_POINT, points)):
         side = {_LEFT: "LEFT", _RIGHT: "RIGHT"}.get(part)
         place = position if side is None else build.switch("VECTOR", is_bezier, position, build.handle(side))
-        placed = build.sample(given, place, index)
+        placed = build.sample(components["Curve"], place, index)
         made = build.add("GeometryNodePoints", Count=count, Position=placed).outputs[0]
-        build.feed(joined.inputs[0], build.vertices(made, part))
+        joined.append(build.vertices(made, part))
     no_points = build.math("MULTIPLY", no_surface, build.math("COMPARE", points, 0.0))
-    build.feed(joined.inputs[0], build.vertices(components["Point Cloud"], _CLOUD, no_points))
-    build.feed(build.add("NodeGroupOutput").inputs["Geometry"], build.out(joined, "Geometry"))
+    joined.append(build.vertices(components["Point Cloud"], _CLOUD, no_points))
+    build.feed(build.add("NodeGroupOutput").inputs["Geometry"], build.join(joined))
 
 
 def take_kind(mesh: Mesh) -> Kind:

@@ -179,7 +179,7 @@ def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None
     if session.is_mesh(obj):
         layout.prop(deformer, "method", text="")
     else:
-        choices = layout.grid_flow(columns=2, row_major=True, even_columns=True, align=True)
+        choices = layout.column(align=True)
         for method in METHODS:
             if method.control is Control.CAGE:
                 choices.prop_enum(deformer, "method", method.id)

@@ -288,6 +288,32 @@ def test_a_shape_key_of_the_curve_still_counts():
     assert np.abs(shown(obj) - rest - (0.3, 0.0, 0.5)).max() < FLOAT32
 
 
+def test_what_a_modifier_adds_to_a_curve_stays_where_it_is():
+    """A point cloud, whose points would else be moved by the numbers of the curve's."""
+    obj = bezier()
+    group = bpy.data.node_groups.new("Adds", "GeometryNodeTree")
+    if hasattr(group, "interface"):
+        for in_out in ("INPUT", "OUTPUT"):
+            group.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
+    else:
+        for sockets in (group.inputs, group.outputs):
+            sockets.new("NodeSocketGeometry", "Geometry")
+    entry, leave = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    points, join = group.nodes.new("GeometryNodePoints"), group.nodes.new("GeometryNodeJoinGeometry")
+    points.inputs["Count"].default_value, points.inputs["Position"].default_value = 5, (3.0, 2.0, 1.0)
+    for given in (entry.outputs[0], points.outputs[0]):
+        group.links.new(given, join.inputs[0])
+    group.links.new(join.outputs[0], leave.inputs[0])
+    obj.modifiers.new("Adds", "NODES").node_group = group
+    obj, cage = bind(obj)
+    expected = moved_by_hand(obj, bend(cage))
+    assert np.abs(shown(obj) - expected).max() < TESSELLATED
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    (cloud,) = (found.object for found in depsgraph.object_instances if found.object.type == "POINTCLOUD")
+    positions = np.array([point.co for point in cloud.data.points])
+    assert np.array_equal(positions, np.tile((3.0, 2.0, 1.0), (5, 1)))
+
+
 def test_one_cage_moves_a_mesh_and_a_text_and_several_cages_a_curve():
     obj, cage = bind(text())
     bpy.ops.mesh.primitive_ico_sphere_add(radius=0.4)
