@@ -5,10 +5,12 @@ A mesh has vertices, which anything moves. Curves, text, hair and point clouds h
 surface that Blender makes of them: no regions can be marked there, so only cages move them.
 """
 
-from bpy.types import ID, Object
+import numpy as np
+from bpy.types import ID, Curve, Object, Spline
 
+from ..compat import write_positions
 from ..core.errors import OptionError, SinewError
-from ..core.kinds import MESH, Kind, named
+from ..core.kinds import MESH, SURFACE, Kind, named
 from ..core.methods import Control, Method
 from ..core.status import Remedy
 from ..ids import Keys
@@ -66,6 +68,50 @@ def vertex_count(obj: Object) -> int:
     return len(obj.data.vertices) if is_mesh(obj) else -1
 
 
+def holds_points(obj: Object, kind: Kind) -> bool:
+    """The object itself has the points of this kind, which Blender has not made of something else."""
+    return kind is not SURFACE and obj.type != "FONT"
+
+
+def point_count(obj: Object, kind: Kind) -> int:
+    """How many points, in all parts, a deformer of this kind moves where no modifiers come before it."""
+    if obj.type == "CURVE":
+        return kind.parts * sum(
+            len(spline.bezier_points) or len(spline.points) for spline in obj.data.splines
+        )
+    return size(obj)
+
+
+def write_points(obj: Object, places: np.ndarray) -> None:
+    """Put all points, and handles, of an object that ``holds_points`` to ``places`` float32 (n, 3)."""
+    if obj.type == "CURVE":
+        _write_splines(obj.data, places)
+    else:
+        write_positions(obj.data, places)
+
+
+def _length(spline: Spline) -> int:
+    return len(spline.bezier_points) or len(spline.points)
+
+
+def _write_splines(curve: Curve, places: np.ndarray) -> None:
+    parts, first = places.reshape(-1, sum(map(_length, curve.splines)), 3), 0
+    for spline in curve.splines:
+        for point in spline.bezier_points:
+            point.handle_left_type = point.handle_right_type = "FREE"
+        last = first + _length(spline)
+        if spline.type == "BEZIER":
+            for name, part in zip(("co", "handle_left", "handle_right"), parts[:, first:last], strict=True):
+                spline.bezier_points.foreach_set(name, part.ravel())
+        else:
+            homogeneous = np.empty((last - first, 4), dtype=np.float32)
+            spline.points.foreach_get("co", homogeneous.ravel())
+            homogeneous[:, :3] = parts[0, first:last]
+            spline.points.foreach_set("co", homogeneous.ravel())
+        first = last
+    curve.update_tag()
+
+
 def structure(obj: Object) -> str:
     """What an object of another type than mesh is made of, to compare: positions do not count."""
     data = obj.data
@@ -73,8 +119,7 @@ def structure(obj: Object) -> str:
         return f"{data.body}\n{data.font.name if data.font else ''}"
     if obj.type == "CURVE":
         return " ".join(
-            f"{spline.type}{len(spline.bezier_points) or len(spline.points)}{'o' * spline.use_cyclic_u}"
-            for spline in data.splines
+            f"{spline.type}{_length(spline)}{'o' * spline.use_cyclic_u}" for spline in data.splines
         )
     return f"{len(getattr(data, 'curves', ()))} {size(obj)}"
 

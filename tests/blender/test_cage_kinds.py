@@ -417,9 +417,9 @@ def test_surface_methods_are_refused_with_a_way_out(room, caged):
     for operator in (bpy.ops.sinew.handle_add, bpy.ops.sinew.repair, bpy.ops.sinew.part_regions):
         with pytest.raises(RuntimeError, match="convert it to a mesh"):
             operator()
-    for operator in (bpy.ops.sinew.apply, bpy.ops.sinew.bake):
+    for refused in (lambda: bpy.ops.sinew.apply(as_shape_key=True), bpy.ops.sinew.bake):
         with pytest.raises(RuntimeError, match="convert it to a mesh"):
-            operator()
+            refused()
     cage.location.z = 0.5
     update()
     deformer = obj.sinew.active
@@ -449,6 +449,25 @@ def test_points_outside_are_said_or_refused(room):
     make_active(obj)
     assert bpy.ops.sinew.select_problems() == {"CANCELLED"}
     assert obj.mode == "OBJECT"
+
+
+def test_apply_writes_points_and_handles_where_there_are_any(caged):
+    obj, cage = caged
+    bend(cage)
+    before, kind = shown(obj), obj.type
+    obj.modifiers.new("Later", "NODES")
+    make_active(obj)
+    if kind == "FONT" or (kind == "CURVE" and has_surface(obj)):
+        with pytest.raises(RuntimeError, match="convert it to a mesh"):
+            bpy.ops.sinew.apply()
+        assert np.array_equal(shown(obj), before)
+        return
+    assert bpy.ops.sinew.apply() == {"FINISHED"}
+    assert obj.type == kind
+    assert not obj.sinew.deformers
+    assert [modifier.name for modifier in obj.modifiers] == ["Later"]
+    assert np.abs(shown(obj) - before).max() < FLOAT32 * size(before)
+    assert np.abs(unmoved(obj) - before).max() < FLOAT32 * size(before)
 
 
 def test_convert_to_mesh_keeps_the_shape_shown(room, caged):
