@@ -76,9 +76,7 @@ def holds_points(obj: Object, kind: Kind) -> bool:
 def point_count(obj: Object, kind: Kind) -> int:
     """How many points, in all parts, a deformer of this kind moves where no modifiers come before it."""
     if obj.type == "CURVE":
-        return kind.parts * sum(
-            len(spline.bezier_points) or len(spline.points) for spline in obj.data.splines
-        )
+        return kind.parts * sum(map(_length, obj.data.splines))
     return size(obj)
 
 
