@@ -213,7 +213,7 @@ class SinewDeformer(PropertyGroup):
     def shape(self, mode: str) -> Object | None:
         """The hidden object that shows the deformation in VIEWPORT or RENDER, where Sinew made it."""
         shape = self.proxy_render if mode == "RENDER" else self.proxy
-        if shape is None or shape.type != "MESH" or Keys.SHAPE not in shape.data:
+        if not isinstance(shape, Object) or shape.type != "MESH" or Keys.SHAPE not in shape.data:
             return None
         if len(shape.data.vertices) == 0:  # their truth value would ask for write access, which copies them
             return None

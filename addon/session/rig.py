@@ -127,7 +127,7 @@ def connect_mask(obj: Object, modifier: NodesModifier, deformer: SinewDeformer) 
 
 def is_linked(proxy: Object | None) -> bool:
     """Blender ignores writes to this shape: it, or its mesh, comes from a library."""
-    return proxy is not None and (
+    return isinstance(proxy, Object) and (
         proxy.library is not None or (proxy.data is not None and proxy.data.library is not None)
     )
 
