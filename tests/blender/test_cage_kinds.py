@@ -274,6 +274,35 @@ def test_points_moved_in_edit_mode_take_the_cages_motion_along(kind):
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
 
 
+def test_text_is_typed_at_rest_and_bound_anew(room):
+    obj, cage = bind(outline())
+    obj.sinew.active.auto_rebind = True
+    cage.location.z = 1.0
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert np.abs(shown(obj)[:, 2] - 1.0).max() < FLOAT32
+    bpy.ops.font.text_insert(text="ew")
+    assert np.abs(shown(obj)[:, 2]).max() < FLOAT32
+    bpy.ops.object.mode_set(mode="OBJECT")
+    room("handlers.deferred").catch_up()
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    assert np.abs(shown(obj)[:, 2] - 1.0).max() < FLOAT32
+
+
+def test_hair_follows_while_it_is_sculpted(room):
+    obj, cage = bind(hair())
+    rest = shown(obj)
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="SCULPT_CURVES")
+    cage.location.z = 1.0
+    assert np.abs(shown(obj) - rest - (0.0, 0.0, 1.0)).max() < FLOAT32 * size(rest)
+    room("handlers.deferred").catch_up()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    room("handlers.deferred").catch_up()
+    assert np.abs(shown(obj) - rest - (0.0, 0.0, 1.0)).max() < FLOAT32 * size(rest)
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+
+
 def test_a_shape_key_of_the_curve_still_counts():
     obj, cage = bind(bezier())
     obj.shape_key_add(name="Basis")
