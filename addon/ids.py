@@ -65,10 +65,13 @@ class Keys:
     """Custom properties on Blender's data."""
 
     GROUP_VERSION = "sinew_group_version"
+    GROUP_KIND = "sinew_group_kind"
     KEEP = "sinew_keep_evaluated"
     SHAPE = "sinew_shape"
     REST_TOKEN = "sinew_token"
     REST_GROUPS = "sinew_groups"
+    REST_KIND = "sinew_kind"
+    REST_STRUCTURE = "sinew_structure"
 
 
 class Inputs:

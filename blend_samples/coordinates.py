@@ -42,7 +42,9 @@ def make() -> bpy.types.Scene:
     studio.add_camera(scene, target=(-0.12, 0.0, 0.84), distance=24.0, elevation=9.0, width=7.15)
     studio.add_lights(scene, target=(0.0, 0.0, 0.8), size=9.0)
     for cow, label in zip(cows, LABELS.values()):
-        middle = 0.95 * cow.location.x - 0.17  # of the cow as the camera sees it, to which the label is nearer
+        middle = (
+            0.95 * cow.location.x - 0.17
+        )  # of the cow as the camera sees it, to which the label is nearer
         studio.add_label(scene, label, (middle, -1.25, 0.0), 0.15)
     studio.set_up_render(scene, samples=64, height=480)
     studio.open_at(scene, POSE_FRAME, cows[0])

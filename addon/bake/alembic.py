@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import bpy
 from bpy.types import Context, Object
 
+from .. import session
 from ..core.errors import SinewError
 from . import files, paths
 
@@ -23,6 +24,11 @@ def export(context: Context, objects: list[Object], frames: range, chosen: str) 
     if frames.step != 1:
         raise SinewError("Alembic files hold every frame - set Step to 1")
     for obj in objects:
+        if not session.is_exported(obj):
+            kind = session.label(obj)
+            raise SinewError(
+                f"Blender writes a {kind} object without modifiers - convert {obj.name} to a mesh"
+            )
         if not obj.visible_get():
             raise SinewError(f"{obj.name} is hidden - show the object and its collection to export it")
         if obj.hide_render or obj.hide_select:

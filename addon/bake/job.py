@@ -154,6 +154,7 @@ class Baking:
     def _refuse(self, part: _Part) -> None:
         """Why this deformer cannot be baked, before anything is touched."""
         obj, deformer = part.stage.owner(), part.stage.deformer()
+        session.require_mesh(obj, "Shape keys, PC2 and MDD hold")
         if not deformer.is_bound:
             raise SinewError(f"{deformer.name} is not bound - press Bind first")
         modifier = part.stage.modifier()

@@ -28,6 +28,7 @@ class Remedy(Enum):
     PREFERENCES = "PREFERENCES"
     CAGE_REST = "CAGE_REST"
     FLIP_CAGE = "FLIP_CAGE"
+    CONVERT = "CONVERT"
 
 
 @dataclass(frozen=True)

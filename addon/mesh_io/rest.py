@@ -10,8 +10,10 @@ from bpy.types import Mesh
 
 from ..compat import read_faces, read_positions
 from ..core import frames
+from ..core.kinds import MESH, Kind, named
 from ..ids import Keys
 
+_KEYS = (Keys.REST_TOKEN, Keys.REST_GROUPS, Keys.REST_KIND, Keys.REST_STRUCTURE)
 _WEIGHTS = ".sinew_weight_"  # how the attributes begin that keep the weights of groups
 
 
@@ -22,6 +24,7 @@ class RestShape:
     ``points`` float64 (n, 3), ``counts`` (m,) corners per face, ``corners`` vertex indices face after face,
     ``weights`` float32 (n,) by vertex group name, filled on demand. ``not_finite`` (k,) vertices whose
     coordinates are NaN or infinite in Blender; ``points`` holds finite places near their neighbours.
+    ``structure`` is what an object that is no mesh was made of, as a text to compare.
     """
 
     token: str
@@ -30,6 +33,8 @@ class RestShape:
     corners: np.ndarray
     weights: dict[str, np.ndarray] = field(default_factory=dict)
     not_finite: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
+    kind: Kind = MESH
+    structure: str = ""
 
     @cached_property
     def compact(self) -> np.ndarray:
@@ -44,7 +49,15 @@ def read_rest(mesh: Mesh) -> RestShape:
     not_finite = np.flatnonzero(~frames.is_place(points))
     if len(not_finite):
         points[not_finite] = _stand_ins(points, counts, corners, not_finite)
-    return RestShape(mesh.get(Keys.REST_TOKEN, ""), points, counts, corners, not_finite=not_finite)
+    return RestShape(
+        mesh.get(Keys.REST_TOKEN, ""),
+        points,
+        counts,
+        corners,
+        not_finite=not_finite,
+        kind=named(mesh.get(Keys.REST_KIND)),
+        structure=mesh.get(Keys.REST_STRUCTURE, ""),
+    )
 
 
 def replace_rest(held: Mesh, new: Mesh) -> None:
@@ -54,7 +67,7 @@ def replace_rest(held: Mesh, new: Mesh) -> None:
         copy.from_mesh(new, face_normals=False)
         copy.to_mesh(held)
         copy.free()
-    for key in (Keys.REST_TOKEN, Keys.REST_GROUPS):
+    for key in _KEYS:
         if key in new:
             held[key] = new[key]
         elif key in held:
@@ -79,8 +92,10 @@ def _take_weights(held: Mesh, new: Mesh) -> bool:
 
 
 def same_topology(a: Mesh, b: Mesh) -> bool:
-    """Equal numbers of vertices, and the same faces."""
+    """Equal numbers of vertices, the same faces, made of the same."""
     if len(a.vertices) != len(b.vertices):
+        return False
+    if any(a.get(key) != b.get(key) for key in (Keys.REST_KIND, Keys.REST_STRUCTURE)):
         return False
     return all(np.array_equal(x, y) for x, y in zip(read_faces(a), read_faces(b), strict=True))
 

@@ -77,7 +77,7 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
     def invoke(self, context: Context, _event: Event) -> set[str]:
         self._work = None
         obj = target_of(context)
-        if self.source != "AUTO" or not session.may_wait(len(obj.data.vertices)):
+        if self.source != "AUTO" or not session.may_wait(session.size(obj)):
             return self._end(context, self._run(context, None, wait=False))
         try:
             self._work = session.Work(self._maker(obj))

@@ -71,7 +71,7 @@ class SINEW_OT_handle_add(WaitsForBind, Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
+        return has_target(cls, context, mesh=True)
 
     def invoke(self, context: Context, _event: object) -> set[str]:
         result = self._run(context, wait=False)

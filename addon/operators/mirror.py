@@ -50,7 +50,7 @@ class SINEW_OT_handle_mirror(WaitsForBind, Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
+        if not has_deformer(cls, context, mesh=True):
             return False
         if not target_of(context).sinew.active.handles:
             cls.poll_message_set("Add a handle first")

@@ -59,7 +59,7 @@ class SINEW_OT_repair(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if not has_target(cls, context):
+        if not has_target(cls, context, mesh=True):
             return False
         if target_of(context).mode not in ("OBJECT", "EDIT"):
             cls.poll_message_set("Repair works in Object and Edit Mode")
@@ -109,7 +109,7 @@ class SINEW_OT_part_regions(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+        return has_deformer(cls, context, mesh=True)
 
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)

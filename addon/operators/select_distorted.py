@@ -27,7 +27,7 @@ class SINEW_OT_select_distorted(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
+        if not has_deformer(cls, context, mesh=True):
             return False
         if not target_of(context).sinew.active.is_bound:
             cls.poll_message_set("Bind the deformer first")

@@ -42,6 +42,9 @@ class SINEW_OT_select_problems(Operator):
         if shown is None or shown.name not in context.view_layer.objects:
             self.report({"ERROR"}, "The cage is not in this view layer - nothing to select")
             return {"CANCELLED"}
+        if not session.is_mesh(shown):
+            self.report({"ERROR"}, f"{shown.name} has no vertices that could be selected")
+            return {"CANCELLED"}
         rest = obj.sinew.active.cage_rest if of_cage else None
         if isinstance(rest, Mesh) and len(shown.data.vertices) != len(rest.vertices):
             text = "The cage has other vertices than its rest - turn off its modifiers, then Set Rest Cage"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which mesh an operator works on: the active one, or the one that the active control poses."""
+"""Which object an operator works on: the active one, or the one that the active control poses."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,18 +11,18 @@ from .. import session
 from ..core.errors import SinewError
 from ..properties import SinewDeformer, deformers_of
 
-_NOT_YET_MESHES = ("CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "LATTICE")
+_CONVERTIBLE = ("SURFACE", "META")
 
 
 def target_of(context: Context) -> Object | None:
-    """The mesh object at hand."""
+    """The object at hand, a mesh mostly."""
     obj = context.object
     if obj is None:
         return None
-    is_mesh = obj.type == "MESH"
-    if is_mesh and deformers_of(obj):
+    can_be_moved = session.can_be_moved(obj)
+    if can_be_moved and deformers_of(obj):
         return obj
-    return session.posed_by(obj) or (obj if is_mesh else _posed_with(context, obj))
+    return session.posed_by(obj) or (obj if can_be_moved else _posed_with(context, obj))
 
 
 def _posed_with(context: Context, armature: Object) -> Object | None:
@@ -36,16 +36,18 @@ def _posed_with(context: Context, armature: Object) -> Object | None:
 def no_mesh(context: Context) -> tuple[str, bool]:
     """What to do where there is no mesh object at hand, and whether Convert to Mesh does it."""
     obj = context.object
-    if obj is None or obj.type not in _NOT_YET_MESHES:
+    if obj is not None and obj.type == "LATTICE":
+        return f"{obj.name} is a lattice, which Sinew cannot move - put a cage around what it moves", False
+    if obj is None or obj.type not in _CONVERTIBLE:
         return "Select a mesh object, or a control of one", False
-    kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
-    if obj.type == "LATTICE":
-        return f"{obj.name} is a lattice, Sinew moves meshes - select the mesh that it moves", False
-    return f"{obj.name} is a {kind} object, Sinew moves meshes - convert it to one", True
+    return (
+        f"{obj.name} is a {session.label(obj)} object, which Sinew cannot move - convert it to a mesh",
+        True,
+    )
 
 
-def has_target(operator: type, context: Context) -> bool:
-    """A poll: an editable mesh object is at hand."""
+def has_target(operator: type, context: Context, mesh: bool = False) -> bool:
+    """A poll: an editable object is at hand, a ``mesh`` where no other will do."""
     obj = target_of(context)
     if obj is None:
         operator.poll_message_set(no_mesh(context)[0])
@@ -53,12 +55,16 @@ def has_target(operator: type, context: Context) -> bool:
     if obj.library is not None:
         operator.poll_message_set("This object is linked - make a library override first")
         return False
+    if mesh and not session.is_mesh(obj):
+        kind = session.label(obj)
+        operator.poll_message_set(f"{obj.name} is a {kind} object, which cages move - convert it to a mesh")
+        return False
     return True
 
 
-def has_deformer(operator: type, context: Context) -> bool:
-    """A poll: an editable mesh object with a deformer is at hand."""
-    if not has_target(operator, context):
+def has_deformer(operator: type, context: Context, mesh: bool = False) -> bool:
+    """A poll: an editable object with a deformer is at hand, a ``mesh`` where no other will do."""
+    if not has_target(operator, context, mesh):
         return False
     if not deformers_of(target_of(context)):
         operator.poll_message_set("Add a deformer first")

@@ -19,6 +19,7 @@ from .edit import (
 )
 from .evaluate import settle, update
 from .grab import NOTHING_FREE, Grab
+from .kinds import can_be_moved, is_exported, is_mesh, label, require_mesh, size
 from .mirror import Mirrored, MirrorOptions, handles_of_side, mirror, side_of_handle
 from .move import move_deformer, move_handle
 from .parting import part_regions
@@ -48,6 +49,7 @@ __all__ = (
     "bind",
     "busy",
     "cage_maker",
+    "can_be_moved",
     "cancel",
     "collect",
     "copies",
@@ -63,9 +65,12 @@ __all__ = (
     "group_from_selection",
     "handles_of_side",
     "has_pending",
+    "is_exported",
+    "is_mesh",
     "is_moved_by_control",
     "is_needed",
     "job",
+    "label",
     "may_wait",
     "mirror",
     "move_deformer",
@@ -79,6 +84,7 @@ __all__ = (
     "remove_handle",
     "repair",
     "repair_summary",
+    "require_mesh",
     "select_elements",
     "select_group",
     "serve",
@@ -86,6 +92,7 @@ __all__ = (
     "set_rest_cage",
     "settle",
     "side_of_handle",
+    "size",
     "summary",
     "suspended",
     "tidy",

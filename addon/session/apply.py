@@ -11,12 +11,12 @@ import bpy
 import numpy as np
 from bpy.types import Modifier, Object
 
-from ..compat import read_key, read_positions, write_key, write_positions
+from ..compat import read_key, read_positions, write_key
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..mesh_io import read_incoming
 from ..properties import SinewDeformer
-from . import capture, edit, evaluate, rig, state
+from . import capture, edit, evaluate, kinds, rig, state
 
 
 def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = False) -> list[str]:
@@ -37,7 +37,7 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
         if as_shape_key:
             _add_key(obj, modifier.name, entered, left)
         else:
-            write_positions(obj.data, left)
+            kinds.write_points(obj, left)
         if not keep:
             edit.remove_deformer(obj, index)
         obj.update_tag()
@@ -46,11 +46,15 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
 
 def _refuse(obj: Object, deformer: SinewDeformer, modifier: Modifier | None, as_shape_key: bool) -> None:
     """What Blender refuses too, and what has no shape to apply."""
+    if as_shape_key:
+        kinds.require_mesh(obj, "Shape keys are made on")
+    elif not kinds.holds_points(obj, kinds.of(deformer)):
+        raise SinewError(f"Blender makes what the cage moves of {obj.name} - convert it to a mesh")
     if obj.data.users > 1:
         raise SinewError("Other objects share this mesh - make it single-user first (Object > Relations)")
     if obj.data.library is not None or obj.data.override_library is not None:
         raise SinewError("The mesh is linked - make it local first (Object > Relations)")
-    if obj.data.shape_keys is not None and not as_shape_key:
+    if getattr(obj.data, "shape_keys", None) is not None and not as_shape_key:
         raise SinewError("The mesh has shape keys, which keep its shape - use Apply as Shape Key")
     if deformer.bake.is_baked:
         raise SinewError(f"{deformer.name} is baked - Unbake it first")
@@ -73,8 +77,9 @@ def _switched_off(modifiers: list[Modifier]) -> Iterator[None]:
 
 
 def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[str]) -> tuple:
-    """What enters and what leaves the deformer, float32 (n, 3)."""
-    if deformer.rest is not None and len(deformer.rest.vertices) != len(obj.data.vertices) and before:
+    """What enters and what leaves the deformer, float32 (n, 3). Of a mesh alone the first is known."""
+    expected = kinds.point_count(obj, kinds.of(deformer))
+    if deformer.rest is not None and len(deformer.rest.vertices) != expected and before:
         raise SinewError(
             f"The deformer works on vertices that {', '.join(before)} made - apply those first, or move the "
             "deformer before them"
@@ -86,10 +91,12 @@ def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[st
     mesh = capture.evaluated_mesh(obj, position + 1)
     try:
         left = read_positions(mesh)
-        entered = read_incoming(mesh, *rig.attribute_names(deformer.uid), len(left)).points
+        entered = left
+        if kinds.is_mesh(obj):
+            entered = read_incoming(mesh, *rig.attribute_names(deformer.uid), len(left)).points
     finally:
         bpy.data.meshes.remove(mesh)
-    if entered is None or len(left) != len(obj.data.vertices):
+    if entered is None or len(left) != expected:
         raise SinewError("Topology changed - Rebind before you apply")
     return entered, left
 

@@ -11,11 +11,12 @@ import bpy
 from ..backend import Factor, Progress, availability, build_factor
 from ..core import status
 from ..core.errors import BackendMissingError, CancelledError, SinewError
-from ..core.status import Level, Status
+from ..core.kinds import MESH
+from ..core.status import Level, Remedy, Status
 from ..ids import Keys
 from ..mesh_io import read_rest
 from ..properties import SinewDeformer
-from . import repair, state, steering
+from . import kinds, repair, state, steering
 from .request import BindInput
 from .state import Bound, Session
 from .work import Work
@@ -71,7 +72,7 @@ def ensure(
             session.rest = read_rest(rest)
         if job is not None and job.subject.key == key and not wait:
             return None
-        kind, base_count = steering.of(settings), len(deformer.id_data.data.vertices)
+        kind, base_count = steering.of(settings), kinds.vertex_count(deformer.id_data)
         request = kind.request(settings, rest, session.rest, key, base_count)
         if rest == deformer.rest:
             abandon(deformer.uid)
@@ -106,6 +107,8 @@ def _refuse(session: Session, uid: str, key: tuple, error: SinewError, request: 
         regions_at_fault = [request.indices[row] for row in error.elements]
         error.elements = tuple(int(vertex) for members in regions_at_fault for vertex in members)
         error.element_kind = "vertex"
+    if request is not None and request.rest.kind is not MESH and not error.element_kind.startswith("cage"):
+        error.elements, error.remedy = (), Remedy.NONE  # nothing of it can be selected, or repaired
     status.put_notes(uid, ())
     status.fail(uid, error)
 
@@ -136,7 +139,7 @@ def _install(
 def summary(bound: Bound) -> str:
     """The status line of a deformer that is well."""
     time_spent = duration(bound.milliseconds)
-    return f"{len(bound.rest.points):,} vertices, {bound.control}, bound in {time_spent}"
+    return f"{len(bound.rest.points):,} {bound.rest.kind.nouns[1]}, {bound.control}, bound in {time_spent}"
 
 
 def duration(milliseconds: float) -> str:
@@ -148,7 +151,9 @@ def duration(milliseconds: float) -> str:
 
 def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
     """What is unusual about the mesh. Elements count the vertices that enter: Select shows the base mesh."""
-    warnings = steering.of_method(request.recipe.method).notes(factor.report, request.on_base)
+    warnings = steering.of_method(request.recipe.method).notes(factor.report, request)
+    if request.rest.kind is not MESH:
+        return warnings  # there is nothing to repair
     diagnosis = replace(factor.diagnosis, not_finite=request.rest.not_finite)
     return (*warnings, *repair.notes(diagnosis, request.on_base))
 

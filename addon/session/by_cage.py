@@ -72,12 +72,13 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     )
 
 
-def notes(report: CageReport, on_base: bool) -> tuple[Status, ...]:
-    """Vertices that the cage does not hold; its faces that cross."""
+def notes(report: CageReport, request: BindInput) -> tuple[Status, ...]:
+    """Points that the cage does not hold; its faces that cross."""
     found, count = [], len(report.outside)
     if count:
-        text = "1 vertex lies outside the cage" if count == 1 else f"{count:,} vertices lie outside the cage"
-        elements = (tuple(report.outside.tolist()), "vertex") if on_base else ((), "")
+        one, several = request.rest.kind.nouns
+        text = f"1 {one} lies outside the cage" if count == 1 else f"{count:,} {several} lie outside the cage"
+        elements = (tuple(report.outside.tolist()), "vertex") if request.on_base else ((), "")
         found.append(Status(Level.WARNING, text, *elements))
     if len(report.crossing):
         text = f"{len(report.crossing):,} faces of the cage cross each other"

@@ -10,6 +10,7 @@ from . import poses
 from .controls import complete_rest_frames as set_rest
 from .regions import has_constraints as is_set
 from .regions import key, request
+from .request import BindInput
 from .state import Bound
 from .turn import Turn
 
@@ -18,13 +19,13 @@ __all__ = ("MISSING", "is_set", "key", "notes", "placed", "pose", "request", "se
 MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
 
 
-def notes(report: object, on_base: bool) -> tuple[Status, ...]:
+def notes(report: object, request: BindInput) -> tuple[Status, ...]:
     """Parts that nothing holds."""
     if not report.free_parts:
         return ()
     count = report.free_parts
     text = "1 free part stays at rest" if count == 1 else f"{count} free parts stay at rest"
-    elements = (tuple(report.free_vertices.tolist()), "vertex") if on_base else ((), "")
+    elements = (tuple(report.free_vertices.tolist()), "vertex") if request.on_base else ((), "")
     return (Status(Level.WARNING, text, *elements),)
 
 

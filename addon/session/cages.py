@@ -11,10 +11,10 @@ from bpy.types import Object
 from mathutils import Matrix
 
 from ..backend import Progress, automatic_cage
-from ..core.errors import CageError
+from ..core.errors import CageError, MeshError
 from ..mesh_io import read_rest
 from ..properties import SinewDeformer
-from . import binding, by_cage, capture, rig, state
+from . import binding, by_cage, capture, hull, kinds, rig, state
 
 Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per face, vertex of each corner
 
@@ -22,7 +22,7 @@ Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per 
 def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
     """What makes a cage around what enters the deformer, or would enter a new one. Any thread may call it.
 
-    ``options`` as ``backend.automatic_cage`` takes them.
+    ``options`` as ``backend.automatic_cage`` takes them. Loose points count as their convex hull.
     """
     modifier = None if deformer is None else rig.find_modifier(obj, deformer)
     position = len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
@@ -31,7 +31,12 @@ def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callab
         rest = read_rest(mesh)
     finally:
         bpy.data.meshes.remove(mesh)
-    return partial(_around, rest.points, (rest.counts, rest.corners), options)
+    if not len(rest.points):
+        raise MeshError(f"{obj.name} has no points - add some, or check the modifiers before Sinew")
+    points, faces = rest.points, (rest.counts, rest.corners)
+    if not len(rest.counts):
+        points, faces = hull.around(points)
+    return partial(_around, points, faces, options)
 
 
 def _around(
@@ -57,8 +62,16 @@ def add_cage_object(obj: Object, shape: Shape) -> Object:
 
 
 def _parent(cage: Object, obj: Object) -> None:
-    """As Ctrl P does, so that the cage stays in its place when it gets another parent, an armature say."""
-    cage.parent = obj
+    """As Ctrl P does, so that the cage stays in its place when it gets another parent, an armature say.
+
+    A child of a curve would go along its path, so there a constraint carries the cage.
+    """
+    follows = None
+    if kinds.is_path(obj):
+        follows = cage.constraints.new("CHILD_OF")
+        follows.target = obj
+    else:
+        cage.parent = obj
     world = obj.matrix_world.copy()
     cage.matrix_basis = world
     sheared = np.abs(np.array(cage.matrix_basis) - np.array(world)).max() > 1e-5 * max(
@@ -66,8 +79,11 @@ def _parent(cage: Object, obj: Object) -> None:
     )
     if sheared or world.determinant() == 0.0:
         cage.matrix_basis = Matrix()
-    else:
+        return
+    if follows is None:
         cage.matrix_parent_inverse = world.inverted()
+    else:
+        follows.inverse_matrix = world.inverted()
 
 
 @state.suspended()
@@ -127,6 +143,7 @@ def flip_cage(deformer: SinewDeformer) -> None:
 
 def release_cage(deformer: SinewDeformer) -> None:
     """Remove the cage made for a deformer, unless another deformer uses it."""
+    rig.release_cage(deformer)
     cage, deformer.cage = deformer.cage, None
     if cage is None or not deformer.owns_cage or cage.library is not None or cage.sinew.deformers:
         return

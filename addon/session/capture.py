@@ -12,10 +12,11 @@ import bpy
 from bpy.types import Mesh, Modifier, Object
 
 from ..core.errors import MeshError
+from ..core.kinds import MESH, named
 from ..ids import Datablocks, Keys
 from ..mesh_io import same_topology, weights_attribute
 from ..properties import SinewDeformer
-from . import node_group, regions, rig, state
+from . import kinds, node_group, regions, rig, state
 
 FEW_GROUPS = 8  # so many are kept for a quick read, in use or not: the next bind then copies weights alone
 
@@ -25,13 +26,13 @@ def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
     """A copy of the object with its first ``last_modifier`` modifiers; gone afterwards."""
     with state.suspended():
         copy = obj.copy()
-        own_mesh = None
+        own_data = None
         try:
             copy.sinew.deformers.clear()
             _still(copy)
             if obj.mode == "EDIT":
                 obj.update_from_editmode()
-                own_mesh = copy.data = obj.data.copy()
+                own_data = copy.data = obj.data.copy()
             for modifier in list(copy.modifiers)[last_modifier:]:
                 copy.modifiers.remove(modifier)
             copy.hide_viewport = False
@@ -39,8 +40,8 @@ def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
             yield copy
         finally:
             bpy.data.objects.remove(copy)
-            if own_mesh is not None:
-                bpy.data.meshes.remove(own_mesh)
+            if own_data is not None:
+                bpy.data.batch_remove((own_data,))
             bpy.context.view_layer.update()
 
 
@@ -60,6 +61,9 @@ def evaluated_mesh(obj: Object, last_modifier: int) -> Mesh:
 
 
 def _new_mesh(obj: Object) -> Mesh:
+    if not kinds.is_mesh(obj):
+        with node_group.showing_points(obj) as points:
+            return _new_mesh(points)
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     return bpy.data.meshes.new_from_object(
@@ -82,6 +86,7 @@ def rest_meshes(obj: Object, deformer: SinewDeformer) -> tuple[Mesh, Mesh | None
         try:
             with _as_rendered(copy):
                 rendered = _rest_mesh(obj, deformer, copy)
+            _refuse_other_kind(shown, rendered)
         except MeshError:
             bpy.data.meshes.remove(shown)
             raise
@@ -91,12 +96,22 @@ def rest_meshes(obj: Object, deformer: SinewDeformer) -> tuple[Mesh, Mesh | None
     return shown, rendered
 
 
+def _refuse_other_kind(shown: Mesh, rendered: Mesh) -> None:
+    if shown.get(Keys.REST_KIND) != rendered.get(Keys.REST_KIND):
+        bpy.data.meshes.remove(rendered)
+        raise MeshError(
+            "Modifiers before Sinew make a surface in renders only, or in viewports only - let both agree"
+        )
+
+
 def _subdivided(obj: Object) -> list[Modifier]:
     return [modifier for modifier in obj.modifiers if hasattr(modifier, "render_levels")]
 
 
 def _differs_in_renders(obj: Object) -> bool:
     """Some modifier may give other vertices in renders."""
+    if kinds.render_resolution(obj.data):
+        return True
     render = bpy.context.scene.render
     simplified = render.use_simplify and render.simplify_subdivision != render.simplify_subdivision_render
     return any(modifier.show_viewport != modifier.show_render for modifier in obj.modifiers) or any(
@@ -108,7 +123,10 @@ def _differs_in_renders(obj: Object) -> bool:
 def _as_rendered(copy: Object) -> Iterator[None]:
     """The copy's modifiers do in the viewport what they do in renders."""
     render = bpy.context.scene.render
-    simplify = render.use_simplify
+    simplify, data = render.use_simplify, copy.data
+    if kinds.render_resolution(data):
+        copy.data = data.copy()
+        copy.data.resolution_u = kinds.render_resolution(data)
     for modifier in copy.modifiers:
         modifier.show_viewport = modifier.show_render
     for modifier in _subdivided(copy):
@@ -121,6 +139,9 @@ def _as_rendered(copy: Object) -> Iterator[None]:
     finally:
         if simplify:
             render.use_simplify = True
+        if copy.data != data:
+            own_data, copy.data = copy.data, data
+            bpy.data.batch_remove((own_data,))
 
 
 def _position(obj: Object, deformer: SinewDeformer) -> int:
@@ -129,14 +150,26 @@ def _position(obj: Object, deformer: SinewDeformer) -> int:
 
 
 def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
+    if not kinds.is_mesh(obj):
+        mesh = _new_mesh(copy)
+        mesh[Keys.REST_KIND] = node_group.take_kind(mesh).id
+        mesh[Keys.REST_STRUCTURE] = kinds.structure(obj)
+        return _as_rest(mesh, [])
     names = [group.name for group in obj.vertex_groups]
     wanted = names if len(names) <= FEW_GROUPS else regions.groups_of(deformer) & set(names)
     painted = {weights_attribute(names.index(name)): name for name in wanted}
     with node_group.keeping_weights(copy, painted):
         mesh = _new_mesh(copy)
+    return _as_rest(mesh, names)
+
+
+def _as_rest(mesh: Mesh, names: list[str]) -> Mesh:
+    """Named and marked; ``names`` of the vertex groups."""
     if len(mesh.vertices) == 0:
+        kind = named(mesh.get(Keys.REST_KIND))
         bpy.data.meshes.remove(mesh)
-        raise MeshError("The mesh has no vertices - add some, or check the modifiers before Sinew")
+        what = "mesh has no vertices" if kind is MESH else "object has no points"
+        raise MeshError(f"The {what} - add some, or check the modifiers before Sinew")
     mesh.name = Datablocks.REST
     mesh.materials.clear()
     mesh[Keys.REST_TOKEN] = rig.new_key()

@@ -16,7 +16,7 @@ from ..core.status import Level, Status
 from ..mesh_io import RestShape, group_names, group_weights, read_rest
 from ..preferences import preferences
 from ..properties import SinewDeformer, SinewHandle
-from . import binding, cages, capture, census, controls, curves, poses, regions, rig, state, steering
+from . import binding, cages, capture, census, controls, curves, kinds, poses, regions, rig, state, steering
 
 
 @state.suspended()
@@ -24,6 +24,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     """A new deformer at the end of the stack; it shows the rest shape until it has a handle."""
     if method not in BY_ID:
         raise SinewError(f"There is no method '{method}' - choose one of: {', '.join(BY_ID)}")
+    kinds.require_method(obj, BY_ID[method])
     deformer = obj.sinew.deformers.add()
     deformer.complete()
     deformer.uid = rig.new_key()
@@ -35,7 +36,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     deformer.method = method
     deformer.auto_rebind = preferences(bpy.context).auto_rebind
     obj.sinew.active_deformer = len(obj.sinew.deformers) - 1
-    rig.ensure(obj, deformer, len(obj.data.vertices))
+    rig.ensure(obj, deformer, max(kinds.vertex_count(obj), 0))
     census.forget_owners()
     status.put(deformer.uid, Status(Level.INFO, steering.of(deformer).MISSING))
     return deformer
@@ -55,10 +56,11 @@ def remove_deformer(obj: Object, index: int) -> None:
         controls.release(handle)
         _release_group(obj, deformer, handle)
     cages.release_cage(deformer)
-    _forget(obj, index)
+    forget(obj, index)
 
 
-def _forget(obj: Object, index: int) -> None:
+def forget(obj: Object, index: int) -> None:
+    """Take a deformer off, and leave its controls and its cage."""
     deformer = obj.sinew.deformers[index]
     binding.abandon(deformer.uid)
     state.drop(deformer.uid)
@@ -231,6 +233,7 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
     if deformer.bake.is_baked:
         raise SinewError(f"{deformer.name} is baked - Unbake it first")
     try:
+        kinds.require_method(obj, deformer.definition)
         kind = steering.of(deformer)
         if not kind.is_set(deformer):
             raise ConstraintError(kind.MISSING)

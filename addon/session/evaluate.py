@@ -15,7 +15,7 @@ from ..core.methods import BY_ID
 from ..core.status import Level, Remedy, Status
 from ..ids import Inputs
 from ..properties import SinewDeformer
-from . import baked, binding, incoming, regions, rig, solving, state, steering
+from . import baked, binding, incoming, kinds, regions, rig, solving, state, steering
 from .census import owners
 from .news import Change, News
 from .state import Seen
@@ -170,6 +170,8 @@ def _take(turn: Turn) -> Chain:
     if rig.is_linked(deformer.proxy):
         status.put(deformer.uid, Status(Level.INFO, LINKED))
         return Chain(broken=True)
+    if deformer.method in BY_ID:
+        kinds.require_method(turn.obj, deformer.definition)
     if not deformer.is_bound or not steering.of(turn.settings).is_set(turn.settings):
         rig.show_rest(deformer, turn.mode, turn.depsgraph.scene)
         return turn.chain.through(deformer.uid)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core.errors import TopologyChangedError
 from ..mesh_io import read_incoming
-from . import node_group, rig
+from . import kinds, node_group, rig
 from .state import Bound
 from .turn import Chain, Turn, is_shown
 
@@ -35,6 +35,13 @@ TOPOLOGY_CHANGED = "Topology changed - Rebind"
 
 def find(turn: Turn, bound: Bound) -> tuple[np.ndarray | None, bool]:
     """The incoming positions float32 (n, 3), None for rest; and whether only displacements can be shown."""
+    if not kinds.is_mesh(turn.obj):
+        session = turn.session
+        if turn.new_geometry or session.structure is None:
+            session.structure = kinds.structure(turn.obj)
+        if session.structure != bound.rest.structure:
+            raise TopologyChangedError(TOPOLOGY_CHANGED)
+        return None, True  # to a cage it is all the same: what it moves, it moves on from where that is
     expected = len(bound.rest.points)
     if turn.chain.broken:
         turn.note("Another modifier stands between two deformers: this one adds its displacement")

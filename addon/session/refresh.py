@@ -16,7 +16,7 @@ from ..mesh_io import read_rest, same_topology
 from ..properties import SinewDeformer
 from . import by_cage, capture, edit, regions, rig, state
 
-_BUSY_MODES = ("EDIT", "SCULPT")  # meshes under the knife: looked at when the user leaves
+_BUSY_MODES = ("EDIT", "SCULPT", "SCULPT_CURVES")  # meshes under the knife: looked at when the user leaves
 
 
 def refresh() -> bool:

@@ -16,7 +16,7 @@ from ..core.distortion import Measure, RestMetric
 from ..core.methods import Control
 from ..mesh_io import RestShape, group_names, group_weights
 from ..properties import SinewDeformer
-from . import state
+from . import kinds, state
 from .state import Bound
 
 
@@ -168,7 +168,7 @@ def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | No
     if group not in groups:
         names = [other.name for other in obj.vertex_groups]
         mesh = obj.data
-        if len(mesh.vertices) != len(session.bound.rest.points):
+        if kinds.vertex_count(obj) != len(session.bound.rest.points):
             mesh = deformer.rest_in("VIEWPORT")
             names = group_names(mesh)
         groups[group] = group_weights(mesh, names, {group}).get(group)

@@ -16,7 +16,7 @@ from .. import compat
 from ..ids import Datablocks, Inputs, Keys
 from ..mesh_io import replace_rest, resize_shape, shape_mesh, write_shape
 from ..properties import SinewDeformer, deformers_of
-from . import node_group, relay, state
+from . import kinds, node_group, relay, state
 
 _KEY_LENGTH = 16
 _REST = ("rest",)
@@ -71,10 +71,13 @@ def ensure(
     deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
     render_count = vertex_count if render_count is None else render_count
     deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
+    kind = kinds.of(deformer)
     if modifier is None:
         modifier = obj.modifiers.new(Datablocks.MODIFIER, "NODES")
         modifier.show_expanded = False  # its inputs are ours to set
-        node_group.attach(modifier, node_group.ensure())
+        node_group.attach(modifier, node_group.ensure(kind))
+    elif not node_group.shows(modifier, kind):
+        modifier.node_group = node_group.ensure(kind)
     connect(modifier, deformer)
     return modifier
 
@@ -124,7 +127,7 @@ def connect_mask(obj: Object, modifier: NodesModifier, deformer: SinewDeformer) 
 
 def is_linked(proxy: Object | None) -> bool:
     """Blender ignores writes to this shape: it, or its mesh, comes from a library."""
-    return proxy is not None and (
+    return isinstance(proxy, Object) and (
         proxy.library is not None or (proxy.data is not None and proxy.data.library is not None)
     )
 

@@ -55,6 +55,7 @@ class Session:
 
     bound: Bound | None = None
     rest: RestShape | None = None
+    structure: str | None = None  # what an object that is no mesh was last made of, see ``RestShape``
     failed: tuple | None = None
     shown: dict[str, Shown] = field(default_factory=dict)
     poses: dict[str, np.ndarray] = field(default_factory=dict)

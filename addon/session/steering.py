@@ -36,7 +36,7 @@ class Steering(Protocol):
         """Arrays for the native module, or the reason why there are none."""
 
     @staticmethod
-    def notes(report: object, on_base: bool) -> tuple[Status, ...]:
+    def notes(report: object, request: BindInput) -> tuple[Status, ...]:
         """What the report of a bind tells the artist."""
 
     @staticmethod

@@ -17,7 +17,7 @@ from ..core import status
 from ..core.status import Level
 from ..mesh_io import read_attributes, read_incoming
 from ..properties import SinewDeformer
-from . import rig
+from . import kinds, rig
 from .result import Result
 from .turn import is_shown
 
@@ -61,7 +61,9 @@ def is_current(obj: Object, deformer: SinewDeformer) -> bool:
     """The mesh still is the one that was bound: no refusal, no vertices added or removed in Edit Mode."""
     if status.of(deformer.uid).level is Level.ERROR:
         return False
-    return obj.mode != "EDIT" or len(bmesh.from_edit_mesh(obj.data).verts) == len(obj.data.vertices)
+    if obj.mode != "EDIT":
+        return True
+    return kinds.is_mesh(obj) and len(bmesh.from_edit_mesh(obj.data).verts) == len(obj.data.vertices)
 
 
 @contextmanager

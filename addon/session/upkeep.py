@@ -11,7 +11,7 @@ from bpy.types import Object
 
 from ..ids import Datablocks
 from ..properties import deformers_of
-from . import binding, census, rig, state
+from . import binding, census, edit, kinds, rig, state
 
 
 def copies() -> list[Object]:
@@ -58,6 +58,9 @@ def tidy() -> None:
         separate(obj)
     if found:
         census.forget_owners()
+    for obj in _converted():
+        for index in _former(obj):
+            edit.forget(obj, index)
     exchanged = set(state.rewired())
     for obj in census.owners():
         uids = exchanged.intersection(deformer.uid for deformer in obj.sinew.deformers)
@@ -67,7 +70,22 @@ def tidy() -> None:
             state.of(uid).rewire = False
 
 
+def _converted() -> list[Object]:
+    """Objects that Blender made meshes of, or of meshes: with the shape shown, and without modifiers."""
+    return [obj for obj in census.owners() if obj.library is None and _former(obj)]
+
+
+def _former(obj: Object) -> list[int]:
+    """Deformers of what the object was before, the last first."""
+    deformers = obj.sinew.deformers
+    return [
+        index
+        for index in reversed(range(len(deformers)))
+        if not kinds.suits(obj, deformers[index]) and rig.find_modifier(obj, deformers[index]) is None
+    ]
+
+
 def has_pending() -> bool:
     """Something waits for ``tidy``, ``refresh`` or ``settle``."""
-    waits = state.unsettled() or state.rewired() or state.has_edited()
+    waits = state.unsettled() or state.rewired() or state.has_edited() or _converted()
     return bool(waits) or census.has_copies() or not all(rig.is_kept(obj) for obj in census.owners())

@@ -5,7 +5,7 @@ import bpy
 from bpy.types import Context, Object, Panel, UILayout
 from bpy.utils import register_classes_factory
 
-from .. import bake
+from .. import bake, session
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import BAKE_TARGETS, SinewDeformer
@@ -35,6 +35,9 @@ class SINEW_PT_bake(SidebarPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
+        if not session.is_mesh(obj):
+            _draw_export(context, layout, obj, deformer)
+            return
         if deformer.bake.is_baked:
             _draw_baked(context, layout, deformer)
         _draw_settings(context, layout, obj, deformer)
@@ -51,6 +54,15 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
         path.active = False
         path.label(text=settings.filepath, icon="BLANK1")
     box.operator(Operators.UNBAKE, icon="LOOP_BACK")
+
+
+def _draw_export(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    """What is no mesh goes into Alembic files at most."""
+    text = f"Bakes hold meshes, and this is a {session.label(obj)} object - convert it to bake it"
+    if session.is_exported(obj) and bake.can_write_alembic():
+        text = f"A {session.label(obj)} object goes into Alembic files"
+        _bake(context, layout, deformer, "Bake to Alembic", "RENDER_ANIMATION").target = "ALEMBIC"
+    draw_text(context, layout, text, "INFO")
 
 
 def _draw_settings(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:

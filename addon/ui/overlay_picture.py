@@ -89,6 +89,8 @@ class Gallery:
         if known is not None and known.key == key and result.same(known.source, source):
             return known
         shape = result.of(obj, deformer)
+        if not len(shape.triangles):
+            return None
         painted, legend = _paint(obj, deformer, look, shape)
         drawn = surface.find(obj, depsgraph, deformer, shape)
         if drawn.origin is not None:

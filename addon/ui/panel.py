@@ -4,14 +4,15 @@
 from bpy.types import Context, Object, Panel, UILayout
 from bpy.utils import register_classes_factory
 
+from .. import session
 from ..backend import availability
-from ..core.methods import Control, Parameter, group_property
+from ..core.methods import METHODS, Control, Parameter, group_property
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import no_mesh, target_of
 from ..properties import SinewDeformer
 from .places import ROOT, SidebarPanel
-from .status_box import NATIVE_MISSING, draw_error, draw_message, draw_status
+from .status_box import NATIVE_MISSING, draw_error, draw_message, draw_remedy, draw_status
 from .text import columns, draw_text
 
 LINKED = "This object is linked from another file - make a library override to pose it here"
@@ -130,13 +131,17 @@ def _draw_no_mesh(context: Context, layout: UILayout) -> None:
     text, convertible = no_mesh(context)
     draw_text(context, layout, text, "INFO")
     if convertible:
-        layout.operator("object.convert", text="Convert to Mesh", icon="OUTLINER_OB_MESH").target = "MESH"
+        draw_remedy(layout, Remedy.CONVERT)
 
 
 def _draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-    """A mesh without a deformer: the first step."""
+    """An object without a deformer: the first step."""
     if availability().module is None:
         draw_message(context, layout, NATIVE_MISSING)
+    if not session.is_mesh(obj):
+        draw_text(context, layout, f"A cage moves this {session.label(obj)} object - add one", "INFO")
+        _draw_add_cage(layout)
+        return
     if obj.mode == "EDIT":
         hint = "Select the vertices to move, then Add Handle; those to keep, then Add Fixed"
     else:
@@ -155,7 +160,8 @@ def _draw_deformers(layout: UILayout, obj: Object) -> None:
         "SINEW_UL_deformers", "", obj.sinew, "deformers", obj.sinew, "active_deformer", rows=rows
     )
     side = row.column(align=True)
-    side.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="", icon="ADD")
+    adding = Operators.DEFORMER_ADD if session.is_mesh(obj) else Operators.CAGE_ADD
+    side.operator_menu_enum(adding, "method", text="", icon="ADD")
     side.operator(Operators.DEFORMER_REMOVE, text="", icon="REMOVE")
     side.separator()
     side.menu(Menus.DEFORMER, text="", icon="DOWNARROW_HLT")
@@ -170,7 +176,13 @@ def _draw_move(side: UILayout, operator: str) -> None:
 
 
 def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    layout.prop(deformer, "method", text="")
+    if session.is_mesh(obj):
+        layout.prop(deformer, "method", text="")
+    else:
+        choices = layout.column(align=True)
+        for method in METHODS:
+            if method.control is Control.CAGE:
+                choices.prop_enum(deformer, "method", method.id)
     if deformer.definition.control is Control.CAGE:
         _draw_cage(layout, deformer)
     settings = _split(layout.column())
@@ -237,7 +249,8 @@ def _draw_add(layout: UILayout, obj: Object, kind: str, text: str, icon: str) ->
 def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     column = _split(layout.column())
     column.prop(deformer, "factor", slider=True)
-    column.prop_search(deformer, "mask_group", obj, "vertex_groups")
+    if session.is_mesh(obj):
+        column.prop_search(deformer, "mask_group", obj, "vertex_groups")
 
 
 PANELS = (SINEW_PT_sinew, SINEW_PT_region, SINEW_PT_advanced)

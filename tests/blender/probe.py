@@ -8,7 +8,7 @@ import numpy as np
 
 
 class Probe(bpy.types.RenderEngine):
-    """Notes the points of every mesh object, at the frame itself or at ``subframes`` as motion blur does"""
+    """Notes the points of every shape, at the frame itself or at ``subframes`` as motion blur does"""
 
     bl_idname = "SINEW_TEST_PROBE"
     bl_label = "Probe"
@@ -22,15 +22,26 @@ class Probe(bpy.types.RenderEngine):
             if self.subframes != (0.0,):
                 self.frame_set(frame, subframe)
             self.frames.append(frame)
-            self.seen.append({obj.name: _points(obj) for obj in depsgraph.objects if obj.type == "MESH"})
+            self.seen.append({obj.name: _points(obj) for obj in depsgraph.objects if obj.type in _SHAPES})
         if self.subframes != (0.0,):
             self.frame_set(frame, 0.0)  # an engine leaves the scene where it was
         self.end_result(self.begin_result(0, 0, *_size(depsgraph.scene)))
 
 
+_SHAPES = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD")
+
+
 def _points(obj: bpy.types.Object) -> np.ndarray:
-    flat = np.empty(len(obj.data.vertices) * 3, dtype=np.float32)
-    obj.data.vertices.foreach_get("co", flat)
+    if obj.type in ("CURVES", "POINTCLOUD"):
+        positions = obj.data.attributes["position"].data
+        flat = np.empty(len(positions) * 3, dtype=np.float32)
+        positions.foreach_get("vector", flat)
+        return flat.reshape(-1, 3).astype(float)
+    mesh = obj.data if obj.type == "MESH" else obj.to_mesh()
+    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.vertices.foreach_get("co", flat)
+    if mesh != obj.data:
+        obj.to_mesh_clear()
     return flat.reshape(-1, 3).astype(float)
 
 

@@ -248,7 +248,7 @@ def group_of_other_sockets(plate: Rig) -> None:
     for group in list(bpy.data.node_groups):
         bpy.data.node_groups.remove(group)
     group = bpy.data.node_groups.new("Theirs", "GeometryNodeTree")
-    group["sinew_group_version"] = 1
+    group["sinew_group_version"], group["sinew_group_kind"] = 1, "MESH 1"
     for direction, node in (("INPUT", "NodeGroupInput"), ("OUTPUT", "NodeGroupOutput")):
         if hasattr(group, "interface"):
             group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
@@ -261,7 +261,7 @@ def group_of_other_sockets(plate: Rig) -> None:
 
 def group_key_of_another_type(plate: Rig) -> None:
     for group in bpy.data.node_groups:
-        group["sinew_group_version"] = [1, 2]
+        group["sinew_group_version"], group["sinew_group_kind"] = [1, 2], {"MESH": 1}
 
 
 def clashing_attribute(plate: Rig) -> None:
@@ -335,6 +335,10 @@ WOUNDS = {
     "rest_is_the_mesh_itself": lambda plate: setattr(plate.deformer, "rest", plate.obj.data),
     "token_numbers": rest_key("sinew_token", [1, 2, 3]),
     "token_group": rest_key("sinew_token", {"a": 1}),
+    "kind_number": rest_key("sinew_kind", 7),
+    "kind_numbers": rest_key("sinew_kind", [1, 2]),
+    "kind_of_curves": rest_key("sinew_kind", "BEZIER"),
+    "structure_numbers": rest_key("sinew_structure", [1, 2]),
     "groups_number": rest_key("sinew_groups", 5),
     "groups_text": rest_key("sinew_groups", "Top"),
     "groups_numbers": rest_key("sinew_groups", [1.0, 2.0]),

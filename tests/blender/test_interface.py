@@ -104,15 +104,21 @@ def test_without_a_mesh_the_tab_says_what_to_select():
     assert not sheet.operator_names()
 
 
-@pytest.mark.parametrize("kind", ["CURVE", "FONT", "LATTICE"])
+@pytest.mark.parametrize("kind", ["SURFACE", "META", "LATTICE"])
 def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
-    data = bpy.data.lattices.new("Thing") if kind == "LATTICE" else bpy.data.curves.new("Thing", kind)
+    data = {
+        "LATTICE": lambda: bpy.data.lattices.new("Thing"),
+        "META": lambda: bpy.data.metaballs.new("Thing"),
+        "SURFACE": lambda: bpy.data.curves.new("Thing", kind),
+    }[kind]()
+    if kind == "META":
+        data.elements.new()
     obj = bpy.data.objects.new("Thing", data)
     bpy.context.scene.collection.objects.link(obj)
     make_active(obj)
     sheet = draw_panel(WIDE)
     assert "Thing is a" in sheet.texts()
-    assert "Sinew moves meshes" in sheet.texts()
+    assert "which Sinew cannot move" in sheet.texts()
     assert ("object.convert" in sheet.operator_names()) == (kind != "LATTICE")
     with pytest.raises(RuntimeError, match="Thing is a"):
         bpy.ops.sinew.cage_add()

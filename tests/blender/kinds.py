@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects that only cages move, what Blender shows of them, and how they look when moved by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+from rig import make_active, update
+
+HANDLES = ("AUTO", "VECTOR", "ALIGNED", "FREE")
+Warp = Callable[[np.ndarray], np.ndarray]
+
+
+def linked(obj: bpy.types.Object) -> bpy.types.Object:
+    bpy.context.scene.collection.objects.link(obj)
+    make_active(obj)
+    return obj
+
+
+def curve_object(name: str = "Curve") -> bpy.types.Object:
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = "3D"
+    return linked(bpy.data.objects.new(name, data))
+
+
+def add_bezier(obj: bpy.types.Object, count: int = 5, z: float = 0.0) -> None:
+    """Points with handles of every type."""
+    spline = obj.data.splines.new("BEZIER")
+    spline.bezier_points.add(count - 1)
+    for index, point in enumerate(spline.bezier_points):
+        angle = index * 1.1
+        point.co = 0.5 * np.cos(angle), 0.5 * np.sin(angle), z + 0.08 * index - 0.2
+        point.handle_left = point.co + Vector((0.1, -0.2, 0.05 * index))
+        point.handle_right = point.co - Vector((0.05, -0.15, 0.1))
+        point.handle_left_type = point.handle_right_type = HANDLES[index % 4]
+
+
+def add_points(obj: bpy.types.Object, kind: str, count: int = 6) -> None:
+    spline = obj.data.splines.new(kind)
+    spline.points.add(count - 1)
+    for index, point in enumerate(spline.points):
+        point.co = 0.2 * index - 0.5, 0.4 * np.sin(index), 0.3 * np.cos(2.0 * index), 1.0
+    spline.use_endpoint_u = True
+
+
+def bezier() -> bpy.types.Object:
+    obj = curve_object()
+    add_bezier(obj)
+    add_bezier(obj, 4, 0.2)
+    obj.data.splines[1].use_cyclic_u = True
+    return obj
+
+
+def poly() -> bpy.types.Object:
+    obj = curve_object()
+    add_points(obj, "POLY")
+    return obj
+
+
+def nurbs() -> bpy.types.Object:
+    obj = curve_object()
+    add_points(obj, "NURBS")
+    return obj
+
+
+def mixed() -> bpy.types.Object:
+    """Splines of all types in one curve: those without handles between those with."""
+    obj = poly()
+    add_bezier(obj)
+    add_points(obj, "NURBS", 5)
+    add_bezier(obj, 3, 0.1)
+    return obj
+
+
+def bevelled() -> bpy.types.Object:
+    obj = bezier()
+    obj.data.bevel_depth = 0.05
+    return obj
+
+
+def text(fill: str = "FULL") -> bpy.types.Object:
+    data = bpy.data.curves.new("Text", "FONT")
+    data.body, data.size, data.align_x, data.align_y = "Sin", 0.6, "CENTER", "CENTER"
+    data.extrude = 0.05 if fill == "FULL" else 0.0
+    if fill == "NONE":
+        data.fill_mode = "NONE"
+    return linked(bpy.data.objects.new("Text", data))
+
+
+def outline() -> bpy.types.Object:
+    return text("NONE")
+
+
+def hair() -> bpy.types.Object:
+    bpy.ops.object.curves_random_add()
+    obj = bpy.context.object
+    obj.name = "Hair"
+    return obj
+
+
+def cloud() -> bpy.types.Object:
+    """Blender before 4.5 (4.3 for curves) hides point cloud objects from artists."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.6)
+    try:
+        bpy.ops.object.convert(target="POINTCLOUD")
+    except TypeError:
+        pytest.skip("this Blender makes no point cloud objects")
+    return bpy.context.object
+
+
+MAKERS = {
+    maker.__name__: maker for maker in (bezier, poly, nurbs, mixed, bevelled, text, outline, hair, cloud)
+}
+CURVES = ("bezier", "poly", "nurbs", "mixed")
+
+
+def shown(obj: bpy.types.Object) -> np.ndarray:
+    """What Blender shows, object space, (n, 3): vertices, places along a curve, or the points themselves."""
+    update()
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if obj.type in ("CURVES", "POINTCLOUD"):
+        positions = evaluated.data.attributes["position"].data
+        flat = np.empty(len(positions) * 3, dtype=np.float32)
+        positions.foreach_get("vector", flat)
+        return flat.reshape(-1, 3).astype(float)
+    mesh = evaluated.to_mesh()
+    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.vertices.foreach_get("co", flat)
+    evaluated.to_mesh_clear()
+    return flat.reshape(-1, 3).astype(float)
+
+
+def moved_by_hand(obj: bpy.types.Object, warp: Warp) -> np.ndarray:
+    """What Blender shows where points and handles of a curve are moved; of others what it shows, moved."""
+    with alone(obj) as copy:
+        if obj.type not in ("CURVE", "FONT") or has_surface(obj):
+            return warp(shown(copy))
+        curve = curve_of(copy) if obj.type == "FONT" else copy
+        points = [point for spline in curve.data.splines for point in (*spline.bezier_points, *spline.points)]
+        names = ("co", "handle_left", "handle_right")
+        before = [[getattr(point, name)[:3] for name in names if hasattr(point, name)] for point in points]
+        for point, places in zip(points, before):
+            goals = warp(np.array(places, dtype=float))
+            if len(goals) == 1:
+                point.co = (*goals[0], point.co[3])
+                continue
+            point.handle_left_type = point.handle_right_type = "FREE"
+            point.co, point.handle_left, point.handle_right = goals
+        found = shown(curve)
+        if curve != copy:
+            bpy.data.objects.remove(curve)
+            make_active(obj)
+        return found
+
+
+def curve_of(letters: bpy.types.Object) -> bpy.types.Object:
+    """The outlines of a text as a curve."""
+    obj = curve_object("By Hand")
+    obj.data.dimensions, obj.data.fill_mode = "2D", "NONE"
+    for outline in letters.to_curve(bpy.context.evaluated_depsgraph_get()).splines:
+        spline = obj.data.splines.new("BEZIER")
+        spline.bezier_points.add(len(outline.bezier_points) - 1)
+        spline.use_cyclic_u = outline.use_cyclic_u
+        for point, read in zip(spline.bezier_points, outline.bezier_points):
+            point.handle_left_type = point.handle_right_type = "FREE"
+            point.co, point.handle_left, point.handle_right = read.co, read.handle_left, read.handle_right
+    letters.to_curve_clear()
+    return obj
+
+
+@contextmanager
+def alone(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """A copy without modifiers."""
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    copy = obj.copy()
+    copy.data = obj.data.copy()
+    copy.sinew.deformers.clear()
+    copy.modifiers.clear()
+    copy.animation_data_clear()
+    bpy.context.scene.collection.objects.link(copy)
+    update()
+    try:
+        yield copy
+    finally:
+        bpy.data.objects.remove(copy)
+
+
+def unmoved(obj: bpy.types.Object) -> np.ndarray:
+    """What Blender shows without modifiers."""
+    with alone(obj) as copy:
+        return shown(copy)
+
+
+def has_surface(obj: bpy.types.Object) -> bool:
+    """Blender makes a mesh of the curve or text."""
+    return obj.data.bevel_depth > 0.0 or obj.data.extrude > 0.0
+
+
+def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object:
+    """A box of twelve triangles around the points and handles."""
+    low, high = np.array(obj.bound_box).min(axis=0), np.array(obj.bound_box).max(axis=0)
+    reach = margin + 0.5 * (high - low).max()
+    middle = 0.5 * (low + high)
+    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
+    quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+    mesh = bpy.data.meshes.new("Cage")
+    faces = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
+    mesh.from_pydata([tuple(middle + reach * np.array(corner)) for corner in corners], [], faces)
+    cage = bpy.data.objects.new("Cage", mesh)
+    bpy.context.scene.collection.objects.link(cage)
+    return cage
+
+
+def bind(obj: bpy.types.Object, method: str = "mean_value", cage: bpy.types.Object | None = None):
+    """The object and its cage, bound."""
+    update()
+    cage = cage or cage_around(obj)
+    make_active(obj)
+    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method) == {"FINISHED"}
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    return obj, cage
+
+
+def bend(cage: bpy.types.Object) -> Warp:
+    """Pose the cage as no affine map does; the warp of mean value coordinates as Ju et al. 2005 write it."""
+    rest = np.array([vertex.co for vertex in cage.data.vertices], dtype=float)
+    faces = np.array([polygon.vertices[:] for polygon in cage.data.polygons])
+    spread = 0.3 * np.ptp(rest, axis=0).max() * np.random.default_rng(5).uniform(-1.0, 1.0, rest.shape)
+    for vertex, place in zip(cage.data.vertices, rest + spread):
+        vertex.co = place
+    cage.data.update()
+    posed = np.array([vertex.co for vertex in cage.data.vertices], dtype=float)
+
+    def warp(points: np.ndarray) -> np.ndarray:
+        return np.array([_mean_value(point, rest, faces) @ posed for point in points])
+
+    return warp
+
+
+def _mean_value(point: np.ndarray, rest: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Weights (c,) of the cage's vertices."""
+    away = rest - point
+    distance = np.linalg.norm(away, axis=1)
+    unit = away / distance[:, None]
+    weights = np.zeros(len(rest))
+    for face in faces:
+        u = unit[face]
+        length = np.linalg.norm(np.roll(u, -1, axis=0) - np.roll(u, 1, axis=0), axis=1)
+        theta = 2.0 * np.arcsin(length / 2.0)
+        h = theta.sum() / 2.0
+        after, before = np.roll(theta, -1), np.roll(theta, 1)
+        c = 2.0 * np.sin(h) * np.sin(h - theta) / (np.sin(after) * np.sin(before)) - 1.0
+        s = np.sign(np.linalg.det(u)) * np.sqrt(np.maximum(1.0 - c**2, 0.0))
+        below = distance[face] * np.sin(after) * np.roll(s, 1)
+        weights[face] += (theta - np.roll(c, -1) * before - np.roll(c, 1) * after) / below
+    return weights / weights.sum()
+
+
+def inside(points: np.ndarray, cage: bpy.types.Object) -> np.ndarray:
+    """By winding number: the sum of the solid angles of the triangles."""
+    corners = np.array([vertex.co for vertex in cage.data.vertices], dtype=float)
+    faces = np.array([polygon.vertices[:] for polygon in cage.data.polygons])
+    a, b, c = np.moveaxis(corners[faces][None] - points[:, None, None], 2, 0)
+    la, lb, lc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
+    above = np.einsum("pfk,pfk->pf", a, np.cross(b, c))
+    below = la * lb * lc + (a * b).sum(2) * lc + (b * c).sum(2) * la + (c * a).sum(2) * lb
+    return np.abs(2.0 * np.arctan2(above, below).sum(axis=1) - 4.0 * np.pi) < 1e-6
+
+
+def controls_of(obj: bpy.types.Object) -> np.ndarray:
+    found = [point.co[:3] for spline in obj.data.splines for point in spline.points]
+    for spline in obj.data.splines:
+        found += [place[:] for point in spline.bezier_points for place in (point.co, point.handle_left)]
+        found += [point.handle_right[:] for point in spline.bezier_points]
+    return np.array(found, dtype=float)
