@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/aligned.h"
 #include "native/core/progress.h"
 
 #include <cstddef>
@@ -24,7 +25,7 @@ public:
 
 private:
     int rows_ = 0, strips_ = 0;
-    std::vector<double> packed_;
+    AlignedVector<double> packed_;
 };
 
 /// A X = B for a general square A, by blocked Gaussian elimination with row pivoting. Same bits on any number
@@ -61,7 +62,7 @@ private:
 
     int size_, columns_;
     std::size_t stride_;
-    std::vector<double> entries_;
+    AlignedVector<double> entries_;
     std::vector<double> pivot_sizes_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/green.h"
 
+#include "native/core/aligned.h"
 #include "native/core/errors.h"
 
 #include <Eigen/Geometry>
@@ -80,7 +81,7 @@ void Green::controls(PointsView vertices, Points& controls) const
 struct Green::Told
 {
     const std::size_t lanes = static_cast<std::size_t>(cage_kernels().lanes);
-    std::vector<double> scratch, phi, psi;
+    AlignedVector<double> scratch, phi, psi;
     std::array<double, most_cage_lanes> winding;
     int touching = 0;
 

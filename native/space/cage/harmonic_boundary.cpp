@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/harmonic_boundary.h"
 
+#include "native/core/aligned.h"
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
@@ -96,14 +97,14 @@ struct HarmonicBoundary::Block
     }
 
     int count, stride;
-    std::vector<double> xyz;
+    AlignedVector<double> xyz;
 };
 
 /// The points of a block that are near a triangle, and what its unknowns do there.
 struct HarmonicBoundary::Near
 {
     std::vector<int> points;
-    std::vector<double> xyz, single; ///< single: (points, width)
+    AlignedVector<double> xyz, single; ///< single: (points, width)
     int width = 0;
 };
 
@@ -327,7 +328,7 @@ void HarmonicBoundary::assemble(DenseSystem& system, int begin, int end) const
             }
     block.fill();
 
-    std::vector<double> fields(static_cast<std::size_t>(7 * block.stride));
+    AlignedVector<double> fields(static_cast<std::size_t>(7 * block.stride));
     std::vector<double> twofold(static_cast<std::size_t>(block.count) *
                                 static_cast<std::size_t>(vertex_count_));
     std::vector<int> place(static_cast<std::size_t>(block.count), -1); // among the near points
@@ -433,8 +434,8 @@ void HarmonicBoundary::keep(const DenseSystem& system)
 /// rows (block.count, stride) are added to.
 void HarmonicBoundary::evaluate(const Block& block, double* rows, int stride) const
 {
-    std::vector<double> fields(static_cast<std::size_t>(7 * block.stride));
-    std::vector<double> far(static_cast<std::size_t>(block.count * 3 * far_group));
+    AlignedVector<double> fields(static_cast<std::size_t>(7 * block.stride));
+    AlignedVector<double> far(static_cast<std::size_t>(block.count * 3 * far_group));
     Near near;
     const int count = static_cast<int>(triangles_.size());
     for (int first = 0; first < count; first += far_group) {
@@ -469,9 +470,9 @@ void HarmonicBoundary::evaluate(PointsView points, RowMatrix& weights, std::vect
         block.set(i, (points.row(i).transpose() - centre_) / size_);
     block.fill();
     const int stride = padded(vertex_count_, strip_width);
-    RowMatrix rows = RowMatrix::Zero(block.count, stride);
+    AlignedVector<double> rows(static_cast<std::size_t>(block.count) * static_cast<std::size_t>(stride));
     evaluate(block, rows.data(), stride);
-    weights = rows.leftCols(vertex_count_);
+    weights = RowMatrix::Map(rows.data(), block.count, stride).leftCols(vertex_count_);
 
     // The flux of a constant is zero, so the sum of the weights is the solid angle of the cage over 4 pi.
     winding.resize(static_cast<std::size_t>(block.count));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/mean_value.h"
 
+#include "native/core/aligned.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,8 +15,8 @@ void MeanValue::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& o
     const CageTables tables = geometry_.tables();
     const CageKernels& kernels = cage_kernels();
     const int vertices = columns(), count = static_cast<int>(block.rows()), lanes = kernels.lanes;
-    std::vector<double> scratch(geometry_.scratch_size(kernels));
-    std::vector<double> weights(static_cast<std::size_t>(lanes) * static_cast<std::size_t>(vertices));
+    AlignedVector<double> scratch(geometry_.scratch_size(kernels));
+    AlignedVector<double> weights(static_cast<std::size_t>(lanes) * static_cast<std::size_t>(vertices));
     rows.resize(count, vertices);
     outside.assign(static_cast<std::size_t>(count), 0);
     for (int first = 0; first < count; first += lanes) {

@@ -3,6 +3,7 @@
 
 // Part of the method positive_mean_value.
 
+#include "native/core/aligned.h"
 #include "native/space/cage/cage.h"
 
 #include <vector>
@@ -81,7 +82,7 @@ struct VisibleCage::Scratch
     std::vector<float> sight; ///< x, y, z of the unit vectors to the numbered vertices, then of the vectors
     std::vector<int> beyond;  ///< a numbered vertex: bits of the planes of a face that it is beyond
     std::vector<Piece> pieces, next;
-    std::vector<double> arcs, integrals; ///< see CageKernels::arc_integrals
+    AlignedVector<double> arcs, integrals; ///< see CageKernels::arc_integrals
     int arc_count = 0;
     std::vector<int> last_arcs; ///< of each of `left`: where those of the next begin
 

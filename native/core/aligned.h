@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <new>
+#include <vector>
+
+namespace sinew {
+
+/// Memory that begins where a cache line does: numbers side by side that straddle two lines cost twice as
+/// much.
+template <class T>
+struct AlignedAllocator
+{
+    using value_type = T;
+    static constexpr std::align_val_t line{64};
+
+    AlignedAllocator() = default;
+    template <class Other>
+    AlignedAllocator(const AlignedAllocator<Other>&)
+    {
+    }
+    T* allocate(std::size_t count) { return static_cast<T*>(::operator new(count * sizeof(T), line)); }
+    void deallocate(T* memory, std::size_t) { ::operator delete(memory, line); }
+    bool operator==(const AlignedAllocator&) const = default;
+};
+
+template <class T>
+using AlignedVector = std::vector<T, AlignedAllocator<T>>;
+
+} // namespace sinew
