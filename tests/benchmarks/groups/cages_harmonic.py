@@ -113,9 +113,9 @@ CAGES = {
 }
 QUALITIES = {  # ours, by the precision of Mesh Deform
     "cube": {5: "fast"},
-    "ball of 150 faces": {5: "medium", 6: "fine"},
-    "cow, 150 faces": {5: "medium", 6: "medium"},
-    "ring of 150 faces": {5: "medium", 6: "medium"},
+    "ball of 150 faces": {5: "fast", 6: "fine"},
+    "cow, 150 faces": {5: "fast", 6: "medium"},
+    "ring of 150 faces": {5: "fast", 6: "medium"},
 }
 LARGE = {"2000 faces": (50, 20), "5000 faces": (100, 25)}
 
