@@ -14,4 +14,11 @@ inline bool has_avx512()
 #endif
 }
 
+/// Of one table of kernels for each instruction set, that of the widest there is; null where there is none.
+template <class Kernels>
+const Kernels& widest(const Kernels& baseline, const Kernels* avx2, const Kernels* avx512 = nullptr)
+{
+    return avx512 ? *avx512 : avx2 ? *avx2 : baseline;
+}
+
 } // namespace sinew

@@ -40,9 +40,8 @@ const DenseKernels* avx512_dense_kernels()
 
 const DenseKernels& dense_kernels()
 {
-    static const DenseKernels& kernels = avx512_dense_kernels() ? *avx512_dense_kernels()
-                                         : avx2_dense_kernels() ? *avx2_dense_kernels()
-                                                                : baseline_dense_kernels();
+    static const DenseKernels& kernels =
+        widest(baseline_dense_kernels(), avx2_dense_kernels(), avx512_dense_kernels());
     return kernels;
 }
 

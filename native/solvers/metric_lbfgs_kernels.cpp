@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/metric_lbfgs_kernels.h"
 
+#include "native/core/processor.h"
+
 #include "native/solvers/metric_lbfgs_kernels.inl"
 
 namespace sinew {
@@ -26,8 +28,7 @@ const LbfgsKernels* avx2_lbfgs_kernels()
 
 const LbfgsKernels& lbfgs_kernels()
 {
-    static const LbfgsKernels& kernels =
-        avx2_lbfgs_kernels() ? *avx2_lbfgs_kernels() : baseline_lbfgs_kernels();
+    static const LbfgsKernels& kernels = widest(baseline_lbfgs_kernels(), avx2_lbfgs_kernels());
     return kernels;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/subdivision/stencil_kernels.h"
 
+#include "native/core/processor.h"
+
 #include <cstddef>
 
 #include "native/subdivision/stencil_kernels.inl"
@@ -28,8 +30,7 @@ const StencilKernels* avx2_stencil_kernels()
 
 const StencilKernels& stencil_kernels()
 {
-    static const StencilKernels& kernels =
-        avx2_stencil_kernels() ? *avx2_stencil_kernels() : baseline_stencil_kernels();
+    static const StencilKernels& kernels = widest(baseline_stencil_kernels(), avx2_stencil_kernels());
     return kernels;
 }
 

@@ -54,9 +54,8 @@ const CageKernels* avx512_cage_kernels()
 
 const CageKernels& cage_kernels()
 {
-    static const CageKernels& kernels = avx512_cage_kernels() ? *avx512_cage_kernels()
-                                        : avx2_cage_kernels() ? *avx2_cage_kernels()
-                                                              : baseline_cage_kernels();
+    static const CageKernels& kernels =
+        widest(baseline_cage_kernels(), avx2_cage_kernels(), avx512_cage_kernels());
     return kernels;
 }
 

@@ -40,9 +40,8 @@ const LayerKernels* avx512_layer_kernels()
 
 const LayerKernels& layer_kernels()
 {
-    static const LayerKernels& kernels = avx512_layer_kernels() ? *avx512_layer_kernels()
-                                         : avx2_layer_kernels() ? *avx2_layer_kernels()
-                                                                : baseline_layer_kernels();
+    static const LayerKernels& kernels =
+        widest(baseline_layer_kernels(), avx2_layer_kernels(), avx512_layer_kernels());
     return kernels;
 }
 

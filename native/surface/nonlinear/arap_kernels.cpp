@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/nonlinear/arap_kernels.h"
 
+#include "native/core/processor.h"
+
 #include <cmath>
 #include <cstddef>
 
@@ -29,7 +31,7 @@ const ArapKernels* avx2_arap_kernels()
 
 const ArapKernels& arap_kernels()
 {
-    static const ArapKernels& kernels = avx2_arap_kernels() ? *avx2_arap_kernels() : baseline_arap_kernels();
+    static const ArapKernels& kernels = widest(baseline_arap_kernels(), avx2_arap_kernels());
     return kernels;
 }
 
