@@ -7,18 +7,12 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from cages import add_raising_key, ball, new_object
 from mathutils import Matrix
 from probe import render_points
 from rig import add_armature, apply_matrix, base_points, evaluated_points, make_active, move_world, update
 
 FLOAT32 = 4e-6
-
-
-def ball(name: str = "Ball", levels: int = 3) -> bpy.types.Object:
-    """A small sphere at the origin."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=levels, radius=0.6)
-    bpy.context.object.name = name
-    return bpy.context.object
 
 
 def box(name: str = "Cage", size: float = 2.0) -> bpy.types.Object:
@@ -93,10 +87,7 @@ def test_edits_of_the_cage_show_in_edit_mode(caged):
 def test_shape_keys_bones_and_modifiers_of_the_cage_count(caged):
     target, cage = target_and_cage(caged)
     rest = evaluated_points(target)
-    cage.shape_key_add(name="Basis")
-    key = cage.shape_key_add(name="Up")
-    for point in key.data:
-        point.co.z += 0.5
+    key = add_raising_key(cage, 0.5)
     key.value = 1.0
     assert np.abs(evaluated_points(target) - (rest + (0.0, 0.0, 0.5))).max() < FLOAT32
     key.value = 0.0
@@ -142,10 +133,7 @@ def test_the_subdivision_of_the_panel_is_the_cages_own_modifier(caged):
 def test_a_hidden_cage_still_moves_it(caged):
     target, cage = target_and_cage(caged)
     cage.hide_viewport = True
-    cage.shape_key_add(name="Basis")
-    key = cage.shape_key_add(name="Up")
-    for point in key.data:
-        point.co.z += 0.5
+    key = add_raising_key(cage, 0.5)
     key.value = 1.0
     assert evaluated_points(target)[:, 2].mean() == pytest.approx(0.5, abs=1e-4)
 
@@ -280,10 +268,7 @@ def test_renders_and_frames_show_the_pose(caged):
     target, cage = target_and_cage(caged)
     assert cage.hide_render
     rest = base_points(target)
-    cage.shape_key_add(name="Basis")
-    key = cage.shape_key_add(name="Up")
-    for point in key.data:
-        point.co.z += 1.0
+    key = add_raising_key(cage, 1.0)
     for frame, value in ((1, 0.0), (11, 1.0)):
         key.value = value
         key.keyframe_insert("value", frame=frame)
@@ -420,13 +405,6 @@ def test_harmonic_errs_a_tenth_of_mesh_deform():
     corners = np.array([(x, y, z) for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     points = np.random.default_rng(0).uniform(0.02, 0.98, (1000, 3))
-
-    def new_object(name: str, vertices: np.ndarray, polygons: list) -> bpy.types.Object:
-        mesh = bpy.data.meshes.new(name)
-        mesh.from_pydata(vertices.tolist(), [], polygons)
-        obj = bpy.data.objects.new(name, mesh)
-        bpy.context.scene.collection.objects.link(obj)
-        return obj
 
     cage = new_object("Cage", corners, faces)
     ours, theirs = (new_object(name, points, [(0, 1, 2)]) for name in ("Ours", "Theirs"))

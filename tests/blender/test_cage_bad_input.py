@@ -7,6 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from cages import ball, new_object
 from mathutils import Matrix
 from rig import apply_matrix, base_points, evaluated_points, make_active, update
 
@@ -15,20 +16,6 @@ METHODS = ("mean_value", "positive_mean_value", "harmonic", "green")
 NOWHERE = (float("nan"), float("inf"), -float("inf"))
 CORNERS = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-
-
-def new_object(name: str, points: list, faces: list = (), edges: list = ()) -> bpy.types.Object:
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(list(points), list(edges), list(faces))
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
-
-
-def ball(levels: int = 2) -> bpy.types.Object:
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=levels, radius=0.6)
-    bpy.context.object.name = "Ball"
-    return bpy.context.object
 
 
 def box() -> bpy.types.Object:
@@ -362,7 +349,7 @@ def test_elements_that_a_modifier_of_the_cage_made_are_not_shown_wrongly(room) -
 def test_weights_above_the_memory_limit_are_refused_until_it_is_raised(
     room, preferences, method: str
 ) -> None:
-    target, cage = ball(3), fine_box(5)  # 162 by 218 weights of 4 bytes
+    target, cage = ball(), fine_box(5)  # 162 by 218 weights of 4 bytes
     preferences.memory_limit = 0.00005
     deformer = surround(target, cage, method)
     said = room("core.status").of(deformer.uid)

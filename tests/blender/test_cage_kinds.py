@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from cages import add_raising_key
 from kinds import (
     CURVES,
     MAKERS,
@@ -134,10 +135,7 @@ def test_undo_and_redo(caged):
 def test_renders_and_frames_show_an_animated_cage(caged):
     obj, cage = caged
     rest = shown(obj)
-    cage.shape_key_add(name="Basis")
-    key = cage.shape_key_add(name="Up")
-    for point in key.data:
-        point.co.z += 1.0
+    key = add_raising_key(cage, 1.0)
     for frame, value in ((1, 0.0), (11, 1.0)):
         key.value = value
         key.keyframe_insert("value", frame=frame)
