@@ -301,8 +301,8 @@ def measured_on(machine: Mapping[str, object]) -> str:
 
 READING = (
     "Each ratio is from one run, in which Sinew and the peer ran by turns.\n"
-    "*At least* counts how many times faster Sinew is, *at most* divides what Sinew takes by what the peer takes.\n"
-    "*Italic*: below the target."
+    "*At least* counts how many times faster Sinew is, *at most* divides what Sinew takes by what the peer\n"
+    "takes. *Italic*: below the target."
 )
 
 
