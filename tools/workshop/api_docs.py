@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Web pages about the Python module `sinew_native`, by pdoc, and the C++ headers, by Doxygen: `dist/api`."""
+"""Writes pages about the module `sinew_native`, by pdoc, and the C++ headers, by Doxygen, into `dist/api`."""
 
 import argparse
 import re
