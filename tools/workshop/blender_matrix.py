@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs tests/blender in releases that tests/run leaves out, or in those that are named.
+"""tests/blender in the releases between those that tests/run covers, or in those that are named.
 
 Each release takes 1 GB in ``.build/venv-bpy-<version>``, which may be deleted afterwards.
 """
@@ -25,7 +25,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/blender_matrix", description=__doc__)
     known = ", ".join(pinned())
     parser.add_argument(
-        "versions", nargs="*", metavar="VERSION", help=f"{known}; {', '.join(BETWEEN)} without a name"
+        "versions", nargs="*", metavar="VERSION", help=f"{known}; {', '.join(BETWEEN)} when none is named"
     )
     chosen = parser.parse_args().versions or BETWEEN
     unknown = sorted(set(chosen) - set(pinned()))
