@@ -6,7 +6,7 @@ from contextlib import contextmanager
 
 import bpy
 import numpy as np
-from bpy.types import GeometryNodeTree, Mesh, Object
+from bpy.types import GeometryNodeTree, Mesh, NodeSocket, Object
 
 from ... import compat
 from ...core.kinds import BEZIER, CURVE, POINTCLOUD, SURFACE, Kind
@@ -69,10 +69,16 @@ def _points_of(group: GeometryNodeTree, obj: Object) -> None:
         place = position if side is None else build.switch("VECTOR", is_bezier, position, build.handle(side))
         placed = build.sample(components["Curve"], place, index)
         made = build.add("GeometryNodePoints", Count=count, Position=placed).outputs[0]
-        joined.append(build.vertices(made, part))
+        joined.append(_vertices(build, made, part))
     no_points = build.math("MULTIPLY", no_surface, build.math("COMPARE", points, 0.0))
-    joined.append(build.vertices(components["Point Cloud"], _CLOUD, no_points))
+    joined.append(_vertices(build, components["Point Cloud"], _CLOUD, no_points))
     build.feed(build.add("NodeGroupOutput").inputs["Geometry"], build.join(joined))
+
+
+def _vertices(build: Builder, points: NodeSocket, part: int, selection: object = True) -> NodeSocket:
+    """Loose vertices, which remember what ``part`` they are."""
+    made = build.add("GeometryNodePointsToVertices", Points=points, Selection=selection)
+    return build.store(build.out(made, "Mesh"), "INT", _PART, part)
 
 
 def take_point_type(mesh: Mesh) -> Kind:

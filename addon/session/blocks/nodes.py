@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from bpy.types import GeometryNodeTree, NodeSocket
 
 from ... import compat
-from .control_points import _PART
 
 
 class Builder:
@@ -79,11 +78,6 @@ class Builder:
     def handle(self, side: str) -> NodeSocket:
         """Where the handle of each point of a curve is, LEFT or RIGHT."""
         return self.add("GeometryNodeInputCurveHandlePositions").outputs[side.title()]
-
-    def vertices(self, points: NodeSocket, part: int, selection: object = True) -> NodeSocket:
-        """Loose vertices, which remember what ``part`` they are."""
-        made = self.add("GeometryNodePointsToVertices", Points=points, Selection=selection)
-        return self.store(self.out(made, "Mesh"), "INT", _PART, part)
 
     def switch(self, kind: str, choose: NodeSocket, no: object, yes: object) -> NodeSocket:
         """``yes`` where ``choose``, else ``no``."""
