@@ -15,7 +15,7 @@ import numpy as np
 
 from ...backend import Progress
 from ...core import status
-from ...core.errors import OptionError, SolverError, TopologyChangedError
+from ...core.errors import CancelledError, OptionError, SolverError, TopologyChangedError
 from ...core.status import Level, Status
 from ...mesh_io import shape_array, write_shape
 from ...preferences import preferences
@@ -183,11 +183,15 @@ def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Qu
         work.cancel()
         work = None
     if work is None:
+        if session.unanswered is not None and question.matches(session.unanswered.subject):
+            raise session.unanswered.error
         _ask(session, bound, question)
         return None
     session.work = None
     if work.error is not None:
         session.settle = False
+        if not isinstance(work.error, CancelledError):
+            session.unanswered = work
         raise work.error
     answered = work.subject
     _learn_price(session, answered, work.seconds)

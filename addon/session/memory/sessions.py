@@ -61,6 +61,7 @@ class Session:
     poses: dict[str, np.ndarray] = field(default_factory=dict)
     settle: bool = False  # the final answer of the shown preview is wanted
     work: Work | None = None  # a thread looks for an answer; the subject is its question
+    unanswered: Work | None = None  # the last one that failed: the same question is not asked again
     rewire: bool = (
         False  # a control was exchanged: the driver that keeps controls evaluated names the old one
     )
@@ -144,7 +145,7 @@ def forget_shapes() -> None:
     _last_updates.clear()
     for session in _sessions.values():
         session.shown.clear()
-        session.failed = None
+        session.failed = session.unanswered = None
 
 
 def note_edit(name: str) -> None:
