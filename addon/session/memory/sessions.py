@@ -17,6 +17,8 @@ from ...core import status
 from ...mesh_io import RestShape
 from .background import Work
 
+FIRST_STEPS = 4  # iterations of a drag's first redraw, while the price of one is unknown
+
 
 @dataclass
 class Bound:
@@ -67,7 +69,7 @@ class Session:
     )
     solve_milliseconds: float = 0.0
     step_milliseconds: float = 0.0  # of a drag: one iteration, or one solve of a method without them
-    steps: int = 4  # iterations that a drag may spend
+    steps: int = FIRST_STEPS  # iterations that a drag may spend
     lock: threading.RLock = field(default_factory=threading.RLock)
 
     def drop_work(self) -> None:
