@@ -67,9 +67,9 @@ def ensure(
         _keep_job_for(deformer.uid, key)
         under_way = None if wait else _jobs.get(deformer.uid)
     bound = session.bound
-    if bound is not None and bound.key == key and not bound.factor.is_spent:
-        if under_way is not None or not bound.is_preview:
-            return bound
+    is_wanted = bound is not None and bound.key == key and not bound.factor.is_spent
+    if is_wanted and (under_way is not None or not bound.is_preview):
+        return bound
     require_backend()
     if session.failed == key or under_way is not None:
         return None
