@@ -55,8 +55,8 @@ class Region:
 class Patch:
     """The selection of a mesh in Edit Mode and the surface around it.
 
-    Ask for the ``region`` within a radius, ``write`` its vertices, ``restore`` them. Points (n, 3) at rest are
-    oriented and scaled as the world and lack only the object's place, ``origin`` (3,).
+    Ask for the ``region`` within a radius, ``write`` its vertices, ``restore`` them. ``points`` (n, 3) are
+    at rest, oriented and scaled as the world, and lack only the place of the object, ``origin`` (3,).
     """
 
     def __init__(self, obj: Object) -> None:
@@ -147,7 +147,7 @@ class Patch:
         return self._lengths
 
     def write(self, obj: Object, region: Region, places: np.ndarray, final: bool = True) -> None:
-        """Put the vertices ``region.moving`` at ``places`` (t, 3), frame of ``points``; the others go to rest."""
+        """Put the vertices ``region.moving`` at ``places`` (t, 3), frame of ``points``; others rest."""
         with np.errstate(over="ignore"):  # refused just below
             moved = (places @ self._inverse.T).astype(np.float32)
         if not np.isfinite(moved).all():
