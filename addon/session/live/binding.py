@@ -12,6 +12,7 @@ from ...backend import Factor, Progress, availability, build_factor
 from ...core import status
 from ...core.errors import BackendMissingError, CancelledError, SinewError
 from ...core.kinds import MESH
+from ...core.memory import remember
 from ...core.status import Level, Remedy, Status
 from ...ids import Keys
 from ...mesh_io import read_rest
@@ -32,8 +33,18 @@ HEAVY = 20_000  # vertices; below, a bind takes some tens of milliseconds and ne
 CANCELLED = "Binding was cancelled - press Bind to start again"
 
 
-_jobs: dict[str, Work] = {}  # by deformer key; the subject is a BindInput
-_watched: set[str] = set()
+class _Jobs(dict[str, Work]):
+    """Binds under way by deformer key; the subject of each is a ``BindInput``."""
+
+    def clear(self) -> None:
+        """Stop all of them."""
+        for job in self.values():
+            job.cancel()
+        super().clear()
+
+
+_jobs = remember(_Jobs())
+_watched: set[str] = remember(set())
 
 
 def require_backend() -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...backend import Factor
 from ...core import status
+from ...core.memory import remember
 from ...mesh_io import RestShape
 from .background import Work
 
@@ -96,11 +97,11 @@ class LastUpdate:
     layout: tuple[tuple[int, str] | None, ...]
 
 
-_sessions: dict[str, Session] = {}
+_sessions: dict[str, Session] = remember({})
 _RENDER = " in renders"
-_last_updates: dict[str, LastUpdate] = {}  # by object
-_edited: set[str] = set()
-_missed: set[str] = set()
+_last_updates: dict[str, LastUpdate] = remember({})  # by object
+_edited: set[str] = remember(set())
+_missed: set[str] = remember(set())
 _suspended = 0
 
 
@@ -128,15 +129,6 @@ def drop(key: str) -> None:
     _sessions.pop(key + _RENDER, None)
     _last_updates.clear()
     status.clear(key)
-
-
-def drop_all() -> None:
-    """Forget everything, as another file is opened."""
-    _sessions.clear()
-    _last_updates.clear()
-    _edited.clear()
-    _missed.clear()
-    status.clear()
 
 
 def forget_shapes() -> None:
