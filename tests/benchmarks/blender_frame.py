@@ -413,9 +413,9 @@ def reading(method: str) -> dict[str, object]:
     session.add_handle(obj, deformer, "HANDLE", "Top")
     spent = Spent()
     for owner, name in (
-        (room("session.capture"), "rest_meshes"),
-        (room("session.binding"), "read_rest"),
-        (room("session.regions"), "gather"),
+        (room("session.blocks.capture"), "rest_meshes"),
+        (room("session.live.binding"), "read_rest"),
+        (room("session.control.handles.regions"), "request"),
     ):
         spent.around(owner, name)
     whole = timed(bpy.ops.sinew.bind)
@@ -444,7 +444,7 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
             obj.vertex_groups["Stiffness"].add(members, 0.5, "REPLACE")
         for kind in ("edit", "new"):
             if kind == "new":
-                session.drop_all()
+                room("core.memory").forget_all()
             # Not by the operator: Blender evaluates before it runs one, and that would bind.
             times[kind].append(timed(lambda: session.bind(obj, deformer)))
             times[f"{kind}_native"].append(session.find(deformer.uid).bound.milliseconds)
