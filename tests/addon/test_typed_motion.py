@@ -251,6 +251,75 @@ def test_another_view_keeps_what_was_done():
     assert np.allclose(scaled.motion.scale, 3.0)
 
 
+AXES = np.array(
+    (
+        (0.9751703, -0.0795999, 0.206656),
+        (0.0978434, 0.9920134, -0.0795999),
+        (-0.1986693, 0.0978434, 0.9751703),
+    )
+)
+PIVOT = np.array((1.83568, 0.817786, 0.063903))
+SIDE = np.array((0.7386934, 0.6733669, 0.0301508))
+ABOVE = np.array((-0.2311558, 0.2110552, 0.9497488))
+VIEWS = {
+    "front": replace(FRONT, pixel=0.009536424, centre=(471.53312, 226.22871)),
+    "slanted": View(SIDE, ABOVE, np.cross(SIDE, ABOVE), 0.009536424, (486.76768, 207.82093)),
+    "perspective": View(
+        SIDE,
+        ABOVE,
+        np.cross(SIDE, ABOVE),
+        0.009058919,
+        (496.05893, 206.09838),
+        eye=np.array((2.896481, -5.777584, 2.317001)),
+    ),
+}
+ONE_PLACE = (0.0, 0.0, 0.0)
+AS_IT_IS = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+ABOUT_Z = ((0.78023, -0.62549, 0.0), (0.62549, 0.78023, 0.0), (0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("view", "mode", "steps", "move", "linear"),
+    [
+        ("front", "TRANSLATE", [(60, 40)], (0.57219, 0.0, 0.38146), AS_IT_IS),
+        ("front", "TRANSLATE", ["X", (60, 40)], (0.57219, 0.0, 0.0), AS_IT_IS),
+        ("front", "TRANSLATE", ["Z", "Z", (60, 40)], (0.10196, -0.03927, 0.48111), AS_IT_IS),
+        ("front", "TRANSLATE", ["+X", (60, 40)], (0.0, 0.0, 0.38146), AS_IT_IS),
+        ("front", "TRANSLATE", ["Y", (30, 40)], (0.0, -0.58204, 0.0), AS_IT_IS),
+        ("front", "TRANSLATE", ["1-", "TAB", "2"], (-1.0, 2.0, 0.0), AS_IT_IS),
+        (
+            "front",
+            "ROTATE",
+            [(-90, 120)],
+            ONE_PLACE,
+            ((0.78023, 0.0, -0.62549), (0.0, 1.0, 0.0), (0.62549, 0.0, 0.78023)),
+        ),
+        ("front", "ROTATE", ["X", "90"], ONE_PLACE, ((1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.0, 1.0, 0.0))),
+        ("front", "ROTATE", ["Z", (-90, 120)], ONE_PLACE, ABOUT_Z),
+        ("front", "RESIZE", [(70, 20)], ONE_PLACE, np.diag((1.71959, 1.71959, 1.71959))),
+        ("front", "RESIZE", ["+Z", "2"], ONE_PLACE, np.diag((2.0, 2.0, 1.0))),
+        ("front", "TRANSLATE", ["Z", (60, 40), "R", (-90, 120)], ONE_PLACE, ABOUT_Z),
+        ("slanted", "TRANSLATE", ["X", (60, 40)], (0.55833, 0.0, 0.0), AS_IT_IS),
+        ("slanted", "TRANSLATE", ["+X", (60, 40)], (0.0, 0.84011, 0.21495), AS_IT_IS),
+        (
+            "slanted",
+            "ROTATE",
+            ["Z", (-90, 120)],
+            ONE_PLACE,
+            ((0.88246, -0.47039, 0.0), (0.47039, 0.88246, 0.0), (0.0, 0.0, 1.0)),
+        ),
+        ("perspective", "TRANSLATE", [(60, 40)], (0.31774, 0.44248, 0.36054), AS_IT_IS),
+        ("perspective", "TRANSLATE", ["X", (60, 40)], (0.42741, 0.0, 0.0), AS_IT_IS),
+    ],
+)
+def test_the_same_events_move_as_blender_does(view: str, mode: str, steps: list, move: tuple, linear):
+    """Blender 3.4's own transforms in a window: where they took a selection, to the fifth decimal."""
+    tool = take(TypedMotion(Mode(mode), VIEWS[view], AXES, (500.0, 300.0)), *steps)
+    matrix = tool.motion.rounded.matrix(AXES, PIVOT)
+    assert np.abs(matrix[:3, :3] - linear).max() < 1e-4
+    assert np.abs(matrix[:3, :3] @ PIVOT + matrix[:3, 3] - PIVOT - move).max() < 1e-4
+
+
 @pytest.mark.parametrize(
     ("mode", "steps", "expected"),
     [
