@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds the library, its peers and their environment, then measures: tests/benchmarks/suite.py."""
+"""Builds the library, its peers and their environment, then measures: benchmarks/suite.py."""
 
 import sys
 
@@ -8,7 +8,7 @@ from .dev import build_tree
 from .places import DEV_MODULE, ROOT
 from .shell import run
 
-SUITE = ROOT / "tests" / "benchmarks" / "suite.py"
+SUITE = ROOT / "benchmarks" / "suite.py"
 ONLY_READS = {"-h", "--help", "--list", "--render"}
 
 
