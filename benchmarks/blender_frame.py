@@ -3,7 +3,7 @@
 
     blender -b --factory-startup -P benchmarks/blender_frame.py -- [ROW ...] [--small] [--json FILE]
 
-or, with Blender as a module, ``python benchmarks/blender_frame.py [ROW ...] [--small] [--json FILE]``. Each row
+or, with Blender as a module, ``python benchmarks/blender_frame.py`` with the same words. Each row
 takes less than a minute; ours and the peer are measured by turns, and the medians compared.
 
 A frame moves a control, lets Blender evaluate, and reads the positions of the evaluated mesh into an array.

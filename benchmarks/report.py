@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines for the terminal, tables for README.md and docs/performance.md: all of it from the rows."""
+"""Lines for the terminal, tables for README.md and docs/developer/performance.md: all of it from the rows."""
 
 import json
 from collections import defaultdict
@@ -13,7 +13,7 @@ from works import ANY, BY_ID, CONVERGENCE_BUDGETS, OWN_TIMES, WORKS, Work, two_t
 
 ROOT = Path(__file__).resolve().parents[1]
 README = ROOT / "README.md"
-PAGE = ROOT / "docs" / "performance.md"
+PAGE = ROOT / "docs" / "developer" / "performance.md"
 COUNTS = Path(__file__).parent / "instructions" / "table.json"
 
 

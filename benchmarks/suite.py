@@ -3,7 +3,7 @@
 
 Each measurement runs in a process of its own, and ours and the peer's take turns in it. Nothing fails
 because it is slow: every ratio is printed with the one that is wanted beside it. `--store` keeps the results,
-draws the plots and rewrites the figures in README.md and docs/performance.md; `--render` only does the last
+draws the plots and rewrites the figures in README.md and docs/developer/performance.md; `--render` only does the last
 two.
 """
 
