@@ -1,19 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines for the terminal, tables for README.md and docs/developer/performance.md: all of it from the rows."""
+"""Lines for the terminal and tables for the documents, all of it from the rows."""
 
 import json
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
-import record
 from record import Row
 from works import ANY, BY_ID, CONVERGENCE_BUDGETS, OWN_TIMES, WORKS, Work, two_thread_rows
 
-ROOT = Path(__file__).resolve().parents[1]
-README = ROOT / "README.md"
-PAGE = ROOT / "docs" / "developer" / "performance.md"
 COUNTS = Path(__file__).parent / "instructions" / "table.json"
 
 
@@ -145,19 +141,47 @@ def least_two_threads(rows: list[Row]) -> str:
     return f"least {f'*{place}*' if lost else place}; {lost} of {len(rows)} slower"
 
 
-def ratios(rows: list[Row]) -> str:
-    """The table of the README."""
-    by_work = defaultdict(list)
+def by_work(rows: list[Row]) -> list[tuple[Work, list[Row]]]:
+    """The works that were measured next to a peer, each with its rows."""
+    found = defaultdict(list)
     for row in (*rows, *two_thread_rows(rows)):
         if row["work"] in BY_ID and row.get("peer") is not None:
-            by_work[row["work"]].append(row)
+            found[row["work"]].append(row)
+    return [(work, found[work.id]) for work in WORKS if work.id in found]
+
+
+def ratios(rows: list[Row]) -> str:
+    """Every work with every ratio that was reached."""
     lines = []
-    for work in WORKS:
-        some = by_work.get(work.id)
-        if some:
-            found = least_two_threads(some) if work.id == "two_threads" else reached(work, some)
-            lines.append((work.what, work.peer, wanted(work), found))
+    for work, some in by_work(rows):
+        found = least_two_threads(some) if work.id == "two_threads" else reached(work, some)
+        lines.append((work.what, work.peer, wanted(work), found))
     return table(("work", "next to", "wanted", "reached: vertices, one thread, two"), lines)
+
+
+def shortfalls(rows: list[Row]) -> list[tuple[Work, list[Row]]]:
+    """The works of which a ratio falls short of what is wanted, each with the rows that do."""
+    short_of = [(work, [row for row in some if work.met(row) is False]) for work, some in by_work(rows)]
+    return [(work, some) for work, some in short_of if some]
+
+
+def shortfall_table(rows: list[Row]) -> str:
+    """Each work that falls short, with its worst ratio and where that was reached."""
+    lines = []
+    for work, some in shortfalls(rows):
+        worst = (max if work.at_most else min)(some, key=work.ratio)
+        case = OWN_TIMES.get(worst.get("case"), worst.get("case"))
+        size = None if worst.get("case") and work.id != "two_threads" else short(worst["size"])
+        threads = {1: "one thread", 2: "two threads"}.get(worst.get("threads"))
+        place = ", ".join(part for part in (case, size, threads) if part)
+        ratio, goal = bare_ratio(work, worst), f"{work.goal(worst):g}"
+        lines.append((work.what, work.peer, goal, ratio, place, f"{len(some)} of {_judged(work, rows)}"))
+    return table(("work", "next to", "wanted there", "worst", "where", "figures short"), lines)
+
+
+def _judged(work: Work, rows: list[Row]) -> int:
+    """Of how many rows something is wanted."""
+    return sum(work.met(row) is not None for other, some in by_work(rows) if other is work for row in some)
 
 
 def own_times(rows: list[Row]) -> str:
@@ -283,54 +307,3 @@ def handler_cost(rows: list[Row]) -> str:
         if row["work"] == "handler_cost"
     ]
     return table(("Blender", "deformers", "vertices", "our handler", "whole update"), lines)
-
-
-def replaced(text: str, name: str, content: str) -> str:
-    """The text with what stands between <!-- name --> and <!-- end of name --> renewed."""
-    begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
-    before, found, rest = text.partition(begin)
-    _, closed, after = rest.partition(end)
-    if not found or not closed:
-        raise SystemExit(f"no place for {name}: {begin} ... {end}")
-    return f"{before}{begin}\n{content}\n{end}{after}"
-
-
-def measured_on(machine: Mapping[str, object]) -> str:
-    memory = f", {machine['memory_gib']} GiB" if machine.get("memory_gib") else ""
-    return f"Measured on {machine['system']}, {machine['processor']}, {machine['cores']} cores{memory}."
-
-
-READING = (
-    "Each ratio is from one run, ours and the peer by turns.\n"
-    "*At least* counts how many times faster we are, *at most* divides ours by the peer's; slanted figures\n"
-    "fall short."
-)
-
-
-def render(folder: Path = record.RESULTS, readme: Path = README, page: Path = PAGE) -> None:
-    """Plots, the README's table and the figures of the page on performance, from what is stored."""
-    import plots
-
-    stored = record.load(folder)
-    rows = [row for held in stored.values() for row in held["rows"]]
-    machine = next(iter(stored.values()))["machine"]
-    on = measured_on(machine)
-    text = readme.read_text(encoding="utf-8")
-    content = f"{on} {READING}\n\n{ratios(rows)}"
-    readme.write_text(replaced(text, "benchmarks", content), encoding="utf-8")
-    blocks = {
-        "machine": on,
-        "times": own_times(rows),
-        "bounds": bound_shares(rows),
-        "bend": bend(rows),
-        "convergence": convergence(rows),
-        "instructions": instructions(),
-        "profiles": profiles(),
-        "frames": frames(rows),
-        "handlers": handler_cost(rows),
-    }
-    text = page.read_text(encoding="utf-8")
-    for name, content in blocks.items():
-        text = replaced(text, name, content)
-    page.write_text(text, encoding="utf-8")
-    plots.draw(rows, page.parent / "images")

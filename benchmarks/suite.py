@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures the rows of the README's table next to their peers.
+"""Measures every row of docs/developer/performance.md next to its peer.
 
 Each measurement runs in a process of its own, and ours and the peer's take turns in it. Nothing fails
 because it is slow: every ratio is printed with the one that is wanted beside it. `--store` keeps the results,
-draws the plots and rewrites the figures in README.md and docs/developer/performance.md; `--render` only does the last
-two.
+draws the plots and rewrites the figures in README.md and docs/developer/performance.md; `--render` only does
+the last two.
 """
 
 import argparse
@@ -18,6 +18,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import documents
 import record
 import report
 import timing
@@ -127,7 +128,7 @@ def main() -> None:
         measure_here(*options.measure)
         return
     if options.render:
-        report.render()
+        documents.render()
         return
     tasks = plan(options)
     if options.list:
@@ -149,7 +150,7 @@ def main() -> None:
     if not options.only or "instructions" in options.only:
         count_instructions(options.store)
     if options.store:
-        report.render()
+        documents.render()
     print(f"{time.monotonic() - begin:.0f} s on {about['processor']}, {about['cores']} cores")
 
 

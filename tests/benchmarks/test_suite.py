@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The benchmark suite's own code, on made-up results: nothing is measured here."""
 
-import json
 import shutil
 import time
 from pathlib import Path
 
 import count
+import documents as pages
 import numpy as np
 import pytest
 import record
@@ -127,8 +127,8 @@ def documents(tmp_path: Path) -> tuple[Path, Path, Path]:
     (tmp_path / "images").mkdir()
     return (
         tmp_path / "results",
-        Path(shutil.copy(report.README, tmp_path / "README.md")),
-        Path(shutil.copy(report.PAGE, tmp_path / "performance.md")),
+        Path(shutil.copy(pages.README, tmp_path / "README.md")),
+        Path(shutil.copy(pages.PAGE, tmp_path / "performance.md")),
     )
 
 
@@ -137,30 +137,55 @@ def test_documents_are_renewed_between_their_marks_and_twice_is_once(
 ) -> None:
     _, readme, page = documents
     before = readme.read_text()
-    report.render(*documents)
+    pages.render(*documents)
     once = [path.read_bytes() for path in (readme, page, *sorted(page.parent.glob("images/*")))]
-    report.render(*documents)
+    pages.render(*documents)
     assert once == [path.read_bytes() for path in (readme, page, *sorted(page.parent.glob("images/*")))]
     assert len(once) == 4
     mark = "<!-- benchmarks -->"
     after = readme.read_text()
     assert after.partition(mark)[0] == before.partition(mark)[0]
-    assert "500k: *1.10*" in after
+    assert "libigl" not in after.partition(mark)[2].partition("<!-- end")[0]  # was not measured here
+    assert "500k: *1.10*" in page.read_text()
     assert "still 7 % above, to arrive after 90 s" in page.read_text()
 
 
 def test_missing_mark_is_told() -> None:
     with pytest.raises(SystemExit, match="no place for times"):
-        report.replaced("text", "times", "")
+        pages.replaced("text", "times", "")
+
+
+def test_documents_show_what_is_stored() -> None:
+    for path, text in pages.renewed().items():
+        assert text == path.read_text(encoding="utf-8"), f"benchmarks/run --render renews {path.name}"
+
+
+def test_readme_has_its_six_rows() -> None:
+    _, rows = record.load()
+    assert len(pages.known_peers(rows).splitlines()) == 2 + 6
+
+
+def test_every_shortfall_is_listed() -> None:
+    found = report.shortfall_table(ROWS).splitlines()[2:]
+    assert [line.split("|")[3:6] for line in found] == [
+        [" 1.2 ", " 1.10 ", " 500k, one thread "],
+        [" 1.5 ", " 2.00 ", " 500k "],
+        [" 0.5 ", " *0.25* ".replace("*", ""), " 50k, one thread "],
+        [" 1.6 ", " 2.00 ", " 10k, one thread "],
+    ]
 
 
 def test_measuring_again_replaces_a_row_and_keeps_the_others(tmp_path: Path) -> None:
-    record.store("a", ROWS[:3], {}, tmp_path)
+    record.store("2030-01-01-1200", ROWS[:3], {"cores": 4}, tmp_path)
     again = {**ROWS[1], "ours": 0.05}
-    path = record.store("a", [again], {"cores": 2}, tmp_path)
-    stored = json.loads(path.read_text())
-    assert stored["machine"] == {"cores": 2}
-    assert stored["rows"] == [ROWS[0], again, ROWS[2]]
+    record.store("2030-01-02-1200", [again], {"cores": 2}, tmp_path)
+    assert record.load(tmp_path) == ([{"cores": 4}, {"cores": 2}], [ROWS[0], again, ROWS[2]])
+
+
+def test_run_of_which_every_row_was_measured_again_goes(tmp_path: Path) -> None:
+    record.store("2030-01-01-1200", ROWS[:2], {}, tmp_path)
+    path = record.store("2030-01-02-1200", ROWS[:3], {}, tmp_path)
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_turns_alternate_and_short_works_come_in_bursts() -> None:

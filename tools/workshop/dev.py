@@ -8,6 +8,9 @@ from .places import BUILD, ROOT
 from .shell import Stamp, fingerprint, jobs, must
 
 
+BENCHMARK_TARGETS = ("sinew_native", "sinew_peers", "sinew_frames")
+
+
 def build_tree(preset: str, target: str = "all") -> None:
     """Configures where the presets or the tools changed, then builds what changed."""
     debian.install(debian.BUILD)

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from . import debian, environments
-from .dev import build_tree
+from .dev import BENCHMARK_TARGETS, build_tree
 from .environments import Environment
 from .format import checks
 from .package import package, validate
@@ -74,6 +74,13 @@ def bindings(timeout: float) -> Outcome:
 def addon(timeout: float) -> Outcome:
     build_tree("dev", "sinew_native")
     return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE})
+
+
+def benchmarks(timeout: float) -> Outcome:
+    debian.install(debian.BLENDER)
+    for target in BENCHMARK_TARGETS:
+        build_tree("dev", target)
+    return _pytest("benchmarks", timeout, {"PYTHONPATH": DEV_MODULE})
 
 
 def blender_3_4(timeout: float) -> Outcome:
@@ -205,6 +212,7 @@ LAYERS = (
     Layer("sanitizers", 1500, sanitizers),
     Layer("bindings", 420, bindings),
     Layer("addon", 120, addon),
+    Layer("benchmarks", 600, benchmarks),
     Layer("blender-3.4", 900, blender_3_4),
     *(blender_layer(version) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 900, blender_5),

@@ -4,7 +4,7 @@
 import sys
 
 from . import debian, environments
-from .dev import build_tree
+from .dev import BENCHMARK_TARGETS, build_tree
 from .places import DEV_MODULE, ROOT
 from .shell import run
 
@@ -16,7 +16,7 @@ def main() -> None:
     words = sys.argv[1:]
     if not ONLY_READS & set(words):
         debian.install(debian.BENCHMARKS)
-        for target in ("sinew_native", "sinew_peers", "sinew_frames"):
+        for target in BENCHMARK_TARGETS:
             build_tree("dev", target)
     python = environments.dev().make().python
     sys.exit(run([python, SUITE, *words], env={"PYTHONPATH": DEV_MODULE}))
