@@ -7,7 +7,6 @@ from . import debian, environments
 from .places import BUILD, ROOT
 from .shell import Stamp, fingerprint, jobs, must
 
-
 BENCHMARK_TARGETS = ("sinew_native", "sinew_peers", "sinew_frames")
 
 
