@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Run pytest inside Blender: ``blender -b --factory-startup -P tests/blender/run_pytest.py -- [FILE ...] ARGS``.
+"""Run pytest inside Blender: ``blender -b --factory-startup -P tests/blender/run_pytest.py -- ARGS``.
 
-Without a file of this folder, all of them run.
+Of the files in this folder those that ARGS name run, or all of them.
 """
 
 import os
