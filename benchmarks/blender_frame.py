@@ -415,13 +415,16 @@ def reading(method: str) -> dict[str, object]:
     session.add_handle(obj, deformer, "FIXED", "Base")
     session.add_handle(obj, deformer, "HANDLE", "Top")
     spent = Spent()
-    for owner, name in (
+    steps = [
         (room("session.capture"), "rest_meshes"),
         (room("session.binding"), "read_rest"),
-        (room("session.regions"), "gather"),
-    ):
+        (room("session.by_handles"), "request"),
+    ]
+    for owner, name in steps:
         spent.around(owner, name)
     whole = timed(bpy.ops.sinew.bind)
+    if len(spent.reports) != len(steps):
+        raise RuntimeError("a step of reading was not timed")
     found = {"vertices": len(obj.data.vertices), "reading_ms": spent.take() * 1000.0, "bind_ms": whole}
     return {**found, "ratio": found["reading_ms"] / whole, "goal": 0.1, "at_most": True}
 

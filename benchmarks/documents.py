@@ -14,9 +14,9 @@ README = ROOT / "README.md"
 PAGE = ROOT / "docs" / "developer" / "performance.md"
 
 READING = (
-    "Each ratio is from one run, ours and the peer by turns.\n"
-    "*At least* counts how many times faster we are, *at most* divides ours by the peer's; slanted figures\n"
-    "fall short."
+    "Each ratio is from one run, in which Sinew and the peer ran by turns.\n"
+    "*At least* counts how many times faster Sinew is, *at most* divides what Sinew takes by what the peer\n"
+    "takes. *Italic*: below the target."
 )
 # The README's rows: what was measured, next to what, and which stored rows say so (work, size, case, threads)
 # in which words, where {0} is the first one's ratio. Each names the case that a user meets.
@@ -89,8 +89,8 @@ def in_short(rows: list[Row], page: str) -> str:
     """How many rows there are in all, and how many fall short."""
     measured, short = len(report.by_work(rows)), len(report.shortfalls(rows))
     return (
-        f"Ours on two threads, ours and the peer by turns. These are six of {measured} rows;\n"
-        f"{short} of them fall short of what we want somewhere: [all figures]({page})."
+        f"Six of {measured} rows, by `benchmarks/run`, Sinew on two threads and in turn with its peer; "
+        f"some figure falls short of its target in {short}: [all of them]({page})."
     )
 
 

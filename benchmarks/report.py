@@ -118,7 +118,7 @@ def wanted(work: Work) -> str:
 
 
 def reached(work: Work, rows: list[Row]) -> str:
-    """ "10k: 9.1, 14 · 50k: *7.9*, *11*": one and two threads; slanted where it falls short."""
+    """ "10k: 9.1, 14 · 50k: *7.9*, *11*": one and two threads; italic where it is below the target."""
     places = defaultdict(list)
     for row in sorted(
         rows, key=lambda row: (str(row.get("case") or ""), row["size"], row.get("threads") or 0)

@@ -121,8 +121,8 @@ def test_summary_counts() -> None:
 
 
 @pytest.fixture
-def documents(tmp_path: Path) -> tuple[Path, Path, Path]:
-    """Results, a README and a page on performance, in a folder of their own."""
+def documents(tmp_path: Path) -> tuple[Path, Path]:
+    """Results and a page on performance, in a folder of their own."""
     record.store("made_up", ROWS, record.machine(), tmp_path / "results")
     (tmp_path / "images").mkdir()
     return (
@@ -133,7 +133,7 @@ def documents(tmp_path: Path) -> tuple[Path, Path, Path]:
 
 
 def test_documents_are_renewed_between_their_marks_and_twice_is_once(
-    documents: tuple[Path, Path, Path],
+    documents: tuple[Path, Path],
 ) -> None:
     _, readme, page = documents
     before = readme.read_text()
