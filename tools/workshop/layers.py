@@ -55,8 +55,6 @@ def lint(timeout: float) -> Outcome:
     for name, command in checks().items():
         status = run(command, timeout=timeout)
         total += Outcome(passed=1) if status == 0 else Outcome(failed=1, note=f"{name}: try tools/format")
-    mypy = environments.dev().make().bin / "mypy"
-    total += Outcome(passed=1) if run([mypy], timeout=timeout) == 0 else Outcome(failed=1, note="mypy")
     return total
 
 
