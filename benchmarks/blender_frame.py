@@ -416,9 +416,9 @@ def reading(method: str) -> dict[str, object]:
     session.add_handle(obj, deformer, "HANDLE", "Top")
     spent = Spent()
     steps = [
-        (room("session.capture"), "rest_meshes"),
-        (room("session.binding"), "read_rest"),
-        (room("session.by_handles"), "request"),
+        (room("session.blocks.capture"), "rest_meshes"),
+        (room("session.live.binding"), "read_rest"),
+        (room("session.control.handles.kind"), "request"),
     ]
     for owner, name in steps:
         spent.around(owner, name)
