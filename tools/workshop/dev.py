@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The CMake trees of daily work, by preset."""
+"""Builds the library, the native tests and the Python module for daily work."""
 
 import argparse
 
@@ -30,7 +30,7 @@ def build_tree(preset: str, target: str = "all") -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/dev", description=__doc__)
     parser.add_argument(
-        "preset", nargs="?", default="dev", help="a preset of CMakePresets.json; dev when none is named"
+        "preset", nargs="?", default="dev", help="a preset of CMakePresets.json; without one, dev"
     )
     build_tree(parser.parse_args().preset)
 
