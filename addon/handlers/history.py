@@ -7,6 +7,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .. import session
+from ..core.memory import forget_all
 from . import deferred
 
 
@@ -14,15 +15,14 @@ from . import deferred
 def on_undo(*_args: object) -> None:
     """Shape meshes may hold another state now: the next evaluation writes them again."""
     session.forget_owners()
-    session.distrust()
+    session.forget_shapes()
     _evaluate_again()
 
 
 @persistent
 def on_load(*_args: object) -> None:
     """Another file: nothing of the old one counts."""
-    session.drop_all()
-    session.forget_owners()
+    forget_all()
     if session.owners():  # the first evaluation after a load calls no handlers
         session.update(bpy.context.evaluated_depsgraph_get())
         deferred.schedule()
@@ -44,6 +44,6 @@ def before_use(*_args: object) -> None:
 def _evaluate_again() -> None:
     for obj in session.owners():
         if obj.library is None:
-            session.edited(obj.name)  # the mesh may be another one now
+            session.note_edit(obj.name)  # the mesh may be another one now
             obj.update_tag()
     deferred.schedule()

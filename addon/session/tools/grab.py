@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grab a selection in Edit Mode: the surface around follows it once, without a deformer.
+
+Only the part of the mesh that may move, with the rings of fixed vertices that its energies look at, goes to
+the native module.
+"""
+
+import time
+
+import numpy as np
+from bpy.types import Object
+
+from ...backend import Factor, Progress, Recipe, build_factor
+from ...core import frames
+from ...core.errors import ConstraintError
+from ...core.methods import Method
+from ..control.handles.poses import IDENTITY
+from ..live import binding, drag
+from ..memory.background import Work
+from ..memory.sessions import FIRST_STEPS
+from .patch import Patch, Region
+
+NOTHING_FREE = "Nothing around the selection is free to follow - only the selection moves"
+
+
+class Grab:
+    """The selection of a mesh in Edit Mode as a handle, and what follows it.
+
+    ``follow`` a radius, ``show`` motions, ``restore`` or leave it.
+    """
+
+    def __init__(self, obj: Object, method: Method) -> None:
+        binding.require_backend()
+        self._method = method
+        self._patch = Patch(obj)
+        self._region: Region | None = None
+        self._factor: Factor | None = None  # of the region, where it needs one and has it
+        self._work: Work | None = None
+        self._final: Work | None = None
+        self._start: np.ndarray | None = None
+        self._budget = FIRST_STEPS
+        self.settled = True  # what is shown is the final answer for its motion
+
+    @property
+    def selection(self) -> np.ndarray:
+        """The selected vertices in the world at rest, (s, 3)."""
+        return self._patch.selection
+
+    @property
+    def lost(self) -> int:
+        """How many vertices have coordinates that are no numbers."""
+        return self._patch.lost
+
+    @property
+    def radius(self) -> float | None:
+        """The radius that is bound; None until the first one is."""
+        return None if self._region is None else self._region.radius
+
+    @property
+    def is_binding(self) -> bool:
+        """Another radius is on its way."""
+        return self._work is not None
+
+    @property
+    def moves_alone(self) -> bool:
+        """Nothing is free to follow the selection."""
+        return self._region is not None and len(self._region.free) == 0
+
+    @property
+    def job(self) -> Work | None:
+        """A bind or a final answer under way in a thread."""
+        return self._work or self._final
+
+    # What follows
+
+    def follow(self, radius: float, wait: bool = True) -> None:
+        """Let the surface within ``radius`` (world units, over the surface) follow; infinite: all connected.
+
+        Without ``wait`` a heavy part binds in a thread: see ``job`` and ``collect``.
+        """
+        self._abandon()
+        region = self._patch.region(radius)
+        if len(region.free) == 0 or len(region.fixed) == 0:  # bound when a motion asks for it
+            self._take(region, None)
+        elif wait or not binding.may_wait(len(region.members)):
+            self._take(region, self._bind(region, None))
+        else:
+            self._work = Work(lambda progress: self._bind(region, progress), region)
+
+    def collect(self) -> bool:
+        """Take a finished bind in; True where there was one. The next ``show`` uses it."""
+        if self._work is None or not self._work.done:
+            return False
+        done, self._work = self._work, None
+        if done.error is not None:
+            raise done.error
+        self._take(done.subject, done.result)
+        return True
+
+    def _is_bound(self, wait: bool) -> bool:
+        """The region has its factor, or needs none; False while a thread builds it."""
+        region = self._region
+        if self._factor is not None or len(region.free) == 0:
+            return True
+        if wait or not binding.may_wait(len(region.members)):
+            self._factor = self._bind(region, None)
+            return True
+        if self._work is None:
+            self._work = Work(lambda progress: self._bind(region, progress), region)
+        return False
+
+    def _abandon(self) -> None:
+        for work in (self._work, self._final):
+            if work is not None:
+                work.cancel()
+        self._work = self._final = None
+
+    def _take(self, region: Region, factor: Factor | None) -> None:
+        self._region, self._factor = region, factor
+        self._start, self._budget = None, FIRST_STEPS
+
+    def _bind(self, region: Region, progress: Progress | None) -> Factor:
+        options = {row.id: row.default for row in self._method.parameters if row.rebinds}
+        handles = [places for places in (region.handle, region.fixed) if len(places)]
+        weights = [None] * len(handles)
+        recipe = Recipe(self._method, region.rest, region.faces, options, handles, weights)
+        return build_factor(recipe, progress)
+
+    # How it moves
+
+    def show(self, obj: Object, motion: np.ndarray, preview: bool = False) -> None:
+        """Move the selection by a motion of the world (4, 4), the surface with it.
+
+        A ``preview`` spends a moment only: see ``settled``.
+        """
+        self._drop_final()
+        pose = self._pose(motion)
+        region, followed = self._region, None
+        self.settled = True
+        if region.rides_along(pose):
+            followed = frames.transformed(pose, region.rest)
+        elif not self._is_bound(wait=not preview):
+            return
+        elif self._factor is not None:
+            options = self._options()
+            early = preview and self._method.iterative
+            if early:
+                options["max_iterations"] = min(self._budget, options.get("max_iterations", self._budget))
+                options["start"] = self._start
+            begin = time.perf_counter()
+            followed, report = self._factor.solve(self._poses(pose), **options)
+            self._start = followed
+            if early:
+                self.settled = report.converged
+                self._spend(report.iterations, time.perf_counter() - begin)
+        self._write(obj, pose, followed, final=not preview)
+
+    def settle(self, obj: Object, motion: np.ndarray, wait: bool = True) -> bool:
+        """Show the final answer, which depends on the motion alone; False while a thread works it out."""
+        region, pose = self._region, self._pose(motion)
+        heavy = self._method.iterative and binding.may_wait(len(region.members))
+        if wait or not heavy or len(region.free) == 0 or region.rides_along(pose):
+            self.show(obj, motion)
+            return True
+        if not self._is_bound(wait):
+            return False
+        if self._final is None:
+            factor, poses, options = self._factor, self._poses(pose), self._options()
+            self._final = Work(lambda progress: factor.solve(poses, progress=progress, **options))
+        if not self._final.done:
+            return False
+        done, self._final = self._final, None
+        if done.error is not None:
+            raise done.error
+        self._write(obj, pose, done.result[0])
+        self.settled = True
+        return True
+
+    def restore(self, obj: Object) -> None:
+        """Put every vertex back where it was, bit for bit."""
+        self._abandon()
+        self._patch.restore(obj)
+
+    def _drop_final(self) -> None:
+        if self._final is not None:
+            self._final.cancel()
+            self._final = None
+
+    def _spend(self, iterations: int, seconds: float) -> None:
+        """As many steps a redraw as the drag budget allows for this mesh."""
+        if iterations:
+            self._budget = drag.affordable_steps(1000.0 * seconds / iterations)
+
+    def _options(self) -> dict[str, object]:
+        return {row.id: row.default for row in self._method.parameters if not row.rebinds}
+
+    def _pose(self, motion: np.ndarray) -> np.ndarray:
+        """A motion of the world as the pose (3, 4) of points that lack only the object's place."""
+        if not np.isfinite(motion).all():
+            raise ConstraintError("The motion is not a finite number - type another one")
+        pose = motion[:3].copy()
+        pose[:, 3] += motion[:3, :3] @ self._patch.origin - self._patch.origin
+        return pose
+
+    def _poses(self, pose: np.ndarray) -> np.ndarray:
+        poses = [pose] if len(self._region.handle) else []
+        return np.array([*poses, IDENTITY] if len(self._region.fixed) else poses)
+
+    def _write(self, obj: Object, pose: np.ndarray, followed: np.ndarray | None, final: bool = True) -> None:
+        """The selection goes by its pose, the free vertices by the solution (k, 3); others go to rest."""
+        goals = [frames.transformed(pose, self._patch.points[self._patch.selected])]
+        if followed is not None:
+            goals.append(followed[self._region.free])
+        self._patch.write(obj, self._region, np.concatenate(goals), final)
