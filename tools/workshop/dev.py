@@ -7,9 +7,11 @@ from . import debian, environments
 from .places import BUILD, ROOT
 from .shell import Stamp, fingerprint, jobs, must
 
+BENCHMARK_TARGETS = ("sinew_native", "sinew_peers", "sinew_frames")
 
-def build_tree(preset: str, target: str = "all") -> None:
-    """Configures where the presets or the tools changed, then builds what changed."""
+
+def configure_tree(preset: str) -> None:
+    """Configures where the presets or the tools changed."""
     debian.install(debian.BUILD)
     environments.build().make()
     tree = BUILD / {"dev": "native"}.get(preset, preset)
@@ -17,6 +19,11 @@ def build_tree(preset: str, target: str = "all") -> None:
     if not stamp.is_fresh() or not (tree / "build.ninja").is_file():
         must(["cmake", "--preset", preset, "-Wno-dev"])
         stamp.write()
+
+
+def build_tree(preset: str, target: str = "all") -> None:
+    """Builds what changed, configured first."""
+    configure_tree(preset)
     must(["cmake", "--build", "--preset", preset, "--target", target, "-j", str(jobs())])
 
 
