@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """clang-tidy over native/: each source once, and again only when it or something it depends on has changed.
 
-A source that passed leaves an empty file in ``.build/tidy``, named by a digest of its command, of the
+A source that passed leaves an empty file beside what ccache keeps, named by a digest of its command, of the
 settings, and of the source with all that it includes from this repository.
 """
 
@@ -18,7 +18,7 @@ from .dev import configure_tree
 from .places import BUILD, NATIVE_TREE, ROOT
 from .shell import fingerprint, jobs, must, say
 
-PASSED = BUILD / "tidy"
+PASSED = BUILD / "ccache" / "tidy"
 SETTINGS = (ROOT / ".clang-tidy", environments.REQUIREMENTS / "dev.txt", Path(__file__))
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
