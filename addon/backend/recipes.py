@@ -4,6 +4,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -127,7 +128,7 @@ class CageRecipe:
 class _Warp:
     """A posed cage in the place of poses: the warp of the rest points, as displacements of what enters."""
 
-    def __init__(self, coordinates: object, rest: np.ndarray) -> None:
+    def __init__(self, coordinates: Any, rest: np.ndarray) -> None:
         self._coordinates = coordinates
         self._rest = rest
 
@@ -150,7 +151,7 @@ class _Warp:
         return self._coordinates.influence(vertices)
 
 
-def _same(a: object, b: object) -> bool:
+def _same(a: Any, b: Any) -> bool:
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         return a is b or np.array_equal(a, b)
     if isinstance(a, tuple | list) and isinstance(b, tuple | list):

@@ -2,6 +2,7 @@
 """What a bind is asked for, whatever moves the mesh."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -41,10 +42,10 @@ def option_values(settings: SinewDeformer) -> tuple:
     return tuple((name, getattr(values, name)) for name in _BINDING_NAMES[settings.definition.id])
 
 
-def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
+def options(settings: SinewDeformer, rest: RestShape) -> dict[str, Any]:
     """The keywords of the native constructor; a painted one is (n,)."""
     values = settings.parameters
-    found: dict[str, object] = {}
+    found: dict[str, Any] = {}
     for parameter in settings.definition.parameters:
         if not parameter.rebinds:
             continue
@@ -61,7 +62,7 @@ def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
     return found
 
 
-def solve_options(settings: SinewDeformer) -> dict[str, object]:
+def solve_options(settings: SinewDeformer) -> dict[str, Any]:
     """The keywords of ``solve`` that the method takes."""
     return {
         parameter.id: getattr(settings.parameters, parameter.id)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What moves a shape, by the kind of control that a method asks for: one folder per kind."""
 
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
@@ -37,11 +37,11 @@ class ControlKind(Protocol):
         """Arrays for the native module, or the reason why there are none."""
 
     @staticmethod
-    def notes(report: object, request: BindInput) -> tuple[Status, ...]:
+    def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
         """What the report of a bind tells the artist."""
 
     @staticmethod
-    def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
+    def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, Any]] | None:
         """Where the control is, as ``Factor.solve`` takes it, and further keywords of it.
 
         None where nobody knows: then the last shape stays.

@@ -5,6 +5,8 @@ The rest cage is kept as a hidden mesh in the frame of the target, so everything
 pose, in Edit Mode too.
 """
 
+from typing import Any
+
 import bpy
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
@@ -87,7 +89,7 @@ def notes(report: CageReport, request: BindInput) -> tuple[Status, ...]:
     return tuple(found)
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, Any]] | None:
     """The cage's vertices (c, 3) in the frame of the target; without a cage as they were last, if known."""
     held, cage = evaluation.session.poses, evaluation.deformer.cage
     if evaluation.deformer.cage_missing:

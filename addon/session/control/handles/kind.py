@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Handles move the shape: regions of the mesh that follow objects and bones, or stay. See ``kinds``."""
 
+from typing import Any
+
 import numpy as np
 from bpy.types import Depsgraph
 
@@ -19,7 +21,7 @@ __all__ = ("MISSING", "is_set", "key", "notes", "placed", "pose", "request", "se
 MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
 
 
-def notes(report: object, request: BindInput) -> tuple[Status, ...]:
+def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     """Parts that nothing holds."""
     if not report.free_parts:
         return ()
@@ -29,7 +31,7 @@ def notes(report: object, request: BindInput) -> tuple[Status, ...]:
     return (Status(Level.WARNING, text, *elements),)
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]]:
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, Any]]:
     """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape."""
     affine, from_rest = poses.gather(evaluation, bound)
     return affine, {"from_rest": from_rest}
