@@ -26,7 +26,7 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
 
     Points rest_controls;
     controls(view(cage_.rest().points()), rest_controls);
-    CageWeights weights(count, rest_controls, cage_.vertex_count(), options_);
+    PointWeights weights(count, rest_controls, cage_.vertex_count(), options_);
     const struct Release
     {
         CageCoordinates& method;

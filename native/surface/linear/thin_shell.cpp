@@ -6,7 +6,6 @@
 #include "native/core/parallel.h"
 #include "native/solvers/constrained_quadratic.h"
 #include "native/solvers/sparse_columns.h"
-#include "native/surface/linear/affine_basis.h"
 
 #include <algorithm>
 #include <chrono>
@@ -108,7 +107,44 @@ struct Binding
     {
         return soft_stiffness[row + soft_stiffness.size() - constraints.size()];
     }
+    /// See ThinShell::respond(); n vertices.
+    LinearResponse respond(int n, const MatrixX& values) const;
 };
+
+LinearResponse Binding::respond(int n, const MatrixX& values) const
+{
+    const auto columns = values.cols();
+    LinearResponse response;
+    RowMatrix& x = response.displacement;
+    x = RowMatrix::Zero(n, columns);
+    std::optional<RowMatrix> pull; // b: the soft constraints' side
+    if (!soft_stiffness.empty())
+        pull = RowMatrix::Zero(n, columns);
+    MatrixX soft_energy = MatrixX::Zero(columns, columns);
+    for (std::size_t row = 0; row < constraints.size(); ++row) {
+        const int vertex = constraints[row].vertex;
+        const auto target = values.row(row);
+        if (is_soft(row)) {
+            pull->row(vertex) += stiffness(row) * target;
+            soft_energy += stiffness(row) * target.transpose() * target;
+        } else {
+            x.row(vertex) = target;
+        }
+    }
+
+    system.solve(x, pull ? &*pull : nullptr);
+    ConstrainedQuadratic::Forms forms = system.forms(x, pull ? &*pull : nullptr);
+    // A holds the soft stiffness on its diagonal, so that
+    // x^T A x - x^T b - b^T x + sum s c c^T is the elastic plus the soft energy, doubled.
+    response.energy = forms.energy + soft_energy;
+    if (pull) {
+        const MatrixX cross = x.transpose() * *pull;
+        response.energy -= cross + cross.transpose();
+    }
+    response.residual = std::move(forms.residual);
+    response.load = std::move(forms.load);
+    return response;
+}
 
 } // namespace
 
@@ -202,8 +238,8 @@ struct ThinShell::Impl
     }
 
     /// Binds `next`, whose handles and coefficients are set. The factor moves over, so that its
-    /// symbolic part serves again where the pattern is the same.
-    BindReport bind(Binding next, const ThinShell& self, const Progress& progress)
+    /// symbolic part serves again where the pattern is the same; it moves back where anything throws.
+    BindReport bind(Binding next, const Progress& progress)
     {
         const auto start = std::chrono::steady_clock::now();
         progress.tick(0.0, "assembling the energy");
@@ -219,21 +255,23 @@ struct ThinShell::Impl
         add_soft_terms(next, *A);
 
         progress.tick(0.2, "factorising");
-        std::swap(bound, next);
-        bound.system = std::move(next.system);
-        const ConstrainedQuadratic::Problem before = bound.system.problem();
+        next.system = std::move(bound.system);
+        const ConstrainedQuadratic::Problem before = next.system.problem();
         try {
-            factorize(std::move(A));
+            factorize(next, std::move(A));
             progress.tick(0.7, "computing the basis");
-            if (options.affine_basis && bound.regions.handle_count() <= most_basis_handles)
-                bound.basis = std::make_unique<AffineBasis>(self);
+            if (options.affine_basis && next.regions.handle_count() <= most_basis_handles)
+                next.basis =
+                    std::make_unique<AffineBasis>(rest.points(), next.regions, [&](const MatrixX& values) {
+                        return next.respond(rest.vertex_count(), values);
+                    });
             progress.tick(1.0, "bound");
         } catch (const std::exception&) {
-            bound.system.restore(before);
-            next.system = std::move(bound.system);
-            std::swap(bound, next);
+            next.system.restore(before);
+            bound.system = std::move(next.system);
             throw;
         }
+        bound = std::move(next);
 
         BindReport report = bound.regions.report();
         report.degenerate_faces = degenerate;
@@ -245,12 +283,12 @@ struct ThinShell::Impl
         return report;
     }
 
-    void factorize(std::shared_ptr<const SparseMatrix> A)
+    void factorize(Binding& next, std::shared_ptr<const SparseMatrix> A)
     {
         std::vector<bool> free(rest.vertex_count());
         for (int v = 0; v < rest.vertex_count(); ++v)
-            free[v] = bound.regions.is_free(v);
-        bound.system.factorize(std::move(A), free);
+            free[v] = next.regions.is_free(v);
+        next.system.factorize(std::move(A), free);
         ++factorizations;
     }
 };
@@ -268,7 +306,7 @@ BindReport ThinShell::set_handles(const std::vector<Handle>& handles, const Prog
     Binding next;
     next.handles = handles;
     next.k = impl_->bound.k;
-    return impl_->bind(std::move(next), *this, progress);
+    return impl_->bind(std::move(next), progress);
 }
 
 BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness& bending,
@@ -277,45 +315,12 @@ BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness
     Binding next;
     next.handles = impl_->bound.handles;
     next.k = impl_->coefficients(stretching, bending, variation);
-    return impl_->bind(std::move(next), *this, progress);
+    return impl_->bind(std::move(next), progress);
 }
 
-ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
+LinearResponse ThinShell::respond(const MatrixX& constraints) const
 {
-    const Binding& bound = impl_->bound;
-    const int n = rest().vertex_count();
-    const auto columns = constraints.cols();
-
-    ThinShellResponse response;
-    RowMatrix& x = response.displacement;
-    x = RowMatrix::Zero(n, columns);
-    std::optional<RowMatrix> pull; // b: the soft constraints' side
-    if (!bound.soft_stiffness.empty())
-        pull = RowMatrix::Zero(n, columns);
-    MatrixX soft_energy = MatrixX::Zero(columns, columns);
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
-        const int vertex = bound.constraints[row].vertex;
-        const auto target = constraints.row(row);
-        if (bound.is_soft(row)) {
-            pull->row(vertex) += bound.stiffness(row) * target;
-            soft_energy += bound.stiffness(row) * target.transpose() * target;
-        } else {
-            x.row(vertex) = target;
-        }
-    }
-
-    bound.system.solve(x, pull ? &*pull : nullptr);
-    ConstrainedQuadratic::Forms forms = bound.system.forms(x, pull ? &*pull : nullptr);
-    // A holds the soft stiffness on its diagonal, so that
-    // x^T A x - x^T b - b^T x + sum s c c^T is the elastic plus the soft energy, doubled.
-    response.energy = forms.energy + soft_energy;
-    if (pull) {
-        const MatrixX cross = x.transpose() * *pull;
-        response.energy -= cross + cross.transpose();
-    }
-    response.residual = std::move(forms.residual);
-    response.load = std::move(forms.load);
-    return response;
+    return impl_->bound.respond(rest().vertex_count(), constraints);
 }
 
 SolveReport ThinShell::solve(const Poses& poses, Points& positions, const std::optional<PointsView>& incoming,

@@ -4,8 +4,8 @@
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/operators/laplacian.h"
-#include "native/surface/nonlinear/arap_cascade.h"
-#include "native/surface/nonlinear/arap_energy.h"
+#include "native/surface/nonlinear/arap/cascade.h"
+#include "native/surface/nonlinear/arap/energy.h"
 
 #include <algorithm>
 #include <chrono>

@@ -18,7 +18,7 @@ namespace {
 class Counted : public CageCoordinates
 {
 public:
-    explicit Counted(const CageWeightOptions& options = {}) : CageCoordinates(Cage(shapes::cube()), options)
+    explicit Counted(const PointWeightOptions& options = {}) : CageCoordinates(Cage(shapes::cube()), options)
     {
     }
     mutable std::atomic<int> evaluated = 0;

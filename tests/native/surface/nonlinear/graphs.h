@@ -3,7 +3,7 @@
 
 #include "native/mesh/components.h"
 #include "native/operators/laplacian.h"
-#include "native/surface/nonlinear/arap_energy.h"
+#include "native/surface/nonlinear/arap/energy.h"
 #include "tests/native/shapes.h"
 
 namespace sinew::graphs {

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/types.h"
+#include "native/mesh/regions.h"
+#include "native/solvers/descent/metric_lbfgs.h"
+#include "native/solvers/single_factor.h"
+#include "native/surface/nonlinear/arap/kernels.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace sinew {
+
+/// The covariance of a chunk's i-th node, out of the lanes that the kernels leave it in.
+inline auto arap_covariance(const double* S, int i)
+{
+    using Lanes = Eigen::Map<const Matrix3, 0, Eigen::OuterStride<arap_columns / 3>>;
+    return Lanes(S + arap_columns * static_cast<std::size_t>(i));
+}
+
+/// A soft pull on a node of an ARAP graph, in units of the Laplacian's diagonal entries.
+struct ArapPull
+{
+    int node;
+    int handle;
+    double stiffness;
+};
+
+/// An as-rigid-as-possible problem on a weighted graph: the mesh itself, or one level of the
+/// cascade. Built once a bind: filled as far as `pulls`, then factorize(), renumber(); solve() only reads it.
+struct ArapGraph
+{
+    int size = 0;
+    std::vector<int> offsets, neighbours; ///< directed edges of each node, neighbours rising
+    std::vector<double> weights;          ///< w_ij > 0, one a directed edge
+    bool rims = false;                    ///< cells are made of triangles, not of edges
+    std::vector<ArapTriangle> triangles;  ///< with rims
+    std::vector<double> rigidity;         ///< of each node's cell, > 0
+    std::vector<int> hard;                ///< handle of a held node, else -1
+    std::vector<char> idle;               ///< in a part without a handle
+    std::vector<ArapPull> pulls;
+    double smoothing = 0.0;               ///< alpha A: weight of |R_i - R_j|^2
+
+    std::vector<int> free_nodes;          ///< after renumber() the first ones
+    std::vector<int> place;               ///< node -> index among the free ones, else -1
+    SingleFactor position_factor; ///< L on free nodes, pulls on the diagonal
+    SingleFactor rotation_factor; ///< of the rotation field; empty without smoothing
+
+    /// Entries of L one a directed edge: weights times the rigidity of the cells they lie in.
+    std::vector<double> metric;
+
+    double edge_rigidity(int i, int j) const { return 0.5 * (rigidity[i] + rigidity[j]); }
+    /// E of arap.h is this many times the function whose Hessian L bounds.
+    double energy_factor() const { return rims ? 6.0 : 4.0; }
+    /// sum r_i w_ij |p_i - p_j|^2: rounding in F is relative to it.
+    /// \param base  (size, 3)
+    double scale(const PointsView& base) const;
+    std::int64_t factor_bytes() const { return position_factor.bytes() + rotation_factor.bytes(); }
+
+    /// After renumber(): the nodes in chunks, as ArapKernels take them. The cells of the first ones, the
+    /// moving ones, depend on free nodes; of those in the others, which are none with smoothing, rotations
+    /// stay.
+    std::vector<ArapChunk> chunks;
+    int moving_chunks = 0;
+    std::vector<int> chunk_edges, chunk_ends; ///< see ArapView
+    std::vector<double> chunk_weights;
+    std::vector<ArapTriangle> chunk_triangles;
+
+    int moving_count() const { return moving_chunks > 0 ? chunks[moving_chunks - 1].end : 0; }
+    double rest_scale = 0.0; ///< scale() of the rest
+
+    int free_count() const { return static_cast<int>(free_nodes.size()); }
+
+    /// Fills metric from weights, triangles and rigidity.
+    void set_metric();
+
+    /// Fills free_nodes, place and the factors from the rest.
+    /// \param rest  (size, 3), for the rotation factor's edge lengths.
+    /// \throw FactorizationFailed
+    void factorize(const Points& rest);
+
+    /// Numbers the nodes anew, and fills the chunks: first the free ones, then held ones that have a free
+    /// neighbour, then the others, last the idle ones; among these so that neighbours lie close in memory,
+    /// along a curve that fills space. Returns the old number of each node.
+    std::vector<int> renumber(const Points& rest);
+
+private:
+    void fill_chunks(int moving, int present);
+};
+
+/// What an ArapProblem works in. Kept from one solve to the next, it spares the time to allocate it.
+struct ArapBuffers
+{
+    std::vector<double> base, points;       ///< three numbers a node
+    std::vector<double> rotations[3]; ///< nine a node; with smoothing those kept, and two to work with
+    std::vector<double> covariances; ///< with smoothing
+    Points torque, gradient;
+    std::vector<double> energies; ///< one a chunk
+};
+
+/// One solve's state on one graph: positions and rotations. F = E / energy_factor() as a
+/// function of the free positions, the rotations being fitted on every evaluation.
+class ArapProblem final : public MetricProblem
+{
+public:
+    /// \param base     (size, 3) shape whose edges are kept as rigid as possible.
+    /// \param targets  (size, 3) where held nodes go; base for the idle ones; else unused.
+    /// \param pulls    (pulls, 3) where pulled nodes would go.
+    /// \param buffers  of any earlier problem, in use while this one lives; null for its own.
+    ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets, const Points& pulls,
+                ArapBuffers* buffers = nullptr);
+
+    Matrix3 rotation(int i) const;
+    /// Of a moving node, or before the first evaluation, which settles the others' for good.
+    void set_rotation(int i, const Matrix3& R);
+
+    /// Free positions that answer the current rotations: a linear solve, and one for what it left.
+    void positions_for_rotations(Points& x);
+    Points positions_for_rotations()
+    {
+        Points x;
+        positions_for_rotations(x);
+        return x;
+    }
+    /// Rotations that answer the positions cell by cell, neighbours ignored.
+    void fit_rotations(const Points& x);
+
+    double evaluate(const Points& x, Points& gradient) override;
+    void precondition(const Points& gradient, Points& z) const override;
+    /// Without smoothing rotations depend on the points alone: they are not kept, but fitted again.
+    void keep_state() override { kept_ = graph_.smoothing > 0 ? current_ : -1; }
+    void restore_state() override
+    {
+        if (graph_.smoothing > 0)
+            current_ = kept_;
+        else
+            stale_ = true;
+    }
+    /// After restore_state(), with the points that were kept: their rotations for rotation() to tell.
+    void refresh(const Points& x)
+    {
+        if (stale_)
+            fit_rotations(x);
+    }
+
+    /// All nodes, the free ones at x.
+    PointsView place(const Points& x);
+    /// (free, 3) of an (n, 3) array.
+    Points free_rows(const PointsView& all) const { return all.topRows(graph_.free_count()); }
+
+private:
+    using Matrices = std::vector<double>;
+
+    void move_to(const Points& x);
+    /// A set of rotations that neither the kept ones nor `used` occupy.
+    int spare(int used) const;
+    void for_each_moving(const std::function<void(const ArapChunk&)>& body) const;
+    void fit(const ArapChunk& chunk, const double* S, const Matrices& before, double tie,
+             Matrices& after) const;
+    void settle_the_others();
+    double* covariances_of(const ArapChunk& chunk) const;
+    void turn_rotation_field();
+    double energy_and_gradient(Points& gradient) const;
+
+    const ArapGraph& graph_;
+    const ArapKernels& kernels_;
+    const Points& pulls_;
+    std::unique_ptr<ArapBuffers> own_buffers_;
+    ArapBuffers& buffers_;
+    ArapView view_;
+    int current_ = 0, kept_ = -1;
+    bool settled_ = false, stale_ = false;
+    double energy_of_others_ = 0.0; ///< of the cells without a free node
+};
+
+} // namespace sinew
