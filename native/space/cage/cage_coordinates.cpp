@@ -46,7 +46,7 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
             std::vector<char> out;
             const PointsView chunk(points.data() + 3 * static_cast<std::ptrdiff_t>(first + from), to - from,
                                    3);
-            evaluate(chunk, rows, out);
+            evaluate(first + from, chunk, rows, out);
             weights.set_rows(first + from, rows);
             std::copy(out.begin(), out.end(), outside.begin() + first + from);
         });

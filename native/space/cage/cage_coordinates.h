@@ -62,11 +62,12 @@ protected:
     /// What all weights need, once before them. Must leave the object as it was if it throws.
     /// \return the share of the time of bind() that it takes, which `progress` is counted within.
     virtual double prepare(PointsView, const Progress&) { return 0.0; }
-    /// Weights of a block of points, a point a row. Called from several threads at once, with parts of what
-    /// prepare() got, where it lies.
+    /// Weights of a block of points, one row per point. Called from several threads at once, with parts of
+    /// what prepare() got.
+    /// \param first         number of the block's first point.
     /// \param[out] rows     (b, columns())
     /// \param[out] outside  (b) whether each point lies outside.
-    virtual void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const = 0;
+    virtual void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const = 0;
 
     /// Columns of the weights: cage vertices, with Green coordinates also its triangles. All but the vertices
     /// are multiplied by vectors, which no translation changes.

@@ -99,7 +99,7 @@ struct Green::Told
     }
 };
 
-void Green::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+void Green::evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
     const CageTables tables = geometry_.tables();
     const int vertices = cage().vertex_count(), count = static_cast<int>(block.rows());

@@ -59,7 +59,7 @@ public:
     RowMatrix face_weights() const;
 
 protected:
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
     int columns() const override;
     /// The vertices, then s n' of each triangle times the cage's size: weights have no unit.
     void controls(PointsView vertices, Points& controls) const override;

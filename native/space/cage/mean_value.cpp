@@ -5,7 +5,7 @@
 
 namespace sinew {
 
-void MeanValue::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+void MeanValue::evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
     mean_value_weights(geometry_, block, rows, outside);
 }

@@ -46,7 +46,7 @@ public:
     ~PositiveMeanValue() override;
 
 protected:
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
     bool reaches_outside() const override { return outside_.reaches(); }
 
 private:

@@ -2,15 +2,16 @@
 #include "native/surface/nonlinear/arap.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/operators/laplacian.h"
+#include "native/operators/painted.h"
 #include "native/surface/nonlinear/arap/cascade.h"
 #include "native/surface/nonlinear/arap/energy.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <string>
 
@@ -31,24 +32,11 @@ void require_range(double value, double least, const char* name)
                             " is not a finite number >= " + std::to_string(least));
 }
 
-std::vector<double> spread_rigidity(const std::vector<double>& rigidity, int n)
+std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
-    if (rigidity.size() != 1 && static_cast<int>(rigidity.size()) != n)
-        throw InvalidOption("rigidity: " + std::to_string(rigidity.size()) +
-                            " values given; 1 or one a vertex (" + std::to_string(n) + ") needed");
-    std::vector<int> bad;
-    for (int i = 0; i < static_cast<int>(rigidity.size()); ++i)
-        if (!(rigidity[i] >= 0 && std::isfinite(rigidity[i])))
-            bad.push_back(i);
-    if (!bad.empty())
-        throw InvalidOption("rigidity: values at " + list_some(bad) + " are not finite numbers >= 0",
-                            Error::Element::vertex, bad);
-    const double largest = *std::ranges::max_element(rigidity);
-    if (!(largest > 0))
+    std::vector<double> values = painted(rigidity, n, least_rigidity, "rigidity");
+    if (values.empty())
         throw InvalidOption("rigidity: zero everywhere; give at least one vertex a positive value");
-    std::vector<double> values = rigidity.size() == 1 ? std::vector<double>(n, rigidity[0]) : rigidity;
-    for (double& value : values)
-        value = std::max(value, least_rigidity * largest);
     return values;
 }
 
@@ -72,7 +60,7 @@ ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
 {
     ArapGraph graph;
     graph.size = mesh.vertex_count();
-    graph.rigidity = spread_rigidity(options.rigidity, graph.size);
+    graph.rigidity = painted_rigidity(options.rigidity, graph.size);
     const TriangleMetric metric = triangle_metric(mesh);
     graph.smoothing = options.smoothness * std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
 
@@ -154,29 +142,14 @@ struct Arap::Impl
         parallel_for(graph.size, [&](int i) { points.row(vertex[i]) = nodes.row(i); });
     }
 
-    /// What a solve works in: kept for the next one, each of several at once takes its own.
+    /// What a solve works in.
     struct Workspace
     {
         ArapWorkspace fine;
         std::vector<ArapWorkspace> levels;
         Points incoming;
     };
-    std::unique_ptr<Workspace> take() const
-    {
-        const std::lock_guard lock(mutex);
-        if (resting.empty())
-            return std::make_unique<Workspace>();
-        std::unique_ptr<Workspace> work = std::move(resting.back());
-        resting.pop_back();
-        return work;
-    }
-    void give_back(std::unique_ptr<Workspace> work) const
-    {
-        const std::lock_guard lock(mutex);
-        resting.push_back(std::move(work));
-    }
-    mutable std::mutex mutex;
-    mutable std::vector<std::unique_ptr<Workspace>> resting;
+    mutable Pool<Workspace> workspaces;
 
     static void adopt(ArapGraph& graph, const Regions& regions)
     {
@@ -234,7 +207,7 @@ BindReport Arap::set_handles(const std::vector<Handle>& handles, const Progress&
     self.vertex = std::move(vertex);
     self.node_rest = std::move(node_rest);
     self.cascade = std::move(cascade);
-    self.resting.clear();
+    self.workspaces.clear();
     self.handle_count = regions.handle_count();
     self.factorizations += self.graph.smoothing > 0 ? 2 : 1;
 
@@ -260,7 +233,7 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
     if (request.start)
         self.require_same_size(*request.start, "start");
 
-    std::unique_ptr<Impl::Workspace> work = self.take(); // lost if anything throws
+    const auto work = self.workspaces.take([] { return std::make_unique<Impl::Workspace>(); });
     ArapWorkspace& fine = work->fine;
     Targets targets{poses, view(self.node_rest), {}, request.from_rest};
     if (request.incoming) {
@@ -287,7 +260,6 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
         report.energy *= self.graph.energy_factor();
         self.to_vertices(problem.place(fine.x), positions);
     }
-    self.give_back(std::move(work));
     return report;
 }
 

@@ -405,5 +405,5 @@ void beyond_planes(const float* points, int count, const float* planes, int* bey
 
 #undef SINEW_APART
 
-const sinew::CageKernels sinew::CageKernels::SINEW_INSTRUCTIONS{lane_count, ::mean_value, ::green, ::arc_integrals,
-                                                                ::beyond_planes};
+const sinew::CageKernels sinew::CageKernels::SINEW_INSTRUCTIONS{lane_count, ::mean_value, ::green,
+                                                                ::arc_integrals, ::beyond_planes};

@@ -392,5 +392,5 @@ double energy(const ArapView& view, const ArapChunk& chunk, const double* R, dou
 
 } // namespace
 
-const sinew::ArapKernels sinew::ArapKernels::SINEW_INSTRUCTIONS{::covariances, ::add_neighbours, ::torques, ::turn,
-                                                                ::fit,         ::energy};
+const sinew::ArapKernels sinew::ArapKernels::SINEW_INSTRUCTIONS{
+    ::covariances, ::add_neighbours, ::torques, ::turn, ::fit, ::energy};

@@ -24,7 +24,7 @@ public:
     mutable std::atomic<int> evaluated = 0;
 
 protected:
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override
+    void evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override
     {
         evaluated += static_cast<int>(block.rows());
         rows.resize(block.rows(), columns());
