@@ -19,14 +19,15 @@ NATIVE_RANKS = {
     "operators": 2,
     "subdivision": 2,
     "space/weights": 2,
-    "surface/linear": 3,
-    "space/lattice": 3,
-    "space/cage": 3,
-    "space/points": 3,
-    "surface/nonlinear": 4,
-    "space/nonlinear": 4,
-    "multiresolution": 5,
-    "bindings": 6,
+    "graph": 3,
+    "surface/linear": 4,
+    "space/lattice": 4,
+    "space/cage": 4,
+    "space/points": 4,
+    "surface/nonlinear": 5,
+    "space/nonlinear": 5,
+    "multiresolution": 6,
+    "bindings": 7,
 }
 # Room -> rank of each of its sub-rooms, of a pair of its files (with a dot) and of all other files ("").
 SUB_RANKS = {

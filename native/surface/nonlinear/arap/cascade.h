@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/core/progress.h"
+#include "native/graph/clusters.h"
 #include "native/mesh/regions.h"
 #include "native/surface/nonlinear/arap/energy.h"
 
@@ -11,25 +12,16 @@
 
 namespace sinew {
 
-/// One coarser graph: clusters of the finer one's nodes, and the way back.
+/// One coarser problem: the clusters of the finer one's nodes.
 struct ArapLevel
 {
+    ClusterMap map; ///< of the finer nodes to this level's
     ArapGraph graph;
-    Points rest;             ///< (size, 3)
-    std::vector<int> label;  ///< finer node -> its cluster, -1 where idle
-    std::vector<int> members; ///< finer nodes in each cluster
-    /// Clusters near each finer node with their shares, which sum to 1.
-    std::vector<int> up_offsets, up_nodes;
-    std::vector<double> up_weights;
+    Points rest; ///< (nodes, 3)
 
-    /// (size, 3) means of the finer points over each cluster.
-    void restrict(const PointsView& finer, Points& means) const;
-    Points restrict(const PointsView& finer) const
-    {
-        Points means;
-        restrict(finer, means);
-        return means;
-    }
+    /// \param finer_rest  (finer nodes, 3)
+    /// \throw FactorizationFailed
+    ArapLevel(const ArapGraph& finer, const Points& finer_rest, const Clusters& clusters);
 };
 
 /// Where held nodes go and pulled nodes would go, for one graph.
@@ -63,8 +55,8 @@ class ArapCascade
 {
 public:
     ArapCascade() = default;
-    /// \param fine  the mesh's own graph, factorised; read here and not kept.
-    /// \param rest  (fine.size, 3)
+    /// \param fine  the mesh's own graph; read here and not kept.
+    /// \param rest  (nodes, 3)
     /// \throw FactorizationFailed, Cancelled
     ArapCascade(const ArapGraph& fine, const Points& rest, const Progress& progress);
 

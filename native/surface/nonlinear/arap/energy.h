@@ -2,13 +2,10 @@
 #pragma once
 
 #include "native/core/types.h"
-#include "native/mesh/regions.h"
 #include "native/solvers/descent/metric_lbfgs.h"
-#include "native/solvers/single_factor.h"
-#include "native/surface/nonlinear/arap/kernels.h"
+#include "native/surface/nonlinear/arap/graph.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -21,76 +18,6 @@ inline auto arap_covariance(const double* S, int i)
     using Lanes = Eigen::Map<const Matrix3, 0, Eigen::OuterStride<arap_columns / 3>>;
     return Lanes(S + arap_columns * static_cast<std::size_t>(i));
 }
-
-/// A soft pull on a node of an ARAP graph, in units of the Laplacian's diagonal entries.
-struct ArapPull
-{
-    int node;
-    int handle;
-    double stiffness;
-};
-
-/// An as-rigid-as-possible problem on a weighted graph: the mesh itself, or one level of the
-/// cascade. Built once a bind: filled as far as `pulls`, then factorize(), renumber(); solve() only reads it.
-struct ArapGraph
-{
-    int size = 0;
-    std::vector<int> offsets, neighbours; ///< directed edges of each node, neighbours rising
-    std::vector<double> weights;          ///< w_ij > 0, one a directed edge
-    bool rims = false;                    ///< cells are made of triangles, not of edges
-    std::vector<ArapTriangle> triangles;  ///< with rims
-    std::vector<double> rigidity;         ///< of each node's cell, > 0
-    std::vector<int> hard;                ///< handle of a held node, else -1
-    std::vector<char> idle;               ///< in a part without a handle
-    std::vector<ArapPull> pulls;
-    double smoothing = 0.0;               ///< alpha A: weight of |R_i - R_j|^2
-
-    std::vector<int> free_nodes;          ///< after renumber() the first ones
-    std::vector<int> place;               ///< node -> index among the free ones, else -1
-    SingleFactor position_factor; ///< L on free nodes, pulls on the diagonal
-    SingleFactor rotation_factor; ///< of the rotation field; empty without smoothing
-
-    /// Entries of L one a directed edge: weights times the rigidity of the cells they lie in.
-    std::vector<double> metric;
-
-    double edge_rigidity(int i, int j) const { return 0.5 * (rigidity[i] + rigidity[j]); }
-    /// E of arap.h is this many times the function whose Hessian L bounds.
-    double energy_factor() const { return rims ? 6.0 : 4.0; }
-    /// sum r_i w_ij |p_i - p_j|^2: rounding in F is relative to it.
-    /// \param base  (size, 3)
-    double scale(const PointsView& base) const;
-    std::int64_t factor_bytes() const { return position_factor.bytes() + rotation_factor.bytes(); }
-
-    /// After renumber(): the nodes in chunks, as ArapKernels take them. The cells of the first ones, the
-    /// moving ones, depend on free nodes; of those in the others, which are none with smoothing, rotations
-    /// stay.
-    std::vector<ArapChunk> chunks;
-    int moving_chunks = 0;
-    std::vector<int> chunk_edges, chunk_ends; ///< see ArapView
-    std::vector<double> chunk_weights;
-    std::vector<ArapTriangle> chunk_triangles;
-
-    int moving_count() const { return moving_chunks > 0 ? chunks[moving_chunks - 1].end : 0; }
-    double rest_scale = 0.0; ///< scale() of the rest
-
-    int free_count() const { return static_cast<int>(free_nodes.size()); }
-
-    /// Fills metric from weights, triangles and rigidity.
-    void set_metric();
-
-    /// Fills free_nodes, place and the factors from the rest.
-    /// \param rest  (size, 3), for the rotation factor's edge lengths.
-    /// \throw FactorizationFailed
-    void factorize(const Points& rest);
-
-    /// Numbers the nodes anew, and fills the chunks: first the free ones, then held ones that have a free
-    /// neighbour, then the others, last the idle ones; among these so that neighbours lie close in memory,
-    /// along a curve that fills space. Returns the old number of each node.
-    std::vector<int> renumber(const Points& rest);
-
-private:
-    void fill_chunks(int moving, int present);
-};
 
 /// What an ArapProblem works in. Kept from one solve to the next, it spares the time to allocate it.
 struct ArapBuffers
@@ -132,10 +59,10 @@ public:
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;
     /// Without smoothing rotations depend on the points alone: they are not kept, but fitted again.
-    void keep_state() override { kept_ = graph_.smoothing > 0 ? current_ : -1; }
+    void keep_state() override { kept_ = graph_.is_smooth() ? current_ : -1; }
     void restore_state() override
     {
-        if (graph_.smoothing > 0)
+        if (graph_.is_smooth())
             current_ = kept_;
         else
             stale_ = true;

@@ -3,6 +3,7 @@
 
 #include "native/core/simd/kernel_set.h"
 #include "native/operators/rotation_fit.h"
+#include "native/surface/nonlinear/arap/energy.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/nonlinear/graphs.h"
 
@@ -54,7 +55,7 @@ struct Example
         shapes::Random random(3);
         Points moved = mesh.points();
         std::vector<Matrix3> turns;
-        for (int i = 0; i < graph.size; ++i) {
+        for (int i = 0; i < graph.size(); ++i) {
             moved.row(i) += 0.1 * random.vector().transpose();
             turns.push_back(random.rotation());
         }
@@ -64,16 +65,16 @@ struct Example
     }
     ArapView view() const
     {
-        return {.edges = graph.chunk_edges.data(),
-                .ends = graph.chunk_ends.data(),
-                .weights = graph.chunk_weights.data(),
-                .triangles = graph.chunk_triangles.data(),
-                .rims = graph.rims,
-                .rigidity = graph.rigidity.data(),
+        return {.edges = graph.chunks().edges.data(),
+                .ends = graph.chunks().ends.data(),
+                .weights = graph.chunks().weights.data(),
+                .triangles = graph.chunks().triangles.data(),
+                .rims = graph.cells().rims,
+                .rigidity = graph.cells().rigidity.data(),
                 .free = graph.free_count(),
                 .base = base.data(),
                 .points = points.data(),
-                .smoothing = graph.smoothing};
+                .smoothing = graph.cells().smoothing};
     }
 };
 
@@ -91,7 +92,7 @@ TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
             const int free = example.graph.free_count();
             const ArapView view = example.view();
             const std::vector<double>& R = example.rotations;
-            for (const ArapChunk& chunk : example.graph.chunks) {
+            for (const ArapChunk& chunk : example.graph.chunks().all) {
                 const int count = chunk.end - chunk.begin;
                 const double* const own = R.data() + 9 * chunk.begin;
                 std::array<std::vector<double>, 2> S, torque, turned, fitted, gradient;
@@ -192,7 +193,7 @@ TEST(ArapKernels, torques_are_the_slope_of_the_fit)
     for (double smoothness : {0.0, 0.02}) {
         const Example example(false, smoothness);
         const ArapView view = example.view();
-        const ArapChunk& chunk = example.graph.chunks.front();
+        const ArapChunk& chunk = example.graph.chunks().all.front();
         const int count = chunk.end - chunk.begin;
         std::vector<double> S(arap_columns * (count + 1)), t(3 * count);
         widest_kernels<ArapKernels>().covariances(view, chunk, S.data());
