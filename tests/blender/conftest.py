@@ -3,12 +3,13 @@
 
 import importlib
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import ModuleType
 
 import bpy
+import inside
+import installed
 import pytest
-from installed import enable
 from rig import Rig
 
 # isort: split
@@ -18,7 +19,7 @@ import addon_utils  # comes with bpy, not before it
 @pytest.fixture(scope="session")
 def addon_name() -> str:
     """The module name of the installed add-on."""
-    return enable()
+    return installed.name()
 
 
 @pytest.fixture(scope="session")
@@ -28,9 +29,25 @@ def addon(addon_name: str) -> ModuleType:
 
 
 @pytest.fixture(scope="session")
-def room(addon_name: str):
+def room(addon_name: str) -> Callable[[str], ModuleType]:
     """A room of the add-on by name, as ``room("session")``."""
-    return lambda path: importlib.import_module(f"{addon_name}.{path}")
+    return inside.room
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo):
+    """Fixtures learn whether the test itself passed."""
+    report = (yield).get_result()
+    if call.when == "call":
+        item.stash[_PASSED] = report.passed
+
+
+@pytest.fixture(autouse=True)
+def comes_to_rest(scene: bpy.types.Scene, request: pytest.FixtureRequest) -> Iterator[None]:
+    """After every test nothing is stuck and nothing runs away; see ``inside.assert_at_rest``."""
+    yield
+    if request.node.stash.get(_PASSED, False):
+        inside.assert_at_rest()
 
 
 @pytest.fixture(autouse=True)
@@ -80,3 +97,4 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 
 
 _STATUS = pytest.StashKey[int]()
+_PASSED = pytest.StashKey[bool]()

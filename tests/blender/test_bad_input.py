@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from registry import WITH_HANDLES
 from rig import Rig, add_group, grid_object, make_active, update
 
 
@@ -102,7 +103,7 @@ def test_zero_area_mesh(plate: Rig, room):
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_mesh_without_vertices(method: str):
     obj = bpy.data.objects.new("Empty", bpy.data.meshes.new("Empty"))
     bpy.context.scene.collection.objects.link(obj)
@@ -132,7 +133,7 @@ def test_messy_mesh_binds_and_follows():
     assert rig.points()[hard, 2] - rig.rest()[hard, 2] == pytest.approx(0.5, abs=4e-6)
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_not_finite_coordinates_are_counted_and_the_rest_works(plate: Rig, method: str, value: float):
     reference = Rig(grid_object("Reference")).bind(method)

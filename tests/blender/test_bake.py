@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, moving_plate, played, save
 from mathutils import Matrix
+from registry import WITH_HANDLES
 from rig import Rig, add_armature, add_group, make_active, move_world
 
 
@@ -25,7 +26,7 @@ def saved(plate: Rig, tmp_path: Path) -> Rig:
     return plate
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize("target", TARGETS)
 def test_baked_frames_equal_live_ones_to_the_last_bit(plate: Rig, tmp_path: Path, target: str, method: str):
     plate.bind(method)

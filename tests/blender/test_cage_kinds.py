@@ -10,6 +10,7 @@ from cages import add_raising_key
 from kinds import (
     CURVES,
     MAKERS,
+    TESSELLATED,
     add_bezier,
     bend,
     bezier,
@@ -30,11 +31,9 @@ from kinds import (
 from mathutils import Matrix, Vector
 from mathutils.kdtree import KDTree
 from probe import render_points
-from rig import apply_matrix, make_active, update
+from registry import WITH_CAGE
+from rig import FLOAT32, apply_matrix, make_active, update
 from test_interface import WIDE, draw_panel
-
-FLOAT32 = 4e-6  # as for meshes
-TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps a segment
 
 
 @pytest.fixture(params=MAKERS)
@@ -79,7 +78,7 @@ def test_a_bent_cage_moves_each_point_and_each_handle_by_itself(caged):
     assert np.abs(found - moved_by_hand(obj, lambda points: points)).max() > 0.05
 
 
-@pytest.mark.parametrize("method", ["mean_value", "positive_mean_value", "harmonic", "green"])
+@pytest.mark.parametrize("method", WITH_CAGE)
 @pytest.mark.parametrize("kind", ["bezier", "text"])
 def test_each_method_follows_a_similarity(kind, method):
     obj, cage = bind(MAKERS[kind](), method)

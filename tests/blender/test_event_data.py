@@ -5,10 +5,21 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from events import MATRIX, Expected, close
+from expected import Expected
 from mathutils import Matrix
 from probe import render_points
-from rig import Rig, add_group, base_points, evaluated_points, grid_object, make_active, move_world, update
+from rig import (
+    MATRIX,
+    Rig,
+    add_group,
+    base_points,
+    close,
+    evaluated_points,
+    grid_object,
+    make_active,
+    move_world,
+    update,
+)
 
 
 def lift(control: bpy.types.Object, height: float) -> None:

@@ -9,9 +9,10 @@ import addon_utils
 import bpy
 import numpy as np
 import pytest
-from events import MATRIX, Expected, another_blender, close
+from expected import Expected
 from mathutils import Matrix
-from rig import Rig, evaluated_points, grid_object, make_active, move_world, update
+from rig import MATRIX, Rig, close, evaluated_points, grid_object, make_active, move_world, update
+from second_blender import another_blender
 
 
 def rig_called(name: str) -> Rig:

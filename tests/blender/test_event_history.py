@@ -10,10 +10,10 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from events import Expected, close, push
+from expected import Expected
 from mathutils import Matrix
 from probe import render_points
-from rig import Rig, add_group, grid_object, make_active, move_world, update
+from rig import Rig, add_group, close, grid_object, make_active, move_world, push, update
 
 LIFT = Matrix.Translation((0.0, 0.0, 0.5))
 

@@ -7,8 +7,8 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from events import Expected, close
-from rig import Rig, make_active, update
+from expected import Expected
+from rig import Rig, close, make_active, update
 
 
 def enter(plate: Rig, mode: str) -> None:

@@ -14,13 +14,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from events import MATRIX, Expected, another_blender, close, is_executable
+from expected import Expected
 from mathutils import Euler, Matrix
 from probe import Probe, render, render_points
-from rig import Rig, make_active, update
+from registry import BY_ID, WITH_HANDLES
+from rig import MATRIX, Rig, close, make_active, update
+from second_blender import another_blender, is_executable
 from test_time import curves_of, glow, render_image
 
-METHODS = ("thin_shell", "arap")
 LAST = 20
 
 
@@ -49,10 +50,10 @@ def pose_at(plate: Rig, frame: float) -> Matrix:
 
 def tolerance(method: str) -> float:
     """Poses go through float32; an iterative method answers within its own tolerance."""
-    return 1e-3 if method == "arap" else MATRIX
+    return 1e-3 if BY_ID[method].iterative else MATRIX
 
 
-@pytest.fixture(params=METHODS)
+@pytest.fixture(params=WITH_HANDLES)
 def animated(plate: Rig, request: pytest.FixtureRequest) -> tuple[Rig, Expected, float]:
     plate.bind(request.param)
     expected = Expected.of(plate, request.param)

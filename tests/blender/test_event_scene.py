@@ -4,10 +4,10 @@
 import bpy
 import numpy as np
 import pytest
-from events import MATRIX, Expected, close
+from expected import Expected
 from mathutils import Matrix
 from probe import render, render_points
-from rig import Rig, add_armature, evaluated_points, make_active, update
+from rig import MATRIX, Rig, add_armature, close, evaluated_points, make_active, update
 
 
 def keyed(control: bpy.types.Object, heights: dict[int, float]) -> None:

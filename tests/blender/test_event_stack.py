@@ -6,9 +6,20 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 import pytest
-from events import FLOAT32, Expected, close
+from expected import Expected
 from probe import render_points
-from rig import Rig, add_armature, add_group, base_points, evaluated_points, grid_object, make_active, update
+from rig import (
+    FLOAT32,
+    Rig,
+    add_armature,
+    add_group,
+    base_points,
+    close,
+    evaluated_points,
+    grid_object,
+    make_active,
+    update,
+)
 
 BEND = 0.7
 

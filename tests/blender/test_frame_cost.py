@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable
 
 import pytest
+from registry import WITH_HANDLES
 from rig import Rig, add_armature, update
 from test_event_cost import calls_of
 
@@ -43,7 +44,7 @@ READS = {"read_positions", "read_incoming", "read_attributes", "read_shape", "re
 LOOKS = {"group_weights", "read_weights", "rest_meshes", "has_rest_of", "_diagnosis"}
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_a_moved_control_is_one_solve_and_one_write(method: str, addon_name: str, native: Counter):
     plate = Rig.plate(CELLS).bind(method)
     for _ in range(3):
@@ -60,7 +61,7 @@ def test_a_moved_control_is_one_solve_and_one_write(method: str, addon_name: str
     assert found.total() < 60, found
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_a_moved_control_needs_one_new_array(method: str):
     """The shape that is written; the solver keeps its own memory from frame to frame."""
     plate = Rig.plate(CELLS).bind(method)

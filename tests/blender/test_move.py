@@ -5,9 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from rig import Rig, add_group, make_active, move_world, update
-
-FLOAT32 = 4e-6
+from rig import FLOAT32, Rig, add_group, make_active, move_world, update
 
 
 def three_deformers(plate: Rig) -> bpy.types.Object:

@@ -28,6 +28,7 @@ from hypothesis.stateful import (
 )
 from mathutils import Euler, Matrix
 from oracle import Oracle, Unsure
+from registry import BY_ID, WITH_HANDLES
 from rig import evaluated_points, make_active, update
 from targets import GROUPS, SHAPES, new_target
 
@@ -38,17 +39,31 @@ STEPS = int(os.environ.get("SINEW_RANDOM_STEPS", "50"))
 MOST_UNDO = 25  # steps we go back; Blender keeps 32
 
 PICK = st.integers(0, 5)
-METHODS = st.sampled_from(("thin_shell", "arap"))
+METHODS = st.sampled_from(WITH_HANDLES)
 SMALL = st.integers(-4, 4).map(lambda number: number / 4)
 VECTOR = st.tuples(SMALL, SMALL, SMALL)
 SHARE = st.sampled_from((0.0, 0.25, 0.5, 1.0))
-STIFFNESSES = (("bending", 0.5), ("bending", 0.0), ("stretching", 0.5), ("variation", 0.125))
-LAPLACIANS = (("laplacian", "uniform"), ("laplacian", "cotan"), ("laplacian", "cotan_voronoi"))
-PAINTED = (("bending_group", "Soft"), ("bending_group", ""), ("stretching_group", "Far"))
-ARAP = (("smoothness", 0.0), ("cells", "rims"), ("max_iterations", 3), ("rigidity_group", "Soft"))
-SETTINGS = (
-    *(("thin_shell", *setting) for setting in (*STIFFNESSES, *LAPLACIANS, *PAINTED)),
-    *(("arap", *setting) for setting in (*ARAP, ("rigidity_group", "Nobody"), ("rigidity_group", ""))),
+PAINT = ("Soft", "Far", "Nobody", "")
+
+
+def values_of(parameter) -> tuple:
+    """What a sequence sets a parameter to."""
+    if hasattr(parameter, "items"):
+        return tuple(item[0] for item in parameter.items)
+    if not parameter.rebinds:  # how far a solve goes: a loose end is no answer to compare with
+        return (3,) if isinstance(parameter.default, int) else ()
+    return (parameter.minimum, 0.5 * parameter.soft_maximum)
+
+
+SETTINGS = tuple(
+    (method, name, value)
+    for method in WITH_HANDLES
+    for parameter in BY_ID[method].parameters
+    for name, values in (
+        (parameter.id, values_of(parameter)),
+        (f"{parameter.id}_group", PAINT if parameter in BY_ID[method].paintable else ()),
+    )
+    for value in values
 )
 
 

@@ -9,6 +9,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from registry import WITH_HANDLES
 from rig import Rig, add_group, make_active, update
 from test_event_cost import calls_of
 
@@ -52,7 +53,7 @@ def same_as_anew(plate: Rig, room) -> None:
 NEW = {"SurfaceMesh": 1, "diagnose": 1, "set_handles": 1}
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_another_region_is_one_native_call(plate: Rig, room, native: Counter, method: str):
     plate.bind(method)
     plate.lift(0.5)
@@ -77,7 +78,7 @@ def test_painting_a_stiffness_is_one_native_call(plate: Rig, room, native: Count
     same_as_anew(plate, room)
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_binding_again_costs_the_native_module_nothing(plate: Rig, native: Counter, method: str):
     plate.bind(method)
     plate.lift(0.5)

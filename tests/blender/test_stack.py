@@ -5,7 +5,9 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
+from registry import WITH_HANDLES
 from rig import (
+    FLOAT32,
     Rig,
     add_armature,
     add_group,
@@ -16,8 +18,6 @@ from rig import (
     move_world,
     update,
 )
-
-FLOAT32 = 4e-6
 
 
 def copy_without_sinew(obj: bpy.types.Object) -> bpy.types.Object:
@@ -39,7 +39,7 @@ def without_sinew(obj: bpy.types.Object) -> np.ndarray:
     return points
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_armature_above_is_followed_and_corrected(plate: Rig, method: str):
     armature = add_armature(plate.obj)
     plate.bind(method)
