@@ -32,7 +32,7 @@ def refresh() -> bool:
         for deformer in obj.sinew.deformers:
             if deformer.is_bound and not deformer.bake.is_baked and not rig.is_linked(deformer.proxy):
                 changed |= _refresh(obj, deformer)
-        state.forget_edit(name)  # looking at it counts as an edit for Blender
+    state.take_edited()  # looking at a mesh counts as an edit for Blender, of every object that shares it
     for name in waiting:
         state.edited(name)
     return changed
