@@ -10,7 +10,9 @@ import bpy
 import inside
 import installed
 import pytest
-from rig import Rig
+from expected import Expected, Poses
+from rig import Rig, close
+from rigs import RIGS, HandleRig
 
 # isort: split
 import addon_utils  # comes with bpy, not before it
@@ -74,10 +76,34 @@ def preferences(addon_name: str) -> Iterator[bpy.types.AddonPreferences]:
     bpy.context.preferences.addons[addon_name].preferences.memory_limit = 0.0
 
 
+@pytest.fixture(params=RIGS)
+def rig(request: pytest.FixtureRequest) -> HandleRig:
+    """One of each kind of control and target. Not bound."""
+    return RIGS[request.param].new()
+
+
+@pytest.fixture
+def posed(rig: HandleRig) -> tuple[HandleRig, Poses]:
+    """Bound and lifted by a half; what to see of it."""
+    expected = rig.start()
+    rig.lift(0.5)
+    assert rig.shows(expected.lifted(0.5))
+    return rig, expected
+
+
 @pytest.fixture
 def plate() -> Rig:
     """A grid 2 x 2 in the plane z = 0, its far edge a handle, its near edge fixed. Not bound."""
     return Rig.plate()
+
+
+@pytest.fixture
+def posed_plate(plate: Rig) -> tuple[Rig, Expected]:
+    """The plate, bound and lifted by a half; what to see of it."""
+    expected = Expected.of(plate.bind())
+    plate.lift(0.5)
+    assert close(plate.points(), expected.lifted(0.5))
+    return plate, expected
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ Neither the session nor what Sinew stores takes part.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import bpy
@@ -46,15 +47,15 @@ def in_frame(obj: bpy.types.Object, control: bpy.types.Object) -> np.ndarray:
     return np.linalg.inv(np.array(obj.matrix_world)) @ np.array(control.matrix_world, dtype=np.float64)
 
 
-class Poses:
+class Poses(ABC):
     """What a control at rest, moved by a motion of its object, makes of a shape. Made while it is at rest."""
 
     def __init__(self, obj: bpy.types.Object, control: bpy.types.Object) -> None:
         self._at_rest = in_frame(obj, control)
 
+    @abstractmethod
     def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
         """With the control moved by ``pose`` (4x4, object space) from rest, (n, 3)."""
-        raise NotImplementedError
 
     def now(
         self, obj: bpy.types.Object, control: bpy.types.Object, incoming: np.ndarray | None = None

@@ -64,7 +64,7 @@ def factor_of(deformer) -> object:
 def threads() -> Iterator[None]:
     """Binds and solves go to threads, as those of heavy meshes do in a window."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(room("session.binding"), "may_wait", lambda _count: True)
+        patch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
         yield
 
 

@@ -10,7 +10,7 @@ from cages import ball
 from expected import Expected, ExpectedInCage, Poses
 from mathutils import Matrix
 from registry import BY_ID, WITH_CAGE, WITH_HANDLES, Control
-from rig import FLOAT32, Rig, base_points, grid_object, make_active
+from rig import FLOAT32, Rig, base_points, close, grid_object, make_active, move_world
 
 
 class HandleRig(Rig):
@@ -18,6 +18,10 @@ class HandleRig(Rig):
 
     methods = WITH_HANDLES
     tolerance = FLOAT32
+    goes_on = (
+        True  # another control takes over where the one before it left the shape; else it is to be bound
+    )
+    hidden_meshes = 4  # what entered at bind, and in renders; two shapes
     carries = Matrix.Translation((0.3, -0.2, 0.7))
 
     @classmethod
@@ -34,8 +38,20 @@ class HandleRig(Rig):
         obj.sinew.deformers[0].handles[0].control = control
 
     @staticmethod
+    def another_control(obj: bpy.types.Object) -> bpy.types.Object:
+        """One that was not the control of anything."""
+        control = bpy.data.objects.new("Another", None)
+        bpy.context.scene.collection.objects.link(control)
+        return control
+
+    @staticmethod
     def control_is_missing(obj: bpy.types.Object) -> bool:
         return obj.sinew.deformers[0].handles[0].control_missing
+
+    @classmethod
+    def lift_of(cls, obj: bpy.types.Object, height: float) -> None:
+        """Move the control of any object along the world's z."""
+        move_world(cls.control_of(obj), Matrix.Translation((0.0, 0.0, height)))
 
     @staticmethod
     def shown(obj: bpy.types.Object) -> np.ndarray:
@@ -46,6 +62,10 @@ class HandleRig(Rig):
     def unmoved(obj: bpy.types.Object) -> np.ndarray:
         """What it would show without modifiers, (n, 3)."""
         return base_points(obj)
+
+    def shows(self, shape: np.ndarray, obj: bpy.types.Object | None = None, tolerance: float = 0.0) -> bool:
+        """That is what Blender shows of the rig, or of another object of its kind."""
+        return close(self.shown(obj or self.obj), shape, max(tolerance, self.tolerance))
 
     @property
     def held(self) -> np.ndarray:
@@ -85,6 +105,8 @@ class CageRig(HandleRig):
     """A ball in a cage that is bent as no affine map does it."""
 
     methods = WITH_CAGE
+    goes_on = False
+    hidden_meshes = 5  # the cage at rest, too
     carries = (
         Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
     )
@@ -103,6 +125,14 @@ class CageRig(HandleRig):
     @staticmethod
     def set_control(obj: bpy.types.Object, control: bpy.types.Object | None) -> None:
         obj.sinew.deformers[0].cage = control
+
+    @classmethod
+    def another_control(cls, obj: bpy.types.Object) -> bpy.types.Object:
+        control = cls.control_of(obj).copy()
+        control.data = control.data.copy()
+        control.name = "Another"
+        bpy.context.scene.collection.objects.link(control)
+        return control
 
     @staticmethod
     def control_is_missing(obj: bpy.types.Object) -> bool:

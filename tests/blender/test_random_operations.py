@@ -28,9 +28,9 @@ from hypothesis.stateful import (
 )
 from mathutils import Euler, Matrix
 from oracle import Oracle, Unsure
-from registry import BY_ID, WITH_HANDLES
+from registry import WITH_HANDLES
 from rig import evaluated_points, make_active, update
-from targets import GROUPS, SHAPES, new_target
+from targets import GROUPS, SETTINGS, SHAPES, new_target
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 SEQUENCES = int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200"))
@@ -43,28 +43,6 @@ METHODS = st.sampled_from(WITH_HANDLES)
 SMALL = st.integers(-4, 4).map(lambda number: number / 4)
 VECTOR = st.tuples(SMALL, SMALL, SMALL)
 SHARE = st.sampled_from((0.0, 0.25, 0.5, 1.0))
-PAINT = ("Soft", "Far", "Nobody", "")
-
-
-def values_of(parameter) -> tuple:
-    """What a sequence sets a parameter to."""
-    if hasattr(parameter, "items"):
-        return tuple(item[0] for item in parameter.items)
-    if not parameter.rebinds:  # how far a solve goes: a loose end is no answer to compare with
-        return (3,) if isinstance(parameter.default, int) else ()
-    return (parameter.minimum, 0.5 * parameter.soft_maximum)
-
-
-SETTINGS = tuple(
-    (method, name, value)
-    for method in WITH_HANDLES
-    for parameter in BY_ID[method].parameters
-    for name, values in (
-        (parameter.id, values_of(parameter)),
-        (f"{parameter.id}_group", PAINT if parameter in BY_ID[method].paintable else ()),
-    )
-    for value in values
-)
 
 
 class Artist(RuleBasedStateMachine):
