@@ -122,6 +122,21 @@ def test_deleting_the_target_leaves_only_orphans_that_a_purge_takes(posed):
         assert not getattr(bpy.data, kind), kind
 
 
+@pytest.mark.parametrize("by_user", [False, True])
+def test_deleting_the_control_leaves_the_last_shape(posed, by_user: bool):
+    rig, expected = posed
+    if by_user:
+        make_active(rig.control)
+        bpy.ops.object.delete()
+        make_active(rig.obj)
+    else:
+        bpy.data.objects.remove(rig.control)
+    assert rig.shows(expected.lifted(0.5))
+    assert rig.control_is_missing(rig.obj)
+    bpy.context.scene.frame_set(7)
+    assert rig.shows(expected.lifted(0.5))
+
+
 def test_deleting_one_of_two_targets_of_one_control(posed):
     rig, expected = posed
     make_active(rig.obj)

@@ -179,16 +179,6 @@ def test_removing_a_handle_frees_its_region(plate: Rig):
     assert np.array_equal(plate.points(), plate.rest())
 
 
-def test_apply_makes_the_shape_permanent(plate: Rig):
-    plate.bind().lift(0.5)
-    shown = plate.points()
-    make_active(plate.obj)
-    bpy.ops.sinew.apply()
-    assert np.array_equal(plate.rest(), shown)
-    assert len(plate.obj.modifiers) == 0
-    assert np.array_equal(plate.points(), shown)
-
-
 def test_deleted_control_leaves_its_region_where_it_was(plate: Rig, tmp_path: Path):
     plate.bind()
     move_world(plate.control, Matrix.Translation((0.1, 0.0, 0.5)) @ Matrix.Rotation(0.3, 4, "X"))
@@ -238,16 +228,6 @@ def test_what_a_deformer_without_regions_lets_through_reaches_the_next_at_once(p
     once = plate.points()
     plate.obj.update_tag()
     assert np.array_equal(plate.points(), once)
-
-
-def test_control_deleted_as_a_user_does(plate: Rig):
-    plate.bind().lift(0.5)
-    before = plate.points()
-    make_active(plate.control)
-    bpy.ops.object.delete()
-    make_active(plate.obj)
-    assert plate.deformer.handles[0].control_missing
-    assert np.abs(plate.points() - before).max() < FLOAT32
 
 
 def test_operators_find_the_mesh_from_its_control(plate: Rig):
