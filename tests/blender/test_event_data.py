@@ -387,7 +387,7 @@ def test_handles_and_deformers_in_another_order(posed_plate: tuple[Rig, Expected
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-def test_another_mesh_joined_to_the_target(posed_plate: tuple[Rig, Expected], room, automatic: bool):
+def test_another_mesh_joined_to_the_target(posed_plate: tuple[Rig, Expected], automatic: bool):
     plate, expected = posed_plate
     plate.deformer.auto_rebind = automatic
     other = grid_object("Other", cells=2)
@@ -418,7 +418,7 @@ def test_the_target_joined_to_another_mesh(posed_plate: tuple[Rig, Expected], ro
     assert room("session").owners() == []
 
 
-def test_a_part_separated_from_the_target(posed_plate: tuple[Rig, Expected], room):
+def test_a_part_separated_from_the_target(posed_plate: tuple[Rig, Expected]):
     """Blender gives the part the modifiers and our settings as well: two rigs on two meshes."""
     plate, expected = posed_plate
     make_active(plate.obj)
