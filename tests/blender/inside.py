@@ -21,6 +21,7 @@ from rig import update
 
 BINDING = "session.live.binding"
 SOLVING = "session.live.solving"
+DRAG = "session.live.drag"
 OWNERS = "session.blocks.owners"
 CAPTURE = "session.blocks.capture"
 REGIONS = "session.control.handles.regions"

@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from inside import SOLVING, catch_up, use_threads
+from inside import DRAG, catch_up, use_threads
 from mathutils import Matrix
 from probe import render_points
 from registry import WITH_HANDLES
@@ -302,7 +302,7 @@ def test_the_drag_budget_sets_how_many_steps_a_preview_takes(heavy_drag, room, m
     session.bound.factor.solve = count
     session.step_milliseconds = 0.0
     for budget, steps in ((1.0e4, 10), (1.0e-4, 1)):
-        monkeypatch.setattr(room(SOLVING), "_budget", lambda budget=budget: budget)
+        monkeypatch.setattr(room(DRAG), "budget", lambda budget=budget: budget)
         for _ in range(3):
             plate.lift(0.1)
             session.step_milliseconds = 0.0  # so that nothing goes to a thread
