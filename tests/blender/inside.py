@@ -9,7 +9,8 @@ from __future__ import annotations
 import importlib
 import sys
 import time
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import ModuleType
 
@@ -17,6 +18,28 @@ import bpy
 import installed
 import pytest
 from rig import update
+
+BINDING = "session.live.binding"
+SOLVING = "session.live.solving"
+DRAG = "session.live.drag"
+OWNERS = "session.blocks.owners"
+CAPTURE = "session.blocks.capture"
+REGIONS = "session.control.handles.regions"
+RENDER_WRITES = "session.memory.render_writes"
+RESULT = "session.shown.result"
+
+# Functions that work in proportion to the mesh; those that read its arrays; those that look through the rig.
+WORK = {
+    "solve",
+    "read_incoming",
+    "read_rest",
+    "read_shape",
+    "write_shape",
+    "write_positions",
+    "read_positions",
+}
+READS = {"read_positions", "read_incoming", "read_attributes", "read_shape", "read_rest", "read_faces"}
+LOOKS = {"group_weights", "read_weights", "rest_meshes"}
 
 
 def room(path: str) -> ModuleType:
@@ -60,12 +83,44 @@ def factor_of(deformer) -> object:
     return room("session").find(deformer.uid).bound.factor
 
 
-@contextmanager
-def threads() -> Iterator[None]:
+def use_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     """Binds and solves go to threads, as those of heavy meshes do in a window."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
-        yield
+    monkeypatch.setattr(room(BINDING), "may_wait", lambda _count: True)
+
+
+def bind_in_thread(obj: bpy.types.Object, deformer, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bind for another value of a parameter is under way in a window; nobody wants it any more."""
+    session = room("session")
+    parameter = next(row for row in deformer.definition.parameters if row.rebinds and row.soft_maximum)
+    before = getattr(deformer.parameters, parameter.id)
+    with monkeypatch.context() as patch:
+        use_threads(patch)
+        setattr(deformer.parameters, parameter.id, parameter.soft_maximum)
+        session.find(deformer.uid).bound = None
+        session.bind(obj, deformer, wait=False)
+    assert session.job(deformer.uid) is not None
+    setattr(deformer.parameters, parameter.id, before)
+
+
+def ask_for_factor(deformer) -> object:
+    """What an evaluation in a window asks for: the factor, or None while a thread makes it."""
+    return room(BINDING).ensure(room("session").find(deformer.uid), deformer, deformer, wait=False)
+
+
+def calls_of(action: Callable[[], object]) -> Counter:
+    """Python functions of ours that ran during the action, by name."""
+    found: Counter = Counter()
+
+    def note(frame, event: str, _argument: object) -> None:
+        if event == "call" and frame.f_globals.get("__name__", "").startswith(f"{installed.name()}."):
+            found[frame.f_code.co_name] += 1
+
+    sys.setprofile(note)
+    try:
+        action()
+    finally:
+        sys.setprofile(None)
+    return found
 
 
 @contextmanager
@@ -128,3 +183,11 @@ def _under_way() -> list[str]:
     keys = [deformer.uid for obj in session.owners() for deformer in obj.sinew.deformers]
     found = {key for key in keys if session.job(key) is not None} | set(session.unwatched())
     return sorted(found | {key for key in keys if (held := session.find(key)) and held.work is not None})
+
+
+def functions() -> set[str]:
+    """The names of all functions of the add-on: what ``calls_of`` may find."""
+    ours = [
+        module for name, module in sys.modules.items() if name.startswith(f"{installed.name()}.") and module
+    ]
+    return {name for module in ours for name, value in vars(module).items() if callable(value)}

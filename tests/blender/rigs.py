@@ -21,6 +21,7 @@ class HandleRig(Rig):
     goes_on = (
         True  # another control takes over where the one before it left the shape; else it is to be bound
     )
+    counts_in_no_scene = True  # a control that is in no scene moves the shape; else the last one stays
     hidden_meshes = 4  # what entered at bind, and in renders; two shapes
     carries = Matrix.Translation((0.3, -0.2, 0.7))
 
@@ -57,6 +58,13 @@ class HandleRig(Rig):
     def shown(obj: bpy.types.Object) -> np.ndarray:
         """What Blender shows of any object of this kind, (n, 3)."""
         return kinds.shown(obj)
+
+    def points_in(self, layer: bpy.types.ViewLayer, obj: bpy.types.Object | None = None) -> np.ndarray:
+        """What a view layer, of any scene, shows of the rig or of another object, (n, 3)."""
+        evaluated = (obj or self.obj).evaluated_get(layer.depsgraph)
+        points = np.array([vertex.co[:] for vertex in evaluated.to_mesh().vertices])
+        evaluated.to_mesh_clear()
+        return points
 
     @staticmethod
     def unmoved(obj: bpy.types.Object) -> np.ndarray:
@@ -106,6 +114,7 @@ class CageRig(HandleRig):
 
     methods = WITH_CAGE
     goes_on = False
+    counts_in_no_scene = False
     hidden_meshes = 5  # the cage at rest, too
     carries = (
         Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)

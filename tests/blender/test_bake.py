@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, moving_plate, played, save
+from inside import SOLVING
 from mathutils import Matrix
 from registry import WITH_HANDLES
 from rig import Rig, add_armature, add_group, make_active, move_world
@@ -49,7 +50,7 @@ def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
     live = played(moving.obj)
     bake(moving, target, tmp_path / "plate")
     calls = []
-    monkeypatch.setattr(room("session.live.solving"), "solve", lambda *_: calls.append(1))
+    monkeypatch.setattr(room(SOLVING), "solve", lambda *_: calls.append(1))
     control = moving.control
     control.animation_data_clear()
     move_world(control, Matrix.Translation((0.0, 0.0, 3.0)))

@@ -260,7 +260,7 @@ DOUBLED = (CORNERS + [CORNERS[0]], [(8, 1, 3, 2), *SIDES[1:]], {0, 1, 2, 8})
 
 
 @pytest.mark.parametrize(("points", "faces", "bad"), [FIN, DOUBLED], ids=["fin", "doubled vertex"])
-def test_edges_that_leave_a_cage_open_are_shown(room, points, faces, bad) -> None:
+def test_edges_that_leave_a_cage_open_are_shown(points, faces, bad) -> None:
     target, cage = ball(), new_object("Cage", points, faces)
     deformer = surround(target, cage)
     assert deformer.status_level == "ERROR"

@@ -122,6 +122,21 @@ def test_deleting_the_target_leaves_only_orphans_that_a_purge_takes(posed):
         assert not getattr(bpy.data, kind), kind
 
 
+@pytest.mark.parametrize("by_user", [False, True])
+def test_deleting_the_control_leaves_the_last_shape(posed, by_user: bool):
+    rig, expected = posed
+    if by_user:
+        make_active(rig.control)
+        bpy.ops.object.delete()
+        make_active(rig.obj)
+    else:
+        bpy.data.objects.remove(rig.control)
+    assert rig.shows(expected.lifted(0.5))
+    assert rig.control_is_missing(rig.obj)
+    bpy.context.scene.frame_set(7)
+    assert rig.shows(expected.lifted(0.5))
+
+
 def test_deleting_one_of_two_targets_of_one_control(posed):
     rig, expected = posed
     make_active(rig.obj)
@@ -372,7 +387,7 @@ def test_handles_and_deformers_in_another_order(posed_plate: tuple[Rig, Expected
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-def test_another_mesh_joined_to_the_target(posed_plate: tuple[Rig, Expected], room, automatic: bool):
+def test_another_mesh_joined_to_the_target(posed_plate: tuple[Rig, Expected], automatic: bool):
     plate, expected = posed_plate
     plate.deformer.auto_rebind = automatic
     other = grid_object("Other", cells=2)
@@ -403,7 +418,7 @@ def test_the_target_joined_to_another_mesh(posed_plate: tuple[Rig, Expected], ro
     assert room("session").owners() == []
 
 
-def test_a_part_separated_from_the_target(posed_plate: tuple[Rig, Expected], room):
+def test_a_part_separated_from_the_target(posed_plate: tuple[Rig, Expected]):
     """Blender gives the part the modifiers and our settings as well: two rigs on two meshes."""
     plate, expected = posed_plate
     make_active(plate.obj)

@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from inside import OWNERS, catch_up
 from mathutils import Matrix
 from rig import FLOAT32, Rig, add_armature, add_group, evaluated_points, make_active, move_world, update
 
@@ -107,9 +108,9 @@ def test_a_copy_gets_shapes_of_its_own(plate: Rig, room, linked: bool):
     bpy.ops.object.duplicate(linked=linked)
     copy = bpy.context.object
     assert copy != plate.obj
-    assert room("session.blocks.owners").has_copies()
-    assert room("handlers.deferred").catch_up() is False
-    assert not room("session.blocks.owners").has_copies()
+    assert room(OWNERS).has_copies()
+    assert catch_up() is False
+    assert not room(OWNERS).has_copies()
     assert copy.sinew.deformers[0].proxy != plate.deformer.proxy
     assert copy.sinew.deformers[0].uid != plate.deformer.uid
     before = evaluated_points(copy)
@@ -123,13 +124,13 @@ def test_a_copy_gets_shapes_of_its_own(plate: Rig, room, linked: bool):
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=FLOAT32)
 
 
-def test_an_exchanged_control_is_kept_evaluated_too(plate: Rig, room):
+def test_an_exchanged_control_is_kept_evaluated_too(plate: Rig):
     plate.bind()
     new = bpy.data.objects.new("New", None)
     bpy.context.scene.collection.objects.link(new)
     plate.deformer.handles[0].control = new
     update()
-    room("handlers.deferred").catch_up()
+    catch_up()
     for frame, height in ((1, 0.0), (11, 1.0)):
         new.location.z = height
         new.keyframe_insert("location", frame=frame)
@@ -177,16 +178,6 @@ def test_removing_a_handle_frees_its_region(plate: Rig):
     assert np.abs(plate.points() - plate.rest() - (0.0, 0.0, 0.5)).max() < FLOAT32
     bpy.ops.sinew.handle_remove(index=0)
     assert np.array_equal(plate.points(), plate.rest())
-
-
-def test_apply_makes_the_shape_permanent(plate: Rig):
-    plate.bind().lift(0.5)
-    shown = plate.points()
-    make_active(plate.obj)
-    bpy.ops.sinew.apply()
-    assert np.array_equal(plate.rest(), shown)
-    assert len(plate.obj.modifiers) == 0
-    assert np.array_equal(plate.points(), shown)
 
 
 def test_deleted_control_leaves_its_region_where_it_was(plate: Rig, tmp_path: Path):
@@ -238,16 +229,6 @@ def test_what_a_deformer_without_regions_lets_through_reaches_the_next_at_once(p
     once = plate.points()
     plate.obj.update_tag()
     assert np.array_equal(plate.points(), once)
-
-
-def test_control_deleted_as_a_user_does(plate: Rig):
-    plate.bind().lift(0.5)
-    before = plate.points()
-    make_active(plate.control)
-    bpy.ops.object.delete()
-    make_active(plate.obj)
-    assert plate.deformer.handles[0].control_missing
-    assert np.abs(plate.points() - before).max() < FLOAT32
 
 
 def test_operators_find_the_mesh_from_its_control(plate: Rig):

@@ -26,6 +26,7 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from inside import catch_up, settle
 from mathutils import Euler, Matrix
 from oracle import Oracle, Unsure
 from registry import WITH_HANDLES
@@ -133,9 +134,7 @@ class Artist(RuleBasedStateMachine):
             self.moments = self.moments[-MOST_UNDO:]
             self.moments.append({})
             self.now = len(self.moments) - 1
-        update()
-        self.room("handlers.deferred").catch_up()
-        update()
+        settle()
         self.complaints.check()
         self.compare()
         self.moments[self.now] = dict(self.oracle.last)
@@ -311,7 +310,7 @@ class Artist(RuleBasedStateMachine):
         if not self.call(bpy.ops.object.duplicate, linked=linked):
             return
         twins = (bpy.data.objects[name], bpy.context.object)
-        self.room("handlers.deferred").catch_up()
+        catch_up()
         if not self.oracle.forget_missing(twins):
             for twin in twins:
                 assert np.abs(evaluated_points(twin) - before).max() <= 1e-4 * max(1.0, np.abs(before).max())

@@ -6,6 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
+from inside import DRAG, catch_up, use_threads
 from mathutils import Matrix
 from probe import render_points
 from registry import WITH_HANDLES
@@ -195,14 +196,14 @@ def test_a_drag_shows_a_preview_and_settles_to_the_final_answer(dragged: Rig, ro
 
 def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
+    use_threads(monkeypatch)
     session = room("session")
     session.settle()
     update()
     work = session.find(plate.deformer.uid).work
     assert work is not None
     work.thread.join(timeout=20.0)
-    room("handlers.deferred").catch_up()
+    catch_up()
     settled = plate.points()
     assert not session.busy()
     assert not session.unsettled()
@@ -212,7 +213,7 @@ def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytes
 
 def test_a_newer_pose_drops_the_final_answer_under_way(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
+    use_threads(monkeypatch)
     session = room("session")
     session.settle()
     update()
@@ -246,7 +247,7 @@ def heavy_drag(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
 
     def begin(method: str) -> Rig:
         plate.bind(method)
-        monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
+        use_threads(monkeypatch)
         session = room("session").find(plate.deformer.uid)
         session.step_milliseconds = 1e9
         handlers = bpy.app.handlers.depsgraph_update_post
@@ -278,7 +279,7 @@ def test_a_drag_over_the_budget_never_waits_and_the_shape_follows(heavy_drag, ro
     session.step_milliseconds = 1e9
     room("session").collect()
     assert plate.points()[plate.top, 2] == pytest.approx(1.0, abs=1e-6)
-    while room("handlers.deferred").catch_up() or room("session").unsettled():
+    while catch_up() or room("session").unsettled():
         update()
         if session.work is not None:
             session.work.thread.join(timeout=20.0)
@@ -301,7 +302,7 @@ def test_the_drag_budget_sets_how_many_steps_a_preview_takes(heavy_drag, room, m
     session.bound.factor.solve = count
     session.step_milliseconds = 0.0
     for budget, steps in ((1.0e4, 10), (1.0e-4, 1)):
-        monkeypatch.setattr(room("session.live.solving"), "_budget", lambda budget=budget: budget)
+        monkeypatch.setattr(room(DRAG), "budget", lambda budget=budget: budget)
         for _ in range(3):
             plate.lift(0.1)
             session.step_milliseconds = 0.0  # so that nothing goes to a thread
