@@ -36,6 +36,7 @@ CORE_TESTS = (
     "test_event_files.py",
     "test_event_render.py",
     "test_event_stack.py",
+    "test_every_method.py",
     "test_handles.py",
     "test_interface.py",
     "test_methods.py",
