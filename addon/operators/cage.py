@@ -6,13 +6,12 @@ from bpy.types import Context, Event, Object, Operator
 
 from .. import session
 from ..core.errors import SinewError
-from ..core.methods import DEFAULT_CAGE_METHOD, METHODS, Control
+from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer
 from .target import has_deformer, has_target, object_mode, target_of
 from .waiting import WaitsForBind
 
-_METHODS = tuple(method for method in METHODS if method.control is Control.CAGE)
 _CANCELLED = "No cage was made"
 
 
@@ -34,7 +33,7 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
     )
     method: EnumProperty(
         name="Coordinates",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
+        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in session.CAGE_METHODS),
         default=DEFAULT_CAGE_METHOD,
         description="How points follow the cage. It can be changed later, and the cage stays",
     )
@@ -176,7 +175,7 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
 def _waiting(obj: Object) -> SinewDeformer | None:
     """The active deformer, where it waits for a cage."""
     active = obj.sinew.active
-    waits = active is not None and active.definition.control is Control.CAGE and active.cage is None
+    waits = active is not None and active.definition in session.CAGE_METHODS and active.cage is None
     return active if waits else None
 
 

@@ -11,14 +11,14 @@ from gpu_extras.presets import draw_circle_2d
 
 from .. import session
 from ..core.errors import SinewError
-from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Control
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS
 from ..core.motion import Mode, Motion
 from ..core.typed_motion import TypedMotion, View
 from ..ids import Operators
 from ..preferences import preferences
 from .grabbing import Grabbing, Outcome
 
-_METHODS = tuple(method for method in METHODS if method.control is Control.HANDLES)
+_METHODS = tuple(method for method in METHODS if session.marks_regions(method))
 _MODES = (
     ("TRANSLATE", "Move", "Move the selection", "NONE", 0),
     ("ROTATE", "Rotate", "Turn the selection about its centre", "NONE", 1),

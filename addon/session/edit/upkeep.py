@@ -12,6 +12,7 @@ from bpy.types import Object
 from ...ids import Datablocks
 from ..blocks import keeper, shapes, targets
 from ..blocks.owners import copies, forget_owners, has_copies, owners
+from ..control import kinds
 from ..live import binding
 from ..memory import sessions
 from . import deformers
@@ -29,7 +30,7 @@ def separate(obj: Object) -> None:
             deformer.proxy_render = bpy.data.objects.new(Datablocks.PROXY_RENDER, shared[1].data.copy())
         if modifier is not None:
             shapes.connect(modifier, deformer)
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     obj.update_tag()
 
 
@@ -57,7 +58,7 @@ def tidy() -> None:
     for obj in owners():
         uids = exchanged.intersection(deformer.uid for deformer in obj.sinew.deformers)
         if (uids or not keeper.is_kept(obj)) and obj.library is None:
-            keeper.keep_evaluated(obj)
+            kinds.keep_evaluated(obj)
         for uid in uids:
             sessions.open_session(uid).rewire = False
 

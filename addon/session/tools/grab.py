@@ -15,6 +15,7 @@ from bpy.types import Object
 
 from ...backend import Factor, Recipe, build_factor
 from ...core import frames, reach
+from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, MeshError, TopologyChangedError
 from ...core.methods import Method
 from ...core.status import Remedy
@@ -119,8 +120,8 @@ class Grab:
             raise ConstraintError(NOTHING_SELECTED)
         if not (selected & ~stays).any():
             if selected[shape.not_finite].any():
-                raise MeshError(NO_PLACE, tuple(shape.not_finite), "vertex", Remedy.REPAIR)
-            raise ConstraintError(ALL_FIXED, tuple(np.flatnonzero(selected)), "vertex")
+                raise MeshError(NO_PLACE, Elements(Owner.TARGET, "vertex", shape.not_finite), Remedy.REPAIR)
+            raise ConstraintError(ALL_FIXED, Elements(Owner.TARGET, "vertex", np.flatnonzero(selected)))
         self._stays = stays
         self._selected = np.flatnonzero(selected & ~stays)
 
