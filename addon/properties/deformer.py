@@ -19,6 +19,7 @@ from ..core import status
 from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
 from ..ids import Keys
 from .bake import SinewBake
+from .control import SinewControl, StoredCage
 from .handle import SinewHandle
 from .parameters import GROUPS
 
@@ -124,6 +125,8 @@ class SinewDeformer(PropertyGroup):
         options={"HIDDEN"},
         override=_OVERRIDE,
     )
+    controls: CollectionProperty(type=SinewControl, override=_LIST)
+    active_control: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
     handles: CollectionProperty(type=SinewHandle, override=_LIST)
     active_handle: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
     factor: FloatProperty(
@@ -198,6 +201,12 @@ class SinewDeformer(PropertyGroup):
     def is_bound(self) -> bool:
         """The rest shape is stored; the factor is built from it when needed."""
         return self.rest_in("VIEWPORT") is not None
+
+    @property
+    def all_controls(self) -> list[StoredCage | SinewControl]:
+        """The objects that move the deformer, by whatever method: first the cage, where there is one."""
+        cage = StoredCage(self)
+        return [*([] if cage.object is None and cage.rest is None else [cage]), *self.controls]
 
     @property
     def cage_missing(self) -> bool:

@@ -22,14 +22,14 @@ from ....core.methods import Method
 from ....core.status import Level, Remedy, Status
 from ....ids import Datablocks, Keys
 from ....mesh_io import RestShape, read_rest
-from ....properties import SinewDeformer
+from ....properties import SinewDeformer, StoredCage
 from ...blocks import shapes
 from ...blocks.capture import evaluated_mesh
 from ...blocks.keeper import Link
 from ...blocks.vertex_groups import read_weights
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
-from .. import placement
+from .. import objects, placement
 from ..bind_input import BindInput, options
 from ..influence import Influence
 
@@ -185,19 +185,17 @@ def take_rest(obj: Object, deformer: SinewDeformer) -> None:
     mesh.name = Datablocks.REST
     mesh.materials.clear()
     mesh[Keys.REST_TOKEN] = shapes.new_key()
-    deformer.cage_rest = shapes.put_mesh(deformer.cage_rest, mesh)
+    objects.hold_rest(StoredCage(deformer), mesh)
 
 
 def forget_rest(deformer: SinewDeformer) -> None:
     """Forget how the cage rested."""
-    mesh, deformer.cage_rest = deformer.cage_rest, None
-    shapes.free_meshes(mesh)
+    objects.forget_rest((StoredCage(deformer),))
 
 
 def links(deformer: SinewDeformer) -> Iterator[Link]:
     """The cage, with its shape."""
-    if deformer.cage is not None:
-        yield Link(deformer.cage, by_shape=True)
+    return objects.links((StoredCage(deformer),))
 
 
 def lost(deformer: SinewDeformer) -> tuple[str, ...]:
@@ -208,16 +206,7 @@ def lost(deformer: SinewDeformer) -> tuple[str, ...]:
 
 def release(_obj: Object, deformer: SinewDeformer) -> None:
     """Remove the cage made for a deformer, unless another deformer uses it."""
-    forget_rest(deformer)
-    cage, deformer.cage = deformer.cage, None
-    if cage is None or not deformer.owns_cage or cage.library is not None or cage.sinew.deformers:
-        return
-    if any(other.cage == cage for obj in bpy.data.objects for other in obj.sinew.deformers):
-        return
-    mesh = cage.data
-    bpy.data.objects.remove(cage)
-    if mesh.users == 0:
-        bpy.data.meshes.remove(mesh)
+    objects.release((StoredCage(deformer),))
 
 
 def selected(deformer: SinewDeformer) -> tuple[int, ...]:
