@@ -2,8 +2,8 @@
 """A file saved by an earlier build opens with its cages, their rest and their ownership intact.
 
 ``files/before_controls.blend`` was saved in Blender 3.4.1 before controls were a list. A ball is in an
-automatic cage that its deformer owns, a pear in a box that somebody made (both are in the collection Asset), and a
-plate has handles. All are posed; the attribute ``expected`` of each mesh has the points that were shown.
+automatic cage that its deformer owns, a pear in a box that somebody made (both in the collection Asset), and
+a plate has handles. All are posed; the attribute ``expected`` of each mesh has the points that were shown.
 """
 
 import shutil
