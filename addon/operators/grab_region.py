@@ -12,8 +12,8 @@ from gpu_extras.presets import draw_circle_2d
 from .. import session
 from ..core.errors import SinewError
 from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Control
-from ..core.motion import Mode, Motion
-from ..core.typed_motion import TypedMotion, View
+from ..core.transform.motion import Mode, Motion
+from ..core.transform.typed_motion import TypedMotion, View
 from ..ids import Operators
 from ..preferences import preferences
 from .grabbing import Grabbing, Outcome

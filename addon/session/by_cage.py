@@ -12,8 +12,8 @@ from mathutils import Matrix
 
 from ..backend import CageRecipe, CageReport
 from ..compat import read_positions
-from ..core import frames
 from ..core.errors import CageError
+from ..core.geometry import frames
 from ..core.status import Level, Remedy, Status
 from ..ids import Datablocks, Keys
 from ..mesh_io import RestShape, read_rest

@@ -9,8 +9,9 @@ import numpy as np
 from bpy.types import Mesh, Object
 
 from ..backend import Progress
-from ..core import frames, status
+from ..core import status
 from ..core.errors import ConstraintError, SinewError
+from ..core.geometry import frames
 from ..core.methods import BY_ID, Control
 from ..core.status import Level, Status
 from ..mesh_io import RestShape, group_names, group_weights, read_rest

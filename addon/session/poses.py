@@ -7,7 +7,7 @@ import numpy as np
 from bpy.types import Depsgraph
 from mathutils import Matrix
 
-from ..core import frames
+from ..core.geometry import frames
 from ..mesh_io import read_shape
 from ..properties import SinewDeformer, SinewHandle
 from . import rig

@@ -6,7 +6,7 @@ from bpy.utils import register_classes_factory
 
 from .. import session
 from ..backend import availability
-from ..core.methods import METHODS, Control, Parameter, group_property
+from ..core.methods import METHODS, Control, Moved, Parameter, group_property
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import no_mesh, target_of
@@ -88,8 +88,8 @@ class SINEW_PT_region(_ActiveDeformerPanel, Panel):
                 control.prop_search(handle, "bone", handle.control.data, "bones")
             layout.prop(handle, "from_rest")
         layout.prop(handle, "weight", slider=True)
-        if deformer.definition.continuity:
-            layout.prop(handle, "continuity", slider=True)
+        for parameter in deformer.definition.handle_parameters:
+            layout.prop(handle, parameter.id, slider=True)
         if handle.kind == "HANDLE":
             layout.prop(handle, "colour")
 
@@ -124,7 +124,7 @@ def _split(layout: UILayout) -> UILayout:
 
 def _is_advanced(deformer: SinewDeformer, parameter: Parameter) -> bool:
     """Also how far an iterative method goes, not which shape it seeks."""
-    return getattr(parameter, "advanced", False) or (deformer.definition.iterative and not parameter.rebinds)
+    return parameter.advanced or (deformer.definition.iterative and not parameter.rebinds)
 
 
 def _draw_no_mesh(context: Context, layout: UILayout) -> None:
@@ -181,7 +181,7 @@ def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None
     else:
         choices = layout.column(align=True)
         for method in METHODS:
-            if method.control is Control.CAGE:
+            if Moved.POINTS in method.moves:
                 choices.prop_enum(deformer, "method", method.id)
     if deformer.definition.control is Control.CAGE:
         _draw_cage(layout, deformer)
@@ -191,7 +191,7 @@ def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None
             continue
         row = settings.row(align=True)
         row.prop(deformer.parameters, parameter.id)
-        if getattr(parameter, "paintable", False):
+        if parameter.paintable:
             row.prop_search(deformer.parameters, group_property(parameter), obj, "vertex_groups", text="")
 
 
