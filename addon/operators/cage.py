@@ -9,14 +9,15 @@ from ..core.errors import SinewError
 from ..core.methods import DEFAULT_CAGE_METHOD, METHODS, Control
 from ..ids import Operators
 from ..properties import SinewDeformer
+from .refusing import refusing
 from .target import has_deformer, has_target, object_mode, target_of
-from .waiting import WaitsForBind
+from .waiting import BindingOperator
 
 _METHODS = tuple(method for method in METHODS if method.control is Control.CAGE)
 _CANCELLED = "No cage was made"
 
 
-class SINEW_OT_cage_add(WaitsForBind, Operator):
+class SINEW_OT_cage_add(BindingOperator, Operator):
     """Let a closed mesh around this one move it: edit, pose or animate it like any other mesh"""
 
     bl_idname = Operators.CAGE_ADD
@@ -74,16 +75,16 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
     def poll(cls, context: Context) -> bool:
         return has_target(cls, context)
 
-    def invoke(self, context: Context, _event: Event) -> set[str]:
+    def invoke(self, context: Context, event: Event) -> set[str]:
         self._work = None
         obj = target_of(context)
         if self.source != "AUTO" or not session.may_wait(session.size(obj)):
-            return self._end(context, self._run(context, None, wait=False))
-        try:
-            self._work = session.Work(self._maker(obj))
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return super().invoke(context, event)
+        return self._begin(context)
+
+    @refusing
+    def _begin(self, context: Context) -> set[str]:
+        self._work = session.Work(self._maker(target_of(context)))
         self.begin(context)
         return {"RUNNING_MODAL"}
 
@@ -106,37 +107,27 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
         if work.error is not None:
             self.report({"ERROR"}, str(work.error))
             return {"CANCELLED"}
-        return self._end(context, self._run(context, work.result, wait=False))
+        return self.watched(context, self.run(context, wait=False, shape=work.result))
 
-    def execute(self, context: Context) -> set[str]:
-        return self._run(context, None, wait=True)
-
-    def _end(self, context: Context, result: set[str]) -> set[str]:
-        deformer = target_of(context).sinew.active
-        return result if deformer is None else self.wait_for(context, deformer.uid, result)
-
-    def _run(self, context: Context, shape: object, wait: bool) -> set[str]:
+    @refusing
+    def run(self, context: Context, wait: bool, shape: object = None) -> set[str]:
         """``shape`` of an automatic cage, where it is made already."""
         obj = target_of(context)
-        try:
-            with object_mode(context, obj):
-                if self.source == "OBJECT":
-                    cage = self._chosen(context, obj)
-                else:
-                    cage = session.add_cage_object(obj, shape or self._maker(obj)(None))
-                deformer, is_new = _deformer(obj, self.method)
-                try:
-                    session.set_cage(obj, deformer, cage)
-                except SinewError:
-                    if is_new:
-                        session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
-                    raise
-                deformer.owns_cage = self.source == "AUTO"
-                bound = self._bind(obj, deformer, wait)
-                _show(context, cage)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        with object_mode(context, obj):
+            if self.source == "OBJECT":
+                cage = self._chosen(context, obj)
+            else:
+                cage = session.add_cage_object(obj, shape or self._maker(obj)(None))
+            deformer, is_new = _deformer(obj, self.method)
+            try:
+                session.set_cage(obj, deformer, cage)
+            except SinewError:
+                if is_new:
+                    session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
+                raise
+            deformer.owns_cage = self.source == "AUTO"
+            bound = self.bind(obj, deformer, wait)
+            _show(context, cage)
         if bound:
             self.report({"INFO"}, f"{cage.name}: {deformer.status}")
         return {"FINISHED"}
@@ -163,15 +154,6 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
             raise SinewError("Select the cage and then the mesh, which becomes the active object")
         return others[0]
 
-    def _bind(self, obj: Object, deformer: SinewDeformer, wait: bool) -> bool:
-        """The cage is kept when the bind is refused; the panel then says what to do."""
-        try:
-            session.bind(obj, deformer, wait)
-        except SinewError as error:
-            self.report({"WARNING"}, str(error))
-            return False
-        return True
-
 
 def _waiting(obj: Object) -> SinewDeformer | None:
     """The active deformer, where it waits for a cage."""
@@ -196,7 +178,7 @@ def _show(context: Context, cage: Object) -> None:
     context.view_layer.objects.active = cage
 
 
-class _Rebinding(WaitsForBind):
+class _Rebinding(BindingOperator):
     """Does something to the cage of the active deformer, and binds it anew."""
 
     @classmethod
@@ -208,22 +190,12 @@ class _Rebinding(WaitsForBind):
             return False
         return True
 
-    def invoke(self, context: Context, _event: Event) -> set[str]:
-        result = self._run(context, wait=False)
-        return self.wait_for(context, target_of(context).sinew.active.uid, result)
-
-    def execute(self, context: Context) -> set[str]:
-        return self._run(context, wait=True)
-
-    def _run(self, context: Context, wait: bool) -> set[str]:
+    @refusing
+    def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        try:
-            self.change(obj, deformer)
-            session.bind(obj, deformer, wait)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        self.change(obj, deformer)
+        session.bind(obj, deformer, wait)
         self.report({"INFO"}, deformer.status)
         return {"FINISHED"}
 

@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modal half of operators that bind: a thread works, Blender stays responsive, Esc cancels."""
+"""Operators that bind: with a window a thread works, Blender stays responsive, and Esc cancels."""
 
-from bpy.types import Context, Event
+from bpy.types import Context, Event, Object
 
 from .. import session
+from ..core.errors import SinewError
+from ..properties import SinewDeformer
+from .target import target_of
 
 
 class WaitsForBind:
@@ -44,3 +47,27 @@ class WaitsForBind:
         session.watch(self._uid, False)
         self.end(context)
         return {"FINISHED"}
+
+
+class BindingOperator(WaitsForBind):
+    """Changes the active deformer and binds it: ``run`` does both, and without ``wait`` a thread may bind."""
+
+    def execute(self, context: Context) -> set[str]:
+        return self.run(context, wait=True)
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        return self.watched(context, self.run(context, wait=False))
+
+    def watched(self, context: Context, result: set[str]) -> set[str]:
+        """Go on while a thread binds the active deformer, else end with ``result``."""
+        deformer = target_of(context).sinew.active
+        return result if deformer is None else self.wait_for(context, deformer.uid, result)
+
+    def bind(self, obj: Object, deformer: SinewDeformer, wait: bool) -> bool:
+        """Bind what was changed. A refusal leaves the change, and the panel says what to do."""
+        try:
+            session.bind(obj, deformer, wait)
+        except SinewError as error:
+            self.report({"WARNING"}, str(error))
+            return False
+        return True
