@@ -7,7 +7,8 @@ from .registry import camel_case, registry_offences, rows
 from .tree import ROOT, grow, listed
 
 WHOLE = {
-    "addon/core/methods/surface_linear.py": 'Method(id="thin_shell", native="ThinShell", family=Family.SURFACE_LINEAR)\n',
+    "addon/core/methods/surface_linear.py": 'Method(id="thin_shell", native="ThinShell", '
+    "family=Family.SURFACE_LINEAR)\n",
     "native/surface/linear/thin_shell.h": "",
     "native/surface/linear/thin_shell.cpp": "",
     "native/surface/linear/thin_shell_terms.h": "",

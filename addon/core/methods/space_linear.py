@@ -17,6 +17,7 @@ CAGE_PARAMETERS = (
         precision=5,
         rebinds=True,
         advanced=True,
+        unit="weight of a cage vertex",
         label="Sparse Threshold",
         description="Leave out smaller weights, so that each point follows the near part of the cage "
         "alone: faster, less exact. 0 keeps all",
@@ -94,6 +95,7 @@ ROWS = (
                 maximum=65536,
                 soft_maximum=4096,
                 rebinds=True,
+                unit="rays per point",
                 label="Rays",
                 description="How many rays a point has where the weights are not exact",
             ),

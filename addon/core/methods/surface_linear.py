@@ -21,6 +21,7 @@ CONTINUITY = Float(
     precision=1,
     step=0.1,
     rebinds=True,
+    unit="derivatives kept",
     label="Continuity",
     description="How smoothly the surface leaves this region: 0 leaves a crease, 1 keeps the slope, "
     "2 keeps the curvature",
@@ -48,6 +49,7 @@ ROWS = (
                 soft_maximum=1.0,
                 paintable=True,
                 rebinds=True,
+                unit="relative weight",
                 label="Stretching",
                 description="k_s: how much the surface resists being stretched, like a rubber skin. "
                 "Raise it for a tauter, straighter transition",
@@ -58,6 +60,7 @@ ROWS = (
                 soft_maximum=1.0,
                 paintable=True,
                 rebinds=True,
+                unit="relative weight",
                 label="Bending",
                 description="k_b: how much the surface resists being bent, like a thin plate. "
                 "Keeps the transition smooth at the edge of a handle",
@@ -68,6 +71,7 @@ ROWS = (
                 soft_maximum=1.0,
                 paintable=True,
                 rebinds=True,
+                unit="relative weight",
                 label="Variation",
                 description="How much the surface resists a change of its curvature. "
                 "Gives the roundest, fairest shapes, and needs wider handles",

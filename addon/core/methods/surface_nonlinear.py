@@ -30,6 +30,7 @@ ROWS = (
                 soft_maximum=0.01,
                 precision=5,
                 rebinds=True,
+                unit="share of the rest area",
                 label="Smooth Rotations",
                 description="How much neighbouring parts turn together, as a share of the surface's size. "
                 "0 is the textbook energy, which buckles on fine meshes",
@@ -49,6 +50,7 @@ ROWS = (
                 soft_maximum=1.0,
                 paintable=True,
                 rebinds=True,
+                unit="relative weight",
                 label="Rigidity",
                 description="How firmly a region keeps its shape. "
                 "Paint a vertex group to let soft parts give way before hard ones",
@@ -58,6 +60,7 @@ ROWS = (
                 40,
                 minimum=1,
                 soft_maximum=100,
+                unit="iterations",
                 label="Iterations",
                 description="The most steps a frame or a render may spend. "
                 "While you drag, fewer are taken and the rest follow when you stop",
@@ -68,6 +71,7 @@ ROWS = (
                 maximum=1.0,
                 soft_maximum=0.001,
                 precision=6,
+                unit="share of the energy",
                 label="Tolerance",
                 description="Stop when two steps in a row lower the energy by less than this share of it",
             ),
