@@ -39,6 +39,15 @@ ADDON_RANKS = {
 }
 # Large rooms have ranks inside; their __init__.py is the face, which only other rooms see.
 INNER_RANKS = {
+    "core": {
+        "kinds": 0,
+        "sides": 0,
+        "status": 0,
+        "errors": 1,
+        "methods": 2,
+        "geometry": 2,
+        "transform": 2,
+    },
     "session": {
         "memory": 0,
         "blocks": 1,
