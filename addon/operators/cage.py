@@ -118,25 +118,18 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
                 cage = self._chosen(context, obj)
             else:
                 cage = session.add_cage_object(obj, shape or self._maker(obj)(None))
-            deformer, is_new = _deformer(obj, self.method)
-            try:
-                session.set_cage(obj, deformer, cage)
-            except SinewError:
-                if is_new:
-                    session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
-                raise
-            deformer.owns_cage = self.source == "AUTO"
-            bound = self.bind(obj, deformer, wait)
+            deformer, refusal = session.rig_cage(
+                obj, cage, self.method, owns_cage=self.source == "AUTO", wait=wait
+            )
             _show(context, cage)
-        if bound:
-            self.report({"INFO"}, f"{cage.name}: {deformer.status}")
+        self.report_bind(refusal, f"{cage.name}: {deformer.status}")
         return {"FINISHED"}
 
     def _maker(self, obj: Object):
         symmetry = "automatic" if self.symmetric else "none"
         return session.cage_maker(
             obj,
-            _waiting(obj),
+            session.waiting_for_cage(obj),
             faces=self.faces,
             margin=self.margin,
             quads=self.quads,
@@ -153,19 +146,6 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
         if len(others) != 1:
             raise SinewError("Select the cage and then the mesh, which becomes the active object")
         return others[0]
-
-
-def _waiting(obj: Object) -> SinewDeformer | None:
-    """The active deformer, where it waits for a cage."""
-    active = obj.sinew.active
-    waits = active is not None and active.definition.control is Control.CAGE and active.cage is None
-    return active if waits else None
-
-
-def _deformer(obj: Object, method: str) -> tuple[SinewDeformer, bool]:
-    """The active one where it waits for a cage, else a new one; whether it is new."""
-    waiting = _waiting(obj)
-    return (session.add_deformer(obj, method), True) if waiting is None else (waiting, False)
 
 
 def _show(context: Context, cage: Object) -> None:

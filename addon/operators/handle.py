@@ -9,7 +9,7 @@ from .. import compat, session
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..preferences import preferences
-from ..properties import HANDLE_KINDS, SinewDeformer, SinewHandle
+from ..properties import HANDLE_KINDS, SinewHandle
 from .refusing import refusing
 from .target import handle_index, has_deformer, has_target, object_mode, target_of
 from .waiting import BindingOperator
@@ -86,20 +86,23 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
                 raise SinewError("Name a vertex group, or select vertices in Edit Mode")
             group = session.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
         with object_mode(context, obj):
-            is_first = obj.sinew.active is None
-            deformer = obj.sinew.active or session.add_deformer(obj, preferences(context).method)
-            try:
-                handle = session.add_handle(obj, deformer, self.kind, group, control, bone, owns_group)
-            except SinewError:
-                _take_back(obj, is_first, group if owns_group else "")
-                raise
-            self._settle(obj, deformer, handle)
-            bound = self.bind(obj, deformer, wait)
+            handle, refusal = session.rig_region(
+                obj,
+                self.kind,
+                group,
+                preferences(context).method,
+                control=control,
+                bone=bone,
+                owns_group=owns_group,
+                name=self.handle_name,
+                weight=self.weight,
+                from_rest=False if self.control_object else None,
+                wait=wait,
+            )
             if handle.kind == "HANDLE" and mode not in ("POSE", "PAINT_WEIGHT"):
                 context.view_layer.update()  # the new empty enters the view layer
                 self._show_control(context, obj, handle)
-        if bound:
-            self.report({"INFO"}, f"{handle.name}: {deformer.status}")
+        self.report_bind(refusal, f"{handle.name}: {obj.sinew.active.status}")
         return {"FINISHED"}
 
     def _show_control(self, context: Context, obj: Object, handle: SinewHandle) -> None:
@@ -108,14 +111,6 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
             _select(context, obj, handle)
         except SinewError as error:
             self.report({"WARNING"}, str(error))
-
-    def _settle(self, obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
-        """What the options say of a new handle."""
-        handle.weight = self.weight
-        if self.handle_name:
-            handle.name = self.handle_name
-        if not self.control_object:
-            handle.from_rest = session.is_moved_by_control(obj, deformer, handle)
 
     def _chosen_control(self, context: Context, obj: Object) -> tuple[Object | None, str]:
         if self.kind != "HANDLE":
@@ -196,14 +191,6 @@ class SINEW_OT_select_handle(Operator):
             if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
                 bpy.ops.object.mode_set(mode="POSE")
         return {"FINISHED"}
-
-
-def _take_back(obj: Object, is_first: bool, group: str) -> None:
-    """A region that is refused leaves nothing behind: no deformer and no group made for it."""
-    if is_first:
-        session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
-    if group:
-        obj.vertex_groups.remove(obj.vertex_groups[group])
 
 
 def _group_at_hand(obj: Object, bone: str) -> str:

@@ -70,7 +70,7 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
         with object_mode(context, obj):
             done = session.mirror(obj, deformer, keys, options)
             context.view_layer.update()  # new empties enter the view layer
-            self.bind(obj, deformer, wait)
+            self.report_bind(session.try_bind(obj, deformer, wait))
         self._say(done)
         return {"FINISHED"}
 

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators that bind: with a window a thread works, Blender stays responsive, and Esc cancels."""
 
-from bpy.types import Context, Event, Object
+from bpy.types import Context, Event
 
 from .. import session
 from ..core.errors import SinewError
-from ..properties import SinewDeformer
 from .target import target_of
 
 
@@ -63,11 +62,9 @@ class BindingOperator(WaitsForBind):
         deformer = target_of(context).sinew.active
         return result if deformer is None else self.wait_for(context, deformer.uid, result)
 
-    def bind(self, obj: Object, deformer: SinewDeformer, wait: bool) -> bool:
-        """Bind what was changed. A refusal leaves the change, and the panel says what to do."""
-        try:
-            session.bind(obj, deformer, wait)
-        except SinewError as error:
-            self.report({"WARNING"}, str(error))
-            return False
-        return True
+    def report_bind(self, refusal: SinewError | None, success: str = "") -> None:
+        """What was changed stays where its bind is refused, so that is a warning."""
+        if refusal is not None:
+            self.report({"WARNING"}, str(refusal))
+        elif success:
+            self.report({"INFO"}, success)

@@ -1,18 +1,52 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One property group per method, made from its registry row."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
-from bpy.types import PropertyGroup
+from functools import partial
 
-from ..core.methods import METHODS, Bool, Choice, Float, Int, Method, Parameter, group_property
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy.types import NodeTree, Object, PropertyGroup
+
+from ..core.methods import (
+    METHODS,
+    Bool,
+    Choice,
+    Curve,
+    Float,
+    Int,
+    Method,
+    Parameter,
+    Pointer,
+    group_property,
+)
+from ..ids import Keys
 from .setting import setting
 
 _SUBTYPES = {"length": "DISTANCE", "angle": "ANGLE"}
 
 
+def _holds_curve(_values: PropertyGroup, tree: NodeTree) -> bool:
+    return Keys.CURVE in tree
+
+
+def _suits(types: tuple[str, ...], values: PropertyGroup, obj: Object) -> bool:
+    return obj != values.id_data and (not types or obj.type in types)
+
+
 def declare(parameter: Parameter):
     """The property of a parameter."""
-    common = {"name": parameter.label, "description": parameter.description, "default": parameter.default}
+    names = {"name": parameter.label, "description": parameter.description}
+    if isinstance(parameter, Curve):
+        return setting(PointerProperty, type=NodeTree, poll=_holds_curve, **names)
+    if isinstance(parameter, Pointer):
+        return setting(PointerProperty, type=Object, poll=partial(_suits, parameter.types), **names)
+    common = {**names, "default": parameter.default}
     if isinstance(parameter, Choice):
         items = tuple((*item, number) for number, item in enumerate(parameter.items))
         return setting(EnumProperty, items=items, **common)

@@ -6,11 +6,12 @@ from bpy.utils import register_classes_factory
 
 from .. import session
 from ..backend import availability
-from ..core.methods import METHODS, Control, Moved, Parameter, group_property
+from ..core.methods import METHODS, Control, Moved, Parameter
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import no_mesh, target_of
 from ..properties import SinewDeformer
+from .parameters import draw_parameter
 from .places import ROOT, SidebarPanel
 from .status_box import NATIVE_MISSING, draw_error, draw_message, draw_remedy, draw_status
 from .text import columns, draw_text
@@ -106,7 +107,7 @@ class SINEW_PT_advanced(_ActiveDeformerPanel, Panel):
         layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
         for parameter in deformer.definition.parameters:
             if _is_advanced(deformer, parameter):
-                layout.prop(deformer.parameters, parameter.id)
+                draw_parameter(layout, deformer, parameter)
         layout.column(heading="Render").prop(context.scene.render, "use_lock_interface")
 
 
@@ -189,10 +190,7 @@ def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None
     for parameter in deformer.definition.parameters:
         if _is_advanced(deformer, parameter):
             continue
-        row = settings.row(align=True)
-        row.prop(deformer.parameters, parameter.id)
-        if parameter.paintable:
-            row.prop_search(deformer.parameters, group_property(parameter), obj, "vertex_groups", text="")
+        draw_parameter(settings, deformer, parameter)
 
 
 def _draw_handles(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:

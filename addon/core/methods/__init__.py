@@ -11,12 +11,14 @@ from .schema import (
     Bool,
     Choice,
     Control,
+    Curve,
     Family,
     Float,
     Int,
     Method,
     Moved,
     Parameter,
+    Pointer,
     group_property,
 )
 
@@ -29,12 +31,14 @@ __all__ = (
     "Bool",
     "Choice",
     "Control",
+    "Curve",
     "Family",
     "Float",
     "Int",
     "Method",
     "Moved",
     "Parameter",
+    "Pointer",
     "group_property",
 )
 

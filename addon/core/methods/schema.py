@@ -89,6 +89,27 @@ class Choice(Parameter):
     items: tuple[tuple[str, str, str], ...]
 
 
+@dataclass(frozen=True, kw_only=True)
+class Curve(Parameter):
+    """A function on [0, 1] that the artist draws. ``default``: points that straight lines join.
+
+    The native module gets its values at so many even steps, (samples,) float64.
+    """
+
+    samples: int = 257
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pointer(Parameter):
+    """An object, of one of ``types`` as Blender calls them, or of any.
+
+    The native module gets its frame in the space of the target, (3, 4) float64; None where none is chosen.
+    """
+
+    types: tuple[str, ...] = ()
+    default: None = None
+
+
 @dataclass(frozen=True)
 class Method:
     """One row. ``number`` is stored in files: never reuse or change it.
@@ -113,6 +134,11 @@ class Method:
     wraps: tuple[Family, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()
+
+    @property
+    def references(self) -> tuple[Parameter, ...]:
+        """The parameters whose value lies in another datablock."""
+        return tuple(parameter for parameter in self.parameters if isinstance(parameter, Curve | Pointer))
 
     @property
     def paintable(self) -> tuple[Parameter, ...]:

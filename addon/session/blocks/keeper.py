@@ -4,6 +4,7 @@
 from bpy.types import Object
 
 from ...ids import Keys
+from .references import pointed
 
 _KEEP = f'["{Keys.KEEP}"]'
 
@@ -24,6 +25,11 @@ def _kept_cages(obj: Object) -> list[Object]:
     """The object's cages, each once."""
     cages = (deformer.cage for deformer in obj.sinew.deformers)
     return list(dict.fromkeys(cage for cage in cages if cage is not None))
+
+
+def _kept_pointers(obj: Object) -> list[Object]:
+    """The objects that parameters refer to, each once."""
+    return list(dict.fromkeys(other for deformer in obj.sinew.deformers for other in pointed(deformer)))
 
 
 def follow_renamed_bones(obj: Object) -> bool:
@@ -50,9 +56,13 @@ def follow_renamed_bones(obj: Object) -> bool:
 
 def is_kept(obj: Object) -> bool:
     """The driver that keeps the controls evaluated is there, where it is needed."""
+    pointers = _kept_pointers(obj)
     if Keys.KEEP not in obj:
-        return True
-    return obj.animation_data is not None and obj.animation_data.drivers.find(_KEEP) is not None
+        return not pointers
+    curve = obj.animation_data.drivers.find(_KEEP) if obj.animation_data is not None else None
+    if curve is None or not pointers:
+        return curve is not None
+    return set(pointers) <= {variable.targets[0].id for variable in curve.driver.variables}
 
 
 def keep_evaluated(obj: Object) -> None:
@@ -64,15 +74,15 @@ def keep_evaluated(obj: Object) -> None:
     if obj.animation_data is not None:
         for curve in [curve for curve in obj.animation_data.drivers if curve.data_path == _KEEP]:
             obj.animation_data.drivers.remove(curve)
-    controls, cages = _kept_controls(obj), _kept_cages(obj)
-    if not controls and not cages:
+    controls, cages, pointers = _kept_controls(obj), _kept_cages(obj), _kept_pointers(obj)
+    if not (controls or cages or pointers):
         if Keys.KEEP in obj:
             del obj[Keys.KEEP]
         return
     obj[Keys.KEEP] = 0.0
     driver = obj.driver_add(_KEEP).driver
     driver.type = "SUM"
-    for control, bone in (*controls, *((cage, "") for cage in cages)):
+    for control, bone in (*controls, *((other, "") for other in (*cages, *pointers))):
         variable = driver.variables.new()
         variable.type = "TRANSFORMS"
         target = variable.targets[0]
