@@ -15,6 +15,7 @@ from bpy.types import Mesh, Object
 from ...core.errors import SinewError
 from ..live.mesh_notes import NAMES, counted, elements_by_defect
 from ..memory import sessions
+from .cures import STEPS, diagnosis_of, give_positions
 
 
 @dataclass(frozen=True)
