@@ -9,7 +9,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..core import frames
 from ..core.elements import Elements, Owner
 from ..core.errors import (
     BackendMissingError,
@@ -21,6 +20,7 @@ from ..core.errors import (
     SinewError,
     SolverError,
 )
+from ..core.geometry import frames
 from ..core.status import Remedy
 from .loader import Availability, load
 from .recipes import CageRecipe, Progress, Recipe

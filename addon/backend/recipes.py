@@ -2,7 +2,7 @@
 """What a factor is made from, one class a kind of control. Arrays are held, and must not change."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -23,7 +23,7 @@ class Recipe:
     """Of a method with handles.
 
     ``points`` (n, 3) float64, ``faces`` (counts, corners); ``options`` of the native constructor. Of each
-    handle its vertices, and its weights and continuity as the native ``set_handles`` takes them.
+    handle its vertices, and its weights and ``handle_options`` as the native ``set_handles`` takes them.
     """
 
     method: Method
@@ -32,7 +32,7 @@ class Recipe:
     options: dict[str, object]
     handles: Sequence[np.ndarray]
     weights: Sequence[object]
-    continuity: Sequence[float] | None = None
+    handle_options: dict[str, Sequence[object]] = field(default_factory=dict)
 
     def build(self, native, mesh, progress: Progress | None) -> tuple[object, object]:
         """A bound solver and its report."""
@@ -60,8 +60,8 @@ class Recipe:
 
     def has_regions_of(self, other: "Recipe") -> bool:
         """The same handles."""
-        return _same(
-            (self.handles, self.weights, self.continuity), (other.handles, other.weights, other.continuity)
+        return self.handle_options == other.handle_options and _same(
+            (self.handles, self.weights), (other.handles, other.weights)
         )
 
     def differs_in(self, other: "Recipe") -> set[str]:
@@ -165,8 +165,9 @@ def _keep(report, _solver, progress: Progress | None):
 
 
 def _set_handles(recipe: Recipe, solver, progress: Progress | None):
-    boundary = {} if recipe.continuity is None else {"continuity": recipe.continuity}
-    return solver.set_handles(recipe.handles, weights=recipe.weights, progress=progress, **boundary)
+    return solver.set_handles(
+        recipe.handles, weights=recipe.weights, progress=progress, **recipe.handle_options
+    )
 
 
 def _set_stiffness(stiffness: dict[str, object], solver, progress: Progress | None):

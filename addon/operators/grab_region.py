@@ -12,11 +12,12 @@ from gpu_extras.presets import draw_circle_2d
 from .. import session
 from ..core.errors import SinewError
 from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS
-from ..core.motion import Mode, Motion
-from ..core.typed_motion import TypedMotion, View
+from ..core.transform.motion import Mode, Motion
+from ..core.transform.typed_motion import TypedMotion, View
 from ..ids import Operators
 from ..preferences import preferences
 from .grabbing import Grabbing, Outcome
+from .refusing import refusing
 
 _METHODS = tuple(method for method in METHODS if session.marks_regions(method))
 _MODES = (
@@ -125,37 +126,34 @@ class SINEW_OT_grab_region(Operator):
             return False
         return True
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = context.edit_object
-        try:
-            grab = self._grab(context, obj)
-            grab.follow(math.inf if self.unlimited else self.radius)
-            grab.show(obj, self._motion().matrix(_axes(obj), _pivot(context, grab)))
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        grab = self._grab(context, obj)
+        grab.follow(math.inf if self.unlimited else self.radius)
+        grab.show(obj, self._motion().matrix(_axes(obj), _pivot(context, grab)))
         self._mention(obj, grab)
         return {"FINISHED"}
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         if context.area is None or context.area.type != "VIEW_3D":
             return self.execute(context)
+        return self._begin(context, event)
+
+    @refusing
+    def _begin(self, context: Context, event: Event) -> set[str]:
         obj = context.edit_object
-        try:
-            grab = self._grab(context, obj)
-            pivot, axes = _pivot(context, grab), _axes(obj)
-            typed = TypedMotion(
-                Mode(self.mode),
-                view_of(context, pivot),
-                axes,
-                (event.mouse_x, event.mouse_y),
-                context.space_data.overlay.grid_scale,
-                *_typed_units(context.scene.unit_settings),
-            )
-            self._tool = Grabbing(grab, typed, pivot, axes, math.inf if self.unlimited else self.radius)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        grab = self._grab(context, obj)
+        pivot, axes = _pivot(context, grab), _axes(obj)
+        typed = TypedMotion(
+            Mode(self.mode),
+            view_of(context, pivot),
+            axes,
+            (event.mouse_x, event.mouse_y),
+            context.space_data.overlay.grid_scale,
+            *_typed_units(context.scene.unit_settings),
+        )
+        self._tool = Grabbing(grab, typed, pivot, axes, math.inf if self.unlimited else self.radius)
         self._name = obj.name
         self._mention(obj, grab)
         window_manager = context.window_manager

@@ -9,7 +9,7 @@ from bpy.types import Event, Object
 
 from .. import session
 from ..core.errors import SinewError
-from ..core.typed_motion import TypedMotion, View
+from ..core.transform.typed_motion import TypedMotion, View
 
 CONFIRM = ("LEFTMOUSE", "RET", "NUMPAD_ENTER")
 CANCEL = ("RIGHTMOUSE", "ESC")

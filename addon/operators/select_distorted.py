@@ -6,8 +6,8 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from .. import session
-from ..core.distortion import Measure
 from ..core.elements import Elements, Owner
+from ..core.geometry.distortion import Measure
 from ..ids import Operators
 from ..properties.scene import MEASURES
 from ..session.shown import result

@@ -4,40 +4,29 @@
 from bpy.props import BoolProperty, PointerProperty, StringProperty
 from bpy.types import Context, Mesh, Object, PropertyGroup
 
-_OVERRIDE = {"LIBRARY_OVERRIDABLE"}
+from .setting import record, reshape, setting
 
 
-def _object_changed(control: "SinewControl", _context: Context) -> None:
+def _object_changed(control: "SinewControl", context: Context) -> None:
     """Another object rests where it is when it is bound."""
     control.rest = None
-    control.id_data.update_tag(refresh={"OBJECT"})
+    reshape(control, context)
 
 
 class SinewControl(PropertyGroup):
     """An object that moves a deformer"""
 
-    kind: StringProperty(
-        options={"HIDDEN"}, override=_OVERRIDE, description="The kind of control, as its folder is called"
-    )
-    name: StringProperty(name="Name", override=_OVERRIDE, description="What the list calls the control")
-    object: PointerProperty(
+    kind: record(StringProperty, description="The kind of control, as its folder is called")
+    name: setting(StringProperty, update=None, name="Name", description="What the list calls the control")
+    object: setting(
+        PointerProperty,
+        update=_object_changed,
         name="Object",
         type=Object,
-        update=_object_changed,
-        override=_OVERRIDE,
         description="The object that moves this one, as its own modifiers leave it",
     )
-    rest: PointerProperty(
-        type=Mesh,
-        options={"HIDDEN"},
-        override=_OVERRIDE,
-        description="The object at bind, in the frame of the mesh",
-    )
-    owned: BoolProperty(
-        options={"HIDDEN"},
-        override=_OVERRIDE,
-        description="The object was made for this deformer, and goes with it",
-    )
+    rest: record(PointerProperty, type=Mesh, description="The object at bind, in the frame of the mesh")
+    owned: record(BoolProperty, description="The object was made for this deformer, and goes with it")
 
 
 class StoredCage:

@@ -3,6 +3,7 @@
 
 from .blocks.baked import find_cache
 from .blocks.owners import copies, forget_owners, owners
+from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh, size
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
@@ -18,6 +19,7 @@ from .edit.order import move_deformer, move_handle
 from .edit.refresh import refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
+from .edit.rigging import rig_cage, rig_region, try_bind, waiting_for_cage
 from .edit.selection import group_from_selection, select_elements, select_group
 from .edit.upkeep import collect, has_pending, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
@@ -50,8 +52,10 @@ __all__ = (
     "carry_out_writes",
     "collect",
     "copies",
+    "curve_node",
     "drop_all",
     "duration",
+    "edit_curve",
     "find",
     "find_cache",
     "find_modifier",
@@ -85,6 +89,9 @@ __all__ = (
     "repair",
     "repair_summary",
     "require_mesh",
+    "reset_curve",
+    "rig_cage",
+    "rig_region",
     "select_elements",
     "select_group",
     "set_cage",
@@ -95,9 +102,11 @@ __all__ = (
     "summary",
     "suspended",
     "tidy",
+    "try_bind",
     "unbind",
     "unsettled",
     "unwatched",
     "update",
+    "waiting_for_cage",
     "watch",
 )

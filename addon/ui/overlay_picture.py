@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from bpy.types import Context, Depsgraph, Object
 
-from ..core.distortion import Measure
+from ..core.geometry.distortion import Measure
 from ..core.methods import Parameter, group_property
 from ..preferences import preferences
 from ..properties import SinewDeformer, SinewHandle

@@ -6,7 +6,7 @@ from bpy.utils import register_classes_factory
 
 from .. import session
 from ..backend import availability
-from ..core.methods import METHODS, Parameter, group_property
+from ..core.methods import METHODS, Moved, Parameter
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import no_mesh, target_of
@@ -14,6 +14,7 @@ from ..properties import SinewDeformer
 from . import control
 from .control import draw_start, drawing_of
 from .layouts import draw_move_buttons, split
+from .parameters import draw_parameter
 from .places import ActiveDeformerPanel, SidebarPanel, active_deformer
 from .status_box import NATIVE_MISSING, draw_error, draw_message, draw_remedy, draw_status
 from .text import draw_text
@@ -67,13 +68,13 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
         layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
         for parameter in deformer.definition.parameters:
             if _is_advanced(deformer, parameter):
-                layout.prop(deformer.parameters, parameter.id)
+                draw_parameter(layout, deformer, parameter)
         layout.column(heading="Render").prop(context.scene.render, "use_lock_interface")
 
 
 def _is_advanced(deformer: SinewDeformer, parameter: Parameter) -> bool:
     """Also how far an iterative method goes, not which shape it seeks."""
-    return getattr(parameter, "advanced", False) or (deformer.definition.iterative and not parameter.rebinds)
+    return parameter.advanced or (deformer.definition.iterative and not parameter.rebinds)
 
 
 def _draw_no_mesh(context: Context, layout: UILayout) -> None:
@@ -117,7 +118,7 @@ def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: Sine
     else:
         choices = layout.column(align=True)
         for method in METHODS:
-            if method in session.CAGE_METHODS:
+            if Moved.POINTS in method.moves:
                 choices.prop_enum(deformer, "method", method.id)
     drawing = drawing_of(deformer.definition)
     if drawing.ABOVE_PARAMETERS:
@@ -126,10 +127,7 @@ def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: Sine
     for parameter in deformer.definition.parameters:
         if _is_advanced(deformer, parameter):
             continue
-        row = settings.row(align=True)
-        row.prop(deformer.parameters, parameter.id)
-        if getattr(parameter, "paintable", False):
-            row.prop_search(deformer.parameters, group_property(parameter), obj, "vertex_groups", text="")
+        draw_parameter(settings, deformer, parameter)
 
 
 def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from bpy.types import FCurve, Object
 
 from ...ids import Keys
+from .references import pointed
 
 _KEEP = f'["{Keys.KEEP}"]'
 
@@ -25,9 +26,20 @@ def find_driver(obj: Object) -> FCurve | None:
     return obj.animation_data.drivers.find(_KEEP) if obj.animation_data is not None else None
 
 
+def pointer_links(obj: Object) -> list[Link]:
+    """The objects that parameters refer to."""
+    return [Link(other) for deformer in obj.sinew.deformers for other in pointed(deformer)]
+
+
 def is_kept(obj: Object) -> bool:
-    """The driver is there, where it is needed."""
-    return Keys.KEEP not in obj or find_driver(obj) is not None
+    """The driver is there, where it is needed, and keeps what parameters refer to."""
+    pointers = {link.object for link in pointer_links(obj)}
+    if Keys.KEEP not in obj:
+        return not pointers
+    curve = find_driver(obj)
+    if curve is None or not pointers:
+        return curve is not None
+    return pointers <= {variable.targets[0].id for variable in curve.driver.variables}
 
 
 def write_driver(obj: Object, links: Sequence[Link]) -> None:

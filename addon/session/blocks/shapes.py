@@ -17,7 +17,7 @@ from ...ids import Datablocks, Inputs
 from ...mesh_io import replace_rest, resize_shape, shape_mesh, write_shape
 from ...properties import SinewDeformer, deformers_of
 from ..memory import render_writes, sessions
-from . import node_group, targets
+from . import node_group, references, targets
 
 _KEY_LENGTH = 16
 _REST = ("rest",)
@@ -177,6 +177,7 @@ def remove(obj: Object, deformer: SinewDeformer) -> None:
     if modifier is not None:
         obj.modifiers.remove(modifier)
     release_rest(deformer)
+    references.release_curves(deformer)
     for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):
         free_shape(proxy)
 

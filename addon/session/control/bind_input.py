@@ -7,14 +7,24 @@ import numpy as np
 
 from ...backend import CageRecipe, Recipe
 from ...core.errors import OptionError
-from ...core.methods import METHODS, group_property
+from ...core.methods import METHODS, Curve, Method, Parameter, Pointer, group_property
 from ...mesh_io import RestShape
 from ...properties import SinewDeformer
+from ..blocks import references
 
-_BINDING_NAMES = {  # the properties that a factor depends on, by method
-    method.id: tuple(parameter.id for parameter in method.parameters if parameter.rebinds)
-    + tuple(group_property(parameter) for parameter in method.paintable if parameter.rebinds)
-    for method in METHODS
+_Names = tuple[tuple[str, ...], tuple[Parameter, ...]]
+
+
+def _names(method: Method, rebinds: bool) -> _Names:
+    """The properties of a method with plain values, and its parameters that refer to other datablocks."""
+    chosen = [parameter for parameter in method.parameters if parameter.rebinds == rebinds]
+    referring = tuple(parameter for parameter in chosen if parameter in method.references)
+    plain = [parameter.id for parameter in chosen if parameter not in referring]
+    return (*plain, *(group_property(parameter) for parameter in chosen if parameter.paintable)), referring
+
+
+_NAMES: dict[tuple[str, bool], _Names] = {
+    (method.id, rebinds): _names(method, rebinds) for method in METHODS for rebinds in (True, False)
 }
 
 
@@ -35,10 +45,21 @@ class BindInput:
     after: "BindInput | None" = None  # of a preview: what is bound next
 
 
-def option_values(settings: SinewDeformer) -> tuple:
-    """The settings that a factor depends on, to compare."""
+def option_values(settings: SinewDeformer, rebinds: bool = True) -> tuple:
+    """The settings that a factor depends on, or else a solve, to compare."""
     values = settings.parameters
-    return tuple((name, getattr(values, name)) for name in _BINDING_NAMES[settings.definition.id])
+    plain, referring = _NAMES[settings.definition.id, rebinds]
+    found = tuple((name, getattr(values, name)) for name in plain)
+    if not referring:
+        return found
+    return (*found, *((parameter.id, references.compared(settings, parameter)) for parameter in referring))
+
+
+def _value(settings: SinewDeformer, parameter: Parameter) -> object:
+    """As the native module takes it."""
+    if isinstance(parameter, Curve | Pointer):
+        return references.value(settings, parameter)
+    return getattr(settings.parameters, parameter.id)
 
 
 def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
@@ -48,7 +69,7 @@ def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
     for parameter in settings.definition.parameters:
         if not parameter.rebinds:
             continue
-        value = getattr(values, parameter.id)
+        value = _value(settings, parameter)
         group = getattr(values, group_property(parameter), "")
         if group:
             painted = rest.weights.get(group)
@@ -64,7 +85,7 @@ def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
 def solve_options(settings: SinewDeformer) -> dict[str, object]:
     """The keywords of ``solve`` that the method takes."""
     return {
-        parameter.id: getattr(settings.parameters, parameter.id)
+        parameter.id: _value(settings, parameter)
         for parameter in settings.definition.parameters
         if not parameter.rebinds
     }

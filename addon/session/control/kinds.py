@@ -14,7 +14,7 @@ from ...core.methods import METHODS, Control, Method
 from ...core.status import Status
 from ...mesh_io import RestShape
 from ...properties import SinewDeformer
-from ..blocks.keeper import Link, write_driver
+from ..blocks.keeper import Link, pointer_links, write_driver
 from ..blocks.owners import owners
 from ..memory.evaluation import Evaluation
 from ..memory.sessions import Bound
@@ -163,8 +163,8 @@ def posed_by(control: Object) -> Object | None:
 
 
 def keep_evaluated(obj: Object) -> None:
-    """Let Blender evaluate all controls of the object, hidden and unlinked ones too."""
-    write_driver(obj, list(dict.fromkeys(_links(obj))))
+    """Let Blender evaluate what the object follows, hidden and unlinked objects too."""
+    write_driver(obj, list(dict.fromkeys((*_links(obj), *pointer_links(obj)))))
 
 
 def _links(obj: Object) -> Iterator[Link]:

@@ -15,6 +15,7 @@ from bpy.types import Mesh, Object
 from ...core.errors import SinewError
 from ..live.mesh_notes import NAMES, counted, elements_by_defect
 from ..memory import sessions
+from .cures import STEPS, diagnosis_of, give_positions
 
 
 @dataclass(frozen=True)
@@ -47,16 +48,16 @@ def repair(obj: Object, cures: Cures) -> tuple[dict[str, int], dict[str, int]]:
     mended = dict.fromkeys(NAMES, 0)
     with _editing(obj) as edit:
         if cures.not_finite:
-            mended["not_finite"] = cures.give_positions(edit)
-        found = cures.diagnosis_of(edit)
-        for what, cure in cures.STEPS.items():
+            mended["not_finite"] = give_positions(edit)
+        found = diagnosis_of(edit)
+        for what, cure in STEPS.items():
             within = cures.distance if what == "coincident" else 0.0
             needed = elements_by_defect(found)[what]
             if not getattr(cures, what) or (len(needed) == 0 and within == 0.0):
                 continue
             before = len(edit.verts)
             cure(edit, needed, within)
-            found = cures.diagnosis_of(edit)
+            found = diagnosis_of(edit)
             fell = before - len(edit.verts) if within else len(needed) - len(elements_by_defect(found)[what])
             mended[what] = max(fell, 0)
     left = {what: len(elements) for what, elements in elements_by_defect(found).items()}

@@ -10,7 +10,7 @@ import bpy
 from bpy.types import Object
 
 from ...ids import Datablocks
-from ..blocks import keeper, shapes, targets
+from ..blocks import keeper, references, shapes, targets
 from ..blocks.owners import copies, forget_owners, has_copies, owners
 from ..control import kinds
 from ..live import binding
@@ -28,6 +28,7 @@ def separate(obj: Object) -> None:
             deformer.proxy = bpy.data.objects.new(Datablocks.PROXY_VIEWPORT, shared[0].data.copy())
         if shared[1] is not None:
             deformer.proxy_render = bpy.data.objects.new(Datablocks.PROXY_RENDER, shared[1].data.copy())
+        references.unshare_curves(deformer)
         if modifier is not None:
             shapes.connect(modifier, deformer)
     kinds.keep_evaluated(obj)

@@ -20,7 +20,7 @@ from ...core.status import Level, Status
 from ...mesh_io import shape_array, write_shape
 from ...preferences import preferences
 from ..control import kinds
-from ..control.bind_input import solve_options
+from ..control.bind_input import option_values, solve_options
 from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
@@ -89,7 +89,7 @@ def _question(
     control, further = found
     options = solve_options(evaluation.settings)
     posed = (control.tobytes(), *(value.tobytes() for value in further.values()))
-    signature = (bound.key, posed, tuple(options.items()), displacement)
+    signature = (bound.key, posed, option_values(evaluation.settings, rebinds=False), displacement)
     options.update(further)
     options["incoming"] = incoming
     shown = evaluation.shown

@@ -10,8 +10,8 @@ import numpy as np
 from bpy.types import Object
 
 from ...compat import read_triangles
-from ...core import distortion
-from ...core.distortion import Measure, RestMetric
+from ...core.geometry import distortion
+from ...core.geometry.distortion import Measure, RestMetric
 from ...mesh_io import RestShape, group_names, group_weights
 from ...properties import SinewDeformer
 from ..blocks import targets

@@ -14,9 +14,9 @@ import numpy as np
 from bpy.types import Object
 
 from ...backend import Factor, Recipe, build_factor
-from ...core import frames, reach
 from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, MeshError, TopologyChangedError
+from ...core.geometry import frames, reach
 from ...core.methods import Method
 from ...core.status import Remedy
 from ...mesh_io import group_weights, read_rest

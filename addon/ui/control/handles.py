@@ -43,8 +43,8 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
                 control.prop_search(handle, "bone", handle.control.data, "bones")
             layout.prop(handle, "from_rest")
         layout.prop(handle, "weight", slider=True)
-        if deformer.definition.continuity:
-            layout.prop(handle, "continuity", slider=True)
+        for parameter in deformer.definition.handle_parameters:
+            layout.prop(handle, parameter.id, slider=True)
         if handle.kind == "HANDLE":
             layout.prop(handle, "colour")
 

@@ -15,9 +15,9 @@ from mathutils import Matrix
 
 from ....backend import CageRecipe, CageReport
 from ....compat import read_positions
-from ....core import frames
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import CageError
+from ....core.geometry import frames
 from ....core.methods import Method
 from ....core.status import Level, Remedy, Status
 from ....ids import Datablocks, Keys

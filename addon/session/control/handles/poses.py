@@ -8,7 +8,7 @@ import numpy as np
 from bpy.types import Depsgraph, Object
 from mathutils import Matrix
 
-from ....core import frames
+from ....core.geometry import frames
 from ....mesh_io import read_shape
 from ....properties import SinewDeformer, SinewHandle
 from ...memory.evaluation import Evaluation

@@ -8,8 +8,8 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Matrix
 
-from ....core import frames
 from ....core.errors import ConstraintError
+from ....core.geometry import frames
 from ....mesh_io import RestShape
 from ....properties import SinewHandle
 from ...control.handles import poses

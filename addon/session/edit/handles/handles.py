@@ -5,8 +5,9 @@ import bpy
 import numpy as np
 from bpy.types import Mesh, Object
 
-from ....core import frames, status
+from ....core import status
 from ....core.errors import ConstraintError, SinewError
+from ....core.geometry import frames
 from ....core.status import Level, Status
 from ....mesh_io import RestShape, group_names, group_weights, read_rest
 from ....properties import SinewDeformer, SinewHandle

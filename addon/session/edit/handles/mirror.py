@@ -14,7 +14,7 @@ from bpy.types import Object
 
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError, SinewError
-from ....core.methods import group_property
+from ....core.methods import HANDLE_PARAMETERS, group_property
 from ....core.sides import Side, flip, side_of
 from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, SinewHandle
@@ -24,7 +24,9 @@ from ...memory import sessions
 from . import mirror_controls
 from .mirror_weights import MirrorPlane, images
 
-_COPIED = ("kind", "weight", "continuity", "colour", "enabled", "from_rest")
+_COPIED = ("kind", "weight", "colour", "enabled", "from_rest") + tuple(
+    parameter.id for parameter in HANDLE_PARAMETERS
+)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Matrix
 
-from ....core import frames
+from ....core.geometry import frames
 from ....core.sides import flip
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
