@@ -164,8 +164,11 @@ def test_a_changed_topology_offers_rebind_above_everything_else(bound_plate: Rig
 
 def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig, room):
     """Also where the panel is longer than the window."""
-    core = room("core.status")
-    core.put(bound_plate.deformer.uid, core.Status(core.Level.ERROR, "Two regions share 4 vertices", (1, 2)))
+    core, elements = room("core.status"), room("core.elements")
+    vertices = elements.Elements(elements.Owner.TARGET, "vertex", (1, 2))
+    core.put(
+        bound_plate.deformer.uid, core.Status(core.Level.ERROR, "Two regions share 4 vertices", vertices)
+    )
     sheet = draw_panel(WIDE)
     assert sheet.texts().index("share") < sheet.texts().index("Handles")
     select = [settings.line for name, settings in sheet.operators() if name == "sinew.select_problems"]
