@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from .elements import NO_ELEMENTS, Elements
+from .memory import remember
 
 
 class Level(Enum):
@@ -45,8 +46,8 @@ class Status:
 
 EMPTY = Status()
 
-_statuses: dict[str, Status] = {}
-_notes: dict[str, tuple[Status, ...]] = {}
+_statuses: dict[str, Status] = remember({})
+_notes: dict[str, tuple[Status, ...]] = remember({})
 
 
 def current(key: str) -> Status:
@@ -75,11 +76,7 @@ def fail(key: str, error: Exception) -> None:
     _statuses[key] = Status(Level.ERROR, str(error), elements, remedy)
 
 
-def clear(key: str | None = None) -> None:
-    """Forget one deformer, or all of them."""
-    if key is None:
-        _statuses.clear()
-        _notes.clear()
-        return
+def clear(key: str) -> None:
+    """Forget a deformer."""
     _statuses.pop(key, None)
     _notes.pop(key, None)

@@ -42,6 +42,7 @@ INNER_RANKS = {
     "core": {
         "elements": 0,
         "kinds": 0,
+        "memory": 0,
         "sides": 0,
         "status": 1,
         "errors": 2,
