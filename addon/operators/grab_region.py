@@ -19,7 +19,7 @@ from ..preferences import preferences
 from .grabbing import Grabbing, Outcome
 from .refusing import refusing
 
-_METHODS = tuple(method for method in METHODS if method.control is Control.HANDLES)
+_METHODS = tuple(method for method in METHODS if method.control is Control.HANDLES and not method.wraps)
 _MODES = (
     ("TRANSLATE", "Move", "Move the selection", "NONE", 0),
     ("ROTATE", "Rotate", "Turn the selection about its centre", "NONE", 1),

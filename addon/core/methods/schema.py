@@ -115,7 +115,8 @@ class Method:
     """One row. ``number`` is stored in files: never reuse or change it.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
-    ``wraps``: the families of the methods that this one can be put around; none for a method of its own.
+    ``wraps``: the families of the methods that this one can be put around, which its native constructor gets
+    as ``base``; none for a method of its own.
     ``handle_parameters``: every handle has its own value, and the native ``set_handles`` takes one keyword
     for each of them, with one value per handle.
     """
