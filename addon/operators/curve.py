@@ -17,7 +17,7 @@ class SINEW_OT_curve_edit(Operator):
 
     bl_idname = Operators.CURVE_EDIT
     bl_label = "Draw Curve"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
     parameter: StringProperty(name="Parameter", description="Which curve of the method, by its id")
     reset: BoolProperty(

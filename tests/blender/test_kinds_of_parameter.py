@@ -7,6 +7,7 @@ are given to a thin shell, so the shape tells which values arrived.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -125,7 +126,7 @@ def throwaway(room, addon_name: str, tmp_path: Path) -> Iterator:
     module = Path(room("core.methods").__file__).with_name("throwaway.py")
     module.write_text(MODULE, encoding="utf-8")
     yield lambda script: another_blender(
-        f"addon_name = {addon_name!r}\n{SET_UP}\n{script}", tmp_path, addon_name
+        f"addon_name = {addon_name!r}\n{SET_UP}\n{textwrap.dedent(script)}", tmp_path, addon_name
     )
     module.unlink()
 

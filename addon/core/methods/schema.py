@@ -3,6 +3,7 @@
 
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum
+from functools import cached_property
 from typing import ClassVar
 
 
@@ -136,12 +137,12 @@ class Method:
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()
 
-    @property
+    @cached_property
     def references(self) -> tuple[Parameter, ...]:
         """The parameters whose value lies in another datablock."""
         return tuple(parameter for parameter in self.parameters if isinstance(parameter, Curve | Pointer))
 
-    @property
+    @cached_property
     def paintable(self) -> tuple[Parameter, ...]:
         """The parameters a vertex group may scale."""
         return tuple(parameter for parameter in self.parameters if parameter.paintable)
