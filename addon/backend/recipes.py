@@ -19,6 +19,23 @@ Change = Callable[[object, Progress | None], object]  # binds a solver anew and 
 
 
 @dataclass(frozen=True)
+class Base:
+    """An option: the method that another one is put around, with ``options`` of its own."""
+
+    method: Method
+    options: dict[str, object]
+
+
+def make(native, method: Method, target: object, options: dict[str, object]) -> object:
+    """The native object of a method, and of the one inside it, for a native mesh."""
+    made = {
+        name: make(native, value.method, target, value.options) if isinstance(value, Base) else value
+        for name, value in options.items()
+    }
+    return getattr(native, method.native)(target, **made)
+
+
+@dataclass(frozen=True)
 class Recipe:
     """Of a method with handles.
 
@@ -36,7 +53,7 @@ class Recipe:
 
     def build(self, native, mesh, progress: Progress | None) -> tuple[object, object]:
         """A bound solver and its report."""
-        solver = getattr(native, self.method.native)(mesh, **self.options)
+        solver = make(native, self.method, mesh, self.options)
         return solver, _set_handles(self, solver, progress)
 
     def change_to(self, other: object, solver: object, report: object) -> Change | None:
@@ -151,6 +168,8 @@ class _Warp:
 
 
 def _same(a: object, b: object) -> bool:
+    if isinstance(a, Base) and isinstance(b, Base):
+        return a.method is b.method and _same(list(a.options.items()), list(b.options.items()))
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         return a is b or np.array_equal(a, b)
     if isinstance(a, tuple | list) and isinstance(b, tuple | list):

@@ -17,7 +17,7 @@ class SINEW_OT_curve_edit(Operator):
 
     bl_idname = Operators.CURVE_EDIT
     bl_label = "Draw Curve"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
     parameter: StringProperty(name="Parameter", description="Which curve of the method, by its id")
     reset: BoolProperty(
@@ -36,15 +36,20 @@ class SINEW_OT_curve_edit(Operator):
     @refusing
     def execute(self, context: Context) -> set[str]:
         deformer = target_of(context).sinew.active
-        curves = [row for row in deformer.definition.parameters if isinstance(row, Curve)]
-        found = next((curve for curve in curves if curve.id == self.parameter), None)
-        if found is None:
-            names = ", ".join(curve.id for curve in curves) or "none"
+        curves = {
+            row.id: (values, row)
+            for method, values in deformer.methods
+            for row in method.references
+            if isinstance(row, Curve)
+        }
+        if self.parameter not in curves:
+            names = ", ".join(curves) or "none"
             raise OptionError(
                 f"{deformer.definition.label} has no curve '{self.parameter}' - its curves: {names}"
             )
+        values, curve = curves[self.parameter]
         if self.reset:
-            session.reset_curve(deformer, found)
+            session.reset_curve(values, curve.id)
         else:
-            session.edit_curve(deformer, found)
+            session.edit_curve(values, curve)
         return {"FINISHED"}

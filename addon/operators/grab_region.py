@@ -20,7 +20,7 @@ from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, pivot_of, typed_units, view_of
 from .refusing import refusing
 
-_METHODS = tuple(method for method in METHODS if session.marks_regions(method))
+_METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
 _MODES = (
     ("TRANSLATE", "Move", "Move the selection", "NONE", 0),
     ("ROTATE", "Rotate", "Turn the selection about its centre", "NONE", 1),

@@ -11,10 +11,12 @@ from .control import SinewControl, StoredCage
 from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
 from .handle import KINDS as HANDLE_KINDS
 from .handle import SinewHandle
+from .parameters import BASE
 from .scene import SinewScene
 
 __all__ = (
     "BAKE_TARGETS",
+    "BASE",
     "HANDLE_KINDS",
     "MAX_FRAME",
     "SinewControl",

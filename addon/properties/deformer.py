@@ -20,7 +20,7 @@ from ..ids import Keys
 from .bake import SinewBake
 from .control import SinewControl, StoredCage
 from .handle import SinewHandle
-from .parameters import GROUPS
+from .parameters import BASE, GROUPS
 from .setting import record, reshape, setting, setting_list
 
 
@@ -169,6 +169,20 @@ class SinewDeformer(PropertyGroup):
     def parameters(self) -> PropertyGroup:
         """The parameters of the method in use, by name."""
         return getattr(self, self.definition.id)
+
+    @property
+    def methods(self) -> tuple[tuple[Method, PropertyGroup], ...]:
+        """The rows in use, each with its parameters: the method, then the one that it is put around."""
+        own = (self.definition, self.parameters)
+        if not self.definition.wraps:
+            return (own,)
+        base = BY_ID[getattr(self.parameters, BASE)]
+        return own, (base, getattr(self, base.id))
+
+    @property
+    def is_iterative(self) -> bool:
+        """A drag can show an early step."""
+        return any(method.iterative for method, _values in self.methods)
 
     def complete(self) -> None:
         """Let Blender make all settings now, so that no render thread has to: see ``deformers_of``."""

@@ -24,10 +24,12 @@ from ..core.methods import (
     Parameter,
     Pointer,
     group_property,
+    wrapped,
 )
 from ..ids import Keys
 from .setting import setting
 
+BASE = "base"  # the property, and the native keyword, of the method that another one is put around
 _SUBTYPES = {"length": "DISTANCE", "angle": "ANGLE"}
 
 
@@ -78,6 +80,13 @@ def _group_of(method: Method) -> type:
             StringProperty,
             name=f"{parameter.label} Group",
             description=f"Vertex group that scales {parameter.label} per vertex; none means the whole mesh",
+        )
+    if method.wraps:
+        annotations[BASE] = setting(
+            EnumProperty,
+            name="Base Method",
+            items=tuple((base.id, base.label, base.summary, "NONE", base.number) for base in wrapped(method)),
+            description="The method that moves the surface, before this one adds to it",
         )
     names = {"__annotations__": annotations, "__doc__": method.summary, "__module__": __name__}
     return type(f"SINEW_PG_{method.id}", (PropertyGroup,), names)

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The Sinew panel: deformers, method, handles, influence, status; and its sub-panels."""
 
-from bpy.types import Context, Object, Panel, UILayout
+from collections.abc import Iterator
+
+from bpy.types import Context, Object, Panel, PropertyGroup, UILayout
 from bpy.utils import register_classes_factory
 
 from .. import session
@@ -10,7 +12,7 @@ from ..core.methods import METHODS, Moved, Parameter
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import no_mesh, target_of
-from ..properties import SinewDeformer
+from ..properties import BASE, SinewDeformer
 from . import control
 from .control import draw_start, drawing_of
 from .layouts import draw_move_buttons, split
@@ -66,15 +68,17 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
         deformer = active_deformer(context)
         layout = split(self.layout)
         layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
-        for parameter in deformer.definition.parameters:
-            if _is_advanced(deformer, parameter):
-                draw_parameter(layout, deformer, parameter)
+        for values, parameter in _parameters(deformer, advanced=True):
+            draw_parameter(layout, values, parameter)
         layout.column(heading="Render").prop(context.scene.render, "use_lock_interface")
 
 
-def _is_advanced(deformer: SinewDeformer, parameter: Parameter) -> bool:
-    """Also how far an iterative method goes, not which shape it seeks."""
-    return parameter.advanced or (deformer.definition.iterative and not parameter.rebinds)
+def _parameters(deformer: SinewDeformer, advanced: bool) -> Iterator[tuple[PropertyGroup, Parameter]]:
+    """Those of the methods in use; ``advanced`` is also how far an iterative one goes on its way."""
+    for method, values in deformer.methods:
+        for parameter in method.parameters:
+            if advanced == (parameter.advanced or (method.iterative and not parameter.rebinds)):
+                yield values, parameter
 
 
 def _draw_no_mesh(context: Context, layout: UILayout) -> None:
@@ -124,10 +128,10 @@ def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: Sine
     if drawing.ABOVE_PARAMETERS:
         drawing.draw(context, layout, obj, deformer)
     settings = split(layout.column())
-    for parameter in deformer.definition.parameters:
-        if _is_advanced(deformer, parameter):
-            continue
-        draw_parameter(settings, deformer, parameter)
+    if deformer.definition.wraps:
+        settings.prop(deformer.parameters, BASE)
+    for values, parameter in _parameters(deformer, advanced=False):
+        draw_parameter(settings, values, parameter)
 
 
 def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:

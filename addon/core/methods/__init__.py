@@ -40,6 +40,7 @@ __all__ = (
     "Parameter",
     "Pointer",
     "group_property",
+    "wrapped",
 )
 
 DEFAULT_METHOD = "arap"  # what Add Handle makes on a mesh without a deformer
@@ -62,3 +63,8 @@ BY_ID: dict[str, Method] = {method.id: method for method in METHODS}
 HANDLE_PARAMETERS: tuple[Parameter, ...] = tuple(
     {parameter.id: parameter for method in METHODS for parameter in method.handle_parameters}.values()
 )
+
+
+def wrapped(method: Method) -> tuple[Method, ...]:
+    """The methods that this one can be put around."""
+    return tuple(base for base in METHODS if base.family in method.wraps and not base.wraps)

@@ -3,6 +3,7 @@
 
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum
+from functools import cached_property
 from typing import ClassVar
 
 
@@ -115,7 +116,8 @@ class Method:
     """One row. ``number`` is stored in files: never reuse or change it.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
-    ``wraps``: the families of the methods that this one can be put around; none for a method of its own.
+    ``wraps``: the families of the methods that this one can be put around, which its native constructor gets
+    as ``base``; none for a method of its own.
     ``handle_parameters``: every handle has its own value, and the native ``set_handles`` takes one keyword
     for each of them, with one value per handle.
     """
@@ -135,12 +137,12 @@ class Method:
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()
 
-    @property
+    @cached_property
     def references(self) -> tuple[Parameter, ...]:
         """The parameters whose value lies in another datablock."""
         return tuple(parameter for parameter in self.parameters if isinstance(parameter, Curve | Pointer))
 
-    @property
+    @cached_property
     def paintable(self) -> tuple[Parameter, ...]:
         """The parameters a vertex group may scale."""
         return tuple(parameter for parameter in self.parameters if parameter.paintable)

@@ -20,28 +20,34 @@ from ...properties import SinewDeformer
 _NODE = "ShaderNodeFloatCurve"
 
 
-def curve_node(settings: SinewDeformer, parameter: Curve) -> ShaderNodeFloatCurve | None:
-    """The node whose ``mapping`` is the curve; None where the parameter has its default."""
-    tree = getattr(settings.parameters, parameter.id)
+def curve_node(values: PropertyGroup, parameter: Curve) -> ShaderNodeFloatCurve | None:
+    """The node whose ``mapping`` is the curve; None where the parameter has its default.
+
+    ``values``: the parameters of a method, as in ``SinewDeformer.methods``.
+    """
+    tree = getattr(values, parameter.id)
     nodes = tree.nodes if isinstance(tree, NodeTree) else ()
     return next((node for node in nodes if node.bl_idname == _NODE), None)
 
 
-def edit_curve(deformer: SinewDeformer, parameter: Curve) -> CurveMapping:
+def edit_curve(values: PropertyGroup, parameter: Curve) -> CurveMapping:
     """A curve to draw, the default one at first. A script that changes it tags its tree for an update."""
-    node = curve_node(deformer, parameter)
+    node = curve_node(values, parameter)
     if node is None:
         tree = bpy.data.node_groups.new(Datablocks.CURVE, "ShaderNodeTree")
         tree[Keys.CURVE] = parameter.id
         node = tree.nodes.new(_NODE)
         _draw(node.mapping, parameter.default)
-        setattr(deformer.parameters, parameter.id, tree)
+        setattr(values, parameter.id, tree)
     return node.mapping
 
 
-def reset_curve(deformer: SinewDeformer, parameter: Curve) -> None:
-    """The default curve again."""
-    _release(deformer.parameters, parameter.id)
+def reset_curve(values: PropertyGroup, name: str) -> None:
+    """The default curve again, for the parameter of this name."""
+    tree = getattr(values, name)
+    setattr(values, name, None)
+    if tree is not None and tree.users == 0 and tree.library is None:
+        bpy.data.node_groups.remove(tree)
 
 
 def unshare_curves(deformer: SinewDeformer) -> None:
@@ -53,7 +59,7 @@ def unshare_curves(deformer: SinewDeformer) -> None:
 def release_curves(deformer: SinewDeformer) -> None:
     """Remove the curves that only this deformer uses."""
     for values, name in _drawn(deformer):
-        _release(values, name)
+        reset_curve(values, name)
 
 
 def _drawn(deformer: SinewDeformer) -> Iterator[tuple[PropertyGroup, str]]:
@@ -65,50 +71,49 @@ def _drawn(deformer: SinewDeformer) -> Iterator[tuple[PropertyGroup, str]]:
                 yield values, parameter.id
 
 
-def _release(values: PropertyGroup, name: str) -> None:
-    tree = getattr(values, name)
-    setattr(values, name, None)
-    if tree is not None and tree.users == 0 and tree.library is None:
-        bpy.data.node_groups.remove(tree)
-
-
 def pointed(deformer: SinewDeformer) -> Iterator[Object]:
     """The objects that parameters refer to."""
-    for parameter in deformer.definition.references:
-        obj = getattr(deformer.parameters, parameter.id)
+    for values, parameter in _referring(deformer):
+        obj = getattr(values, parameter.id)
         if isinstance(parameter, Pointer) and obj is not None:
             yield obj
 
 
-def compared(settings: SinewDeformer, parameter: Parameter) -> object:
+def _referring(settings: SinewDeformer) -> Iterator[tuple[PropertyGroup, Parameter]]:
+    for method, values in settings.methods:
+        for parameter in method.references:
+            yield values, parameter
+
+
+def compared(values: PropertyGroup, parameter: Parameter) -> object:
     """The value in a form that can be compared."""
     if isinstance(parameter, Curve):
-        return _points(settings, parameter)
-    frame = value(settings, parameter)
+        return _points(values, parameter)
+    frame = value(values, parameter)
     return None if frame is None else frame.tobytes()
 
 
 def placed(settings: SinewDeformer) -> list[object]:
     """What the values come from, to compare: the quick form of ``compared``, for all parameters."""
     return [
-        _points(settings, parameter) if isinstance(parameter, Curve) else _matrix(settings, parameter)
-        for parameter in settings.definition.references
+        _points(values, parameter) if isinstance(parameter, Curve) else _matrix(values, parameter)
+        for values, parameter in _referring(settings)
     ]
 
 
-def value(settings: SinewDeformer, parameter: Parameter) -> np.ndarray | None:
+def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | None:
     """As the native module takes it: see ``Curve`` and ``Pointer``."""
     if isinstance(parameter, Curve):
-        return _samples(settings, parameter)
-    obj = getattr(settings.parameters, parameter.id)
+        return _samples(values, parameter)
+    obj = getattr(values, parameter.id)
     if obj is None:
         return None
-    target = np.array(settings.id_data.matrix_world, dtype=np.float64)
+    target = np.array(values.id_data.matrix_world, dtype=np.float64)
     return (frames.inverse(target, "The mesh object") @ np.array(obj.matrix_world, dtype=np.float64))[:3]
 
 
-def _matrix(settings: SinewDeformer, parameter: Pointer) -> object:
-    obj = getattr(settings.parameters, parameter.id)
+def _matrix(values: PropertyGroup, parameter: Pointer) -> object:
+    obj = getattr(values, parameter.id)
     return None if obj is None else obj.matrix_world.copy().freeze()
 
 
@@ -122,8 +127,8 @@ def _draw(mapping: CurveMapping, points: tuple[tuple[float, float], ...]) -> Non
     mapping.update()
 
 
-def _points(settings: SinewDeformer, parameter: Curve) -> tuple:
-    node = curve_node(settings, parameter)
+def _points(values: PropertyGroup, parameter: Curve) -> tuple:
+    node = curve_node(values, parameter)
     if node is None:
         return parameter.default
     mapping = node.mapping
@@ -132,9 +137,9 @@ def _points(settings: SinewDeformer, parameter: Curve) -> tuple:
     return (drawn, mapping.extend, clip)
 
 
-def _samples(settings: SinewDeformer, parameter: Curve) -> np.ndarray:
+def _samples(values: PropertyGroup, parameter: Curve) -> np.ndarray:
     steps = np.linspace(0.0, 1.0, parameter.samples)
-    node = curve_node(settings, parameter)
+    node = curve_node(values, parameter)
     if node is None:
         return np.interp(steps, *np.transpose(parameter.default))
     mapping = node.mapping

@@ -4,12 +4,13 @@
 from dataclasses import dataclass
 
 import numpy as np
+from bpy.types import PropertyGroup
 
-from ...backend import CageRecipe, Recipe
+from ...backend import Base, CageRecipe, Recipe
 from ...core.errors import OptionError
 from ...core.methods import METHODS, Curve, Method, Parameter, Pointer, group_property
 from ...mesh_io import RestShape
-from ...properties import SinewDeformer
+from ...properties import BASE, SinewDeformer
 from ..blocks import references
 
 _Names = tuple[tuple[str, ...], tuple[Parameter, ...]]
@@ -20,6 +21,8 @@ def _names(method: Method, rebinds: bool) -> _Names:
     chosen = [parameter for parameter in method.parameters if parameter.rebinds == rebinds]
     referring = tuple(parameter for parameter in chosen if parameter in method.references)
     plain = [parameter.id for parameter in chosen if parameter not in referring]
+    if rebinds and method.wraps:
+        plain.append(BASE)
     return (*plain, *(group_property(parameter) for parameter in chosen if parameter.paintable)), referring
 
 
@@ -47,29 +50,29 @@ class BindInput:
 
 def option_values(settings: SinewDeformer, rebinds: bool = True) -> tuple:
     """The settings that a factor depends on, or else a solve, to compare."""
-    values = settings.parameters
-    plain, referring = _NAMES[settings.definition.id, rebinds]
-    found = tuple((name, getattr(values, name)) for name in plain)
-    if not referring:
-        return found
-    return (*found, *((parameter.id, references.compared(settings, parameter)) for parameter in referring))
-
-
-def _value(settings: SinewDeformer, parameter: Parameter) -> object:
-    """As the native module takes it."""
-    if isinstance(parameter, Curve | Pointer):
-        return references.value(settings, parameter)
-    return getattr(settings.parameters, parameter.id)
+    found: list = []
+    for method, values in settings.methods:
+        plain, referring = _NAMES[method.id, rebinds]
+        found += [(name, getattr(values, name)) for name in plain]
+        found += [(parameter.id, references.compared(values, parameter)) for parameter in referring]
+    return tuple(found)
 
 
 def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
     """The keywords of the native constructor; a painted one is (n,)."""
-    values = settings.parameters
+    own, *bases = settings.methods
+    found = _options(*own, rest)
+    for method, values in bases:
+        found[BASE] = Base(method, _options(method, values, rest))
+    return found
+
+
+def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str, object]:
     found: dict[str, object] = {}
-    for parameter in settings.definition.parameters:
+    for parameter in method.parameters:
         if not parameter.rebinds:
             continue
-        value = _value(settings, parameter)
+        value = _value(values, parameter)
         group = getattr(values, group_property(parameter), "")
         if group:
             painted = rest.weights.get(group)
@@ -83,9 +86,17 @@ def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
 
 
 def solve_options(settings: SinewDeformer) -> dict[str, object]:
-    """The keywords of ``solve`` that the method takes."""
+    """The keywords of ``solve`` that the method takes, with those of a method inside it."""
     return {
-        parameter.id: _value(settings, parameter)
-        for parameter in settings.definition.parameters
+        parameter.id: _value(values, parameter)
+        for method, values in reversed(settings.methods)
+        for parameter in method.parameters
         if not parameter.rebinds
     }
+
+
+def _value(values: PropertyGroup, parameter: Parameter) -> object:
+    """As the native module takes it."""
+    if isinstance(parameter, Curve | Pointer):
+        return references.value(values, parameter)
+    return getattr(values, parameter.id)

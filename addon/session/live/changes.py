@@ -47,7 +47,8 @@ class Changes:
         placed = [placement.fingerprint(evaluated.matrix_world)]
         for index, deformer in enumerate(obj.sinew.deformers):
             placed += kinds.kind_in_use(deformer).placed(deformer, self._depsgraph)
-            if deformer.definition.references and index < len(evaluated.sinew.deformers):
+            method = deformer.definition
+            if (method.references or method.wraps) and index < len(evaluated.sinew.deformers):
                 placed += references.placed(evaluated.sinew.deformers[index])
         return tuple(placed)
 

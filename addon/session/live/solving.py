@@ -90,7 +90,7 @@ def _question(
     shown = evaluation.shown
     same = shown.signature == signature and _same(shown.incoming, incoming)
     final = evaluation.session.settle and same and evaluation.in_viewport
-    early = evaluation.preview and evaluation.settings.definition.iterative and not final
+    early = evaluation.preview and evaluation.settings.is_iterative and not final
     if early:
         options["max_iterations"] = min(evaluation.session.steps, options["max_iterations"])
         if shown.positions is not None and not shown.displacement:
@@ -158,7 +158,7 @@ def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bo
     if not binding.may_wait(len(bound.rest.points)):
         return False
     session = evaluation.session
-    iterative = evaluation.settings.definition.iterative
+    iterative = evaluation.settings.is_iterative
     dear = session.step_milliseconds > drag.budget() and (question.early or not iterative)
     return question.final or (evaluation.preview and dear)
 

@@ -14,7 +14,7 @@ from bpy.types import Object
 
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError, SinewError
-from ....core.methods import HANDLE_PARAMETERS, group_property
+from ....core.methods import HANDLE_PARAMETERS
 from ....core.sides import Side, flip, side_of
 from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, SinewHandle
@@ -210,8 +210,6 @@ def _add(deformer: SinewDeformer, source: SinewHandle, made: list[str]) -> str:
 
 def _even_out_painted(obj: Object, deformer: SinewDeformer, plane: MirrorPlane, source: Side) -> None:
     """The groups of parameters, and the mask."""
-    paintable = deformer.definition.paintable
-    names = {getattr(deformer.parameters, group_property(parameter)) for parameter in paintable}
-    for name in names | {deformer.mask_group}:
+    for name in vertex_groups.painting_groups(deformer) | {deformer.mask_group}:
         if name in obj.vertex_groups:
             plane.even_out(obj.vertex_groups[name], source)
