@@ -46,14 +46,6 @@ COUNTS = np.full(9, 4, dtype=np.int32)
 CORNERS = np.array([i + j * 4 + k for j in range(3) for i in range(3) for k in (0, 1, 5, 4)], dtype=np.int32)
 
 
-@pytest.fixture
-def backend():
-    pytest.importorskip("sinew_native")
-    from sinew import backend
-
-    return backend
-
-
 def build(backend, method_id: str = "thin_shell", **changes):
     from sinew.core.methods import BY_ID
 

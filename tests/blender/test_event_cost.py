@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an update costs when nothing of ours changed: counted in calls, which are the same on every machine.
 
-``tests/benchmarks/handler_cost.py`` has the time.
+``benchmarks/handler_cost.py`` has the time.
 """
 
 import sys
