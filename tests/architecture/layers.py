@@ -42,11 +42,12 @@ INNER_RANKS = {
     "core": {
         "kinds": 0,
         "sides": 0,
-        "status": 0,
-        "errors": 1,
-        "methods": 2,
-        "geometry": 2,
-        "transform": 2,
+        "memory": 0,
+        "status": 1,
+        "errors": 2,
+        "methods": 3,
+        "geometry": 3,
+        "transform": 3,
     },
     "session": {
         "memory": 0,
