@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 
+from ..core.elements import Elements, Owner
 from ..core.errors import CageError, CancelledError
 from ..core.methods import Method
 from ..core.status import Remedy
@@ -118,9 +119,8 @@ class CageRecipe:
         except native.InvalidMesh as error:  # of the mesh, a bind refuses points alone
             inside_out = 0 < len(native.diagnose_cage(cage).inverted_faces) == cage.face_count
             remedy = Remedy.FLIP_CAGE if inside_out else Remedy.CAGE_REST
-            raise CageError(
-                str(error), tuple(error.elements), f"cage {error.element_kind}", remedy
-            ) from error
+            elements = Elements(Owner.CONTROL, error.element_kind, error.elements)
+            raise CageError(str(error), elements, remedy) from error
         crossing = np.unique(native.diagnose_cage(cage).crossing_faces)
         return _Warp(coordinates, self.points), CageReport(outside, crossing)
 

@@ -6,14 +6,13 @@ from bpy.types import Context, Event, Object, Operator
 
 from .. import session
 from ..core.errors import SinewError
-from ..core.methods import DEFAULT_CAGE_METHOD, METHODS, Control
+from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer
 from .refusing import refusing
 from .target import has_deformer, has_target, object_mode, target_of
 from .waiting import BindingOperator
 
-_METHODS = tuple(method for method in METHODS if method.control is Control.CAGE)
 _CANCELLED = "No cage was made"
 
 
@@ -35,7 +34,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
     )
     method: EnumProperty(
         name="Coordinates",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
+        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in session.CAGE_METHODS),
         default=DEFAULT_CAGE_METHOD,
         description="How points follow the cage. It can be changed later, and the cage stays",
     )

@@ -10,7 +10,7 @@ from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
 from .. import session
-from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Control
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS
 from ..core.transform.motion import Mode, Motion
 from ..core.transform.typed_motion import TypedMotion
 from ..ids import Operators
@@ -20,7 +20,7 @@ from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, pivot_of, typed_units, view_of
 from .refusing import refusing
 
-_METHODS = tuple(method for method in METHODS if method.control is Control.HANDLES and not method.wraps)
+_METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
 _MODES = (
     ("TRANSLATE", "Move", "Move the selection", "NONE", 0),
     ("ROTATE", "Rotate", "Turn the selection about its centre", "NONE", 1),

@@ -18,6 +18,7 @@ from ..core import status
 from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
 from ..ids import Keys
 from .bake import SinewBake
+from .control import SinewControl, StoredCage
 from .handle import SinewHandle
 from .parameters import BASE, GROUPS
 from .setting import record, reshape, setting, setting_list
@@ -108,6 +109,8 @@ class SinewDeformer(PropertyGroup):
         "The cage then has other vertices: Set Rest Cage",
     )
     owns_cage: record(BoolProperty, description="The cage was made for this deformer, and goes with it")
+    controls: setting_list(type=SinewControl)
+    active_control: record(IntProperty)
     handles: setting_list(type=SinewHandle)
     active_handle: record(IntProperty)
     factor: setting(
@@ -190,6 +193,12 @@ class SinewDeformer(PropertyGroup):
     def is_bound(self) -> bool:
         """The rest shape is stored; the factor is built from it when needed."""
         return self.rest_in("VIEWPORT") is not None
+
+    @property
+    def all_controls(self) -> list[StoredCage | SinewControl]:
+        """The objects that move the deformer, by whatever method: first the cage, where there is one."""
+        cage = StoredCage(self)
+        return [*([] if cage.object is None and cage.rest is None else [cage]), *self.controls]
 
     @property
     def cage_missing(self) -> bool:

@@ -130,7 +130,7 @@ def _subject(deformer: SinewDeformer, look: Look) -> tuple:
         handle = _active(deformer)
         return () if handle is None else (handle.uid, handle.name, handle.weight)
     if look.overlay == "CAGE":
-        return result.chosen(deformer)
+        return result.selected(deformer)
     if look.overlay == "PARAMETER":
         parameter = shown_parameter(deformer, look.parameter)
         return () if parameter is None else (parameter.id, *_painted_by(deformer, parameter))

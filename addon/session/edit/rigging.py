@@ -7,10 +7,10 @@ What was made stays where it cannot be bound: the panel then says what to do. So
 from bpy.types import Object
 
 from ...core.errors import SinewError
-from ...core.methods import DEFAULT_CAGE_METHOD, DEFAULT_METHOD, Control
+from ...core.methods import DEFAULT_CAGE_METHOD, DEFAULT_METHOD
 from ...properties import SinewDeformer, SinewHandle
 from .bind import bind
-from .cages import set_cage
+from .cages import CAGE_METHODS, set_cage
 from .deformers import add_deformer, remove_deformer
 from .handles.bones import is_moved_by_control
 from .handles.handles import add_handle
@@ -76,7 +76,7 @@ def rig_cage(
 def waiting_for_cage(obj: Object) -> SinewDeformer | None:
     """The active deformer, where it has no cage yet and needs one."""
     active = obj.sinew.active
-    waits = active is not None and active.definition.control is Control.CAGE and active.cage is None
+    waits = active is not None and active.definition in CAGE_METHODS and active.cage is None
     return active if waits else None
 
 

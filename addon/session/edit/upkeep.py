@@ -12,6 +12,7 @@ from bpy.types import Object
 from ...ids import Datablocks
 from ..blocks import keeper, references, shapes, targets
 from ..blocks.owners import copies, forget_owners, has_copies, owners
+from ..control import kinds
 from ..live import binding
 from ..memory import sessions
 from . import deformers
@@ -30,7 +31,7 @@ def separate(obj: Object) -> None:
         references.unshare_curves(deformer)
         if modifier is not None:
             shapes.connect(modifier, deformer)
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     obj.update_tag()
 
 
@@ -58,7 +59,7 @@ def tidy() -> None:
     for obj in owners():
         uids = exchanged.intersection(deformer.uid for deformer in obj.sinew.deformers)
         if (uids or not keeper.is_kept(obj)) and obj.library is None:
-            keeper.keep_evaluated(obj)
+            kinds.keep_evaluated(obj)
         for uid in uids:
             sessions.open_session(uid).rewire = False
 

@@ -8,6 +8,7 @@ import numpy as np
 from bpy.types import Mesh
 
 from ....backend import Recipe
+from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.status import Remedy
 from ....mesh_io import RestShape
@@ -115,8 +116,7 @@ def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: lis
         vertices = "1 vertex" if len(shared) == 1 else f"{len(shared)} vertices"
         raise ConstraintError(
             f"{other} and {name} share {vertices} - take them out of one of the two groups, then Rebind",
-            tuple(shared),
-            "vertex",
+            Elements(Owner.TARGET, "vertex", shared),
             Remedy.PART_REGIONS,
         )
     holder[hard] = len(labels)

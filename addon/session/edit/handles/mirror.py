@@ -12,12 +12,14 @@ import bpy
 import numpy as np
 from bpy.types import Object
 
+from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError, SinewError
 from ....core.methods import HANDLE_PARAMETERS
 from ....core.sides import Side, flip, side_of
 from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, SinewHandle
-from ...blocks import capture, keeper, shapes, vertex_groups
+from ...blocks import capture, shapes, vertex_groups
+from ...control import kinds
 from ...memory import sessions
 from . import mirror_controls
 from .mirror_weights import MirrorPlane, images
@@ -101,7 +103,7 @@ def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: Mirro
             mirror_controls.give(obj, deformer, source, target, rest, reached)
     if options.painted_groups:
         _even_out_painted(obj, deformer, plane, options.source)
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     obj.update_tag()
     return result
 
@@ -188,7 +190,7 @@ def _refuse_lopsided(
         ):
             message = f"{handle.name} has no counterpart {flip(_sided_name(handle))} yet - mirror all of it"
         if message and is_alone:
-            raise ConstraintError(message, tuple(members[key]), "vertex")
+            raise ConstraintError(message, Elements(Owner.TARGET, "vertex", members[key]))
         if message:
             del across[key]
     if not across:
