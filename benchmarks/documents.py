@@ -89,8 +89,8 @@ def in_short(rows: list[Row], page: str) -> str:
     """How many rows there are in all, and how many fall short."""
     measured, short = len(report.by_work(rows)), len(report.shortfalls(rows))
     return (
-        f"Six of {measured} rows, by `benchmarks/run`, Sinew on two threads and in turn with its peer; "
-        f"some figure falls short of its target in {short}: [all of them]({page})."
+        f"Sinew ran on two threads, by turns with its peer. These are six of {measured} rows. Of all rows, "
+        f"{short} miss their target in some case: [every row]({page}), measured by `benchmarks/run`."
     )
 
 

@@ -261,7 +261,7 @@ def instructions() -> str:
     ]
     avx2 = "with" if stored["avx2"] else "without"
     return f"Compiler {stored['compiler']}, {avx2} AVX2, {stored['vertices']:,} vertices.\n\n" + table(
-        ("loop", "instructions", "a vertex"), lines
+        ("loop", "instructions", "per vertex"), lines
     )
 
 

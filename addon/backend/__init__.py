@@ -12,10 +12,11 @@ from .native import (
     limit_memory,
     limit_threads,
 )
-from .recipes import CageRecipe, CageReport, Progress, Recipe
+from .recipes import Base, CageRecipe, CageReport, Progress, Recipe
 
 __all__ = (
     "Availability",
+    "Base",
     "CageRecipe",
     "CageReport",
     "Diagnosis",

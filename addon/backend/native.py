@@ -9,7 +9,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..core import frames
+from ..core.elements import Elements, Owner
 from ..core.errors import (
     BackendMissingError,
     CancelledError,
@@ -20,6 +20,7 @@ from ..core.errors import (
     SinewError,
     SolverError,
 )
+from ..core.geometry import frames
 from ..core.status import Remedy
 from .loader import Availability, load
 from .recipes import CageRecipe, Progress, Recipe
@@ -81,7 +82,8 @@ def _translated(native) -> Iterator[None]:
     except native.Error as error:
         kind = _TRANSLATION.get(type(error).__name__, SinewError)
         remedy = Remedy.REPAIR if kind in _REPAIRABLE and error.elements else None
-        raise kind(str(error), tuple(error.elements), error.element_kind, remedy) from error
+        elements = Elements(Owner.TARGET, error.element_kind, error.elements)
+        raise kind(str(error), elements, remedy) from error
     except MemoryError as error:
         raise OutOfMemoryError("Not enough memory to bind this mesh - use fewer vertices") from error
 

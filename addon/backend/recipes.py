@@ -2,11 +2,12 @@
 """What a factor is made from, one class a kind of control. Arrays are held, and must not change."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
+from ..core.elements import Elements, Owner
 from ..core.errors import CageError, CancelledError
 from ..core.methods import Method
 from ..core.status import Remedy
@@ -18,11 +19,28 @@ Change = Callable[[object, Progress | None], object]  # binds a solver anew and 
 
 
 @dataclass(frozen=True)
+class Base:
+    """An option: the method that another one is put around, with ``options`` of its own."""
+
+    method: Method
+    options: dict[str, object]
+
+
+def make(native, method: Method, target: object, options: dict[str, object]) -> object:
+    """The native object of a method, and of the one inside it, for a native mesh."""
+    made = {
+        name: make(native, value.method, target, value.options) if isinstance(value, Base) else value
+        for name, value in options.items()
+    }
+    return getattr(native, method.native)(target, **made)
+
+
+@dataclass(frozen=True)
 class Recipe:
     """Of a method with handles.
 
     ``points`` (n, 3) float64, ``faces`` (counts, corners); ``options`` of the native constructor. Of each
-    handle its vertices, and its weights and continuity as the native ``set_handles`` takes them.
+    handle its vertices, and its weights and ``handle_options`` as the native ``set_handles`` takes them.
     """
 
     method: Method
@@ -31,11 +49,11 @@ class Recipe:
     options: dict[str, object]
     handles: Sequence[np.ndarray]
     weights: Sequence[object]
-    continuity: Sequence[float] | None = None
+    handle_options: dict[str, Sequence[object]] = field(default_factory=dict)
 
     def build(self, native, mesh, progress: Progress | None) -> tuple[object, object]:
         """A bound solver and its report."""
-        solver = getattr(native, self.method.native)(mesh, **self.options)
+        solver = make(native, self.method, mesh, self.options)
         return solver, _set_handles(self, solver, progress)
 
     def change_to(self, other: object, solver: object, report: object) -> Change | None:
@@ -59,8 +77,8 @@ class Recipe:
 
     def has_regions_of(self, other: "Recipe") -> bool:
         """The same handles."""
-        return _same(
-            (self.handles, self.weights, self.continuity), (other.handles, other.weights, other.continuity)
+        return self.handle_options == other.handle_options and _same(
+            (self.handles, self.weights), (other.handles, other.weights)
         )
 
     def differs_in(self, other: "Recipe") -> set[str]:
@@ -101,9 +119,8 @@ class CageRecipe:
         except native.InvalidMesh as error:  # of the mesh, a bind refuses points alone
             inside_out = 0 < len(native.diagnose_cage(cage).inverted_faces) == cage.face_count
             remedy = Remedy.FLIP_CAGE if inside_out else Remedy.CAGE_REST
-            raise CageError(
-                str(error), tuple(error.elements), f"cage {error.element_kind}", remedy
-            ) from error
+            elements = Elements(Owner.CONTROL, error.element_kind, error.elements)
+            raise CageError(str(error), elements, remedy) from error
         crossing = np.unique(native.diagnose_cage(cage).crossing_faces)
         return _Warp(coordinates, self.points), CageReport(outside, crossing)
 
@@ -151,6 +168,8 @@ class _Warp:
 
 
 def _same(a: object, b: object) -> bool:
+    if isinstance(a, Base) and isinstance(b, Base):
+        return a.method is b.method and _same(list(a.options.items()), list(b.options.items()))
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         return a is b or np.array_equal(a, b)
     if isinstance(a, tuple | list) and isinstance(b, tuple | list):
@@ -165,8 +184,9 @@ def _keep(report, _solver, progress: Progress | None):
 
 
 def _set_handles(recipe: Recipe, solver, progress: Progress | None):
-    boundary = {} if recipe.continuity is None else {"continuity": recipe.continuity}
-    return solver.set_handles(recipe.handles, weights=recipe.weights, progress=progress, **boundary)
+    return solver.set_handles(
+        recipe.handles, weights=recipe.weights, progress=progress, **recipe.handle_options
+    )
 
 
 def _set_stiffness(stiffness: dict[str, object], solver, progress: Progress | None):

@@ -15,7 +15,7 @@ namespace sinew::bindings {
 
 namespace {
 
-CageWeightOptions weight_options(const std::string& precision, double threshold)
+PointWeightOptions weight_options(const std::string& precision, double threshold)
 {
     return {choose<WeightPrecision>(precision, "precision",
                                     {{"single", WeightPrecision::single_precision},
@@ -54,7 +54,7 @@ py::class_<Method, CageCoordinates> bind_method(py::module_& module, const char*
 {
     return py::class_<Method, CageCoordinates>(module, name, doc)
         .def(py::init([](const SurfaceMesh& cage, const std::string& precision, double threshold) {
-                 const CageWeightOptions options = weight_options(precision, threshold);
+                 const PointWeightOptions options = weight_options(precision, threshold);
                  const py::gil_scoped_release unlocked;
                  return std::make_unique<Method>(Cage(cage), options);
              }),

@@ -37,7 +37,6 @@ def calls(backend, count_native) -> Counter:
 
 
 def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **options):
-    continuity = (2.0,) * len(handles) if BY_ID[method].continuity else None
     return backend.Recipe(
         BY_ID[method],
         points.copy(),
@@ -45,7 +44,7 @@ def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **opt
         OPTIONS[method] | options,
         tuple(members.copy() for members in handles),
         (None,) * len(handles),
-        continuity,
+        {row.id: (row.default,) * len(handles) for row in BY_ID[method].handle_parameters},
     )
 
 

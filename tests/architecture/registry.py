@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every method is complete: pair of files, test, binding with its types, row, sample, all under one name.
 
-A pair in a method room that is no row of the registry is part of a method, and says so in one of three ways:
-its name starts with the id of a row and an underscore (``arap_cascade``), or its header has the line
-``// Part of the method thin_shell.`` or ``// For every method of this room.``
+A method room's own files are methods, and what all of them share: ``cage`` and ``cage_coordinates`` in the
+room ``cage``. Parts of a method stand in a folder of their own, or in another room.
 """
 
 import ast
@@ -17,11 +16,10 @@ from .tree import files
 METHOD_ROOMS = {
     "SURFACE_LINEAR": ("surface/linear",),
     "SURFACE_NONLINEAR": ("surface/nonlinear",),
+    "MULTIRESOLUTION": ("multiresolution",),
     "SPACE_LINEAR": ("space/lattice", "space/cage", "space/points"),
     "SPACE_NONLINEAR": ("space/nonlinear",),
 }
-PART_OF = re.compile(r"^// Part of the method (\w+)\.$", re.MULTILINE)
-OF_ALL = re.compile(r"^// For every method of this room\.$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -29,20 +27,19 @@ class Row:
     id: str
     native: str
     family: str
-    line: int
+    place: str
 
 
 def rows(root: Path) -> list[Row]:
     """The calls of Method(...) in the registry, read without importing it."""
-    source = (root / "addon/core/methods.py").read_text(encoding="utf-8")
     found = []
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Method":
-            words = {keyword.arg: keyword.value for keyword in node.keywords}
-            values = {name: getattr(words.get(name), "value", "") for name in ("id", "native")}
-            found.append(
-                Row(values["id"], values["native"], getattr(words["family"], "attr", ""), node.lineno)
-            )
+    for path in files(root, "addon/core/methods", ".py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Method":
+                words = {keyword.arg: keyword.value for keyword in node.keywords}
+                values = {name: getattr(words.get(name), "value", "") for name in ("id", "native")}
+                place = f"{path.relative_to(root).as_posix()}:{node.lineno}"
+                found.append(Row(values["id"], values["native"], getattr(words["family"], "attr", ""), place))
     return found
 
 
@@ -57,13 +54,11 @@ def camel_case(name: str) -> str:
 
 def _doubled(found: list[Row]) -> Iterator[str]:
     ids = [row.id for row in found]
-    yield from (
-        f"addon/core/methods.py: two rows are called {name}" for name in set(ids) if ids.count(name) > 1
-    )
+    yield from (f"addon/core/methods: two rows are called {name}" for name in set(ids) if ids.count(name) > 1)
 
 
 def _row_offences(root: Path, row: Row) -> Iterator[str]:
-    place = f"addon/core/methods.py:{row.line}: {row.id}"
+    place = f"{row.place}: {row.id}"
     if row.native != camel_case(row.id):
         yield f"{place}: the native class must be {camel_case(row.id)}, the row says {row.native}"
     if row.family not in METHOD_ROOMS:
@@ -96,19 +91,11 @@ def _shows(sample: Path, method: str) -> bool:
 def _strays(root: Path, found: list[Row]) -> Iterator[str]:
     ids = {row.id for row in found}
     for room in sorted({room for rooms in METHOD_ROOMS.values() for room in rooms}):
+        shared = Path(room).name
         for header in files(root, f"native/{room}", ".h"):
-            text = header.read_text(encoding="utf-8")
-            of = PART_OF.search(text)
-            part = (
-                OF_ALL.search(text)
-                or any(header.stem.startswith(name + "_") for name in ids)
-                or (of and of.group(1) in ids)
-            )
-            if header.stem not in ids and not part:
-                yield f"native/{room}/{header.name}: neither a row of the registry nor part of a method"
+            own = header.parent == root / "native" / room
+            if own and header.stem not in ids and not f"{header.stem}_".startswith(f"{shared}_"):
+                yield f"native/{room}/{header.name}: neither a row of the registry nor shared by the room"
         for source in files(root, f"native/{room}", ".cpp"):
-            header = source.with_name(
-                source.stem.removesuffix("_avx2").removesuffix("_avx512") + ".h"
-            )  # one for every instruction set
-            if not header.is_file():
-                yield f"native/{room}/{source.name}: has no header beside it"
+            if not source.with_suffix(".h").is_file():
+                yield f"{source.relative_to(root).as_posix()}: has no header beside it"

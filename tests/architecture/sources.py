@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .tree import files, lines
 
-SOURCES = {".h", ".cpp", ".py", ".pyi", ".cmake", ".sh", ".toml", ".yml", ".yaml"}
+SOURCES = {".h", ".cpp", ".inl", ".in", ".py", ".pyi", ".cmake", ".sh", ".toml", ".yml", ".yaml"}
 SOURCE_NAMES = {"CMakeLists.txt", "run", "setup", ".clang-format", ".clang-tidy"}
 LONGEST = 600
 # Folder -> the script that names each of its .cpp files.

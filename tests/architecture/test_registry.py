@@ -7,12 +7,12 @@ from .registry import camel_case, registry_offences, rows
 from .tree import ROOT, grow, listed
 
 WHOLE = {
-    "addon/core/methods.py": 'Method(id="thin_shell", native="ThinShell", family=Family.SURFACE_LINEAR)\n',
+    "addon/core/methods/surface_linear.py": 'Method(id="thin_shell", native="ThinShell", '
+    "family=Family.SURFACE_LINEAR)\n",
     "native/surface/linear/thin_shell.h": "",
     "native/surface/linear/thin_shell.cpp": "",
-    "native/surface/linear/thin_shell_terms.h": "",
-    "native/surface/linear/affine_basis.h": "// Part of the method thin_shell.\n",
-    "native/surface/linear/borders.h": "// For every method of this room.\n",
+    "native/surface/linear/responses/affine_basis.h": "",
+    "native/surface/linear/linear_system.h": "",
     "tests/native/surface/linear/test_thin_shell.cpp": "",
     "native/bindings/bind_surface.cpp": 'py::class_<ThinShell, Holder>(module, "ThinShell");\n',
     "native/bindings/sinew_native.pyi": "class ThinShell:\n    ...\n",
@@ -30,11 +30,13 @@ def test_whole_method_is_accepted(tmp_path: Path) -> None:
     assert registry_offences(grow(tmp_path, WHOLE)) == []
 
 
-@pytest.mark.parametrize("missing", [name for name in WHOLE if name != "addon/core/methods.py"])
+@pytest.mark.parametrize(
+    "missing", [name for name in WHOLE if name != "addon/core/methods/surface_linear.py"]
+)
 def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
     tree = {name: content for name, content in WHOLE.items() if name != missing}
-    if Path(missing).stem in ("thin_shell_terms", "affine_basis", "borders"):
-        assert registry_offences(grow(tmp_path, tree)) == []  # parts of a method are free
+    if Path(missing).stem in ("affine_basis", "linear_system"):
+        assert registry_offences(grow(tmp_path, tree)) == []  # parts and what a room shares are free
     else:
         assert registry_offences(grow(tmp_path, tree))
 
@@ -44,19 +46,24 @@ def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
     [
         ("native/surface/linear/propagation.h", "", "neither a row of the registry"),
         ("native/surface/nonlinear/primo.cpp", "", "no header beside it"),
-        ("native/surface/linear/affine_basis.h", "// Part of the method primo.\n", "neither a row"),
+        ("native/surface/linear/thin_shell_terms.h", "", "neither a row"),
+        ("native/surface/linear/responses/affine.cpp", "", "no header beside it"),
         ("native/bindings/bind_surface.cpp", 'py::class_<X>(m, "Shell");', "binds no class ThinShell"),
         ("native/bindings/sinew_native.pyi", "class ThinShellReport: ...", "declares no class ThinShell"),
         ("blend_samples/plate.py", "thin_shells = 1", "no sample"),
         (
-            "addon/core/methods.py",
-            WHOLE["addon/core/methods.py"].replace("ThinShell", "Shell"),
+            "addon/core/methods/surface_linear.py",
+            WHOLE["addon/core/methods/surface_linear.py"].replace("ThinShell", "Shell"),
             "must be ThinShell",
         ),
-        ("addon/core/methods.py", WHOLE["addon/core/methods.py"] * 2, "two rows are called thin_shell"),
         (
-            "addon/core/methods.py",
-            WHOLE["addon/core/methods.py"].replace("SURFACE_LINEAR", "SPACE_LINEAR"),
+            "addon/core/methods/surface_linear.py",
+            WHOLE["addon/core/methods/surface_linear.py"] * 2,
+            "two rows are called thin_shell",
+        ),
+        (
+            "addon/core/methods/surface_linear.py",
+            WHOLE["addon/core/methods/surface_linear.py"].replace("SURFACE_LINEAR", "SPACE_LINEAR"),
             "no thin_shell.h in native/space/lattice",
         ),
     ],
@@ -67,8 +74,8 @@ def test_offence_is_found(tmp_path: Path, path: str, content: str, reason: str) 
 
 
 def test_class_names_follow_from_ids() -> None:
-    assert [camel_case(name) for name in ("thin_shell", "arap", "mean_value")] == [
-        "ThinShell",
+    assert [camel_case(name) for name in ("arap", "thin_shell", "positive_mean_value")] == [
         "Arap",
-        "MeanValue",
+        "ThinShell",
+        "PositiveMeanValue",
     ]

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from cages import ball, new_object
 from mathutils import Matrix
-from rig import apply_matrix, base_points, evaluated_points, make_active, update
+from registry import WITH_CAGE
+from rig import FLOAT32, apply_matrix, base_points, evaluated_points, make_active, update
 
-FLOAT32 = 4e-6
-METHODS = ("mean_value", "positive_mean_value", "harmonic", "green")
 NOWHERE = (float("nan"), float("inf"), -float("inf"))
 CORNERS = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -94,7 +93,7 @@ def test_a_cage_that_is_nowhere_after_bind_leaves_the_rest_and_comes_back(room, 
     assert_at_rest(target)
     assert deformer.status_level == "ERROR"
     assert "nowhere" in deformer.status
-    assert room("core.status").current(deformer.uid).elements == (3,)
+    assert room("core.status").current(deformer.uid).elements.indices == (3,)
     assert selected(target, "vertex") == (cage, {3})
     cage.data.vertices[3].co.x = CORNERS[3][0]
     cage.data.update()
@@ -110,7 +109,8 @@ def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
     cage.delta_location.y = float("nan")
     assert_at_rest(target)
     assert "nowhere" in deformer.status
-    assert room("core.status").current(deformer.uid).element_kind == "cage vertex"
+    elements = room("core.status").current(deformer.uid).elements
+    assert (elements.owner.name, elements.kind) == ("CONTROL", "vertex")
     cage.delta_location.y = 0.0
     assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
     assert_goes_on(target, cage)
@@ -131,7 +131,7 @@ def test_undo_of_what_sent_a_cage_nowhere_brings_the_pose_back() -> None:
     assert_goes_on(target, cage)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_a_mesh_without_vertices_is_said_and_waits_for_some(method: str) -> None:
     target, cage = new_object("Ball", []), box()
     make_active(target)
@@ -203,7 +203,7 @@ def test_a_cage_that_holds_nothing_is_refused_until_it_does(room, points, faces,
     assert_goes_on(target, cage)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_a_cage_in_one_place_takes_the_mesh_there_and_gives_it_back(method: str) -> None:
     target, cage = ball(), box()
     deformer = surround(target, cage, method)
@@ -244,7 +244,7 @@ TWO_CUBES = (
 )
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 @pytest.mark.parametrize("cage", [LOOSE, TWO_CUBES], ids=["loose", "edge of four faces"])
 def test_a_closed_cage_may_have_loose_vertices_and_edges_of_four_faces(cage, method: str) -> None:
     target, cage = ball(), new_object("Cage", *cage)
@@ -261,7 +261,7 @@ DOUBLED = (CORNERS + [CORNERS[0]], [(8, 1, 3, 2), *SIDES[1:]], {0, 1, 2, 8})
 
 
 @pytest.mark.parametrize(("points", "faces", "bad"), [FIN, DOUBLED], ids=["fin", "doubled vertex"])
-def test_edges_that_leave_a_cage_open_are_shown(room, points, faces, bad) -> None:
+def test_edges_that_leave_a_cage_open_are_shown(points, faces, bad) -> None:
     target, cage = ball(), new_object("Cage", points, faces)
     deformer = surround(target, cage)
     assert deformer.status_level == "ERROR"
@@ -278,7 +278,7 @@ def test_edges_that_leave_a_cage_open_are_shown(room, points, faces, bad) -> Non
 FLAT = (CORNERS + [(-1.0, -1.0, 0.0)], SIDES + [(0, 1, 8), (8, 1, 0)])  # along an edge, there and back
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_faces_without_area_do_no_harm_or_are_shown(room, method: str) -> None:
     target, cage = ball(), new_object("Cage", *FLAT)
     deformer = surround(target, cage, method)
@@ -297,7 +297,7 @@ def test_faces_without_area_do_no_harm_or_are_shown(room, method: str) -> None:
     assert_goes_on(target, cage)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_vertices_on_those_of_the_cage_go_with_them(method: str) -> None:
     """The mesh is a copy of its cage."""
     target, cage = ball(), ball()
@@ -313,7 +313,7 @@ def test_vertices_on_those_of_the_cage_go_with_them(method: str) -> None:
     assert_goes_on(target, cage)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_vertices_on_edges_and_faces_of_the_cage_go_with_them(method: str) -> None:
     target, cage = fine_box(3), box()
     surround(target, cage, method)
@@ -333,7 +333,11 @@ def test_elements_that_a_modifier_of_the_cage_made_are_not_shown_wrongly(room) -
     cage.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
     deformer = surround(target, cage)
     notes = [note for note in room("core.status").notes(deformer.uid) if note.elements]
-    (line,) = (i for i, note in enumerate(notes) if note.element_kind == "cage face")
+    (line,) = (
+        i
+        for i, note in enumerate(notes)
+        if (note.elements.owner.name, note.elements.kind) == ("CONTROL", "face")
+    )
     make_active(target)
     with pytest.raises(RuntimeError, match="turn off its modifiers"):
         bpy.ops.sinew.select_problems(line=line)
@@ -345,7 +349,7 @@ def test_elements_that_a_modifier_of_the_cage_made_are_not_shown_wrongly(room) -
     assert bpy.context.object == cage
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_weights_above_the_memory_limit_are_refused_until_it_is_raised(
     room, preferences, method: str
 ) -> None:

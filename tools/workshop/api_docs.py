@@ -5,6 +5,7 @@ import argparse
 import re
 import shutil
 import tempfile
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 from . import debian, environments
@@ -81,8 +82,13 @@ def one_stub(stubs: list[Path]) -> str:
 
 
 def stubs() -> list[Path]:
-    """One file, or one per room; names that others use stand in files that sort first."""
-    return sorted((NATIVE / "bindings").rglob("*.pyi"))
+    """One file, or one per room; a file stands behind those that it imports from."""
+    paths = {path.stem: path for path in sorted((NATIVE / "bindings").rglob("*.pyi"))}
+    imports = {
+        name: re.findall(r"^from \.(\w+) import", path.read_text(encoding="utf-8"), re.M)
+        for name, path in paths.items()
+    }
+    return [paths[name] for name in TopologicalSorter(imports).static_order()]
 
 
 def write_python_pages(target: Path) -> None:

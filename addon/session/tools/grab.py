@@ -11,8 +11,8 @@ import numpy as np
 from bpy.types import Object
 
 from ...backend import Factor, Progress, Recipe, build_factor
-from ...core import frames
 from ...core.errors import ConstraintError
+from ...core.geometry import frames
 from ...core.methods import Method
 from ..control.handles.poses import IDENTITY
 from ..live import binding, drag

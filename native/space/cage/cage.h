@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// For every method of this room.
 #pragma once
 
 #include "native/mesh/surface_mesh.h"

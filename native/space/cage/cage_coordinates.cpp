@@ -26,7 +26,7 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
 
     Points rest_controls;
     controls(view(cage_.rest().points()), rest_controls);
-    CageWeights weights(count, rest_controls, cage_.vertex_count(), options_);
+    PointWeights weights(count, rest_controls, cage_.vertex_count(), options_);
     const struct Release
     {
         CageCoordinates& method;
@@ -46,7 +46,7 @@ CageReport CageCoordinates::bind(PointsView points, const Progress& progress)
             std::vector<char> out;
             const PointsView chunk(points.data() + 3 * static_cast<std::ptrdiff_t>(first + from), to - from,
                                    3);
-            evaluate(chunk, rows, out);
+            evaluate(first + from, chunk, rows, out);
             weights.set_rows(first + from, rows);
             std::copy(out.begin(), out.end(), outside.begin() + first + from);
         });

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// For every method of this room.
 #pragma once
 
 #include "native/core/progress.h"
 #include "native/space/cage/cage.h"
-#include "native/space/cage/cage_weights.h"
+#include "native/space/weights/point_weights.h"
 
 namespace sinew {
 
@@ -13,7 +12,7 @@ struct CageReport
 {
     int point_count = 0;
     std::vector<int> outside;      ///< points outside the cage
-    double dropped = 0.0;          ///< what the threshold changed, see CageWeights::dropped()
+    double dropped = 0.0;          ///< what the threshold changed, see PointWeights::dropped()
     double error = 0.0; ///< estimate of the largest error of a weight; 0 where the form is closed
     std::int64_t weight_bytes = 0; ///< memory of the weights
     double seconds = 0.0; ///< wall clock of bind()
@@ -51,23 +50,24 @@ public:
     void warp(PointsView vertices, Real* positions) const; // float or double
 
     const Cage& cage() const { return cage_; }
-    const CageWeights& weights() const { return weights_; }
+    const PointWeights& weights() const { return weights_; }
     /// (n, 3) the points bound.
     const Points& points() const { return points_; }
 
 protected:
-    CageCoordinates(Cage cage, const CageWeightOptions& options) : cage_(std::move(cage)), options_(options)
+    CageCoordinates(Cage cage, const PointWeightOptions& options) : cage_(std::move(cage)), options_(options)
     {
     }
 
     /// What all weights need, once before them. Must leave the object as it was if it throws.
     /// \return the share of the time of bind() that it takes, which `progress` is counted within.
     virtual double prepare(PointsView, const Progress&) { return 0.0; }
-    /// Weights of a block of points, a point a row. Called from several threads at once, with parts of what
-    /// prepare() got, where it lies.
+    /// Weights of a block of points, one row per point. Called from several threads at once, with parts of
+    /// what prepare() got.
+    /// \param first         number of the block's first point.
     /// \param[out] rows     (b, columns())
     /// \param[out] outside  (b) whether each point lies outside.
-    virtual void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const = 0;
+    virtual void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const = 0;
 
     /// Columns of the weights: cage vertices, with Green coordinates also its triangles. All but the vertices
     /// are multiplied by vectors, which no translation changes.
@@ -76,8 +76,8 @@ protected:
     virtual void controls(PointsView vertices, Points& controls) const { controls = vertices; }
     /// Whether points outside have weights; if not, bind() names them.
     virtual bool reaches_outside() const { return true; }
-    /// Points that evaluate() gets at once, a multiple of CageWeights::part.
-    virtual int block_size() const { return CageWeights::part; }
+    /// Points that evaluate() gets at once, a multiple of PointWeights::part.
+    virtual int block_size() const { return PointWeights::part; }
     /// The method's own part of the report, after all points.
     virtual void finish(CageReport&) const {}
     /// What prepare() made for these points alone may go: bind() ends, or throws.
@@ -87,8 +87,8 @@ private:
     void moves(PointsView vertices, Points& moves) const;
 
     Cage cage_;
-    CageWeightOptions options_;
-    CageWeights weights_;
+    PointWeightOptions options_;
+    PointWeights weights_;
     Points points_, rest_controls_;
     bool bound_ = false;
 };

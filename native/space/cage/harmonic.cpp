@@ -2,9 +2,9 @@
 #include "native/space/cage/harmonic.h"
 
 #include "native/core/errors.h"
-#include "native/space/cage/harmonic_boundary.h"
-#include "native/space/cage/harmonic_data.h"
-#include "native/space/cage/harmonic_grid.h"
+#include "native/space/cage/harmonic/boundary.h"
+#include "native/space/cage/harmonic/data.h"
+#include "native/space/cage/harmonic/grid.h"
 
 #include <Eigen/LU>
 
@@ -90,7 +90,6 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
     const HarmonicGrid grid(cage(), budget(quality_).cells);
     const int step = static_cast<int>(points.rows()) / checked_points + 1;
     grid_ = std::make_unique<HarmonicGrid::Weights>(grid.evaluate(points, step, within));
-    first_point_ = points.data();
     unknowns_ = grid.node_count();
     error_ = grid_->error;
     return share;
@@ -134,12 +133,12 @@ void Harmonic::solve_boundary(PointsView points, const Progress& progress)
     }
 }
 
-void Harmonic::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+void Harmonic::evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
     if (grid_) {
-        const auto first = (block.data() - first_point_) / 3;
         rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-                   grid_->rows.data() + first * cage().vertex_count(), block.rows(), cage().vertex_count())
+                   grid_->rows.data() + static_cast<std::ptrdiff_t>(first) * cage().vertex_count(),
+                   block.rows(), cage().vertex_count())
                    .cast<double>();
         outside.assign(grid_->inside.begin() + first, grid_->inside.begin() + first + block.rows());
         settle(block, rows, outside);

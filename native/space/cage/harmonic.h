@@ -2,10 +2,10 @@
 #pragma once
 
 #include "native/space/cage/cage_coordinates.h"
-#include "native/space/cage/cage_outside.h"
-#include "native/space/cage/cage_surface.h"
-#include "native/space/cage/harmonic_data.h"
-#include "native/space/cage/harmonic_grid.h"
+#include "native/space/cage/harmonic/data.h"
+#include "native/space/cage/harmonic/grid.h"
+#include "native/space/cage/inside/cage_surface.h"
+#include "native/space/cage/inside/outside_weights.h"
 
 #include <memory>
 
@@ -28,7 +28,7 @@ enum class HarmonicSolver {
 
 struct HarmonicOptions
 {
-    CageWeightOptions weights;
+    PointWeightOptions weights;
     HarmonicQuality quality = HarmonicQuality::medium;
     CageOutside outside = CageOutside::refuse;
     HarmonicSolver solver = HarmonicSolver::automatic;
@@ -69,7 +69,7 @@ public:
 protected:
     /// \throw InvalidMesh  boundary: faces without area, or that touch one another; named.
     double prepare(PointsView points, const Progress& progress) override;
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
     bool reaches_outside() const override { return outside_.reaches(); }
     void finish(CageReport& report) const override;
     void release() override { grid_.reset(); }
@@ -92,7 +92,6 @@ private:
     Vector3 middle_;
     std::unique_ptr<HarmonicBoundary> boundary_, coarser_;
     std::unique_ptr<HarmonicGrid::Weights> grid_; ///< of the points that are being bound
-    const double* first_point_ = nullptr;
     int unknowns_ = 0;
     double error_ = 0.0;
 };

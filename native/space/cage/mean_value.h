@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/space/cage/cage_coordinates.h"
-#include "native/space/cage/cage_geometry.h"
+#include "native/space/cage/closed_forms/cage_geometry.h"
 
 namespace sinew {
 
@@ -31,13 +31,13 @@ namespace sinew {
 class MeanValue : public CageCoordinates
 {
 public:
-    explicit MeanValue(Cage cage, const CageWeightOptions& options = {})
+    explicit MeanValue(Cage cage, const PointWeightOptions& options = {})
         : CageCoordinates(std::move(cage), options), geometry_(this->cage())
     {
     }
 
 protected:
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
 
 private:
     CageGeometry geometry_;

@@ -2,7 +2,7 @@
 #include "native/space/cage/positive_mean_value.h"
 
 #include "native/core/errors.h"
-#include "native/space/cage/positive_mean_value_view.h"
+#include "native/space/cage/visibility/visible_cage.h"
 
 #include <cmath>
 #include <string>
@@ -22,7 +22,8 @@ PositiveMeanValue::PositiveMeanValue(Cage cage, const PositiveMeanValueOptions& 
 
 PositiveMeanValue::~PositiveMeanValue() = default;
 
-void PositiveMeanValue::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+void PositiveMeanValue::evaluate(int /*first*/, PointsView block, RowMatrix& rows,
+                                 std::vector<char>& outside) const
 {
     rows.setZero(block.rows(), columns());
     outside.assign(static_cast<std::size_t>(block.rows()), 0);

@@ -4,15 +4,14 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/operators/painted.h"
 #include "native/solvers/constrained_quadratic.h"
 #include "native/solvers/sparse_columns.h"
-#include "native/surface/linear/affine_basis.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
-#include <string>
 #include <utility>
 
 namespace sinew {
@@ -21,35 +20,6 @@ namespace {
 
 constexpr int most_basis_handles = 16; ///< 64 columns: 0.5 KB a vertex
 constexpr double least_painted = 1e-6; ///< of the largest painted value
-
-/// One value a vertex, checked; empty when the stiffness is zero everywhere.
-std::vector<double> spread(const Stiffness& stiffness, int n, const char* name)
-{
-    if (stiffness.size() != 1 && static_cast<int>(stiffness.size()) != n)
-        throw InvalidOption(std::string(name) + ": " + std::to_string(stiffness.size()) +
-                            " values given; 1 or one a vertex (" + std::to_string(n) + ") needed");
-    std::vector<int> bad;
-    for (int i = 0; i < static_cast<int>(stiffness.size()); ++i)
-        if (!(stiffness[i] >= 0.0 && std::isfinite(stiffness[i])))
-            bad.push_back(i);
-    if (!bad.empty()) {
-        if (stiffness.size() == 1)
-            throw InvalidOption(std::string(name) + ": " + std::to_string(stiffness[0]) +
-                                " is not a finite number >= 0");
-        throw InvalidOption(std::string(name) + ": values at vertices " + list_some(bad) +
-                                " are not finite numbers >= 0",
-                            Error::Element::vertex, bad);
-    }
-    const double largest = *std::ranges::max_element(stiffness);
-    if (largest == 0.0)
-        return {};
-    if (stiffness.size() == 1)
-        return std::vector<double>(n, largest);
-    std::vector<double> values = stiffness;
-    for (double& value : values)
-        value = std::max(value, least_painted * largest);
-    return values;
-}
 
 double mean_over(const std::vector<double>& values, std::span<const int> vertices)
 {
@@ -108,7 +78,44 @@ struct Binding
     {
         return soft_stiffness[row + soft_stiffness.size() - constraints.size()];
     }
+    /// See ThinShell::respond(); n vertices.
+    LinearResponse respond(int n, const MatrixX& values) const;
 };
+
+LinearResponse Binding::respond(int n, const MatrixX& values) const
+{
+    const auto columns = values.cols();
+    LinearResponse response;
+    RowMatrix& x = response.displacement;
+    x = RowMatrix::Zero(n, columns);
+    std::optional<RowMatrix> pull; // b: the soft constraints' side
+    if (!soft_stiffness.empty())
+        pull = RowMatrix::Zero(n, columns);
+    MatrixX soft_energy = MatrixX::Zero(columns, columns);
+    for (std::size_t row = 0; row < constraints.size(); ++row) {
+        const int vertex = constraints[row].vertex;
+        const auto target = values.row(row);
+        if (is_soft(row)) {
+            pull->row(vertex) += stiffness(row) * target;
+            soft_energy += stiffness(row) * target.transpose() * target;
+        } else {
+            x.row(vertex) = target;
+        }
+    }
+
+    system.solve(x, pull ? &*pull : nullptr);
+    ConstrainedQuadratic::Forms forms = system.forms(x, pull ? &*pull : nullptr);
+    // A holds the soft stiffness on its diagonal, so that
+    // x^T A x - x^T b - b^T x + sum s c c^T is the elastic plus the soft energy, doubled.
+    response.energy = forms.energy + soft_energy;
+    if (pull) {
+        const MatrixX cross = x.transpose() * *pull;
+        response.energy -= cross + cross.transpose();
+    }
+    response.residual = std::move(forms.residual);
+    response.load = std::move(forms.load);
+    return response;
+}
 
 } // namespace
 
@@ -131,8 +138,9 @@ struct ThinShell::Impl
                               const Stiffness& variation) const
     {
         const int n = rest.vertex_count();
-        Coefficients k{spread(stretching, n, "stretching"), spread(bending, n, "bending"),
-                       spread(variation, n, "variation")};
+        Coefficients k{painted(stretching, n, least_painted, "stretching"),
+                       painted(bending, n, least_painted, "bending"),
+                       painted(variation, n, least_painted, "variation")};
         if (k.stretching.empty() && k.bending.empty() && k.variation.empty())
             throw InvalidOption("stretching, bending and variation are all zero; "
                                 "give at least one of them a positive value");
@@ -202,8 +210,8 @@ struct ThinShell::Impl
     }
 
     /// Binds `next`, whose handles and coefficients are set. The factor moves over, so that its
-    /// symbolic part serves again where the pattern is the same.
-    BindReport bind(Binding next, const ThinShell& self, const Progress& progress)
+    /// symbolic part serves again where the pattern is the same; it moves back where anything throws.
+    BindReport bind(Binding next, const Progress& progress)
     {
         const auto start = std::chrono::steady_clock::now();
         progress.tick(0.0, "assembling the energy");
@@ -219,21 +227,23 @@ struct ThinShell::Impl
         add_soft_terms(next, *A);
 
         progress.tick(0.2, "factorising");
-        std::swap(bound, next);
-        bound.system = std::move(next.system);
-        const ConstrainedQuadratic::Problem before = bound.system.problem();
+        next.system = std::move(bound.system);
+        const ConstrainedQuadratic::Problem before = next.system.problem();
         try {
-            factorize(std::move(A));
+            factorize(next, std::move(A));
             progress.tick(0.7, "computing the basis");
-            if (options.affine_basis && bound.regions.handle_count() <= most_basis_handles)
-                bound.basis = std::make_unique<AffineBasis>(self);
+            if (options.affine_basis && next.regions.handle_count() <= most_basis_handles)
+                next.basis =
+                    std::make_unique<AffineBasis>(rest.points(), next.regions, [&](const MatrixX& values) {
+                        return next.respond(rest.vertex_count(), values);
+                    });
             progress.tick(1.0, "bound");
         } catch (const std::exception&) {
-            bound.system.restore(before);
-            next.system = std::move(bound.system);
-            std::swap(bound, next);
+            next.system.restore(before);
+            bound.system = std::move(next.system);
             throw;
         }
+        bound = std::move(next);
 
         BindReport report = bound.regions.report();
         report.degenerate_faces = degenerate;
@@ -245,12 +255,12 @@ struct ThinShell::Impl
         return report;
     }
 
-    void factorize(std::shared_ptr<const SparseMatrix> A)
+    void factorize(Binding& next, std::shared_ptr<const SparseMatrix> A)
     {
         std::vector<bool> free(rest.vertex_count());
         for (int v = 0; v < rest.vertex_count(); ++v)
-            free[v] = bound.regions.is_free(v);
-        bound.system.factorize(std::move(A), free);
+            free[v] = next.regions.is_free(v);
+        next.system.factorize(std::move(A), free);
         ++factorizations;
     }
 };
@@ -268,7 +278,7 @@ BindReport ThinShell::set_handles(const std::vector<Handle>& handles, const Prog
     Binding next;
     next.handles = handles;
     next.k = impl_->bound.k;
-    return impl_->bind(std::move(next), *this, progress);
+    return impl_->bind(std::move(next), progress);
 }
 
 BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness& bending,
@@ -277,45 +287,12 @@ BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness
     Binding next;
     next.handles = impl_->bound.handles;
     next.k = impl_->coefficients(stretching, bending, variation);
-    return impl_->bind(std::move(next), *this, progress);
+    return impl_->bind(std::move(next), progress);
 }
 
-ThinShellResponse ThinShell::respond(const MatrixX& constraints) const
+LinearResponse ThinShell::respond(const MatrixX& constraints) const
 {
-    const Binding& bound = impl_->bound;
-    const int n = rest().vertex_count();
-    const auto columns = constraints.cols();
-
-    ThinShellResponse response;
-    RowMatrix& x = response.displacement;
-    x = RowMatrix::Zero(n, columns);
-    std::optional<RowMatrix> pull; // b: the soft constraints' side
-    if (!bound.soft_stiffness.empty())
-        pull = RowMatrix::Zero(n, columns);
-    MatrixX soft_energy = MatrixX::Zero(columns, columns);
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
-        const int vertex = bound.constraints[row].vertex;
-        const auto target = constraints.row(row);
-        if (bound.is_soft(row)) {
-            pull->row(vertex) += bound.stiffness(row) * target;
-            soft_energy += bound.stiffness(row) * target.transpose() * target;
-        } else {
-            x.row(vertex) = target;
-        }
-    }
-
-    bound.system.solve(x, pull ? &*pull : nullptr);
-    ConstrainedQuadratic::Forms forms = bound.system.forms(x, pull ? &*pull : nullptr);
-    // A holds the soft stiffness on its diagonal, so that
-    // x^T A x - x^T b - b^T x + sum s c c^T is the elastic plus the soft energy, doubled.
-    response.energy = forms.energy + soft_energy;
-    if (pull) {
-        const MatrixX cross = x.transpose() * *pull;
-        response.energy -= cross + cross.transpose();
-    }
-    response.residual = std::move(forms.residual);
-    response.load = std::move(forms.load);
-    return response;
+    return impl_->bound.respond(rest().vertex_count(), constraints);
 }
 
 SolveReport ThinShell::solve(const Poses& poses, Points& positions, const std::optional<PointsView>& incoming,

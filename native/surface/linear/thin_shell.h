@@ -6,15 +6,13 @@
 #include "native/mesh/regions.h"
 #include "native/mesh/surface_mesh.h"
 #include "native/operators/laplacian.h"
-#include "native/solvers/factor_engine.h"
+#include "native/surface/linear/responses/affine_basis.h"
 
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace sinew {
-
-class AffineBasis;
 
 /// A stiffness: one number, or one a vertex (painted). Painted values below 1e-6 of their
 /// largest are raised to it, so that a region painted black stays solvable.
@@ -29,16 +27,6 @@ struct ThinShellOptions
     /// Precompute the answer to affine handle motion where it fits (at most 16 handles): a
     /// frame is then one small matrix product. The result is the same.
     bool affine_basis = true;
-};
-
-/// Displacements that answer columns of constraint values, with inner products of the columns
-/// from which the energy and residual of any linear combination follow.
-struct ThinShellResponse
-{
-    RowMatrix displacement; ///< (n, m)
-    MatrixX energy;         ///< (m, m) twice E as a bilinear form, soft terms included
-    MatrixX residual;       ///< (m, m) of A d - b on the unknowns
-    MatrixX load;           ///< (m, m) of b, the right-hand side
 };
 
 /// Linear thin shell: the smoothest displacement field that meets the handles.
@@ -106,7 +94,7 @@ public:
 
     /// The answer to m columns of constraint values, all solved together.
     /// \param constraints  (c, m) one row for each of regions().constraints().
-    ThinShellResponse respond(const MatrixX& constraints) const;
+    LinearResponse respond(const MatrixX& constraints) const;
 
     /// Null where the basis was not wanted or does not fit.
     const AffineBasis* affine_basis() const;

@@ -2,15 +2,16 @@
 #include "native/surface/nonlinear/arap.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/operators/laplacian.h"
-#include "native/surface/nonlinear/arap_cascade.h"
-#include "native/surface/nonlinear/arap_energy.h"
+#include "native/operators/painted.h"
+#include "native/surface/nonlinear/arap/cascade.h"
+#include "native/surface/nonlinear/arap/energy.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <string>
 
@@ -31,86 +32,119 @@ void require_range(double value, double least, const char* name)
                             " is not a finite number >= " + std::to_string(least));
 }
 
-std::vector<double> spread_rigidity(const std::vector<double>& rigidity, int n)
+std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
-    if (rigidity.size() != 1 && static_cast<int>(rigidity.size()) != n)
-        throw InvalidOption("rigidity: " + std::to_string(rigidity.size()) +
-                            " values given; 1 or one a vertex (" + std::to_string(n) + ") needed");
-    std::vector<int> bad;
-    for (int i = 0; i < static_cast<int>(rigidity.size()); ++i)
-        if (!(rigidity[i] >= 0 && std::isfinite(rigidity[i])))
-            bad.push_back(i);
-    if (!bad.empty())
-        throw InvalidOption("rigidity: values at " + list_some(bad) + " are not finite numbers >= 0",
-                            Error::Element::vertex, bad);
-    const double largest = *std::ranges::max_element(rigidity);
-    if (!(largest > 0))
+    std::vector<double> values = painted(rigidity, n, least_rigidity, "rigidity");
+    if (values.empty())
         throw InvalidOption("rigidity: zero everywhere; give at least one vertex a positive value");
-    std::vector<double> values = rigidity.size() == 1 ? std::vector<double>(n, rigidity[0]) : rigidity;
-    for (double& value : values)
-        value = std::max(value, least_rigidity * largest);
     return values;
 }
 
 /// Half cotangents by triangle corner, each raised so that every cell stays positive.
-void add_triangles(ArapGraph& graph, const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
+std::vector<ArapTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
 {
-    graph.rims = true;
+    std::vector<ArapTriangle> triangles;
     for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
         ArapTriangle triangle;
         for (int k = 0; k < 3; ++k) {
             triangle.corner[k] = mesh.triangles()[t][k];
             triangle.across[k] = std::clamp(metric.half_cotan[t][k], least_weight * mean, most_weight * mean);
         }
-        graph.triangles.push_back(triangle);
+        triangles.push_back(triangle);
     }
+    return triangles;
 }
 
-/// Directed edges and weights. With rims, w_ij is the sum of the corners' raised cotangents,
-/// so that L is exactly the Hessian bound of the rims' energy.
-ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
+/// A mesh as ARAP sees it, before any handle.
+struct RestGraph
+{
+    ArapCells cells;
+    GraphEdges edges;
+
+    /// With rims, w_ij is the sum of the corners' raised cotangents, so that L is exactly the Hessian bound
+    /// of the rims' energy.
+    RestGraph(const SurfaceMesh& mesh, const ArapOptions& options)
+    {
+        const TriangleMetric metric = triangle_metric(mesh);
+        cells.rigidity = painted_rigidity(options.rigidity, mesh.vertex_count());
+        cells.smoothing = options.smoothness * std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
+
+        SparseMatrix L = laplacian_matrix(mesh, Discretization::cotan);
+        double sum = 0.0;
+        int count = 0;
+        for (int c = 0; c < L.cols(); ++c)
+            for (SparseMatrix::InnerIterator it(L, c); it; ++it)
+                if (it.row() != c) {
+                    sum += std::abs(it.value());
+                    ++count;
+                }
+        const double mean = sum > 0 ? sum / count : 1.0;
+        if (options.cells == ArapOptions::Cells::rims) {
+            cells.rims = true;
+            cells.triangles = rim_triangles(mesh, metric, mean);
+            std::vector<Eigen::Triplet<double>> entries;
+            for (const ArapTriangle& t : cells.triangles)
+                for (int k = 0; k < 3; ++k) {
+                    entries.emplace_back(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3], -t.across[k]);
+                    entries.emplace_back(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3], -t.across[k]);
+                }
+            L.setFromTriplets(entries.begin(), entries.end());
+        }
+
+        for (int c = 0; c < L.cols(); ++c) {
+            for (SparseMatrix::InnerIterator it(L, c); it; ++it)
+                if (it.row() != c) {
+                    edges.neighbours.push_back(static_cast<int>(it.row()));
+                    edges.weights.push_back(
+                        cells.rims ? -it.value()
+                                   : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
+                }
+            edges.offsets.push_back(static_cast<int>(edges.neighbours.size()));
+        }
+    }
+
+    HandleGraph held_by(const Regions& regions) const
+    {
+        const std::vector<double> laplacian =
+            regions.soft().empty() ? std::vector<double>() : cells.laplacian(edges);
+        return {edges, GraphHandles(regions, [&](int vertex) {
+                    double diagonal = 0.0;
+                    for (int a = edges.offsets[vertex]; a < edges.offsets[vertex + 1]; ++a)
+                        diagonal += laplacian[a];
+                    return diagonal;
+                })};
+    }
+};
+
+/// What a bind makes.
+struct Binding
 {
     ArapGraph graph;
-    graph.size = mesh.vertex_count();
-    graph.rigidity = spread_rigidity(options.rigidity, graph.size);
-    const TriangleMetric metric = triangle_metric(mesh);
-    graph.smoothing = options.smoothness * std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
+    Points node_rest; ///< rest points by node
+    ArapCascade cascade;
+    int handle_count;
 
-    SparseMatrix L = laplacian_matrix(mesh, Discretization::cotan);
-    double sum = 0.0;
-    int count = 0;
-    for (int c = 0; c < L.cols(); ++c)
-        for (SparseMatrix::InnerIterator it(L, c); it; ++it)
-            if (it.row() != c) {
-                sum += std::abs(it.value());
-                ++count;
-            }
-    const double mean = sum > 0 ? sum / count : 1.0;
-    if (options.cells == ArapOptions::Cells::rims) {
-        add_triangles(graph, mesh, metric, mean);
-        std::vector<Eigen::Triplet<double>> entries;
-        for (const ArapTriangle& t : graph.triangles)
-            for (int k = 0; k < 3; ++k) {
-                entries.emplace_back(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3], -t.across[k]);
-                entries.emplace_back(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3], -t.across[k]);
-            }
-        L.setFromTriplets(entries.begin(), entries.end());
+    Binding(const RestGraph& mesh, const Points& rest, const Regions& regions, const Progress& progress)
+        : graph(mesh.held_by(regions), mesh.cells, rest), node_rest(rest.rows(), 3),
+          handle_count(regions.handle_count())
+    {
+        for (int i = 0; i < graph.size(); ++i)
+            node_rest.row(i) = rest.row(graph.order()[i]);
+        cascade = ArapCascade(graph, node_rest, progress);
     }
 
-    graph.offsets.assign(1, 0);
-    for (int c = 0; c < L.cols(); ++c) {
-        for (SparseMatrix::InnerIterator it(L, c); it; ++it)
-            if (it.row() != c) {
-                graph.neighbours.push_back(static_cast<int>(it.row()));
-                graph.weights.push_back(
-                    graph.rims ? -it.value()
-                               : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
-            }
-        graph.offsets.push_back(static_cast<int>(graph.neighbours.size()));
+    /// The points of the first `count` nodes.
+    void to_nodes(const PointsView& points, int count, Points& nodes) const
+    {
+        nodes.resize(count, 3);
+        parallel_for(count, [&](int i) { nodes.row(i) = points.row(graph.order()[i]); });
     }
-    graph.set_metric();
-    return graph;
-}
+    void to_vertices(const PointsView& nodes, Points& points) const
+    {
+        points.resize(nodes.rows(), 3);
+        parallel_for(graph.size(), [&](int i) { points.row(graph.order()[i]) = nodes.row(i); });
+    }
+};
 
 } // namespace
 
@@ -121,79 +155,31 @@ struct Arap::Impl
     Components parts;
     int degenerate_faces;
     int factorizations = 0;
-    int handle_count = 0;
-    ArapGraph graph;
-    std::vector<int> vertex; ///< of each node of the graph
-    Points node_rest;        ///< rest points by node
-    ArapCascade cascade;
+    RestGraph rest_graph;
+    std::unique_ptr<const Binding> bound; ///< null before any handle: nothing moves
 
     Impl(const SurfaceMesh& mesh, const ArapOptions& given)
-        : rest(mesh), options(given), parts(connected_components(rest)),
-          degenerate_faces(degenerate_face_count(rest))
+        : rest(mesh), options(checked(given)), parts(connected_components(rest)),
+          degenerate_faces(degenerate_face_count(rest)), rest_graph(rest, options)
+    {
+    }
+
+    static const ArapOptions& checked(const ArapOptions& options)
     {
         require_range(options.smoothness, 0.0, "smoothness");
         require_range(options.tolerance, 0.0, "tolerance");
         require_range(options.max_iterations, 1, "max_iterations");
-        graph = make_graph(rest, options);
-        adopt(graph, Regions({}, parts));
-        graph.place.assign(graph.size, -1);
-        vertex.resize(graph.size);
-        std::iota(vertex.begin(), vertex.end(), 0);
-        node_rest = rest.points();
+        return options;
     }
 
-    /// The points of the first `count` nodes.
-    void to_nodes(const PointsView& points, int count, Points& nodes) const
-    {
-        nodes.resize(count, 3);
-        parallel_for(count, [&](int i) { nodes.row(i) = points.row(vertex[i]); });
-    }
-    void to_vertices(const PointsView& nodes, Points& points) const
-    {
-        points.resize(nodes.rows(), 3);
-        parallel_for(graph.size, [&](int i) { points.row(vertex[i]) = nodes.row(i); });
-    }
-
-    /// What a solve works in: kept for the next one, each of several at once takes its own.
+    /// What a solve works in.
     struct Workspace
     {
         ArapWorkspace fine;
         std::vector<ArapWorkspace> levels;
         Points incoming;
     };
-    std::unique_ptr<Workspace> take() const
-    {
-        const std::lock_guard lock(mutex);
-        if (resting.empty())
-            return std::make_unique<Workspace>();
-        std::unique_ptr<Workspace> work = std::move(resting.back());
-        resting.pop_back();
-        return work;
-    }
-    void give_back(std::unique_ptr<Workspace> work) const
-    {
-        const std::lock_guard lock(mutex);
-        resting.push_back(std::move(work));
-    }
-    mutable std::mutex mutex;
-    mutable std::vector<std::unique_ptr<Workspace>> resting;
-
-    static void adopt(ArapGraph& graph, const Regions& regions)
-    {
-        graph.hard.resize(graph.size);
-        graph.idle.resize(graph.size);
-        for (int i = 0; i < graph.size; ++i) {
-            graph.hard[i] = regions.hard(i);
-            graph.idle[i] = regions.is_idle(i);
-        }
-        graph.pulls.clear();
-        for (const SoftConstraint& s : regions.soft()) {
-            double diagonal = 0.0;
-            for (int a = graph.offsets[s.vertex]; a < graph.offsets[s.vertex + 1]; ++a)
-                diagonal += graph.metric[a];
-            graph.pulls.push_back({s.vertex, s.handle, s.stiffness() * (diagonal > 0 ? diagonal : 1.0)});
-        }
-    }
+    mutable Pool<Workspace> workspaces;
 
     void require_same_size(const PointsView& points, const char* name) const
     {
@@ -219,30 +205,19 @@ BindReport Arap::set_handles(const std::vector<Handle>& handles, const Progress&
     Impl& self = *impl_;
     progress.tick(0.0, "assembling the energy");
     const Regions regions(handles, self.parts);
-    ArapGraph graph = make_graph(self.rest, self.options);
-    Impl::adopt(graph, regions);
     progress.tick(0.2, "factorising");
-    graph.factorize(self.rest.points());
-    std::vector<int> vertex = graph.renumber(self.rest.points());
-    Points node_rest(self.rest.vertex_count(), 3);
-    for (int i = 0; i < graph.size; ++i)
-        node_rest.row(i) = self.rest.points().row(vertex[i]);
-    ArapCascade cascade(graph, node_rest, progress);
+    auto bound = std::make_unique<const Binding>(self.rest_graph, self.rest.points(), regions, progress);
     progress.tick(1.0, "bound");
 
-    self.graph = std::move(graph);
-    self.vertex = std::move(vertex);
-    self.node_rest = std::move(node_rest);
-    self.cascade = std::move(cascade);
-    self.resting.clear();
-    self.handle_count = regions.handle_count();
-    self.factorizations += self.graph.smoothing > 0 ? 2 : 1;
+    self.bound = std::move(bound);
+    self.workspaces.clear();
+    self.factorizations += self.bound->graph.is_smooth() ? 2 : 1;
 
     BindReport report = regions.report();
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
-    report.factor_bytes = self.graph.factor_bytes();
-    for (const ArapLevel& level : self.cascade.levels())
+    report.factor_bytes = self.bound->graph.factor_bytes();
+    for (const ArapLevel& level : self.bound->cascade.levels())
         report.factor_bytes += level.graph.factor_bytes();
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return report;
@@ -252,7 +227,8 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
                         const Progress& progress) const
 {
     const Impl& self = *impl_;
-    Targets{poses, view(self.rest.points()), request.incoming, request.from_rest}.check(self.handle_count);
+    const Targets given{poses, view(self.rest.points()), request.incoming, request.from_rest};
+    given.check(self.bound ? self.bound->handle_count : 0);
     LbfgsOptions options{.max_iterations = request.max_iterations.value_or(self.options.max_iterations),
                          .tolerance = request.tolerance.value_or(self.options.tolerance)};
     require_range(options.max_iterations, 0, "max_iterations");
@@ -260,34 +236,40 @@ SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& re
     if (request.start)
         self.require_same_size(*request.start, "start");
 
-    std::unique_ptr<Impl::Workspace> work = self.take(); // lost if anything throws
+    if (!self.bound) {
+        positions = given.base();
+        return SolveReport{.converged = true};
+    }
+
+    const Binding& bound = *self.bound;
+    const ArapGraph& graph = bound.graph;
+    const auto work = self.workspaces.take([] { return std::make_unique<Impl::Workspace>(); });
     ArapWorkspace& fine = work->fine;
-    Targets targets{poses, view(self.node_rest), {}, request.from_rest};
+    Targets targets{poses, view(bound.node_rest), {}, request.from_rest};
     if (request.incoming) {
-        self.to_nodes(*request.incoming, self.graph.size, work->incoming);
+        bound.to_nodes(*request.incoming, graph.size(), work->incoming);
         targets.incoming.emplace(view(work->incoming));
     }
-    fine.goals.set(self.graph, targets);
+    fine.goals.set(graph, targets);
     SolveReport report{.converged = true};
-    if (self.graph.free_nodes.empty()) {
-        self.to_vertices(view(fine.goals.targets), positions);
+    if (graph.free_count() == 0) {
+        bound.to_vertices(view(fine.goals.targets), positions);
     } else {
-        ArapProblem problem(self.graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
+        ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
         options.floor =
-            rounding_floor * (request.incoming ? self.graph.scale(targets.base()) : self.graph.rest_scale);
+            rounding_floor * (request.incoming ? graph.scale(targets.base()) : graph.rest_scale());
         if (request.start) {
-            self.to_nodes(*request.start, self.graph.free_count(), fine.x);
-            if (self.graph.smoothing > 0) // else the first evaluation does
+            bound.to_nodes(*request.start, graph.free_count(), fine.x);
+            if (graph.is_smooth()) // else the first evaluation does
                 problem.fit_rotations(fine.x);
         } else {
-            self.cascade.start(problem, self.graph, targets, work->levels);
+            bound.cascade.start(problem, graph, targets, work->levels);
             problem.positions_for_rotations(fine.x);
         }
         report = minimize(problem, fine.x, options, progress, &fine.descent);
-        report.energy *= self.graph.energy_factor();
-        self.to_vertices(problem.place(fine.x), positions);
+        report.energy *= graph.energy_factor();
+        bound.to_vertices(problem.place(fine.x), positions);
     }
-    self.give_back(std::move(work));
     return report;
 }
 
@@ -295,23 +277,27 @@ double Arap::energy(const PointsView& positions) const
 {
     const Impl& self = *impl_;
     self.require_same_size(positions, "positions");
+    if (!self.bound)
+        return 0.0;
+    const ArapGraph& graph = self.bound->graph;
+    const std::vector<GraphPull>& soft = graph.nodes().pulls();
     Points all;
-    self.to_nodes(positions, self.graph.size, all);
-    Points pulls(self.graph.pulls.size(), 3); // already where they would go: no energy
-    for (std::size_t k = 0; k < self.graph.pulls.size(); ++k)
-        pulls.row(k) = all.row(self.graph.pulls[k].node);
-    ArapProblem problem(self.graph, view(self.node_rest), all, pulls);
+    self.bound->to_nodes(positions, graph.size(), all);
+    Points pulls(soft.size(), 3); // already where they would go: no energy
+    for (std::size_t k = 0; k < soft.size(); ++k)
+        pulls.row(k) = all.row(soft[k].node);
+    ArapProblem problem(graph, view(self.bound->node_rest), all, pulls);
     const Points x = problem.free_rows(view(all));
     Points gradient;
     problem.fit_rotations(x);
     double energy = problem.evaluate(x, gradient);
-    for (int k = 0; self.graph.smoothing > 0 && k < 500; ++k) {
+    for (int k = 0; graph.is_smooth() && k < 500; ++k) {
         const double next = problem.evaluate(x, gradient);
         if (!(next < energy * (1 - 1e-9)))
             break;
         energy = next;
     }
-    return energy * self.graph.energy_factor();
+    return energy * graph.energy_factor();
 }
 
 const SurfaceMesh& Arap::rest() const { return impl_->rest; }

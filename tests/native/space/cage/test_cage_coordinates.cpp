@@ -18,13 +18,13 @@ namespace {
 class Counted : public CageCoordinates
 {
 public:
-    explicit Counted(const CageWeightOptions& options = {}) : CageCoordinates(Cage(shapes::cube()), options)
+    explicit Counted(const PointWeightOptions& options = {}) : CageCoordinates(Cage(shapes::cube()), options)
     {
     }
     mutable std::atomic<int> evaluated = 0;
 
 protected:
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override
+    void evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override
     {
         evaluated += static_cast<int>(block.rows());
         rows.resize(block.rows(), columns());
