@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from events import another_blender
+from second_blender import another_blender
 
 MODULE = """
 from .schema import Control, Curve, Family, Method, Moved, Pointer
