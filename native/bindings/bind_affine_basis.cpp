@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/surface.h"
-#include "native/surface/linear/affine_basis.h"
 #include "native/surface/linear/thin_shell.h"
 
 #include <pybind11/eigen.h>
@@ -12,7 +11,11 @@ void bind_affine_basis(py::module_& module)
     py::class_<AffineBasis>(
         module, "AffineBasis",
         "Precomputed answer of a ThinShell to affine handle motion [Botsch & Kobbelt 2004, section 5].")
-        .def(py::init<const ThinShell&>(), py::arg("thin_shell"), py::call_guard<py::gil_scoped_release>(),
+        .def(py::init([](const ThinShell& shell) {
+                 const Points& rest = shell.rest().points();
+                 return AffineBasis(rest, shell.respond(AffineBasis::columns(rest, shell.regions())));
+             }),
+             py::arg("thin_shell"), py::call_guard<py::gil_scoped_release>(),
              "thin_shell  with its handles set. Cost: 4k solves together, once.")
         .def_property_readonly(
             "matrix", [](const AffineBasis& basis) { return basis.matrix(); },

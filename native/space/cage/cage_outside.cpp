@@ -22,7 +22,7 @@ void OutsideWeights::fill(PointsView block, const std::vector<char>& outside, Ro
     for (Eigen::Index i = 0, k = 0; i < block.rows(); ++i)
         if (outside[static_cast<std::size_t>(i)])
             points.row(k++) = block.row(i);
-    mean_value_->evaluate(view(points), weights, unused);
+    mean_value_->evaluate(0, view(points), weights, unused);
     for (Eigen::Index i = 0, k = 0; i < block.rows(); ++i)
         if (outside[static_cast<std::size_t>(i)])
             rows.row(i) = weights.row(k++);

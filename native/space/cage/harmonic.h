@@ -69,9 +69,11 @@ public:
 protected:
     /// \throw InvalidMesh  boundary: faces without area, or that touch one another; named.
     double prepare(PointsView points, const Progress& progress) override;
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
+    void swap_weights(SpaceMethod& other) override;
     bool reaches_outside() const override { return outside_.reaches(); }
-    void finish(CageReport& report) const override;
+    void finish(SpaceReport& report) const override;
     void release() override { grid_.reset(); }
 
 private:
@@ -82,8 +84,8 @@ private:
     void mend(PointsView block, const std::vector<int>& inside, RowMatrix& rows) const;
     void mend_near(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
 
-    HarmonicQuality quality_;
-    HarmonicSolver solver_;
+    HarmonicOptions options_;
+    HarmonicSolver solver_; ///< never automatic
     CageSurface surface_;
     OutsideWeights outside_;
     std::vector<HarmonicData> data_;
@@ -92,7 +94,6 @@ private:
     Vector3 middle_;
     std::unique_ptr<HarmonicBoundary> boundary_, coarser_;
     std::unique_ptr<HarmonicGrid::Weights> grid_; ///< of the points that are being bound
-    const double* first_point_ = nullptr;
     int unknowns_ = 0;
     double error_ = 0.0;
 };

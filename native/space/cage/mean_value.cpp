@@ -10,7 +10,7 @@
 
 namespace sinew {
 
-void MeanValue::evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+void MeanValue::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
     const CageTables tables = geometry_.tables();
     const CageKernels& kernels = cage_kernels();

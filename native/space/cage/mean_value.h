@@ -37,7 +37,7 @@ public:
     }
 
 protected:
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
 
 private:
     CageGeometry geometry_;

@@ -3,13 +3,11 @@
 
 #include "native/core/parallel.h"
 #include "native/solvers/lanes.h"
-#include "native/surface/linear/thin_shell.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 namespace sinew {
@@ -18,19 +16,6 @@ namespace {
 
 constexpr int eight = 8; ///< vertices a block
 
-/// x, y, z, 1 of a rest point in the four columns of its handle.
-MatrixX affine_columns(const ThinShell& shell)
-{
-    const std::vector<Constraint> constraints = shell.regions().constraints();
-    MatrixX columns = MatrixX::Zero(constraints.size(), 4 * shell.regions().handle_count());
-    for (std::size_t row = 0; row < constraints.size(); ++row) {
-        const auto [vertex, handle] = constraints[row];
-        columns.block<1, 3>(row, 4 * handle) = shell.rest().points().row(vertex);
-        columns(row, 4 * handle + 3) = 1.0;
-    }
-    return columns;
-}
-
 double trace_form(const MatrixX& form, const MatrixX& P)
 {
     return std::max(0.0, (P.transpose() * form * P).trace());
@@ -38,15 +23,22 @@ double trace_form(const MatrixX& form, const MatrixX& P)
 
 } // namespace
 
-AffineBasis::AffineBasis(const ThinShell& shell)
-    : vertex_count_(shell.rest().vertex_count()), columns_(4 * shell.regions().handle_count())
+MatrixX AffineBasis::columns(const Points& rest, const Regions& regions)
 {
-    ThinShellResponse response = shell.respond(affine_columns(shell));
-    energy_ = std::move(response.energy);
-    residual_ = std::move(response.residual);
-    load_ = std::move(response.load);
+    const std::vector<Constraint> constraints = regions.constraints();
+    MatrixX columns = MatrixX::Zero(constraints.size(), 4 * regions.handle_count());
+    for (std::size_t row = 0; row < constraints.size(); ++row) {
+        const auto [vertex, handle] = constraints[row];
+        columns.block<1, 3>(row, 4 * handle) = rest.row(vertex);
+        columns(row, 4 * handle + 3) = 1.0;
+    }
+    return columns;
+}
 
-    const Points& rest = shell.rest().points();
+AffineBasis::AffineBasis(const Points& rest, const LinearResponse& response)
+    : vertex_count_(static_cast<int>(rest.rows())), columns_(static_cast<int>(response.displacement.cols())),
+      energy_(response.energy), residual_(response.residual), load_(response.load)
+{
     const int rows = 3 + columns_;
     blocks_.resize(static_cast<std::size_t>((vertex_count_ + eight - 1) / eight) * eight * rows);
     parallel_for(vertex_count_, [&](int i) {

@@ -5,13 +5,22 @@
 
 #include "native/core/report.h"
 #include "native/core/types.h"
+#include "native/mesh/regions.h"
 #include "native/solvers/factor_engine.h"
 
 #include <vector>
 
 namespace sinew {
 
-class ThinShell;
+/// Displacements that answer columns of constraint values, with inner products of the columns
+/// from which the energy and residual of any linear combination follow.
+struct LinearResponse
+{
+    RowMatrix displacement; ///< (n, m)
+    MatrixX energy;         ///< (m, m) twice E as a bilinear form, soft terms included
+    MatrixX residual;       ///< (m, m) of A d - b on the unknowns
+    MatrixX load;           ///< (m, m) of b, the right-hand side
+};
 
 /// Precomputed answer of a linear surface method to affine handle motion.
 ///
@@ -32,13 +41,18 @@ class ThinShell;
 class AffineBasis
 {
 public:
-    /// \param shell  with its handles set.
-    explicit AffineBasis(const ThinShell& shell);
+    /// (c, 4k) one row for each of regions.constraints(): x, y, z, 1 of the rest point in the four columns of its
+    /// handle.
+    static MatrixX columns(const Points& rest, const Regions& regions);
+
+    /// \param rest      (n, 3)
+    /// \param response  of the surface to columns().
+    AffineBasis(const Points& rest, const LinearResponse& response);
 
     /// (n, 4k), four columns a handle: the answers to x, y, z and 1 on it. Put together anew each time.
     RowMatrix matrix() const;
 
-    /// The same shape and report as ThinShell::solve from rest.
+    /// The same shape and report as the method's solve() from rest.
     /// \throw InvalidConstraint  the number of poses is not k, or one is not finite.
     SolveReport solve(const Poses& poses, Points& positions) const;
 
@@ -47,7 +61,7 @@ private:
     int columns_; ///< 4k
     /// Eight vertices a block, as LaneKernels::product_of_eight() reads it: their rest points, then B.
     std::vector<double> blocks_;
-    MatrixX energy_, residual_, load_; ///< (4k, 4k), see ThinShellResponse
+    MatrixX energy_, residual_, load_; ///< (4k, 4k), see LinearResponse
 };
 
 } // namespace sinew

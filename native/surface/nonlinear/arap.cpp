@@ -2,17 +2,17 @@
 #include "native/surface/nonlinear/arap.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/operators/laplacian.h"
 #include "native/surface/nonlinear/arap_cascade.h"
 #include "native/surface/nonlinear/arap_energy.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <mutex>
 #include <numeric>
 #include <string>
+#include <utility>
 
 namespace sinew {
 
@@ -23,13 +23,6 @@ constexpr double most_weight = 1e4;   ///< of the mean: keeps the factor well co
 constexpr double least_rigidity = 1e-3; ///< of the largest painted one
 /// F below this share of sum w |p|^2 is rounding: rigid poses would iterate on it.
 constexpr double rounding_floor = 1e-14;
-
-void require_range(double value, double least, const char* name)
-{
-    if (!(value >= least && std::isfinite(value)))
-        throw InvalidOption(std::string(name) + ": " + std::to_string(value) +
-                            " is not a finite number >= " + std::to_string(least));
-}
 
 std::vector<double> spread_rigidity(const std::vector<double>& rigidity, int n)
 {
@@ -68,11 +61,11 @@ void add_triangles(ArapGraph& graph, const SurfaceMesh& mesh, const TriangleMetr
 
 /// Directed edges and weights. With rims, w_ij is the sum of the corners' raised cotangents,
 /// so that L is exactly the Hessian bound of the rims' energy.
-ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
+ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options, const std::vector<double>& rigidity)
 {
     ArapGraph graph;
     graph.size = mesh.vertex_count();
-    graph.rigidity = spread_rigidity(options.rigidity, graph.size);
+    graph.rigidity = rigidity;
     const TriangleMetric metric = triangle_metric(mesh);
     graph.smoothing = options.smoothness * std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
 
@@ -112,35 +105,56 @@ ArapGraph make_graph(const SurfaceMesh& mesh, const ArapOptions& options)
     return graph;
 }
 
-} // namespace
-
-struct Arap::Impl
+/// What make_graph() filled: the rest depends on the regions.
+ArapGraph unbound_copy(const ArapGraph& graph)
 {
-    SurfaceMesh rest;
-    ArapOptions options;
-    Components parts;
-    int degenerate_faces;
-    int factorizations = 0;
-    int handle_count = 0;
+    ArapGraph copy;
+    copy.size = graph.size;
+    copy.offsets = graph.offsets;
+    copy.neighbours = graph.neighbours;
+    copy.weights = graph.weights;
+    copy.rims = graph.rims;
+    copy.triangles = graph.triangles;
+    copy.rigidity = graph.rigidity;
+    copy.smoothing = graph.smoothing;
+    copy.metric = graph.metric;
+    return copy;
+}
+
+void adopt(ArapGraph& graph, const Regions& regions)
+{
+    graph.hard.resize(graph.size);
+    graph.idle.resize(graph.size);
+    for (int i = 0; i < graph.size; ++i) {
+        graph.hard[i] = regions.hard(i);
+        graph.idle[i] = regions.is_idle(i);
+    }
+    graph.pulls.clear();
+    for (const SoftConstraint& s : regions.soft()) {
+        double diagonal = 0.0;
+        for (int a = graph.offsets[s.vertex]; a < graph.offsets[s.vertex + 1]; ++a)
+            diagonal += graph.metric[a];
+        graph.pulls.push_back({s.vertex, s.handle, s.stiffness() * (diagonal > 0 ? diagonal : 1.0)});
+    }
+}
+
+/// What a solve works in: kept for the next one, each of several at once takes its own.
+struct Workspace
+{
+    ArapWorkspace fine;
+    std::vector<ArapWorkspace> levels;
+    Points incoming;
+};
+
+/// What a bind makes. Replaced as a whole, so a bind that fails changes nothing.
+struct Binding
+{
     ArapGraph graph;
     std::vector<int> vertex; ///< of each node of the graph
     Points node_rest;        ///< rest points by node
     ArapCascade cascade;
-
-    Impl(const SurfaceMesh& mesh, const ArapOptions& given)
-        : rest(mesh), options(given), parts(connected_components(rest)),
-          degenerate_faces(degenerate_face_count(rest))
-    {
-        require_range(options.smoothness, 0.0, "smoothness");
-        require_range(options.tolerance, 0.0, "tolerance");
-        require_range(options.max_iterations, 1, "max_iterations");
-        graph = make_graph(rest, options);
-        adopt(graph, Regions({}, parts));
-        graph.place.assign(graph.size, -1);
-        vertex.resize(graph.size);
-        std::iota(vertex.begin(), vertex.end(), 0);
-        node_rest = rest.points();
-    }
+    std::unique_ptr<Pool<Workspace>> workspaces = std::make_unique<Pool<Workspace>>();
+    int factorizations = 0;
 
     /// The points of the first `count` nodes.
     void to_nodes(const PointsView& points, int count, Points& nodes) const
@@ -153,167 +167,137 @@ struct Arap::Impl
         points.resize(nodes.rows(), 3);
         parallel_for(graph.size, [&](int i) { points.row(vertex[i]) = nodes.row(i); });
     }
-
-    /// What a solve works in: kept for the next one, each of several at once takes its own.
-    struct Workspace
-    {
-        ArapWorkspace fine;
-        std::vector<ArapWorkspace> levels;
-        Points incoming;
-    };
-    std::unique_ptr<Workspace> take() const
-    {
-        const std::lock_guard lock(mutex);
-        if (resting.empty())
-            return std::make_unique<Workspace>();
-        std::unique_ptr<Workspace> work = std::move(resting.back());
-        resting.pop_back();
-        return work;
-    }
-    void give_back(std::unique_ptr<Workspace> work) const
-    {
-        const std::lock_guard lock(mutex);
-        resting.push_back(std::move(work));
-    }
-    mutable std::mutex mutex;
-    mutable std::vector<std::unique_ptr<Workspace>> resting;
-
-    static void adopt(ArapGraph& graph, const Regions& regions)
-    {
-        graph.hard.resize(graph.size);
-        graph.idle.resize(graph.size);
-        for (int i = 0; i < graph.size; ++i) {
-            graph.hard[i] = regions.hard(i);
-            graph.idle[i] = regions.is_idle(i);
-        }
-        graph.pulls.clear();
-        for (const SoftConstraint& s : regions.soft()) {
-            double diagonal = 0.0;
-            for (int a = graph.offsets[s.vertex]; a < graph.offsets[s.vertex + 1]; ++a)
-                diagonal += graph.metric[a];
-            graph.pulls.push_back({s.vertex, s.handle, s.stiffness() * (diagonal > 0 ? diagonal : 1.0)});
-        }
-    }
-
-    void require_same_size(const PointsView& points, const char* name) const
-    {
-        if (points.rows() != rest.vertex_count())
-            throw InvalidConstraint(std::string(name) + ": " + std::to_string(points.rows()) +
-                                    " points given for a rest shape of " +
-                                    std::to_string(rest.vertex_count()));
-        if (!points.allFinite())
-            throw InvalidConstraint(std::string(name) + ": NaN or infinite coordinates");
-    }
 };
 
-Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options) : impl_(std::make_unique<Impl>(rest, options))
+} // namespace
+
+struct Arap::Impl
 {
+    ArapOptions options;
+    std::vector<double> rigidity;       ///< one per vertex
+    std::optional<ArapGraph> assembled; ///< of the mesh without regions, from the first bind on
+    int degenerate_faces = 0;           ///< found then
+    Binding bound;
+};
+
+Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
+    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+{
+    require_at_least(options.smoothness, 0.0, "smoothness");
+    require_at_least(options.tolerance, 0.0, "tolerance");
+    require_at_least(options.max_iterations, 1, "max_iterations");
+    impl_->options = options;
+    impl_->rigidity = spread_rigidity(options.rigidity, rest.vertex_count());
 }
 
 Arap::~Arap() = default;
 Arap::Arap(Arap&&) noexcept = default;
 
-BindReport Arap::set_handles(const std::vector<Handle>& handles, const Progress& progress)
+void Arap::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
-    const auto start = std::chrono::steady_clock::now();
     Impl& self = *impl_;
-    progress.tick(0.0, "assembling the energy");
-    const Regions regions(handles, self.parts);
-    ArapGraph graph = make_graph(self.rest, self.options);
-    Impl::adopt(graph, regions);
+    if (!self.assembled) {
+        self.assembled = make_graph(rest(), self.options, self.rigidity);
+        self.degenerate_faces = degenerate_face_count(rest());
+    }
+    Binding next;
+    next.graph = unbound_copy(*self.assembled);
+    adopt(next.graph, regions);
     progress.tick(0.2, "factorising");
-    graph.factorize(self.rest.points());
-    std::vector<int> vertex = graph.renumber(self.rest.points());
-    Points node_rest(self.rest.vertex_count(), 3);
-    for (int i = 0; i < graph.size; ++i)
-        node_rest.row(i) = self.rest.points().row(vertex[i]);
-    ArapCascade cascade(graph, node_rest, progress);
+    next.graph.factorize(rest().points());
+    next.vertex = next.graph.renumber(rest().points());
+    next.node_rest.resize(rest().vertex_count(), 3);
+    for (int i = 0; i < next.graph.size; ++i)
+        next.node_rest.row(i) = rest().points().row(next.vertex[i]);
+    next.cascade = ArapCascade(next.graph, next.node_rest, progress);
     progress.tick(1.0, "bound");
 
-    self.graph = std::move(graph);
-    self.vertex = std::move(vertex);
-    self.node_rest = std::move(node_rest);
-    self.cascade = std::move(cascade);
-    self.resting.clear();
-    self.handle_count = regions.handle_count();
-    self.factorizations += self.graph.smoothing > 0 ? 2 : 1;
-
-    BindReport report = regions.report();
+    next.factorizations = self.bound.factorizations + (next.graph.smoothing > 0 ? 2 : 1);
     report.degenerate_faces = self.degenerate_faces;
-    report.factorizations = self.factorizations;
-    report.factor_bytes = self.graph.factor_bytes();
-    for (const ArapLevel& level : self.cascade.levels())
+    report.factorizations = next.factorizations;
+    report.factor_bytes = next.graph.factor_bytes();
+    for (const ArapLevel& level : next.cascade.levels())
         report.factor_bytes += level.graph.factor_bytes();
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return report;
+    self.bound = std::move(next);
 }
 
-SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& request,
-                        const Progress& progress) const
+std::vector<std::string> Arap::changed_options(const SurfaceMethod& former) const
 {
-    const Impl& self = *impl_;
-    Targets{poses, view(self.rest.points()), request.incoming, request.from_rest}.check(self.handle_count);
-    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(self.options.max_iterations),
-                         .tolerance = request.tolerance.value_or(self.options.tolerance)};
-    require_range(options.max_iterations, 0, "max_iterations");
-    require_range(options.tolerance, 0.0, "tolerance");
-    if (request.start)
-        self.require_same_size(*request.start, "start");
+    const ArapOptions &own = impl_->options, &other = static_cast<const Arap&>(former).impl_->options;
+    return names_of({{"smoothness", own.smoothness != other.smoothness},
+                     {"cells", own.cells != other.cells},
+                     {"rigidity", own.rigidity != other.rigidity}});
+}
 
-    std::unique_ptr<Impl::Workspace> work = self.take(); // lost if anything throws
+bool Arap::updates(const std::string&) const { return false; }
+
+void Arap::swap_binding(SurfaceMethod& other)
+{
+    Impl& others = *static_cast<Arap&>(other).impl_;
+    std::swap(impl_->assembled, others.assembled);
+    std::swap(impl_->degenerate_faces, others.degenerate_faces);
+    std::swap(impl_->bound, others.bound);
+}
+
+SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Points& positions) const
+{
+    const Binding& bound = impl_->bound;
+    const ArapGraph& graph = bound.graph;
+    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
+                         .tolerance = request.tolerance.value_or(impl_->options.tolerance)};
+
+    const auto work = bound.workspaces->take([] { return std::make_unique<Workspace>(); });
     ArapWorkspace& fine = work->fine;
-    Targets targets{poses, view(self.node_rest), {}, request.from_rest};
-    if (request.incoming) {
-        self.to_nodes(*request.incoming, self.graph.size, work->incoming);
+    Targets targets{given.poses, view(bound.node_rest), {}, given.from_rest};
+    if (given.incoming) {
+        bound.to_nodes(*given.incoming, graph.size, work->incoming);
         targets.incoming.emplace(view(work->incoming));
     }
-    fine.goals.set(self.graph, targets);
-    SolveReport report{.converged = true};
-    if (self.graph.free_nodes.empty()) {
-        self.to_vertices(view(fine.goals.targets), positions);
-    } else {
-        ArapProblem problem(self.graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
-        options.floor =
-            rounding_floor * (request.incoming ? self.graph.scale(targets.base()) : self.graph.rest_scale);
-        if (request.start) {
-            self.to_nodes(*request.start, self.graph.free_count(), fine.x);
-            if (self.graph.smoothing > 0) // else the first evaluation does
-                problem.fit_rotations(fine.x);
-        } else {
-            self.cascade.start(problem, self.graph, targets, work->levels);
-            problem.positions_for_rotations(fine.x);
-        }
-        report = minimize(problem, fine.x, options, progress, &fine.descent);
-        report.energy *= self.graph.energy_factor();
-        self.to_vertices(problem.place(fine.x), positions);
+    fine.goals.set(graph, targets);
+    if (graph.free_nodes.empty()) {
+        bound.to_vertices(view(fine.goals.targets), positions);
+        return {.converged = true};
     }
-    self.give_back(std::move(work));
+    ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
+    options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale);
+    if (request.start) {
+        bound.to_nodes(*request.start, graph.free_count(), fine.x);
+        if (graph.smoothing > 0) // else the first evaluation does
+            problem.fit_rotations(fine.x);
+    } else {
+        bound.cascade.start(problem, graph, targets, work->levels);
+        problem.positions_for_rotations(fine.x);
+    }
+    SolveReport report = minimize(problem, fine.x, options, request.progress, &fine.descent);
+    report.energy *= graph.energy_factor();
+    bound.to_vertices(problem.place(fine.x), positions);
     return report;
 }
 
 double Arap::energy(const PointsView& positions) const
 {
-    const Impl& self = *impl_;
-    self.require_same_size(positions, "positions");
+    const Binding& bound = impl_->bound;
+    const ArapGraph& graph = bound.graph;
+    require_same_size(positions, "positions");
+    if (graph.size == 0) // before set_handles()
+        return 0.0;
     Points all;
-    self.to_nodes(positions, self.graph.size, all);
-    Points pulls(self.graph.pulls.size(), 3); // already where they would go: no energy
-    for (std::size_t k = 0; k < self.graph.pulls.size(); ++k)
-        pulls.row(k) = all.row(self.graph.pulls[k].node);
-    ArapProblem problem(self.graph, view(self.node_rest), all, pulls);
+    bound.to_nodes(positions, graph.size, all);
+    Points pulls(graph.pulls.size(), 3); // already where they would go: no energy
+    for (std::size_t k = 0; k < graph.pulls.size(); ++k)
+        pulls.row(k) = all.row(graph.pulls[k].node);
+    ArapProblem problem(graph, view(bound.node_rest), all, pulls);
     const Points x = problem.free_rows(view(all));
     Points gradient;
     problem.fit_rotations(x);
     double energy = problem.evaluate(x, gradient);
-    for (int k = 0; self.graph.smoothing > 0 && k < 500; ++k) {
+    for (int k = 0; graph.smoothing > 0 && k < 500; ++k) {
         const double next = problem.evaluate(x, gradient);
         if (!(next < energy * (1 - 1e-9)))
             break;
         energy = next;
     }
-    return energy * self.graph.energy_factor();
+    return energy * graph.energy_factor();
 }
-
-const SurfaceMesh& Arap::rest() const { return impl_->rest; }
 
 } // namespace sinew

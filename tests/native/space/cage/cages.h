@@ -2,9 +2,23 @@
 #pragma once
 
 #include "native/space/cage/cage.h"
+#include "native/space/method.h"
 #include "tests/native/shapes.h"
 
 #include <cmath>
+
+namespace sinew {
+
+/// Where a posed control takes the bound points.
+inline Points warped_by(const SpaceMethod& method, PointsView control,
+                        const std::optional<PointsView>& incoming = {})
+{
+    Points out(method.points().rows(), 3);
+    method.warp(control, incoming, out.data());
+    return out;
+}
+
+} // namespace sinew
 
 /// Cages and points that the tests of cage coordinates share.
 namespace sinew::shapes {

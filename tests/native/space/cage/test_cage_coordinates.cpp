@@ -24,7 +24,7 @@ public:
     mutable std::atomic<int> evaluated = 0;
 
 protected:
-    void evaluate(PointsView block, RowMatrix& rows, std::vector<char>& outside) const override
+    void evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override
     {
         evaluated += static_cast<int>(block.rows());
         rows.resize(block.rows(), columns());
@@ -38,13 +38,6 @@ protected:
     }
 };
 
-Points warped(const CageCoordinates& coordinates, const Points& pose)
-{
-    Points out;
-    coordinates.warp(view(pose), out);
-    return out;
-}
-
 } // namespace
 
 TEST(CageCoordinates, rest_in_rest_out_to_the_last_bit)
@@ -53,7 +46,7 @@ TEST(CageCoordinates, rest_in_rest_out_to_the_last_bit)
     for (const double threshold : {0.0, 0.1}) {
         Counted coordinates({WeightPrecision::single_precision, threshold});
         coordinates.bind(view(points));
-        EXPECT_EQ(warped(coordinates, shapes::cube().points()), points);
+        EXPECT_EQ(warped_by(coordinates, view(shapes::cube().points())), points);
     }
 }
 
@@ -62,7 +55,7 @@ TEST(CageCoordinates, a_closed_drag_returns_to_the_same_bits_without_a_jump)
     const Points points = shapes::points_around(shapes::cube(), 500, 1.2);
     Counted coordinates;
     coordinates.bind(view(points));
-    Points pose = shapes::cube().points(), last = warped(coordinates, pose);
+    Points pose = shapes::cube().points(), last = warped_by(coordinates, view(pose));
     const Points first = last;
     double largest = 0.0;
     constexpr int steps = 60;
@@ -72,7 +65,7 @@ TEST(CageCoordinates, a_closed_drag_returns_to_the_same_bits_without_a_jump)
         if (k < steps)
             pose.row(6) +=
                 Eigen::RowVector3d(std::cos(angle) - 1, std::sin(angle), 0.5 * std::sin(2 * angle));
-        const Points now = warped(coordinates, pose);
+        const Points now = warped_by(coordinates, view(pose));
         largest = std::max(largest, shapes::distance(now, last));
         last = now;
     }
@@ -86,7 +79,7 @@ TEST(CageCoordinates, reports_what_it_bound)
     Points points(3, 3);
     points << 0.5, 0.5, 0.5, 1.5, 0, 0, 2, 0, 0;
     Counted coordinates;
-    const CageReport report = coordinates.bind(view(points));
+    const SpaceReport report = coordinates.bind(view(points));
     EXPECT_EQ(report.point_count, 3);
     EXPECT_EQ(report.outside, (std::vector<int>{1, 2}));
     EXPECT_EQ(report.dropped, 0.0);
@@ -101,7 +94,7 @@ TEST(CageCoordinates, binds_any_number_of_points)
         const Points points = shapes::points_around(shapes::cube(), count, 1.0);
         EXPECT_EQ(coordinates.bind(view(points)).point_count, count);
         const Points moved = shapes::cube().points().rowwise() + Eigen::RowVector3d(1, 2, 3);
-        const Points out = warped(coordinates, moved);
+        const Points out = warped_by(coordinates, view(moved));
         ASSERT_EQ(out.rows(), count);
         if (count > 0) {
             EXPECT_LT(shapes::distance(out, points.rowwise() + Eigen::RowVector3d(1, 2, 3)), 1e-14);
@@ -129,24 +122,24 @@ TEST(CageCoordinates, a_bind_that_fails_changes_nothing)
     const Points points = shapes::points_around(shapes::cube(), 20'000, 1.0);
     coordinates.bind(view(points));
     const Points pose = 2.0 * shapes::cube().points();
-    const Points before = warped(coordinates, pose);
+    const Points before = warped_by(coordinates, view(pose));
     const Progress cancel([](double fraction, const char*) { return fraction < 0.01; });
     const Points others = shapes::points_around(shapes::cube(), 50'000, 2.0);
     EXPECT_THROW(coordinates.bind(view(others), cancel), Cancelled);
-    EXPECT_EQ(warped(coordinates, pose), before);
+    EXPECT_EQ(warped_by(coordinates, view(pose)), before);
 }
 
 TEST(CageCoordinates, refuses_poses_that_do_not_fit)
 {
     Counted coordinates;
     Points out = Points::Constant(2, 3, 7.0);
-    EXPECT_THROW(coordinates.warp(view(shapes::cube().points()), out), InvalidConstraint) << "before bind()";
+    EXPECT_THROW(coordinates.warp(view(shapes::cube().points()), {}, out.data()), InvalidConstraint) << "before bind()";
     const Points points = Points::Zero(5, 3);
     coordinates.bind(view(points));
-    EXPECT_THROW(coordinates.warp(view(points), out), InvalidConstraint) << "five vertices";
+    EXPECT_THROW(coordinates.warp(view(points), {}, out.data()), InvalidConstraint) << "five vertices";
     Points pose = shapes::cube().points();
     pose(2, 2) = std::numeric_limits<double>::infinity();
-    EXPECT_THROW(coordinates.warp(view(pose), out), InvalidConstraint);
+    EXPECT_THROW(coordinates.warp(view(pose), {}, out.data()), InvalidConstraint);
     EXPECT_EQ(out, Points::Constant(2, 3, 7.0)) << "nothing was written";
 }
 

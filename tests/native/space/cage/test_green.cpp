@@ -20,9 +20,7 @@ GreenOptions doubles(GreenOutside outside = GreenOutside::nearest, int exit_face
 
 Points warped(const Green& green, const Points& pose)
 {
-    Points result;
-    green.warp(view(pose), result);
-    return result;
+    return warped_by(green, view(pose));
 }
 
 Points posed(const SurfaceMesh& cage, const Pose& pose) { return shapes::transformed(cage.points(), pose); }
@@ -83,7 +81,7 @@ TEST(Green, phi_sums_to_one_inside)
     const SurfaceMesh cage = shapes::u_prism();
     const Points points = shapes::points_around(cage, 300, 1.0);
     Green green(Cage(cage), doubles());
-    const CageReport report = green.bind(view(points));
+    const SpaceReport report = green.bind(view(points));
     const RowMatrix W = green.weights().dense();
     // with the continuation, outside too
     EXPECT_LT((W.leftCols(cage.vertex_count()).rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-13);
@@ -171,8 +169,7 @@ TEST(Green, takes_points_on_faces_for_inside)
             points.row(static_cast<Eigen::Index>(i)) = on[i].transpose();
         Green green{Cage(mesh), doubles(GreenOutside::refuse)};
         EXPECT_TRUE(green.bind(view(points)).outside.empty());
-        Points warped;
-        green.warp(view(mesh.points()), warped);
+        Points warped = warped_by(green, view(mesh.points()));
         EXPECT_LT((warped - points).cwiseAbs().maxCoeff(), 1e-11); // moved in by 1e-12 of the cage's size
     }
 }
@@ -189,7 +186,7 @@ TEST(Green, refuses_points_outside_if_asked)
         EXPECT_EQ(error.elements(), (std::vector<int>{1, 2}));
     }
     Points none;
-    EXPECT_THROW(green.warp(view(shapes::cube().points()), none), InvalidConstraint)
+    EXPECT_THROW(green.warp(view(shapes::cube().points()), {}, none.data()), InvalidConstraint)
         << "a refused bind binds nothing";
 }
 

@@ -261,14 +261,13 @@ TEST(Harmonic, takes_rest_to_rest_and_reproduces_affine_maps)
     const Points x = cages::inside_u_prism(200, 0.01);
     Harmonic harmonic(Cage(u), exact());
     harmonic.bind(view(x));
-    Points warped;
-    harmonic.warp(view(u.points()), warped);
+    Points warped = warped_by(harmonic, view(u.points()));
     EXPECT_LT(shapes::distance(warped, x), 1e-9);
     shapes::Random random(7);
     for (int k = 0; k < 5; ++k) {
         const Pose pose = shapes::affine(random.matrix(), random.vector());
         const Points posed = shapes::transformed(u.points(), pose);
-        harmonic.warp(view(posed), warped);
+        warped = warped_by(harmonic, view(posed));
         EXPECT_LT(shapes::distance(warped, shapes::transformed(x, pose)), 1e-9);
     }
 }

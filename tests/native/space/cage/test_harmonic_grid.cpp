@@ -276,8 +276,7 @@ TEST(HarmonicGrid, reproduces_affine_maps)
     harmonic.bind(view(x));
     shapes::Random random(7);
     const Pose pose = shapes::affine(random.matrix(), random.vector());
-    Points warped;
-    harmonic.warp(view(shapes::transformed(cage.points(), pose)), warped);
+    Points warped = warped_by(harmonic, view(shapes::transformed(cage.points(), pose)));
     EXPECT_LT(shapes::distance(warped, shapes::transformed(x, pose)), 1e-11);
 }
 

@@ -179,7 +179,7 @@ TEST(MeanValue, tells_which_points_lie_outside)
     const SurfaceMesh cage = shapes::u_prism();
     const Points points = shapes::points_around(cage, 500, 1.3);
     MeanValue coordinates(Cage(cage), doubles);
-    const CageReport report = coordinates.bind(view(points));
+    const SpaceReport report = coordinates.bind(view(points));
     std::vector<int> expected;
     for (int i = 0; i < 500; ++i) {
         const Vector3 p = points.row(i);

@@ -182,13 +182,12 @@ TEST(PositiveMeanValue, takes_rest_to_rest_and_reproduces_affine_maps)
     for (const auto& options : {exact(), rays(1024)}) {
         PositiveMeanValue coordinates(Cage(u), options);
         coordinates.bind(view(x));
-        Points warped;
-        coordinates.warp(view(u.points()), warped);
+        Points warped = warped_by(coordinates, view(u.points()));
         EXPECT_LT(shapes::distance(warped, x), 1e-9);
         shapes::Random random(7);
         const Pose pose = shapes::affine(random.matrix(), random.vector());
         const Points posed = shapes::transformed(u.points(), pose);
-        coordinates.warp(view(posed), warped);
+        warped = warped_by(coordinates, view(posed));
         EXPECT_LT(shapes::distance(warped, shapes::transformed(x, pose)), 1e-9);
     }
 }

@@ -34,7 +34,7 @@ const std::vector<ThinShellOptions> orders{stiffness(1, 0, 0), stiffness(0, 1, 0
 Points solve(const ThinShell& shell, const Poses& poses)
 {
     Points positions;
-    shell.solve(poses, positions);
+    shell.solve({poses}, positions);
     return positions;
 }
 
@@ -116,7 +116,7 @@ TEST(ThinShell, solves_as_dense_matrices_built_from_angles_do)
                 ThinShell shell(mesh, chosen);
                 shell.set_handles(handles);
                 Points positions;
-                const SolveReport report = shell.solve(bent, positions);
+                const SolveReport report = shell.solve({bent}, positions);
                 EXPECT_LT(shapes::distance(positions, expected), solved);
                 EXPECT_NEAR(report.energy, energy, solved * energy);
                 EXPECT_LT(report.residual, 1e-8);
@@ -254,11 +254,11 @@ TEST(ThinShell, solves_after_the_first_allocate_nothing_in_proportion_to_the_mes
             Points positions;
             const allocations::Count count(a_number_a_vertex);
             shell.set_handles(handles);
-            shell.solve(poses, positions);
+            shell.solve({poses}, positions);
             const int first = count.so_far();
             EXPECT_GT(first, 0);
             for (int k = 0; k < 3; ++k)
-                shell.solve(poses, positions);
+                shell.solve({poses}, positions);
             EXPECT_EQ(count.so_far(), first);
         }
 }
@@ -356,18 +356,18 @@ TEST(ThinShell, refuses_poses_that_do_not_fit)
     ThinShell shell(mesh);
     shell.set_handles(shapes::ends(mesh, 1.5));
     Points out;
-    EXPECT_THROW(shell.solve({shapes::still()}, out), InvalidConstraint);
-    EXPECT_THROW(shell.solve(Poses(3, shapes::still()), out), InvalidConstraint);
+    EXPECT_THROW(shell.solve({{shapes::still()}}, out), InvalidConstraint);
+    EXPECT_THROW(shell.solve({Poses(3, shapes::still())}, out), InvalidConstraint);
     Poses bad(2, shapes::still());
     bad[1](0, 0) = nan;
-    EXPECT_THROW(shell.solve(bad, out), InvalidConstraint);
+    EXPECT_THROW(shell.solve({bad}, out), InvalidConstraint);
     const Points other = Points::Zero(3, 3);
-    EXPECT_THROW(shell.solve(bent, out, view(other)), InvalidConstraint);
+    EXPECT_THROW(shell.solve({bent, view(other)}, out), InvalidConstraint);
     Points broken = mesh.points();
     broken(4, 1) = nan;
-    EXPECT_THROW(shell.solve(bent, out, view(broken)), InvalidConstraint);
+    EXPECT_THROW(shell.solve({bent, view(broken)}, out), InvalidConstraint);
     const std::vector<bool> flags(3, true);
-    EXPECT_THROW(shell.solve(bent, out, {}, &flags), InvalidConstraint);
+    EXPECT_THROW(shell.solve({.poses = bent, .from_rest = flags}, out), InvalidConstraint);
 }
 
 } // namespace sinew

@@ -17,10 +17,10 @@ namespace {
 constexpr std::array every{Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi};
 
 Points solve(const ThinShell& shell, const Poses& poses, std::optional<PointsView> incoming = {},
-             const std::vector<bool>* from_rest = nullptr)
+             const std::optional<std::vector<bool>>& from_rest = {})
 {
     Points positions;
-    shell.solve(poses, positions, incoming, from_rest);
+    shell.solve({.poses = poses, .incoming = incoming, .from_rest = from_rest}, positions);
     return positions;
 }
 
@@ -52,7 +52,7 @@ TEST(ThinShellHandles, soft_ones_pull_as_the_dense_system_says)
             ThinShell shell(mesh, options);
             shell.set_handles(handles);
             Points positions;
-            const SolveReport report = shell.solve(poses, positions);
+            const SolveReport report = shell.solve({poses}, positions);
             EXPECT_LT(shapes::distance(positions, expected), 1e-8); // condition about 1e5
             EXPECT_NEAR(report.energy, energy, 1e-8 * energy);
         }
@@ -207,7 +207,7 @@ TEST(ThinShellHandles, one_that_aims_from_rest_ignores_the_incoming_pose)
     shell.set_handles(handles);
     const Points incoming = mesh.points().rowwise() + Eigen::RowVector3d(0, 5, 0);
     const std::vector<bool> from_rest{false, true};
-    const Points positions = solve(shell, bent, view(incoming), &from_rest);
+    const Points positions = solve(shell, bent, view(incoming), from_rest);
     for (int h : {0, 1})
         for (int v : handles[h].vertices) {
             const Vector3 from = h == 1 ? mesh.point(v) : Vector3(incoming.row(v).transpose());

@@ -24,10 +24,11 @@ struct Solution
     SolveReport report;
 };
 
-Solution solve(const Arap& arap, const Poses& poses, const Arap::Request& request = {})
+Solution solve(const Arap& arap, const Poses& poses, SolveRequest request = {})
 {
     Solution solution;
-    solution.report = arap.solve(poses, solution.positions, request);
+    request.poses = poses;
+    solution.report = arap.solve(request, solution.positions);
     return solution;
 }
 
@@ -272,9 +273,9 @@ TEST(Arap, what_a_solve_leaves_to_the_next_one_changes_no_bit)
     for (const ArapOptions& options : variants()) {
         const Arap used = bound(mesh, options, handles);
         const Solution first = solve(used, bend(100, 24));
-        const std::vector<Arap::Request> requests{
+        const std::vector<SolveRequest> requests{
             {}, {.incoming = view(incoming)}, {.start = view(first.positions)}, {.max_iterations = 0}};
-        for (const Arap::Request& request : requests) {
+        for (const SolveRequest& request : requests) {
             const Solution after = solve(used, bend(-60, 24), request);
             const Solution fresh = solve(bound(mesh, options, handles), bend(-60, 24), request);
             EXPECT_EQ(after.positions, fresh.positions) << name_of(options);
@@ -512,7 +513,7 @@ TEST(Arap, refuses_what_does_not_fit_a_solve)
     EXPECT_THROW(solve(arap, {shapes::still()}), InvalidConstraint);
     EXPECT_THROW(solve(arap, poses, {.incoming = view(other)}), InvalidConstraint);
     EXPECT_THROW(solve(arap, poses, {.incoming = view(broken)}), InvalidConstraint);
-    EXPECT_THROW(solve(arap, poses, {.from_rest = &flags}), InvalidConstraint);
+    EXPECT_THROW(solve(arap, poses, {.from_rest = flags}), InvalidConstraint);
     EXPECT_THROW(solve(arap, poses, {.start = view(other)}), InvalidConstraint);
     EXPECT_THROW(solve(arap, poses, {.start = view(broken)}), InvalidConstraint);
     EXPECT_THROW(solve(arap, poses, {.max_iterations = -1}), InvalidOption);

@@ -11,10 +11,11 @@ namespace sinew {
 
 namespace {
 
-Points solve(const Arap& arap, const Poses& poses, Arap::Request request = {})
+Points solve(const Arap& arap, const Poses& poses, SolveRequest request = {})
 {
     Points positions;
-    arap.solve(poses, positions, request);
+    request.poses = poses;
+    arap.solve(request, positions);
     return positions;
 }
 
@@ -87,7 +88,7 @@ TEST(ArapHandles, a_soft_bind_still_never_raises_the_energy)
         double before = std::numeric_limits<double>::infinity();
         for (int k = 0; k <= 12; ++k) {
             Points q;
-            const SolveReport report = arap.solve(bent, q, {.max_iterations = k, .tolerance = 0.0});
+            const SolveReport report = arap.solve({.poses = bent, .max_iterations = k, .tolerance = 0.0}, q);
             EXPECT_LE(report.energy, before * (1 + 1e-12));
             before = report.energy;
         }
@@ -198,7 +199,7 @@ TEST(ArapHandles, one_that_aims_from_rest_ignores_the_incoming_pose)
     arap.set_handles(handles);
     const Points incoming = mesh.points().rowwise() + Eigen::RowVector3d(0, 0, 5);
     const std::vector<bool> flags{false, true};
-    const Points q = solve(arap, bent, {.incoming = view(incoming), .from_rest = &flags});
+    const Points q = solve(arap, bent, {.incoming = view(incoming), .from_rest = flags});
     EXPECT_LT(worst_gap(mesh, q, handles[1].vertices, bent[1]), 1e-13);
     EXPECT_LT(worst_gap(mesh, q, handles[0].vertices, shapes::shift(0, 0, 5)), 1e-13);
 }
@@ -216,8 +217,10 @@ TEST(ArapHandles, bind_and_solve_on_messy_meshes)
             for (int k : {0, 1, 2, 4, 8, 40}) {
                 Points q;
                 const SolveReport solved =
-                    arap.solve({shapes::still(), shapes::turn({0, 0, 1}, 40, {8, 8, 0}, {1, 2, 3})}, q,
-                               {.max_iterations = k, .tolerance = 0.0});
+                    arap.solve({.poses = {shapes::still(), shapes::turn({0, 0, 1}, 40, {8, 8, 0}, {1, 2, 3})},
+                                .max_iterations = k,
+                                .tolerance = 0.0},
+                               q);
                 EXPECT_TRUE(q.allFinite());
                 EXPECT_LT(shapes::distance(q, mesh.points()), 30.0); // nothing flies off
                 EXPECT_LE(solved.energy, before * (1 + 1e-12));
@@ -311,8 +314,8 @@ TEST(ArapHandles, a_cancelled_solve_leaves_the_object_usable)
     for (int stop : {1, 2, 5}) {
         int ticks = 0;
         Points q;
-        EXPECT_THROW(arap.solve(bent, q, {}, Progress([&](double, const char*) { return ++ticks < stop; })),
-                     Cancelled);
+        const Progress stops([&](double, const char*) { return ++ticks < stop; });
+        EXPECT_THROW(arap.solve({.poses = bent, .progress = stops}, q), Cancelled);
         EXPECT_EQ(ticks, stop);
         EXPECT_EQ(solve(arap, bent), before);
     }
