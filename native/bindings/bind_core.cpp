@@ -92,7 +92,8 @@ void bind_core(py::module_& module)
         .def_property_readonly(
             "reuse", [](const BindReport& r) { return name_of(r.reuse); },
             "What rebind() took over: 'anew' for nothing, 'updated' for a part, 'kept' for everything.")
-        .def_readonly("changed", &BindReport::changed, "What differs from the object that rebind() was given.")
+        .def_readonly("changed", &BindReport::changed,
+                      "What differs from the object that rebind() was given.")
         .def_readonly("handle_count", &BindReport::handle_count, "Handles, fixed regions among them.")
         .def_readonly("constrained_vertices", &BindReport::constrained_vertices, "Vertices held exactly.")
         .def_readonly("soft_vertices", &BindReport::soft_vertices, "Vertices pulled softly.")

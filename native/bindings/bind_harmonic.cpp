@@ -33,7 +33,8 @@ void bind_harmonic(py::module_& module)
 Non-negative, sum 1, linear precision, no maximum inside. Up to 600 triangles, the first bind() solves the
 cage's boundary; with more, each bind() solves a lattice inside. With boundary elements, bind() also raises
 InvalidMesh for faces without area and faces that touch one another.)",
-        &options, R"(quality     'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4100 or 12000 unknowns on the cage,
+        &options,
+        R"(quality     'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4100 or 12000 unknowns on the cage,
             whose cube is the time and whose square the memory; or 96, 160, 256 or 384 steps of the
             lattice along the cage's longest side.
 outside     points outside: 'error' names them, 'mean_value' gives them mean value weights.

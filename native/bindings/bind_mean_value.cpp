@@ -6,12 +6,13 @@ namespace sinew::bindings {
 
 void bind_mean_value(py::module_& module)
 {
-    bind_cage_method<MeanValue>(module, "MeanValue",
-                                R"(Mean value coordinates [Ju, Schaefer & Warren 2005], section 5.4.
+    bind_cage_method<MeanValue>(
+        module, "MeanValue",
+        R"(Mean value coordinates [Ju, Schaefer & Warren 2005], section 5.4.
 
 Sum 1 and linear precision everywhere, outside the cage too; may be negative where a concave cage is seen
 through itself. A closed form: cost O(points x triangles).)",
-                                +[](const CageWeightOptions& weights) { return weights; }, "");
+        +[](const CageWeightOptions& weights) { return weights; }, "");
 }
 
 } // namespace sinew::bindings

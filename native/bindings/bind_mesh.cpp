@@ -106,8 +106,8 @@ void bind_mesh(py::module_& module)
             "coincident_vertices", [](const Diagnosis& d) { return to_numpy(d.coincident_vertices); },
             "(k,) vertices exactly where an earlier one is.")
         .def_readonly("component_count", &Diagnosis::component_count, "Connected parts.")
-        .def_property_readonly("clean", [](const Diagnosis& d) { return summary(d) == "clean"; },
-                               "Nothing is unusual.")
+        .def_property_readonly(
+            "clean", [](const Diagnosis& d) { return summary(d) == "clean"; }, "Nothing is unusual.")
         .def("summary", &summary, "One line with the counts, or 'clean'.")
         .def("__repr__", [](const Diagnosis& d) { return "<Diagnosis: " + summary(d) + ">"; });
 
@@ -139,9 +139,9 @@ and indices out of range; `elements` lists the culprits.)")
             "(t, 3) the triangulation that all operators use, read-only.")
         .def_property_readonly("vertex_count", &SurfaceMesh::vertex_count, "Vertices, n.")
         .def_property_readonly("face_count", &SurfaceMesh::face_count, "Faces, m.")
-        .def_property_readonly("component_count",
-                               [](const SurfaceMesh& m) { return connected_components(m).count; },
-                               "Connected parts.")
+        .def_property_readonly(
+            "component_count", [](const SurfaceMesh& m) { return connected_components(m).count; },
+            "Connected parts.")
         .def_property_readonly(
             "components", [](const SurfaceMesh& m) { return to_numpy(connected_components(m).labels); },
             "(n,) part of each vertex; parts are joined through faces.")

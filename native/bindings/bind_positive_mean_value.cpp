@@ -22,7 +22,8 @@ void bind_positive_mean_value(py::module_& module)
 
 Non-negative, sum 1, linear precision; mean values in a convex cage. Continuous, but their gradients jump
 where an edge of the cage comes into view.)",
-        &options, R"(exact       by cutting away what is hidden; False: by rays, a preview whose weights jump by some 1e-3.
+        &options,
+        R"(exact       by cutting away what is hidden; False: by rays, a preview whose weights jump by some 1e-3.
 directions  rays per point, an even number of at least 8.
 outside     points outside: 'error' names them, 'mean_value' gives them mean value weights.
 )",

@@ -17,7 +17,8 @@ SpaceReport bind_points(SpaceMethod& method, const py::object& rest, const py::o
     return method.bind(view, ticks);
 }
 
-SpaceReport rebind(SpaceMethod& method, SpaceMethod& former, const py::object& rest, const py::object& callback)
+SpaceReport rebind(SpaceMethod& method, SpaceMethod& former, const py::object& rest,
+                   const py::object& callback)
 {
     const FloatArray array = floats(rest, "points");
     const PointsView view = points<InvalidConstraint>(array, "points");
@@ -62,7 +63,8 @@ void bind_space(py::module_& module)
         .def_property_readonly(
             "reuse", [](const SpaceReport& report) { return name_of(report.reuse); },
             "What rebind() took over: 'anew' for nothing, or 'kept' for everything.")
-        .def_readonly("changed", &SpaceReport::changed, "What differs from the object that rebind() was given.")
+        .def_readonly("changed", &SpaceReport::changed,
+                      "What differs from the object that rebind() was given.")
         .def_readonly("point_count", &SpaceReport::point_count, "Points bound.")
         .def_property_readonly(
             "outside", [](const SpaceReport& report) { return to_numpy(report.outside); },

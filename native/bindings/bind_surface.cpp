@@ -38,14 +38,11 @@ py::tuple solve(const SurfaceMethod& method, const py::object& poses, const py::
                 const py::object& from_rest, const py::object& start, std::optional<int> max_iterations,
                 std::optional<double> tolerance, const py::object& callback, const py::object& out)
 {
-    SolveRequest request{bindings::poses(poses)};
-    request.from_rest = flags(from_rest, request.poses.size());
+    Poses maps = bindings::poses(poses);
+    std::optional<std::vector<bool>> aims = flags(from_rest, maps.size());
     const OptionalPoints entering(incoming, "incoming"), first(start, "start");
-    request.incoming = entering.view;
-    request.start = first.view;
-    request.max_iterations = max_iterations;
-    request.tolerance = tolerance;
-    request.progress = progress(callback);
+    const SolveRequest request{std::move(maps), entering.view, std::move(aims),   first.view,
+                               max_iterations,  tolerance,     progress(callback)};
     return solved(out, method.rest().vertex_count(),
                   [&](Points& positions) { return method.solve(request, positions); });
 }

@@ -34,7 +34,8 @@ inline CageOutside cage_outside(const std::string& outside)
 template <class Method, class Options, class... Own, class... Words>
 py::class_<Method, CageCoordinates, std::shared_ptr<Method>>
 bind_cage_method(py::module_& module, const char* name, const char* doc,
-                 Options (*options)(const CageWeightOptions&, Own...), const std::string& words, Words&&... own)
+                 Options (*options)(const CageWeightOptions&, Own...), const std::string& words,
+                 Words&&... own)
 {
     py::class_<Method, CageCoordinates, std::shared_ptr<Method>> result(module, name, doc);
     const std::string text = R"(

@@ -11,8 +11,8 @@ namespace sinew::bindings {
 
 /// The class of a surface method; what remains is its constructor, and what it alone can do.
 template <class Method>
-py::class_<Method, SurfaceMethod, std::shared_ptr<Method>> bind_surface_method(py::module_& module,
-                                                                               const char* name, const char* doc)
+py::class_<Method, SurfaceMethod, std::shared_ptr<Method>>
+bind_surface_method(py::module_& module, const char* name, const char* doc)
 {
     return {module, name, doc};
 }

@@ -3,7 +3,8 @@
 
 namespace sinew {
 
-std::vector<std::string> names_of(std::initializer_list<Difference> differences, std::vector<std::string> names)
+std::vector<std::string> names_of(std::initializer_list<Difference> differences,
+                                  std::vector<std::string> names)
 {
     for (const auto& [name, differs] : differences)
         if (differs)

@@ -21,9 +21,9 @@ struct SpaceReport
     int point_count = 0;
     std::vector<int> outside;      ///< points outside the control
     double dropped = 0.0;          ///< what the threshold changed, see CageWeights::dropped()
-    double error = 0.0;            ///< estimate of the largest error of a weight; 0 where the form is closed
+    double error = 0.0; ///< estimate of the largest error of a weight; 0 where the form is closed
     std::int64_t weight_bytes = 0; ///< memory of the weights
-    double seconds = 0.0;          ///< wall clock of the call
+    double seconds = 0.0; ///< wall clock of the call
 };
 
 /// Where warp() writes: (n, 3) numbers, row-major, which the caller owns.
@@ -56,7 +56,8 @@ public:
     /// \throw as bind()
     SpaceReport rebind(SpaceMethod& former, PointsView points, const Progress& progress = {});
 
-    /// Whether `former` has the weights that bind() would compute: the same class, control, options and points.
+    /// Whether `former` has the weights that bind() would compute: the same class, control, options and
+    /// points.
     bool can_reuse(const SpaceMethod& former, const PointsView& points) const;
 
     /// The displacements of the bound points, added to what entered.

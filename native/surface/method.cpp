@@ -11,7 +11,8 @@
 namespace sinew {
 
 SurfaceMethod::SurfaceMethod(const SurfaceMesh& rest)
-    : rest_(std::make_shared<const SurfaceMesh>(rest)), parts_(connected_components(*rest_)), regions_({}, parts_)
+    : rest_(std::make_shared<const SurfaceMesh>(rest)), parts_(connected_components(*rest_)),
+      regions_({}, parts_)
 {
 }
 

@@ -16,13 +16,13 @@ namespace sinew {
 /// What SurfaceMethod::solve() is asked.
 struct SolveRequest
 {
-    Poses poses;                                  ///< (k) affine maps from each handle's rest frame, object space
-    std::optional<PointsView> incoming{};         ///< (n, 3) what entered this frame; none for rest
+    Poses poses{}; ///< (k) affine maps from each handle's rest frame, object space
+    std::optional<PointsView> incoming{}; ///< (n, 3) what entered this frame; none for rest
     std::optional<std::vector<bool>> from_rest{}; ///< (k) which handles aim from rest; none: no handle does
     /// (n, 3) warm start while a control is dragged; the result of an iterative method then depends on it.
     std::optional<PointsView> start{};
     std::optional<int> max_iterations{}; ///< of an iterative method; none for the budget of its options
-    std::optional<double> tolerance{};   ///< likewise
+    std::optional<double> tolerance{}; ///< likewise
     Progress progress{};
 };
 
@@ -49,7 +49,8 @@ public:
     /// can_reuse() is true, and stays as it was elsewhere. The report says what was taken over and what
     /// differs. Leaves both objects as they were if it throws.
     /// \throw as set_handles()
-    BindReport rebind(SurfaceMethod& former, const std::vector<Handle>& handles, const Progress& progress = {});
+    BindReport rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
+                      const Progress& progress = {});
 
     /// Whether rebind() would take anything over: the same class on the same rest shape, with handles, and no
     /// option differs but those that the method updates.
@@ -71,7 +72,8 @@ protected:
     /// Factorises for these regions and completes the report. Must leave the object as it was if it throws.
     virtual void bind(const Regions& regions, BindReport& report, const Progress& progress) = 0;
     /// \param targets  those of the request, checked.
-    virtual SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const = 0;
+    virtual SolveReport deform(const SolveRequest& request, const Targets& targets,
+                               Points& positions) const = 0;
     /// Names of the options of which bind() makes something else than `former`, an object of the same class.
     virtual std::vector<std::string> changed_options(const SurfaceMethod& former) const = 0;
     /// Whether bind() can make use of a factor for another value of this option.

@@ -46,7 +46,11 @@ def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
         ("native/surface/nonlinear/primo.cpp", "", "no header beside it"),
         ("native/surface/linear/affine_basis.h", "// Part of the method primo.\n", "neither a row"),
         ("native/bindings/bind_surface.cpp", 'py::class_<X>(m, "Shell");', "binds no class ThinShell"),
-        ("native/bindings/sinew_native-stubs/_surface.pyi", "class ThinShellReport: ...", "declares no class ThinShell"),
+        (
+            "native/bindings/sinew_native-stubs/_surface.pyi",
+            "class ThinShellReport: ...",
+            "declares no class ThinShell",
+        ),
         ("blend_samples/plate.py", "thin_shells = 1", "no sample"),
         (
             "addon/core/methods.py",

@@ -119,9 +119,11 @@ def test_stubs_name_the_bases(name: str) -> None:
 @EVERY_CALLABLE
 def test_stubs_and_module_agree_on_parameters(name: str, node: ast.FunctionDef, function: object) -> None:
     assert stated_parameters(function) == parameters(node)
-    assert {part.split(":")[0].split("=")[0].strip() for part in signature_line(function).split(",") if "=" in part} == (
-        defaults(node).keys()
-    )
+    assert {
+        part.split(":")[0].split("=")[0].strip()
+        for part in signature_line(function).split(",")
+        if "=" in part
+    } == (defaults(node).keys())
 
 
 @pytest.mark.parametrize("name", ERRORS)
@@ -203,7 +205,11 @@ def test_surface_methods_agree_on_shapes_and_refusals(name: str) -> None:
     positions, solved = method.solve(poses, incoming=CUBE.points, from_rest=[True, False], start=CUBE.points)
     assert (positions.shape, positions.dtype, solved.converged) == ((8, 3), np.float64, True)
     assert method.solve(poses, out=out)[0] is out
-    for wrong in ({"poses": poses[:1]}, {"poses": poses, "incoming": CUBE.points[1:]}, {"poses": poses, "start": [[0.0]]}):
+    for wrong in (
+        {"poses": poses[:1]},
+        {"poses": poses, "incoming": CUBE.points[1:]},
+        {"poses": poses, "start": [[0.0]]},
+    ):
         with pytest.raises(sn.InvalidConstraint):
             method.solve(**wrong)
     for wrong in ({"max_iterations": -1}, {"tolerance": np.nan}):

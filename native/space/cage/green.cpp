@@ -56,7 +56,7 @@ std::vector<std::string> Green::changed_settings(const SpaceMethod& former) cons
 {
     const GreenOptions& other = static_cast<const Green&>(former).options_;
     return names_of({{"outside", options_.outside != other.outside},
-                                {"exit_face", options_.exit_face != other.exit_face}},
+                     {"exit_face", options_.exit_face != other.exit_face}},
                     CageCoordinates::changed_settings(former));
 }
 

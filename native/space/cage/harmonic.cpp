@@ -80,8 +80,8 @@ std::vector<std::string> Harmonic::changed_settings(const SpaceMethod& former) c
 {
     const HarmonicOptions& other = static_cast<const Harmonic&>(former).options_;
     return names_of({{"quality", options_.quality != other.quality},
-                                {"outside", options_.outside != other.outside},
-                                {"solver", options_.solver != other.solver}},
+                     {"outside", options_.outside != other.outside},
+                     {"solver", options_.solver != other.solver}},
                     CageCoordinates::changed_settings(former));
 }
 
@@ -157,7 +157,8 @@ void Harmonic::evaluate(int first, PointsView block, RowMatrix& rows, std::vecto
 {
     if (grid_) {
         rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-                   grid_->rows.data() + static_cast<std::ptrdiff_t>(first) * cage().vertex_count(), block.rows(), cage().vertex_count())
+                   grid_->rows.data() + static_cast<std::ptrdiff_t>(first) * cage().vertex_count(),
+                   block.rows(), cage().vertex_count())
                    .cast<double>();
         outside.assign(grid_->inside.begin() + first, grid_->inside.begin() + first + block.rows());
         settle(block, rows, outside);

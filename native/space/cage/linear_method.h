@@ -15,8 +15,8 @@ namespace sinew {
 ///
 /// which is W c' where W c = x, and gives the rest points back to the last bit where the control is at rest,
 /// however the weights are rounded. A point whose weights are all zero stays at rest. warp() is one (n, k) x
-/// (k, 3) product; it rounds to the precision of the weights: in single precision, 1e-7 of the longest move of
-/// a control.
+/// (k, 3) product; it rounds to the precision of the weights: in single precision, 1e-7 of the longest move
+/// of a control.
 class LinearSpaceMethod : public SpaceMethod
 {
 public:
@@ -39,8 +39,8 @@ protected:
     /// \param[out] outside  (b) whether each point lies outside.
     virtual void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const = 0;
 
-    /// Columns of the weights: the points of the control, with Green coordinates also the cage's triangles. All
-    /// but those points are multiplied by vectors, which no translation changes.
+    /// Columns of the weights: the points of the control, with Green coordinates also the cage's triangles.
+    /// All but those points are multiplied by vectors, which no translation changes.
     virtual int columns() const { return static_cast<int>(rest_control().rows()); }
     /// (columns(), 3) what the weights are multiplied by, for a posed control.
     virtual void controls(PointsView control, Points& controls) const { controls = control; }

@@ -27,8 +27,8 @@ std::vector<std::string> PositiveMeanValue::changed_settings(const SpaceMethod& 
 {
     const PositiveMeanValueOptions& other = static_cast<const PositiveMeanValue&>(former).options_;
     return names_of({{"exact", options_.exact != other.exact},
-                                {"directions", options_.directions != other.directions},
-                                {"outside", options_.outside != other.outside}},
+                     {"directions", options_.directions != other.directions},
+                     {"outside", options_.outside != other.outside}},
                     CageCoordinates::changed_settings(former));
 }
 

@@ -41,8 +41,8 @@ struct LinearResponse
 class AffineBasis
 {
 public:
-    /// (c, 4k) one row for each of regions.constraints(): x, y, z, 1 of the rest point in the four columns of its
-    /// handle.
+    /// (c, 4k) one row for each of regions.constraints(): x, y, z, 1 of the rest point in the four columns of
+    /// its handle.
     static MatrixX columns(const Points& rest, const Regions& regions);
 
     /// \param rest      (n, 3)

@@ -229,8 +229,8 @@ struct ThinShell::Impl
         A.makeCompressed();
     }
 
-    /// The factor moves over to what is bound next, so that its symbolic part serves again where the pattern is
-    /// the same.
+    /// The factor moves over to what is bound next, so that its symbolic part serves again where the pattern
+    /// is the same.
     void bind(const Regions& regions, BindReport& report, const Progress& progress)
     {
         Binding next;
@@ -254,7 +254,8 @@ struct ThinShell::Impl
             progress.tick(0.7, "computing the basis");
             if (options.affine_basis && regions.handle_count() <= most_basis_handles) {
                 const MatrixX columns = AffineBasis::columns(rest.points(), regions);
-                next.basis = std::make_unique<AffineBasis>(rest.points(), next.respond(rest.vertex_count(), columns));
+                next.basis =
+                    std::make_unique<AffineBasis>(rest.points(), next.respond(rest.vertex_count(), columns));
             }
             progress.tick(1.0, "bound");
         } catch (const std::exception&) {

@@ -18,16 +18,39 @@ GreenOptions doubles(GreenOutside outside = GreenOutside::nearest, int exit_face
     return {{WeightPrecision::double_precision, 0.0}, outside, exit_face};
 }
 
-Points warped(const Green& green, const Points& pose)
-{
-    return warped_by(green, view(pose));
-}
+Points warped(const Green& green, const Points& pose) { return warped_by(green, view(pose)); }
 
 Points posed(const SurfaceMesh& cage, const Pose& pose) { return shapes::transformed(cage.points(), pose); }
 
 const Vector3 x0(0.1, 0.2, 0.3);
 
+SpaceTraits traits()
+{
+    const SurfaceMesh cage = shapes::u_prism();
+    return {.name = "Green",
+            .variants = {cages::variant<Green>("nearest", cage, doubles())},
+            .control = cage.points(),
+            .points = shapes::points_around(cage, 600, 1.0),
+            .similarity = 1e-11,
+            .follow = 3.0, // normals turn with the faces at the vertex
+            .other = [cage] { return std::make_shared<Green>(Cage(cage), doubles(GreenOutside::face, 1)); }};
+}
+
+SpaceTraits refusing()
+{
+    SpaceTraits chosen = traits();
+    const SurfaceMesh cage = shapes::u_prism();
+    chosen.name = "refusing";
+    chosen.variants = {cages::variant<Green>("refusing", cage, doubles(GreenOutside::refuse))};
+    chosen.points = cages::inside_u_prism(600, 1e-3);
+    chosen.outside = Vector3(1.5, 2, 0.5);
+    chosen.refuses_outside = true;
+    return chosen;
+}
+
 } // namespace
+
+INSTANTIATE_TEST_SUITE_P(Green, SpaceContract, testing::Values(traits(), refusing()));
 
 TEST(Green, has_the_known_coordinates_in_the_octahedron)
 {

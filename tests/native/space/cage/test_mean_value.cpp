@@ -59,7 +59,21 @@ Eigen::VectorXd on_the_sphere(const SurfaceMesh& cage, const Vector3& x)
     return result;
 }
 
+SpaceTraits traits()
+{
+    const SurfaceMesh cage = shapes::u_prism();
+    return {.name = "MeanValue",
+            .variants = {cages::variant<MeanValue>("double", cage, doubles)},
+            .control = cage.points(),
+            .points = shapes::points_around(cage, 600, 1.3),
+            .similarity = 1e-11,
+            .affine = 1e-11,
+            .other = [cage] { return std::make_shared<MeanValue>(Cage(cage)); }};
+}
+
 } // namespace
+
+INSTANTIATE_TEST_SUITE_P(MeanValue, SpaceContract, testing::Values(traits()));
 
 TEST(MeanValue, has_the_known_weights_in_the_octahedron)
 {
