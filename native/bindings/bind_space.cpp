@@ -68,7 +68,7 @@ void bind_space(py::module_& module)
         .def_readonly("point_count", &SpaceReport::point_count, "Points bound.")
         .def_property_readonly(
             "outside", [](const SpaceReport& report) { return to_numpy(report.outside); },
-            "Points outside the cage.")
+            "(k,) points outside the cage.")
         .def_readonly(
             "dropped", &SpaceReport::dropped,
             "What the threshold changed in the weights of a point, at most: times the longest move of "

@@ -32,31 +32,24 @@ BindReport SurfaceMethod::set_handles(const std::vector<Handle>& handles, const 
     return report;
 }
 
-std::vector<std::string> SurfaceMethod::differences(const SurfaceMethod& former) const
+SurfaceMethod::Comparison SurfaceMethod::compare(const SurfaceMethod& former) const
 {
     if (typeid(*this) != typeid(former))
-        return {"method"};
+        return {{"method"}, false};
     if (!(*rest_ == *former.rest_))
-        return {"rest shape"};
-    return changed_options(former);
+        return {{"rest shape"}, false};
+    const std::vector<std::string> changed = changed_options(former);
+    return {changed, former.bound_ && std::ranges::all_of(changed, [this](const std::string& option) {
+                         return updates(option);
+                     })};
 }
 
-bool SurfaceMethod::updates_all(const SurfaceMethod& former, const std::vector<std::string>& options) const
-{
-    return former.bound_ &&
-           std::ranges::all_of(options, [this](const std::string& option) { return updates(option); });
-}
-
-bool SurfaceMethod::can_reuse(const SurfaceMethod& former) const
-{
-    return updates_all(former, differences(former));
-}
+bool SurfaceMethod::can_reuse(const SurfaceMethod& former) const { return compare(former).reusable; }
 
 BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
                                  const Progress& progress)
 {
-    std::vector<std::string> changed = differences(former);
-    const bool reusable = updates_all(former, changed);
+    auto [changed, reusable] = compare(former);
     if (!former.bound_ || handles != former.handles_)
         changed.emplace_back("handles");
     struct Exchange

@@ -86,8 +86,12 @@ protected:
     void require_same_size(const PointsView& points, const char* name) const;
 
 private:
-    std::vector<std::string> differences(const SurfaceMethod& former) const;
-    bool updates_all(const SurfaceMethod& former, const std::vector<std::string>& options) const;
+    struct Comparison
+    {
+        std::vector<std::string> changed; ///< names of what differs, handles left out
+        bool reusable;
+    };
+    Comparison compare(const SurfaceMethod& former) const;
     void swap_all(SurfaceMethod& other);
 
     std::shared_ptr<const SurfaceMesh> rest_; ///< does not move when the method does

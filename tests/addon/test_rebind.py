@@ -129,10 +129,7 @@ def test_what_needs_a_new_solver_leaves_the_factor_as_it_is(backend, method: str
     factor = backend.build_factor(recipe(backend, method))
     before = solved(factor, 2)
     other = next(name for name in WITH_HANDLES if name != method)
-    needs_new = {
-        "thin_shell": {"laplacian": "uniform"},
-        "arap": {"rigidity": np.linspace(0.5, 1.0, len(POINTS))},
-    }[method]
+    needs_new = NEEDS_NEW[method]
     for wanted in (
         recipe(backend, other),
         recipe(backend, method, points=POINTS + 1e-9),

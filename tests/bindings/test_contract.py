@@ -24,8 +24,8 @@ REPORTS = [name for name in CLASSES if name.endswith(("Report", "Diagnosis"))]
 
 def subclasses(base: type) -> list[str]:
     """Names of the methods that can be made, not of what they have in common."""
-    found = (name for name, value in PUBLIC.items() if inspect.isclass(value) and issubclass(value, base))
-    return [name for name in found if "__init__" in vars(PUBLIC[name])]
+    made = (name for name, node in CLASSES.items() if any(m.name == "__init__" for m in members(node)))
+    return [name for name in made if issubclass(PUBLIC[name], base)]
 
 
 def members(node: ast.ClassDef) -> Iterator[ast.FunctionDef]:
