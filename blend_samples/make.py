@@ -15,7 +15,7 @@ import bpy
 
 FOLDER = Path(__file__).resolve().parent
 OUTPUT = FOLDER / "output"
-PICTURES = FOLDER.parent / "docs" / "images"
+PICTURES = FOLDER.parent / "docs" / "manual" / "images"
 sys.path.insert(0, str(FOLDER.parent))
 
 

@@ -48,7 +48,7 @@ _statuses: dict[str, Status] = {}
 _notes: dict[str, tuple[Status, ...]] = {}
 
 
-def of(key: str) -> Status:
+def current(key: str) -> Status:
     """The main line of a deformer."""
     return _statuses.get(key, EMPTY)
 

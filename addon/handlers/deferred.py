@@ -36,14 +36,14 @@ def stop() -> None:
 
 
 def _has_unlocked_renders() -> bool:
-    return bool(session.owners()) and any(session.is_needed(scene) for scene in bpy.data.scenes)
+    return bool(session.owners()) and any(session.must_hand_over(scene) for scene in bpy.data.scenes)
 
 
 def _serve() -> float | None:
     """Stand ready for render threads; see ``session.relay``."""
     if not _has_unlocked_renders():
         return None
-    session.serve()
+    session.carry_out_writes()
     return 0.0 if bpy.app.is_job_running("RENDER") else _STAND_BY
 
 

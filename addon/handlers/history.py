@@ -14,7 +14,7 @@ from . import deferred
 def on_undo(*_args: object) -> None:
     """Shape meshes may hold another state now: the next evaluation writes them again."""
     session.forget_owners()
-    session.distrust()
+    session.forget_shapes()
     _evaluate_again()
 
 
@@ -44,6 +44,6 @@ def before_use(*_args: object) -> None:
 def _evaluate_again() -> None:
     for obj in session.owners():
         if obj.library is None:
-            session.edited(obj.name)  # the mesh may be another one now
+            session.note_edit(obj.name)  # the mesh may be another one now
             obj.update_tag()
     deferred.schedule()

@@ -27,7 +27,7 @@ _ADDON = Path(__file__).resolve().parents[1]
 
 def manual_page(page: str) -> Path:
     """The file of a page: as packaged with the add-on, or as written, beside a source checkout."""
-    for path in (_ADDON / "manual" / f"{page}.html", _ADDON.parent / "docs" / f"{page}.md"):
+    for path in (_ADDON / "manual" / f"{page}.html", _ADDON.parent / "docs" / "manual" / f"{page}.md"):
         if path.is_file():
             return path
     raise SinewError(

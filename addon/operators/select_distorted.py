@@ -9,7 +9,7 @@ from .. import session
 from ..core.distortion import Measure
 from ..ids import Operators
 from ..properties.scene import MEASURES
-from ..session import result
+from ..session.shown import result
 from .target import has_deformer, target_of
 
 

@@ -31,7 +31,7 @@ class SINEW_OT_select_problems(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         uid = obj.sinew.active.uid
-        lines = [line for line in (status.of(uid), *status.notes(uid)) if line.elements]
+        lines = [line for line in (status.current(uid), *status.notes(uid)) if line.elements]
         if self.line >= 0:
             lines = lines[self.line : self.line + 1]
         if not lines:

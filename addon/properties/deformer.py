@@ -170,13 +170,13 @@ class SinewDeformer(PropertyGroup):
         name="Status",
         description="What the deformer is doing, or what to do about it",
         options={"SKIP_SAVE"},
-        get=lambda deformer: status.of(deformer.uid).text,
+        get=lambda deformer: status.current(deformer.uid).text,
     )
     status_level: StringProperty(
         name="Status Level",
         options={"HIDDEN", "SKIP_SAVE"},
         description="NONE, INFO, WARNING or ERROR",
-        get=lambda deformer: status.of(deformer.uid).level.value,
+        get=lambda deformer: status.current(deformer.uid).level.value,
     )
 
     @property

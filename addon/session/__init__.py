@@ -1,37 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
-from .apply import apply
-from .baked import find_cache
-from .binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
-from .cages import add_cage_object, cage_maker, flip_cage, set_cage, set_rest_cage
-from .census import forget_owners, owners, posed_by
-from .edit import (
-    add_deformer,
-    add_handle,
-    bind,
-    group_from_selection,
-    remove_deformer,
-    remove_handle,
-    select_elements,
-    select_group,
-    unbind,
-)
-from .evaluate import settle, update
-from .grab import NOTHING_FREE, Grab
-from .kinds import can_be_moved, is_exported, is_mesh, label, require_mesh, size
-from .mirror import Mirrored, MirrorOptions, handles_of_side, mirror, side_of_handle
-from .move import move_deformer, move_handle
-from .parting import part_regions
-from .picking import is_moved_by_control
-from .refresh import refresh
-from .relay import is_needed, serve
-from .repair import Cures, notes, repair
-from .repair import summary as repair_summary
-from .rig import attribute_names, find_modifier
-from .state import distrust, drop_all, edited, find, suspended, unsettled
-from .upkeep import collect, copies, has_pending, tidy
-from .work import Work
+from .blocks.baked import find_cache
+from .blocks.owners import copies, forget_owners, owners, posed_by
+from .blocks.shapes import attribute_names, find_modifier
+from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh, size
+from .edit.apply import apply
+from .edit.bind import bind, unbind
+from .edit.cages import add_cage_object, cage_maker, flip_cage, set_cage, set_rest_cage
+from .edit.deformers import add_deformer, remove_deformer
+from .edit.handles.bones import is_moved_by_control
+from .edit.handles.handles import add_handle, remove_handle
+from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror, side_of_handle
+from .edit.handles.overlaps import part_regions
+from .edit.order import move_deformer, move_handle
+from .edit.refresh import refresh
+from .edit.repair import Cures, repair
+from .edit.repair import summary as repair_summary
+from .edit.selection import group_from_selection, select_elements, select_group
+from .edit.upkeep import collect, has_pending, tidy
+from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
+from .live.evaluate import settle, update
+from .live.mesh_notes import notes
+from .memory.background import Work
+from .memory.render_writes import carry_out_writes, must_hand_over
+from .memory.sessions import drop_all, find, forget_shapes, note_edit, suspended, unsettled
+from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
     "CANCELLED",
@@ -51,30 +45,31 @@ __all__ = (
     "cage_maker",
     "can_be_moved",
     "cancel",
+    "carry_out_writes",
     "collect",
     "copies",
-    "distrust",
     "drop_all",
     "duration",
-    "edited",
     "find",
     "find_cache",
     "find_modifier",
     "flip_cage",
     "forget_owners",
+    "forget_shapes",
     "group_from_selection",
     "handles_of_side",
     "has_pending",
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
-    "is_needed",
     "job",
     "label",
     "may_wait",
     "mirror",
     "move_deformer",
     "move_handle",
+    "must_hand_over",
+    "note_edit",
     "notes",
     "owners",
     "part_regions",
@@ -87,7 +82,6 @@ __all__ = (
     "require_mesh",
     "select_elements",
     "select_group",
-    "serve",
     "set_cage",
     "set_rest_cage",
     "settle",

@@ -31,7 +31,7 @@ class SINEW_UL_deformers(UIList):
         _active_owner: SinewObject,
         _active_property: str,
     ) -> None:
-        failing = status.of(deformer.uid).level is Level.ERROR
+        failing = status.current(deformer.uid).level is Level.ERROR
         layout.prop(deformer, "name", text="", emboss=False, icon="ERROR" if failing else "NONE")
         row = layout.row(align=True)
         row.prop(deformer, "live", text="", emboss=False, icon="PLAY" if deformer.live else "FREEZE")

@@ -17,7 +17,7 @@ from ..ids import Operators
 from ..operators import target_of
 from ..properties import SinewDeformer
 from ..properties import scene as settings
-from ..session import result
+from ..session.shown import result
 from . import overlay_draw
 from .overlay_colours import number
 from .overlay_picture import Gallery, look_of

@@ -15,8 +15,8 @@ from ..core.methods import Parameter, group_property
 from ..preferences import preferences
 from ..properties import SinewDeformer, SinewHandle
 from ..properties.scene import MEASURES
-from ..session import result, surface
-from ..session.result import Result
+from ..session.shown import result, surface
+from ..session.shown.result import Result
 from . import overlay_colours as colours
 from .overlay_colours import Colour, Legend
 
@@ -88,7 +88,7 @@ class Gallery:
         known = self._pictures.get(deformer.uid)
         if known is not None and known.key == key and result.same(known.source, source):
             return known
-        shape = result.of(obj, deformer)
+        shape = result.shape_shown(obj, deformer)
         if not len(shape.triangles):
             return None
         painted, legend = _paint(obj, deformer, look, shape)

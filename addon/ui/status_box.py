@@ -115,7 +115,7 @@ def headline(deformer: SinewDeformer) -> Status:
     """The main line: what the session says, with the time of the last solve where all is well."""
     if availability().module is None:
         return NATIVE_MISSING
-    main = status.of(deformer.uid)
+    main = status.current(deformer.uid)
     if not main.text:
         return Status(Level.INFO, "Bound" if deformer.is_bound else "Not bound - press Bind")
     known = session.find(deformer.uid)

@@ -26,7 +26,8 @@ void bind_affine_basis(py::module_& module)
                 const Poses checked = poses(object);
                 return solved([&](Points& positions) { return basis.solve(checked, positions); });
             },
-            py::arg("poses"), "(k, 3, 4) -> (positions (n, 3), SolveReport), as ThinShell.solve from rest.\n"
+            py::arg("poses"),
+            "(k, 3, 4) -> (positions (n, 3), SolveReport), as ThinShell.solve from rest.\n"
             "Raises InvalidConstraint for a wrong count, shape or non-finite number.");
 }
 

@@ -95,8 +95,8 @@ Cost: about 1 s at the default margin, as 1 / margin^2. Raises InvalidMesh where
             "outside_points", [](const CageDiagnosis& d) { return to_numpy(d.outside_points); },
             "(k,) points outside the cage.")
         .def_readonly("component_count", &CageDiagnosis::component_count, "Connected parts with faces.")
-        .def_property_readonly("clean", [](const CageDiagnosis& d) { return summary(d) == "clean"; },
-                               "Nothing is wrong.")
+        .def_property_readonly(
+            "clean", [](const CageDiagnosis& d) { return summary(d) == "clean"; }, "Nothing is wrong.")
         .def(
             "summary", [](const CageDiagnosis& d) { return summary(d); },
             "One line with the counts, or 'clean'.")

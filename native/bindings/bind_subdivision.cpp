@@ -178,7 +178,8 @@ Raises InvalidConstraint for another shape.)")
                 return Rows(matrix * from);
             },
             py::arg("values"),
-            "(q, d) values of the channel -> (p, d) refined values. Raises InvalidConstraint for another shape.")
+            "(q, d) values of the channel -> (p, d) refined values. Raises InvalidConstraint for another "
+            "shape.")
         .def_property_readonly("face_varying_matrix", &SubdivisionSurface::face_varying_matrix,
                                "(p, q) SciPy CSR; refined values are this times the values, both (., d).")
         .def_property_readonly(

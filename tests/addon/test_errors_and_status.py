@@ -23,14 +23,14 @@ def test_status_is_kept_by_key():
     status.put("a", Status(Level.INFO, "fine"))
     status.fail("b", errors.MeshError("broken", (1, 2), "face"))
     status.put_notes("b", (Status(Level.WARNING, "and free"),))
-    assert status.of("a").text == "fine"
-    assert status.of("b") == Status(Level.ERROR, "broken", (1, 2), "face")
+    assert status.current("a").text == "fine"
+    assert status.current("b") == Status(Level.ERROR, "broken", (1, 2), "face")
     assert status.notes("b")[0].text == "and free"
     status.clear("b")
-    assert status.of("b") is status.EMPTY
+    assert status.current("b") is status.EMPTY
     assert status.notes("b") == ()
     status.clear()
-    assert status.of("a") is status.EMPTY
+    assert status.current("a") is status.EMPTY
 
 
 PLATE = np.array([(x, y, 0.0) for y in range(4) for x in range(4)], dtype=float)
@@ -108,7 +108,7 @@ def test_errors_bring_their_remedy_to_the_panel():
     }
     for kind, remedy in expected.items():
         status.fail("remedies", kind("message"))
-        assert status.of("remedies").remedy is remedy
+        assert status.current("remedies").remedy is remedy
     status.fail("remedies", errors.ConstraintError("message", remedy=status.Remedy.PART_REGIONS))
-    assert status.of("remedies").remedy is status.Remedy.PART_REGIONS
+    assert status.current("remedies").remedy is status.Remedy.PART_REGIONS
     status.clear()

@@ -39,6 +39,20 @@ ADDON_RANKS = {
     "handlers": 6,
     "ui": 6,
 }
+# Large rooms have ranks inside; their __init__.py is the face, which only other rooms see.
+INNER_RANKS = {
+    "session": {
+        "memory": 0,
+        "blocks": 1,
+        "control": 2,
+        "shown": 3,
+        "live": 3,
+        "edit": 4,
+        "tools": 4,
+    },
+}
+# Folders whose sub-folders may not see each other: adding one kind must not need another.
+APART = ("session/control",)
 # A header that only one room may include -> that room.
 RESERVED_HEADERS = {
     r"pybind11/|Python\.h": "bindings",
@@ -123,12 +137,31 @@ def _addon_offences(root: Path) -> Iterator[tuple[str, str]]:
             for target in targets:
                 if node not in at_top:
                     yield place, f"relative imports stand at the top of the file: {line.strip()}"
-                if target == "_native":
+                if target[0] == "_native":
                     if room != "backend":
                         yield place, f"only backend may import sinew_native: {line.strip()}"
                 elif not is_root:
-                    known = target if target in ADDON_RANKS else None
-                    yield from _step(place, line, room, known, ADDON_RANKS)
+                    yield from _addon_step(root, place, line, inside, target)
+
+
+def _addon_step(
+    root: Path, place: str, line: str, inside: Path, target: tuple[str, ...]
+) -> Iterator[tuple[str, str]]:
+    """Nothing where the file may see the target, a path below addon/."""
+    own, room = inside.with_suffix("").parts, target[0]
+    yield from _step(place, line, own[0], room if room in ADDON_RANKS else None, ADDON_RANKS)
+    ranks = INNER_RANKS.get(room, {})
+    if own[0] == room and own[1:] != ("__init__",) and ranks:
+        inner = target[1] if len(target) > 1 and target[1] in ranks else None
+        if own[1] not in ranks:
+            yield place, f"{own[1]} is no room of {room} that has a rank: {line.strip()}"
+        else:
+            yield from _step(place, line, own[1], inner, ranks)
+    for folder in APART:
+        above = tuple(folder.split("/"))
+        parts = [path[len(above)] for path in (own, target) if path[: len(above)] == above != path]
+        if len(set(parts)) == 2 and all((root / "addon" / folder / part).is_dir() for part in parts):
+            yield place, f"{parts[0]} and {parts[1]} stand apart: {line.strip()}"
 
 
 def _absolute(place: str, line: str, name: str, room: str) -> Iterator[tuple[str, str]]:
@@ -152,8 +185,10 @@ def _top_level(body: list[ast.stmt]) -> Iterator[ast.stmt]:
             yield from _top_level(handler.body)
 
 
-def _seen(node: ast.Import | ast.ImportFrom | ast.Call, inside: Path) -> tuple[list[str], list[str]]:
-    """Absolute module names, and rooms of the add-on, that an import names."""
+def _seen(
+    node: ast.Import | ast.ImportFrom | ast.Call, inside: Path
+) -> tuple[list[str], list[tuple[str, ...]]]:
+    """Absolute module names, and paths below addon/, that an import names."""
     if isinstance(node, ast.Import):
         return [alias.name for alias in node.names], []
     if isinstance(node, ast.Call):
@@ -167,5 +202,5 @@ def _seen(node: ast.Import | ast.ImportFrom | ast.Call, inside: Path) -> tuple[l
     kept = package[: len(package) - (node.level - 1)]
     target = kept + (node.module.split(".") if node.module else [])
     if node.level - 1 > len(package):
-        return [], ["(outside the add-on)"]
-    return [], [target[0]] if target else [alias.name for alias in node.names]
+        return [], [("(outside the add-on)",)]
+    return [], [(*target, alias.name) for alias in node.names]

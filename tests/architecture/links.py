@@ -9,8 +9,8 @@ from urllib.parse import unquote
 
 from .tree import files, lines
 
-MANUAL = "docs"  # its pages, *.md, are packed without the rest of the tree
-PICTURES = "docs/images"
+MANUAL = "docs/manual"  # its pages, *.md, are packed without the rest of the tree
+PICTURES = f"{MANUAL}/images"
 LINK = re.compile(r"\]\(\s*<?([^)\s>]+)|^\s*\[[^\]]+\]:\s+(\S+)|\b(?:href|src)=\"([^\"]+)\"")
 
 

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from .layers import ADDON_RANKS, NATIVE_RANKS, addon_offences, native_offences
+from .layers import ADDON_RANKS, INNER_RANKS, NATIVE_RANKS, addon_offences, native_offences
 from .tree import ROOT, files, grow, listed
 
 
@@ -65,10 +65,15 @@ def test_native_step_down_is_allowed(tmp_path: Path, path: str, line: str) -> No
         ("addon/core/a.py", "from mathutils import Matrix", "does without Blender"),
         ("addon/backend/a.py", "from bpy.types import Object", "does without Blender"),
         ("addon/core/a.py", "from ..compat import nodes", "of the same rank"),
-        ("addon/session/a.py", "from ..operators.bind import run", "of higher rank"),
-        ("addon/session/a.py", "from .. import ui", "of higher rank"),
-        ("addon/session/a.py", "from ..gizmos import draw", "no room that has a rank"),
-        ("addon/session/a.py", "from ... import sinew", "no room that has a rank"),
+        ("addon/bake/a.py", "from ..operators.bind import run", "of higher rank"),
+        ("addon/bake/a.py", "from .. import ui", "of higher rank"),
+        ("addon/bake/a.py", "from ..gizmos import draw", "no room that has a rank"),
+        ("addon/bake/a.py", "from ... import sinew", "no room that has a rank"),
+        ("addon/session/blocks/a.py", "from ...ui import panel", "of higher rank"),
+        ("addon/session/blocks/a.py", "from ..live import evaluate", "of higher rank"),
+        ("addon/session/live/a.py", "from ..shown.result import shape_shown", "of the same rank"),
+        ("addon/session/live/a.py", "from .. import bind", "no room that has a rank"),
+        ("addon/session/a.py", "from .live import evaluate", "is no room of session"),
         ("addon/preferences.py", "from .session import cache", "of higher rank"),
         ("addon/gizmos/a.py", "", "no room that has a rank"),
         ("addon/ui/a.py", "def f():\n    from ..session import cache", "at the top of the file"),
@@ -93,10 +98,18 @@ def test_addon_offence_is_found(tmp_path: Path, path: str, line: str, reason: st
         ("addon/backend/a.py", "from .._native import sinew_native"),
         ("addon/backend/a.py", "def load():\n    import sinew_native"),
         (
-            "addon/session/a.py",
+            "addon/bake/a.py",
             "from .cache import entries\nfrom ..backend import load\nfrom ..core.errors import E",
         ),
         ("addon/ui/a.py", "from .. import ids, session"),
+        ("addon/ui/a.py", "from ..session.shown import result"),
+        ("addon/session/__init__.py", "from .edit.bind import bind"),
+        ("addon/session/live/a.py", "from . import binding\nfrom ..control.cage import kind"),
+        (
+            "addon/session/control/cage/a.py",
+            "from . import kind\nfrom .. import kinds\nfrom ..kinds import a",
+        ),
+        ("addon/session/control/kinds.py", "from .cage import kind"),
         (
             "addon/ui/a.py",
             "try:\n    from ..session import a\nexcept ImportError:\n    from ..session import b",
@@ -106,6 +119,13 @@ def test_addon_offence_is_found(tmp_path: Path, path: str, line: str, reason: st
 )
 def test_addon_step_down_is_allowed(tmp_path: Path, path: str, line: str) -> None:
     assert addon_offences(grow(tmp_path, {path: line})) == []
+
+
+@pytest.mark.parametrize("line", ["from ..handles import poses", "from ..handles.poses import pose"])
+def test_kinds_of_control_stand_apart(tmp_path: Path, line: str) -> None:
+    sources = {"addon/session/control/handles/poses.py": "", "addon/session/control/cage/a.py": line}
+    (offence,) = addon_offences(grow(tmp_path, sources))
+    assert "stand apart" in offence
 
 
 def test_every_room_that_exists_has_a_rank() -> None:
@@ -118,3 +138,5 @@ def test_every_room_that_exists_has_a_rank() -> None:
         if not p.name.startswith(("_", "."))
     }
     assert rooms - {"README", "blender_manifest", "LICENSE"} <= set(ADDON_RANKS) | {"wheels", "icons"}
+    for room, ranks in INNER_RANKS.items():
+        assert {path.name for path in (ROOT / "addon" / room).glob("[!_]*") if path.is_dir()} == set(ranks)

@@ -28,7 +28,11 @@ def test_every_link_leads_somewhere() -> None:
     ],
 )
 def test_good_link_is_left_alone(tmp_path: Path, link: str) -> None:
-    tree = {"docs/one.md": f"## Here\n[a]({link})", "docs/two.md": PAGE, "docs/images/a b.jpg": ""}
+    tree = {
+        "docs/manual/one.md": f"## Here\n[a]({link})",
+        "docs/manual/two.md": PAGE,
+        "docs/manual/images/a b.jpg": "",
+    }
     assert link_offences(grow(tmp_path, tree)) == []
 
 
@@ -41,20 +45,20 @@ def test_good_link_is_left_alone(tmp_path: Path, link: str) -> None:
         ("two.md#no-heading", "is no heading there"),
         ("two.md#its-part-2", "is no heading there"),
         ("#gone", "is no heading there"),
-        ("../README.md", "leads out of the manual"),
-        ("decisions/why.md", "leads out of the manual"),
-        ("../../outside.md", "does not exist"),
+        ("../../README.md", "leads out of the manual"),
+        ("../developer/why.md", "leads out of the manual"),
+        ("../../../outside.md", "does not exist"),
     ],
 )
 @pytest.mark.parametrize("form", ["[a]({})", "![a]({})", '[a]({} "title")', "[a]: {}", '<img src="{}">'])
 def test_broken_link_is_found(tmp_path: Path, form: str, link: str, problem: str) -> None:
     tree = {
-        "docs/one.md": f"# Here\n\n{form.format(link)}\n",
-        "docs/two.md": PAGE,
-        "docs/decisions/why.md": "# Why\n",
+        "docs/manual/one.md": f"# Here\n\n{form.format(link)}\n",
+        "docs/manual/two.md": PAGE,
+        "docs/developer/why.md": "# Why\n",
         "README.md": "# All\n",
     }
-    assert link_offences(grow(tmp_path, tree)) == [f"docs/one.md:3: {link} {problem}"]
+    assert link_offences(grow(tmp_path, tree)) == [f"docs/manual/one.md:3: {link} {problem}"]
 
 
 def test_other_pages_may_lead_anywhere_in_the_tree(tmp_path: Path) -> None:

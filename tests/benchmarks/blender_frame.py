@@ -413,9 +413,9 @@ def reading(method: str) -> dict[str, object]:
     session.add_handle(obj, deformer, "HANDLE", "Top")
     spent = Spent()
     for owner, name in (
-        (room("session.capture"), "rest_meshes"),
-        (room("session.binding"), "read_rest"),
-        (room("session.regions"), "gather"),
+        (room("session.blocks.capture"), "rest_meshes"),
+        (room("session.live.binding"), "read_rest"),
+        (room("session.control.handles.regions"), "request"),
     ):
         spent.around(owner, name)
     whole = timed(bpy.ops.sinew.bind)

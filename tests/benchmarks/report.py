@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines for the terminal, tables for README.md and docs/performance.md: all of it from the rows."""
+"""Lines for the terminal, tables for docs/developer/performance.md: all of it from the rows."""
 
 import json
 from collections import defaultdict
@@ -12,8 +12,7 @@ from record import Row
 from works import ANY, BY_ID, CONVERGENCE_BUDGETS, OWN_TIMES, WORKS, Work, two_thread_rows
 
 ROOT = Path(__file__).resolve().parents[2]
-README = ROOT / "README.md"
-PAGE = ROOT / "docs" / "performance.md"
+PAGE = ROOT / "docs" / "developer" / "performance.md"
 COUNTS = Path(__file__).parent / "instructions" / "table.json"
 
 
@@ -122,7 +121,7 @@ def wanted(work: Work) -> str:
 
 
 def reached(work: Work, rows: list[Row]) -> str:
-    """ "10k: 9.1, 14 · 50k: *7.9*, *11*": one and two threads; slanted where it falls short."""
+    """ "10k: 9.1, 14 · 50k: *7.9*, *11*": one and two threads; italic where it is below the target."""
     places = defaultdict(list)
     for row in sorted(
         rows, key=lambda row: (str(row.get("case") or ""), row["size"], row.get("threads") or 0)
@@ -146,7 +145,7 @@ def least_two_threads(rows: list[Row]) -> str:
 
 
 def ratios(rows: list[Row]) -> str:
-    """The table of the README."""
+    """Every row next to its peer."""
     by_work = defaultdict(list)
     for row in (*rows, *two_thread_rows(rows)):
         if row["work"] in BY_ID and row.get("peer") is not None:
@@ -301,24 +300,22 @@ def measured_on(machine: Mapping[str, object]) -> str:
 
 
 READING = (
-    "Each ratio is from one run, ours and the peer by turns.\n"
-    "*At least* counts how many times faster we are, *at most* divides ours by the peer's; slanted figures\n"
-    "fall short."
+    "Each ratio is from one run, in which Sinew and the peer ran by turns.\n"
+    "*At least* counts how many times faster Sinew is, *at most* divides what Sinew takes by what the peer\n"
+    "takes. *Italic*: below the target."
 )
 
 
-def render(folder: Path = record.RESULTS, readme: Path = README, page: Path = PAGE) -> None:
-    """Plots, the README's table and the figures of the page on performance, from what is stored."""
+def render(folder: Path = record.RESULTS, page: Path = PAGE) -> None:
+    """Plots and figures of the page on performance, from what is stored."""
     import plots
 
     stored = record.load(folder)
     rows = [row for held in stored.values() for row in held["rows"]]
     machine = next(iter(stored.values()))["machine"]
     on = measured_on(machine)
-    text = readme.read_text(encoding="utf-8")
-    content = f"{on} {READING}\n\n{ratios(rows)}"
-    readme.write_text(replaced(text, "benchmarks", content), encoding="utf-8")
     blocks = {
+        "ratios": f"{on} {READING}\n\n{ratios(rows)}",
         "machine": on,
         "times": own_times(rows),
         "bounds": bound_shares(rows),

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures the rows of the README's table next to their peers.
+"""Measures every row of the table in docs/developer/performance.md next to its peer.
 
 Each measurement runs in a process of its own, and ours and the peer's take turns in it. Nothing fails
 because it is slow: every ratio is printed with the one that is wanted beside it. `--store` keeps the results,
-draws the plots and rewrites the figures in README.md and docs/performance.md; `--render` only does the last
+draws the plots and rewrites the figures in docs/developer/performance.md; `--render` only does the last
 two.
 """
 

@@ -1,33 +1,62 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The script that the README shows works as it stands there."""
+"""The scripts that the README and the manual show for the library work as they stand there."""
 
 import re
 from pathlib import Path
 
 import numpy as np
+import pytest
 
-README = Path(__file__).parents[2] / "README.md"
+ROOT = Path(__file__).parents[2]
 
 
-def test_the_readme_script_lifts_the_head() -> None:
-    blocks = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
-    (script,) = [block for block in blocks if "import numpy" in block]
-    (more,) = [block for block in blocks if "SubdivisionSurface" in block]
+def scripts(page: str) -> list[str]:
+    """The Python blocks of a page that use the library alone, without Blender."""
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+    return [block for block in blocks if "sn." in block]
+
+
+@pytest.fixture
+def names() -> dict:
+    """What the scripts speak of: a plate with a head and feet."""
     line = np.linspace(-1.0, 1.0, 11)
     points = np.array([(x, y, 0.0) for y in line for x in line])
     faces = np.array(
         [(j * 11 + i, j * 11 + i + 1, j * 11 + i + 12, j * 11 + i + 11) for j in range(10) for i in range(10)]
     )
     head, feet = np.flatnonzero(points[:, 1] > 0.7), np.flatnonzero(points[:, 1] < -0.7)
-    names = {"points": points, "faces": faces, "head": head, "feet": feet}
+    return {"points": points, "faces": faces, "head": head, "feet": feet}
 
-    exec(compile(script, str(README), "exec"), names)
+
+def run(script: str, page: str, names: dict) -> None:
+    exec(compile(script, page, "exec"), names)
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/manual/scripting.md"])
+def test_the_first_script_lifts_the_head(page: str, names: dict) -> None:
+    points, head, feet = names["points"], names["head"], names["feet"]
+
+    run(scripts(page)[0], page, names)
 
     # Handles are held exactly.
     assert np.allclose(names["positions"][head], points[head] + (0.0, 0.0, 0.5), atol=1e-12)
     assert np.allclose(names["positions"][feet], points[feet], atol=1e-12)
     assert names["report"].converged
 
-    exec(compile(more, str(README), "exec"), names)
+
+def test_the_manuals_cage_and_subdivision(names: dict) -> None:
+    page = "docs/manual/scripting.md"
+    first, cage, subdivision = scripts(page)
+    run(first, page, names)
+
+    run(cage, page, names)
+
+    points = names["points"]
     assert names["problems"].clean
     assert np.abs(names["positions"] - points * (1.0, 1.0, 1.5)).max() < 1e-6 * np.abs(points).max()
+
+    run(subdivision, page, names)
+
+    # refine works in single precision: some bits of the largest coordinate.
+    expected = names["smooth"].matrix @ names["positions"]
+    assert np.abs(names["fine"] - expected).max() < 1e-6 * np.abs(expected).max()

@@ -224,7 +224,7 @@ def test_cancel_in_the_middle_of_a_bind(plate: Rig, room):
 
 def test_bind_in_a_thread_is_taken_in_when_it_is_done(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
     """The window's path for heavy meshes, without its timer."""
-    binding = room("session.binding")
+    binding = room("session.live.binding")
     monkeypatch.setattr(binding, "may_wait", lambda _count: True)
     plate.bind()
     session = room("session")
@@ -238,7 +238,7 @@ def test_bind_in_a_thread_is_taken_in_when_it_is_done(plate: Rig, room, monkeypa
 
 
 def test_cancel_of_a_bind_in_a_thread(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
-    binding = room("session.binding")
+    binding = room("session.live.binding")
     plate.bind()
     monkeypatch.setattr(binding, "may_wait", lambda _count: True)
     session = room("session")
@@ -256,7 +256,7 @@ def test_native_module_missing(plate: Rig, room, tmp_path: Path, monkeypatch: py
     path = str(tmp_path / "rig.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     missing = room("backend").Availability(None, "The native module is missing. Install the Sinew zip")
-    monkeypatch.setattr(room("session.binding"), "availability", lambda: missing)
+    monkeypatch.setattr(room("session.live.binding"), "availability", lambda: missing)
     bpy.ops.wm.open_mainfile(filepath=path)
     assert np.array_equal(plate.points(), before)
     assert "native module is missing" in plate.deformer.status

@@ -48,7 +48,7 @@ def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
     live = played(moving.obj)
     bake(moving, target, tmp_path / "plate")
     calls = []
-    monkeypatch.setattr(room("session.solving"), "solve", lambda *_: calls.append(1))
+    monkeypatch.setattr(room("session.live.solving"), "solve", lambda *_: calls.append(1))
     control = moving.control
     control.animation_data_clear()
     move_world(control, Matrix.Translation((0.0, 0.0, 3.0)))

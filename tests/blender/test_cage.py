@@ -497,7 +497,7 @@ def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_paren
 def test_rays_are_shown_until_the_exact_weights_are_there(room, caged, monkeypatch: pytest.MonkeyPatch):
     """As in a window, where heavy meshes bind in a thread."""
     target, cage = target_and_cage(caged)
-    binding, deformer = room("session.binding"), target.sinew.active
+    binding, deformer = room("session.live.binding"), target.sinew.active
     monkeypatch.setattr(binding, "may_wait", lambda _count: True)
     cage.data.vertices[0].co = (-1.6, -0.7, -1.3)
     with room("session").suspended():

@@ -72,7 +72,7 @@ def test_a_cage_that_is_nowhere_at_bind_is_named_and_can_be_mended(room, value: 
     target, cage = ball(), box()
     cage.data.vertices[3].co.x = value
     deformer = surround(target, cage)
-    said = room("core.status").of(deformer.uid)
+    said = room("core.status").current(deformer.uid)
     assert (said.level.name, said.remedy.name) == ("ERROR", "CAGE_REST")
     assert "nowhere" in said.text
     assert_at_rest(target)
@@ -94,7 +94,7 @@ def test_a_cage_that_is_nowhere_after_bind_leaves_the_rest_and_comes_back(room, 
     assert_at_rest(target)
     assert deformer.status_level == "ERROR"
     assert "nowhere" in deformer.status
-    assert room("core.status").of(deformer.uid).elements == (3,)
+    assert room("core.status").current(deformer.uid).elements == (3,)
     assert selected(target, "vertex") == (cage, {3})
     cage.data.vertices[3].co.x = CORNERS[3][0]
     cage.data.update()
@@ -110,7 +110,7 @@ def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
     cage.delta_location.y = float("nan")
     assert_at_rest(target)
     assert "nowhere" in deformer.status
-    assert room("core.status").of(deformer.uid).element_kind == "cage vertex"
+    assert room("core.status").current(deformer.uid).element_kind == "cage vertex"
     cage.delta_location.y = 0.0
     assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
     assert_goes_on(target, cage)
@@ -190,7 +190,7 @@ def test_a_mesh_that_a_modifier_empties_comes_back(after_bind: bool) -> None:
 def test_a_cage_that_holds_nothing_is_refused_until_it_does(room, points, faces, said: str) -> None:
     target, cage = ball(), new_object("Cage", points, faces)
     deformer = surround(target, cage)
-    found = room("core.status").of(deformer.uid)
+    found = room("core.status").current(deformer.uid)
     assert found.level.name == "ERROR"
     assert said in found.text
     assert found.remedy.name == "CAGE_REST", "no other button helps"
@@ -226,7 +226,7 @@ def test_a_cage_of_zero_scale_is_no_rest(room) -> None:
     make_active(target)
     with pytest.raises(RuntimeError, match="encloses no volume"):
         bpy.ops.sinew.cage_set_rest()
-    assert room("core.status").of(deformer.uid).remedy.name == "CAGE_REST"
+    assert room("core.status").current(deformer.uid).remedy.name == "CAGE_REST"
     assert_at_rest(target)
     cage.scale = (1.0, 1.0, 1.0)
     make_active(target)
@@ -283,7 +283,7 @@ def test_faces_without_area_do_no_harm_or_are_shown(room, method: str) -> None:
     target, cage = ball(), new_object("Cage", *FLAT)
     deformer = surround(target, cage, method)
     if method == "harmonic":  # an equation a face
-        said = room("core.status").of(deformer.uid)
+        said = room("core.status").current(deformer.uid)
         assert "no area" in said.text
         assert said.remedy.name == "CAGE_REST", "Repair mends the mesh, which is well"
         assert_at_rest(target)
@@ -352,7 +352,7 @@ def test_weights_above_the_memory_limit_are_refused_until_it_is_raised(
     target, cage = ball(), fine_box(5)  # 162 by 218 weights of 4 bytes
     preferences.memory_limit = 0.00005
     deformer = surround(target, cage, method)
-    said = room("core.status").of(deformer.uid)
+    said = room("core.status").current(deformer.uid)
     assert (said.level.name, said.remedy.name) == ("ERROR", "PREFERENCES")
     assert "needs" in said.text
     assert "the memory limit is 0.1 MB: raise the limit" in said.text
@@ -377,7 +377,7 @@ def test_a_lowered_memory_limit_keeps_what_is_bound_and_a_finer_cage_is_refused(
     with pytest.raises(RuntimeError, match="memory limit"):
         bpy.ops.sinew.cage_set_rest()
     assert_at_rest(target)
-    assert room("core.status").of(deformer.uid).remedy.name == "PREFERENCES"
+    assert room("core.status").current(deformer.uid).remedy.name == "PREFERENCES"
     cage.modifiers.clear()
     make_active(target)
     assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}

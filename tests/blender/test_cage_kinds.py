@@ -458,7 +458,7 @@ def test_surface_methods_are_refused_with_a_way_out(room, caged):
     rest = moved_by_hand(obj, lambda points: points)
     assert np.abs(shown(obj) - rest).max() < FLOAT32 * size(rest)
     assert "needs the surface of a mesh" in deformer.status
-    assert room("core.status").of(deformer.uid).remedy is room("core.status").Remedy.CONVERT
+    assert room("core.status").current(deformer.uid).remedy is room("core.status").Remedy.CONVERT
     with pytest.raises(RuntimeError, match="needs the surface of a mesh"):
         bpy.ops.sinew.bind()
     deformer.method = "mean_value"

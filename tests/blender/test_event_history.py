@@ -462,7 +462,7 @@ def binding(plate: Rig, room, monkeypatch: pytest.MonkeyPatch) -> tuple[Rig, Exp
     """Lifted by a half, with a new bind under way in a thread, as a window starts it for a heavy mesh."""
     expected = posed(plate)
     session = room("session")
-    monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
+    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
     plate.deformer.handles[0].weight = 0.5
     session.find(plate.deformer.uid).bound = None
     session.bind(plate.obj, plate.deformer, wait=False)

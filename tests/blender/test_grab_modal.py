@@ -211,7 +211,7 @@ def test_a_mesh_that_changed_under_the_tool_is_left_alone(hand: Hand, room):
 
 
 def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(room, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(room("session.binding"), "may_wait", lambda count: True)
+    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda count: True)
     obj = grid_object(cells=30)
     edit(obj, centre)
     before = edited(obj)
@@ -234,7 +234,7 @@ def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(room, monk
 
 def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(room, monkeypatch: pytest.MonkeyPatch):
     """Moved and turned, a surface that nothing holds goes as one piece, without a bind."""
-    monkeypatch.setattr(room("session.binding"), "may_wait", lambda count: True)
+    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda count: True)
     obj = grid_object(cells=20)
     chosen = edit(obj, centre)
     before = edited(obj)
@@ -254,7 +254,7 @@ def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(room, monkeypa
 
 
 def test_cancel_while_a_thread_binds(room, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(room("session.binding"), "may_wait", lambda count: True)
+    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda count: True)
     obj = grid_object(cells=30)
     edit(obj, centre)
     before = edited(obj)

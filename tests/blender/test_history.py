@@ -147,9 +147,9 @@ def test_a_copy_gets_shapes_of_its_own(plate: Rig, room, linked: bool):
     bpy.ops.object.duplicate(linked=linked)
     copy = bpy.context.object
     assert copy != plate.obj
-    assert room("session.census").has_copies()
+    assert room("session.blocks.owners").has_copies()
     assert room("handlers.deferred").catch_up() is False
-    assert not room("session.census").has_copies()
+    assert not room("session.blocks.owners").has_copies()
     assert copy.sinew.deformers[0].proxy != plate.deformer.proxy
     assert copy.sinew.deformers[0].uid != plate.deformer.uid
     before = evaluated_points(copy)

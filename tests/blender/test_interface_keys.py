@@ -173,11 +173,11 @@ def test_new_deformers_start_with_the_preferred_method(values, plate: Rig):
 def test_a_packaged_page_comes_first_then_the_one_of_a_checkout(room, monkeypatch, tmp_path):
     help_room = room("operators.help")
     monkeypatch.setattr(help_room, "_ADDON", tmp_path / "addon")
-    for path in ("addon/manual/surface.html", "docs/surface.md", "docs/baking.md"):
+    for path in ("addon/manual/surface.html", "docs/manual/surface.md", "docs/manual/baking.md"):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text("page", encoding="utf-8")
     assert help_room.manual_page("surface") == tmp_path / "addon/manual/surface.html"
-    assert help_room.manual_page("baking") == tmp_path / "docs/baking.md"
+    assert help_room.manual_page("baking") == tmp_path / "docs/manual/baking.md"
     with pytest.raises(RuntimeError, match="install the Sinew zip again"):
         bpy.ops.sinew.help(page="overlays")
 

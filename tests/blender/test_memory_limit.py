@@ -15,7 +15,7 @@ def test_bind_above_the_limit_names_both_sizes_and_shows_rest(preferences, room)
     plate = Rig.plate(cells=40).bind("thin_shell")
     with pytest.raises(RuntimeError, match=r"needs 0\.[2-9] MB, the memory limit is 0\.1 MB"):
         bpy.ops.sinew.bind()
-    said = status.of(plate.deformer.uid)
+    said = status.current(plate.deformer.uid)
     assert said.level is status.Level.ERROR
     assert re.search(r"needs [\d.]+ MB, the memory limit is 0\.1 MB: raise the limit", said.text)
     assert said.remedy is status.Remedy.PREFERENCES

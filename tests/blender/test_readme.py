@@ -50,13 +50,13 @@ def test_the_manuals_script_poses_keys_and_bakes(doll: tuple, tmp_path: Path) ->
     obj, head, feet = doll
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "doll.blend"))
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 3
-    script, _ = scripts("docs/scripting.md")
+    script, _ = scripts("docs/manual/scripting.md")
     before_factor, after_factor = script.split("deformer.factor = 0.0\n")
-    names = run(before_factor, "docs/scripting.md")
+    names = run(before_factor, "docs/manual/scripting.md")
     moved = evaluated_points(obj) - base_points(obj)
     assert np.allclose(moved[head], (0.0, 0.0, 0.5), atol=FLOAT32)
     assert np.allclose(moved[feet], 0.0, atol=FLOAT32)
-    exec(compile("deformer.factor = 0.0\n" + after_factor, "docs/scripting.md", "exec"), names)
+    exec(compile("deformer.factor = 0.0\n" + after_factor, "docs/manual/scripting.md", "exec"), names)
     assert (tmp_path / "cache" / "head.pc2").is_file()
     assert names["deformer"].bake.is_baked
     assert np.allclose(evaluated_points(obj), base_points(obj), atol=FLOAT32)  # Factor is 0 in all frames
@@ -64,8 +64,8 @@ def test_the_manuals_script_poses_keys_and_bakes(doll: tuple, tmp_path: Path) ->
 
 def test_the_manuals_cage_moves_the_mesh(doll: tuple) -> None:
     obj, _head, _feet = doll
-    _, script = scripts("docs/scripting.md")
-    names = run(script, "docs/scripting.md")
+    _, script = scripts("docs/manual/scripting.md")
+    names = run(script, "docs/manual/scripting.md")
     assert names["cage"].parent == obj
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     moved = np.abs(evaluated_points(obj) - base_points(obj)).max()
@@ -74,7 +74,7 @@ def test_the_manuals_cage_moves_the_mesh(doll: tuple) -> None:
 
 def test_the_manual_speaks_of_operators_that_exist() -> None:
     """Each ``sinew.name`` in code, with the names of its arguments."""
-    for page in sorted((ROOT / "docs").glob("*.md")):
+    for page in sorted((ROOT / "docs" / "manual").glob("*.md")):
         text = page.read_text(encoding="utf-8")
         for name, arguments in re.findall(r"sinew\.(\w+)\(([^)\n]*)\)?", text):
             if not hasattr(bpy.types, f"SINEW_OT_{name}"):
@@ -87,7 +87,7 @@ def test_the_manual_speaks_of_operators_that_exist() -> None:
 
 
 def test_the_scripting_page_lists_every_operator() -> None:
-    text = (ROOT / "docs" / "scripting.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "manual" / "scripting.md").read_text(encoding="utf-8")
     table = text[text.index("| operator") : text.index("Operators work on")]
     listed = set(re.findall(r"[`. ](?:sinew\.)?(\w+)[`(]", table))
     made = {

@@ -132,14 +132,14 @@ def test_a_refused_rebind_keeps_nothing(plate: Rig, room, native: Counter, monke
 @pytest.fixture
 def heavy(room, monkeypatch: pytest.MonkeyPatch) -> None:
     """Binds go to a thread, as for a heavy mesh in a window."""
-    monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
+    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
 
 
 def rebind_in_thread(plate: Rig, room) -> None:
     """A region is switched off; a thread binds what is left."""
     session, deformer = room("session"), plate.deformer
     deformer.handles[1].enabled = False
-    room("session.binding").ensure(session.find(deformer.uid), deformer, deformer, wait=False)
+    room("session.live.binding").ensure(session.find(deformer.uid), deformer, deformer, wait=False)
     assert session.job(deformer.uid) is not None
 
 

@@ -11,8 +11,8 @@ import pytest
 @pytest.fixture
 def relay(room, monkeypatch: pytest.MonkeyPatch):
     """As in a window whose interface is not locked."""
-    found = room("session.relay")
-    monkeypatch.setattr(found, "is_needed", lambda _scene: True)
+    found = room("session.memory.render_writes")
+    monkeypatch.setattr(found, "must_hand_over", lambda _scene: True)
     return found
 
 
@@ -39,7 +39,7 @@ def test_the_main_thread_carries_it_out_and_may_take_the_lock_meanwhile(relay):
     render.start()
     while not render.by:
         with render.lock:
-            relay.serve()
+            relay.carry_out_writes()
     render.join(10.0)
     assert render.by == [threading.main_thread()]
     assert render.result is True
@@ -50,7 +50,7 @@ def test_without_an_answer_the_render_thread_does_it_itself_once(relay, monkeypa
     render = Render(relay, lambda: False)
     render.start()
     render.join(10.0)
-    relay.serve()  # too late
+    relay.carry_out_writes()  # too late
     assert render.by == [render]
     assert render.result is False
 
@@ -67,13 +67,13 @@ def test_what_blender_forbids_the_main_thread_for_a_moment_is_tried_again(relay)
     render = Render(relay, write)
     render.start()
     while not render.by:
-        relay.serve()
+        relay.carry_out_writes()
     render.join(10.0)
     assert render.by == [threading.main_thread(), render]
     assert render.result is True
 
 
 def test_locked_interfaces_and_background_renders_need_no_relay(room):
-    relay = room("session.relay")
-    assert not relay.is_needed(bpy.context.scene)
+    relay = room("session.memory.render_writes")
+    assert not relay.must_hand_over(bpy.context.scene)
     assert relay.write(bpy.context.scene, lambda: True, threading.RLock()) is True

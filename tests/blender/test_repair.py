@@ -296,7 +296,7 @@ def test_shared_vertices_stay_in_the_first_region(plate: Rig, room, capfd):
     plate.bind()
     make_active(plate.obj)
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Overlap")
-    line = room("core.status").of(plate.deformer.uid)
+    line = room("core.status").current(plate.deformer.uid)
     assert line.remedy is room("core.status").Remedy.PART_REGIONS
     capfd.readouterr()
     assert bpy.ops.sinew.part_regions() == {"FINISHED"}

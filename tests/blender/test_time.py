@@ -277,7 +277,7 @@ def test_a_drag_shows_a_preview_and_settles_to_the_final_answer(dragged: Rig, ro
 
 def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
-    monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
+    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
     session = room("session")
     session.settle()
     update()
@@ -294,7 +294,7 @@ def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytes
 
 def test_a_newer_pose_drops_the_final_answer_under_way(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
-    monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
+    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
     session = room("session")
     session.settle()
     update()
@@ -328,7 +328,7 @@ def heavy_drag(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
 
     def begin(method: str) -> Rig:
         plate.bind(method)
-        monkeypatch.setattr(room("session.binding"), "may_wait", lambda _count: True)
+        monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
         session = room("session").find(plate.deformer.uid)
         session.step_milliseconds = 1e9
         handlers = bpy.app.handlers.depsgraph_update_post
@@ -383,7 +383,7 @@ def test_the_drag_budget_sets_how_many_steps_a_preview_takes(heavy_drag, room, m
     session.bound.factor.solve = count
     session.step_milliseconds = 0.0
     for budget, steps in ((1.0e4, 10), (1.0e-4, 1)):
-        monkeypatch.setattr(room("session.solving"), "_budget", lambda budget=budget: budget)
+        monkeypatch.setattr(room("session.live.solving"), "_budget", lambda budget=budget: budget)
         for _ in range(3):
             plate.lift(0.1)
             session.step_milliseconds = 0.0  # so that nothing goes to a thread

@@ -127,32 +127,31 @@ def test_summary_counts() -> None:
 
 
 @pytest.fixture
-def documents(tmp_path: Path) -> tuple[Path, Path, Path]:
-    """Results, a README and a page on performance, in a folder of their own."""
+def documents(tmp_path: Path) -> tuple[Path, Path]:
+    """Results and a page on performance, in a folder of their own."""
     record.store("made_up", ROWS, record.machine(), tmp_path / "results")
     (tmp_path / "images").mkdir()
     return (
         tmp_path / "results",
-        Path(shutil.copy(report.README, tmp_path / "README.md")),
         Path(shutil.copy(report.PAGE, tmp_path / "performance.md")),
     )
 
 
 def test_documents_are_renewed_between_their_marks_and_twice_is_once(
-    documents: tuple[Path, Path, Path],
+    documents: tuple[Path, Path],
 ) -> None:
-    _, readme, page = documents
-    before = readme.read_text()
+    _, page = documents
+    before = page.read_text()
     report.render(*documents)
-    once = [path.read_bytes() for path in (readme, page, *sorted(page.parent.glob("images/*")))]
+    once = [path.read_bytes() for path in (page, *sorted(page.parent.glob("images/*")))]
     report.render(*documents)
-    assert once == [path.read_bytes() for path in (readme, page, *sorted(page.parent.glob("images/*")))]
-    assert len(once) == 4
-    mark = "<!-- benchmarks -->"
-    after = readme.read_text()
+    assert once == [path.read_bytes() for path in (page, *sorted(page.parent.glob("images/*")))]
+    assert len(once) == 3
+    mark = "<!-- ratios -->"
+    after = page.read_text()
     assert after.partition(mark)[0] == before.partition(mark)[0]
     assert "500k: *1.10*" in after
-    assert "still 7 % above, to arrive after 90 s" in page.read_text()
+    assert "still 7 % above, to arrive after 90 s" in after
 
 
 def test_missing_mark_is_told() -> None:

@@ -4,7 +4,7 @@
 ``dist/sinew-<version>.zip``         extension for Blender 4.2 and later, wheels inside
 ``dist/sinew-legacy-<version>.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in ``sinew/_native``
 
-Both hold the pages of ``docs/`` as HTML in ``manual/``.
+Both hold the pages of ``docs/manual/`` as HTML in ``manual/``.
 
 The same tree and wheels give the same bytes, whenever they are packed.
 """
@@ -19,7 +19,7 @@ from pathlib import Path
 from . import environments
 from .archives import read_zip, write_zip
 from .environments import Environment
-from .places import ADDON, DIST, DOCS, ROOT, version
+from .places import ADDON, DIST, MANUAL, ROOT, version
 from .shell import must, say
 from .wheels import build_wheels
 
@@ -58,7 +58,7 @@ def addon_files() -> dict[str, bytes]:
 def manual_files() -> dict[str, bytes]:
     """Path inside the add-on -> content, of the manual that its ``?`` buttons open."""
     with tempfile.TemporaryDirectory() as folder:
-        must([environments.build().make().python, RENDER, DOCS, folder])
+        must([environments.build().make().python, RENDER, MANUAL, folder])
         pages = sorted(path for path in Path(folder).rglob("*") if path.is_file())
         return {f"manual/{path.relative_to(folder).as_posix()}": path.read_bytes() for path in pages}
 

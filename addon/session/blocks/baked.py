@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deformers that rest because their bake plays: what plays it, and what the panel says. Reads only."""
+
+import os
+
+import bpy
+from bpy.types import Modifier, Object
+
+from ...core import status
+from ...core.status import Level, Status
+from ...properties import SinewDeformer
+from . import shapes
+
+_LOST = "The Mesh Cache modifier of the bake was removed - press Unbake"
+
+
+def find_cache(obj: Object, deformer: SinewDeformer) -> Modifier | None:
+    """The modifier that plays the file of a deformer, also after renames, moves and saves in another folder.
+
+    It is known by the file, by the file's name, by its own name; its place decides between equals.
+    """
+    bake = deformer.bake
+    if bake.result not in ("PC2", "MDD"):
+        return None
+    replaced = shapes.find_modifier(obj, deformer)
+    best, most = None, (False, False, False, False)
+    previous = None
+    for modifier in obj.modifiers:
+        if modifier.type == "MESH_CACHE":
+            same_file = _name(modifier.filepath) == _name(bake.filepath)
+            fits = (modifier.filepath == bake.filepath, same_file, modifier.name == bake.modifier)
+            rank = (*fits, previous is not None and previous == replaced)
+            if any(fits) and rank > most:
+                best, most = modifier, rank
+        previous = modifier
+    return best
+
+
+def _name(path: str) -> str:
+    """The last part of a path of any system."""
+    return os.path.basename(path.replace("\\", "/"))
+
+
+def overwrites(modifier: Modifier) -> bool:
+    """What came before a modifier leaves no trace after it."""
+    if modifier.type != "MESH_CACHE" or modifier.deform_mode != "OVERWRITE":
+        return False
+    return modifier.factor == 1.0 and not modifier.vertex_group
+
+
+def report(obj: Object) -> None:
+    """Say of each baked deformer that it is, or that its file is missing. Blender opens that file too."""
+    for deformer in obj.sinew.deformers:
+        replaced = shapes.find_modifier(obj, deformer) if deformer.bake.is_baked else None
+        if replaced is not None and not replaced.show_viewport:
+            status.put(deformer.uid, _status(obj, deformer))
+
+
+def _status(obj: Object, deformer: SinewDeformer) -> Status:
+    if deformer.bake.result == "SHAPE_KEYS":
+        return Status(Level.INFO, deformer.bake.summary)
+    playing = find_cache(obj, deformer)
+    if playing is None:
+        return Status(Level.ERROR, _LOST)
+    if not os.path.isfile(bpy.path.abspath(playing.filepath)):
+        text = f"The cache file {playing.filepath} is missing - put it there, bake again, or Unbake"
+        return Status(Level.ERROR, text)
+    return Status(Level.INFO, deformer.bake.summary)

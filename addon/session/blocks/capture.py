@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Get what enters our modifier as a mesh of its own, without touching what the user set.
+
+A short-lived copy of the object loses our modifier and the later ones and is evaluated where the user
+works. The copy has its own mesh while the original is in Edit Mode, whose unsaved edits are written first.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+from bpy.types import Depsgraph, Mesh, Modifier, Object
+
+from ...core.errors import MeshError
+from ...core.kinds import MESH, named
+from ...ids import Datablocks, Keys
+from ...mesh_io import same_topology, weights_attribute
+from ...properties import SinewDeformer
+from ..memory import sessions
+from . import control_points, shapes, targets, vertex_groups
+
+
+@contextmanager
+def evaluated_mesh(obj: Object, depsgraph: Depsgraph) -> Iterator[Mesh | None]:
+    """After all modifiers, in object space; None where Blender gives none. Gone afterwards."""
+    evaluated = obj.evaluated_get(depsgraph)
+    try:
+        yield evaluated.to_mesh()
+    finally:
+        evaluated.to_mesh_clear()
+
+
+FEW_GROUPS = 8  # so many are kept for a quick read, in use or not: the next bind then copies weights alone
+
+
+@contextmanager
+def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
+    """A copy of the object with its first ``last_modifier`` modifiers; gone afterwards."""
+    with sessions.suspended():
+        copy = obj.copy()
+        own_data = None
+        try:
+            copy.sinew.deformers.clear()
+            _still(copy)
+            if obj.mode == "EDIT":
+                obj.update_from_editmode()
+                own_data = copy.data = obj.data.copy()
+            for modifier in list(copy.modifiers)[last_modifier:]:
+                copy.modifiers.remove(modifier)
+            copy.hide_viewport = False
+            bpy.context.scene.collection.objects.link(copy)
+            yield copy
+        finally:
+            bpy.data.objects.remove(copy)
+            if own_data is not None:
+                bpy.data.batch_remove((own_data,))
+            bpy.context.view_layer.update()
+
+
+def _still(copy: Object) -> None:
+    """Nothing drives or animates the settings that the copy has lost."""
+    if copy.animation_data is None:
+        return
+    for curve in list(copy.animation_data.drivers):
+        if curve.data_path.startswith("sinew."):
+            copy.animation_data.drivers.remove(curve)
+
+
+def mesh_after(obj: Object, last_modifier: int) -> Mesh:
+    """A new mesh: the object after its first ``last_modifier`` modifiers."""
+    with _stand_in(obj, last_modifier) as copy:
+        return _new_mesh(copy)
+
+
+def _new_mesh(obj: Object) -> Mesh:
+    if not targets.is_mesh(obj):
+        with control_points.showing_points(obj) as points:
+            return _new_mesh(points)
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return bpy.data.meshes.new_from_object(
+        obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
+    )
+
+
+def rest_mesh(obj: Object, deformer: SinewDeformer) -> Mesh:
+    """A new mesh: what enters the deformer's modifier now, or would enter one at the end of the stack."""
+    with _stand_in(obj, _position(obj, deformer)) as copy:
+        return _rest_mesh(obj, deformer, copy)
+
+
+def rest_meshes(obj: Object, deformer: SinewDeformer) -> tuple[Mesh, Mesh | None]:
+    """New meshes: the rest mesh for viewports, and the one for renders, None where it is the same."""
+    with _stand_in(obj, _position(obj, deformer)) as copy:
+        shown = _rest_mesh(obj, deformer, copy)
+        if not _differs_in_renders(copy):
+            return shown, None
+        try:
+            with _as_rendered(copy):
+                rendered = _rest_mesh(obj, deformer, copy)
+            _refuse_other_kind(shown, rendered)
+        except MeshError:
+            bpy.data.meshes.remove(shown)
+            raise
+    if same_topology(shown, rendered):
+        bpy.data.meshes.remove(rendered)
+        return shown, None
+    return shown, rendered
+
+
+def _refuse_other_kind(shown: Mesh, rendered: Mesh) -> None:
+    if shown.get(Keys.REST_KIND) != rendered.get(Keys.REST_KIND):
+        bpy.data.meshes.remove(rendered)
+        raise MeshError(
+            "Modifiers before Sinew make a surface in renders only, or in viewports only - let both agree"
+        )
+
+
+def _subdivided(obj: Object) -> list[Modifier]:
+    return [modifier for modifier in obj.modifiers if hasattr(modifier, "render_levels")]
+
+
+def _differs_in_renders(obj: Object) -> bool:
+    """Some modifier may give other vertices in renders."""
+    if targets.render_resolution(obj.data):
+        return True
+    render = bpy.context.scene.render
+    simplified = render.use_simplify and render.simplify_subdivision != render.simplify_subdivision_render
+    return any(modifier.show_viewport != modifier.show_render for modifier in obj.modifiers) or any(
+        simplified or modifier.levels != modifier.render_levels for modifier in _subdivided(obj)
+    )
+
+
+@contextmanager
+def _as_rendered(copy: Object) -> Iterator[None]:
+    """The copy's modifiers do in the viewport what they do in renders."""
+    render = bpy.context.scene.render
+    simplify, data = render.use_simplify, copy.data
+    if targets.render_resolution(data):
+        copy.data = data.copy()
+        copy.data.resolution_u = targets.render_resolution(data)
+    for modifier in copy.modifiers:
+        modifier.show_viewport = modifier.show_render
+    for modifier in _subdivided(copy):
+        most = render.simplify_subdivision_render if simplify else modifier.render_levels
+        modifier.levels = min(modifier.render_levels, most)
+    if simplify:
+        render.use_simplify = False
+    try:
+        yield
+    finally:
+        if simplify:
+            render.use_simplify = True
+        if copy.data != data:
+            own_data, copy.data = copy.data, data
+            bpy.data.batch_remove((own_data,))
+
+
+def _position(obj: Object, deformer: SinewDeformer) -> int:
+    modifier = shapes.find_modifier(obj, deformer)
+    return len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
+
+
+def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
+    if not targets.is_mesh(obj):
+        mesh = _new_mesh(copy)
+        mesh[Keys.REST_KIND] = control_points.take_point_type(mesh).id
+        mesh[Keys.REST_STRUCTURE] = targets.structure(obj)
+        return _as_rest(mesh, [])
+    names = [group.name for group in obj.vertex_groups]
+    wanted = names if len(names) <= FEW_GROUPS else vertex_groups.groups_in_use(deformer) & set(names)
+    painted = {weights_attribute(names.index(name)): name for name in wanted}
+    with vertex_groups.keeping_weights(copy, painted):
+        mesh = _new_mesh(copy)
+    return _as_rest(mesh, names)
+
+
+def _as_rest(mesh: Mesh, names: list[str]) -> Mesh:
+    """Named and marked; ``names`` of the vertex groups."""
+    if len(mesh.vertices) == 0:
+        kind = named(mesh.get(Keys.REST_KIND))
+        bpy.data.meshes.remove(mesh)
+        what = "mesh has no vertices" if kind is MESH else "object has no points"
+        raise MeshError(f"The {what} - add some, or check the modifiers before Sinew")
+    mesh.name = Datablocks.REST
+    mesh.materials.clear()
+    mesh[Keys.REST_TOKEN] = shapes.new_key()
+    mesh[Keys.REST_GROUPS] = names
+    return mesh

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which objects can be moved, and by what: the one place that knows their types.
+
+A mesh has vertices, which anything moves. Curves, text, hair and point clouds have control points, or a
+surface that Blender makes of them: no regions can be marked there, so only cages move them.
+"""
+
+import numpy as np
+from bpy.types import ID, Curve, Object, Spline
+
+from ...compat import write_positions
+from ...core.errors import OptionError, SinewError
+from ...core.kinds import MESH, SURFACE, Kind, named
+from ...core.methods import Control, Method
+from ...core.status import Remedy
+from ...ids import Keys
+from ...properties import SinewDeformer
+
+_MOVED = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD")
+
+
+def is_mesh(obj: Object) -> bool:
+    """All methods and operators work."""
+    return obj.type == "MESH"
+
+
+def can_be_moved(obj: Object) -> bool:
+    """At least a cage moves it."""
+    return obj.type in _MOVED
+
+
+def is_path(obj: Object) -> bool:
+    """Children may follow its curve instead of its frame."""
+    return obj.type == "CURVE"
+
+
+def label(obj: Object) -> str:
+    """The type, as in a sentence."""
+    return obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
+
+
+def point_type(deformer: SinewDeformer) -> Kind:
+    """What the deformer moves, as it was bound."""
+    rest = deformer.rest_in("VIEWPORT")
+    return MESH if rest is None else named(rest.get(Keys.REST_KIND))
+
+
+def is_exported(obj: Object) -> bool:
+    """Blender writes the shape shown into Alembic files; of others the one without modifiers, or nothing."""
+    return obj.type in ("MESH", "CURVES")
+
+
+def suits(obj: Object, deformer: SinewDeformer) -> bool:
+    """The object still is a mesh, or still is none, as when the deformer was bound."""
+    return not deformer.is_bound or (point_type(deformer) is MESH) == is_mesh(obj)
+
+
+def size(obj: Object) -> int:
+    """Roughly how heavy the object is, in vertices or points; 0 where that takes long to tell."""
+    for points in ("vertices", "points"):
+        if hasattr(obj.data, points):
+            return len(getattr(obj.data, points))
+    return 0
+
+
+def vertex_count(obj: Object) -> int:
+    """Of the mesh without modifiers; -1 for objects of another type."""
+    return len(obj.data.vertices) if is_mesh(obj) else -1
+
+
+def holds_points(obj: Object, kind: Kind) -> bool:
+    """The object itself has the points of this kind, which Blender has not made of something else."""
+    return kind is not SURFACE and obj.type != "FONT"
+
+
+def point_count(obj: Object, kind: Kind) -> int:
+    """How many points, in all parts, a deformer of this kind moves where no modifiers come before it."""
+    if obj.type == "CURVE":
+        return kind.parts * sum(map(_length, obj.data.splines))
+    return size(obj)
+
+
+def write_points(obj: Object, places: np.ndarray) -> None:
+    """Put all points, and handles, of an object that ``holds_points`` to ``places`` float32 (n, 3)."""
+    if obj.type == "CURVE":
+        _write_splines(obj.data, places)
+    else:
+        write_positions(obj.data, places)
+
+
+def _length(spline: Spline) -> int:
+    return len(spline.bezier_points) or len(spline.points)
+
+
+def _write_splines(curve: Curve, places: np.ndarray) -> None:
+    parts, first = places.reshape(-1, sum(map(_length, curve.splines)), 3), 0
+    for spline in curve.splines:
+        for point in spline.bezier_points:
+            point.handle_left_type = point.handle_right_type = "FREE"
+        last = first + _length(spline)
+        if spline.type == "BEZIER":
+            for name, part in zip(("co", "handle_left", "handle_right"), parts[:, first:last], strict=True):
+                spline.bezier_points.foreach_set(name, part.ravel())
+        else:
+            homogeneous = np.empty((last - first, 4), dtype=np.float32)
+            spline.points.foreach_get("co", homogeneous.ravel())
+            homogeneous[:, :3] = parts[0, first:last]
+            spline.points.foreach_set("co", homogeneous.ravel())
+        first = last
+    curve.update_tag()
+
+
+def structure(obj: Object) -> str:
+    """What an object of another type than mesh is made of, to compare: positions do not count."""
+    data = obj.data
+    if obj.type == "FONT":
+        return f"{data.body}\n{data.font.name if data.font else ''}"
+    if obj.type == "CURVE":
+        return " ".join(
+            f"{spline.type}{_length(spline)}{'o' * spline.use_cyclic_u}" for spline in data.splines
+        )
+    return f"{len(getattr(data, 'curves', ()))} {size(obj)}"
+
+
+def render_resolution(data: ID) -> int:
+    """Steps a segment of a curve or text in renders, where they may be others than in viewports; else 0."""
+    return getattr(data, "render_resolution_u", 0)
+
+
+def require_method(obj: Object, method: Method) -> None:
+    """Only cages move what is no mesh."""
+    if not is_mesh(obj) and method.control is not Control.CAGE:
+        raise OptionError(
+            f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)} object - choose a "
+            "cage method, or convert it to a mesh",
+            remedy=Remedy.CONVERT,
+        )
+
+
+def require_mesh(obj: Object, what: str) -> None:
+    """``what`` begins the sentence."""
+    if not is_mesh(obj):
+        raise SinewError(f"{what} meshes, and {obj.name} is a {label(obj)} object - convert it to a mesh")

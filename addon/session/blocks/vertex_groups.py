@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The vertex groups that a deformer uses: their names, and their weights."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+from bpy.types import Mesh, Object
+
+from ... import compat
+from ...core.methods import group_property
+from ...ids import Datablocks, Keys
+from ...mesh_io import RestShape, group_names, group_weights
+from ...properties import SinewDeformer
+from .node_group import attach
+from .nodes import Builder
+
+
+def groups_in_use(settings: SinewDeformer) -> set[str]:
+    """Names of the vertex groups in use."""
+    wanted = {handle.vertex_group for handle in settings.handles}
+    paintable = settings.definition.paintable
+    wanted |= {getattr(settings.parameters, group_property(parameter)) for parameter in paintable}
+    return wanted - {""}
+
+
+def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
+    """Take over the new names of vertex groups in use; True where there were any.
+
+    Blender renames groups in its own modifiers only. A group is the one that stands where the old name stood
+    at bind.
+    """
+    rest = deformer.rest_in("VIEWPORT")
+    known = group_names(rest) if rest is not None else []
+    used = groups_in_use(deformer) | ({deformer.mask_group} - {""})
+    gone = [name for name in used if name not in obj.vertex_groups and name in known]
+    if not gone or len(known) != len(obj.vertex_groups) or rest.library is not None:
+        return False
+    renamed = {name: new for name in gone if (new := obj.vertex_groups[known.index(name)].name) not in known}
+    if not renamed:
+        return False
+    for mesh in {rest, deformer.rest_in("RENDER")}:
+        if mesh is not None:
+            mesh[Keys.REST_GROUPS] = [group.name for group in obj.vertex_groups]
+    for handle in deformer.handles:
+        handle.vertex_group = renamed.get(handle.vertex_group, handle.vertex_group)
+    for parameter in deformer.definition.paintable:
+        name = group_property(parameter)
+        painted = getattr(deformer.parameters, name)
+        setattr(deformer.parameters, name, renamed.get(painted, painted))
+    deformer.mask_group = renamed.get(deformer.mask_group, deformer.mask_group)
+    return True
+
+
+def read_weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
+    """Read the vertex groups in use, once a rest mesh."""
+    wanted = groups_in_use(settings) - rest.weights.keys()
+    if wanted:
+        rest.weights.update(group_weights(mesh, group_names(mesh), wanted))
+
+
+@contextmanager
+def keeping_weights(obj: Object, groups: dict[str, str]) -> Iterator[None]:
+    """For a while, the object's last modifier stores vertex groups as attributes.
+
+    ``groups``: attribute name -> vertex group. Attributes are read a hundred times faster than the groups of
+    each vertex.
+    """
+    if not groups:
+        yield
+        return
+    group = bpy.data.node_groups.new(Datablocks.NODE_GROUP, "GeometryNodeTree")
+    try:
+        compat.add_group_input(group, "NodeSocketGeometry", "Geometry")
+        compat.add_group_output(group, "NodeSocketGeometry", "Geometry")
+        build = Builder(group)
+        kept = build.add("NodeGroupInput").outputs["Geometry"]
+        for attribute, name in groups.items():
+            weights = build.add("GeometryNodeInputNamedAttribute", {"data_type": "FLOAT"}, Name=name)
+            kept = build.store(kept, "FLOAT", attribute, build.out(weights, "Attribute"))
+        build.feed(build.add("NodeGroupOutput").inputs["Geometry"], kept)
+        attach(obj.modifiers.new(Datablocks.MODIFIER, "NODES"), group)
+        yield
+    finally:
+        bpy.data.node_groups.remove(group)

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A cage moves the shape: an ordinary mesh object around it, as its own modifiers leave it. See ``kinds``.
+
+The rest cage is kept as a hidden mesh in the frame of the target, so everything done to the cage later is a
+pose, in Edit Mode too.
+"""
+
+import bpy
+import numpy as np
+from bpy.types import Depsgraph, Mesh, Object
+from mathutils import Matrix
+
+from ....backend import Cage, CageReport, Recipe, Shape
+from ....compat import read_positions
+from ....core import frames
+from ....core.errors import CageError
+from ....core.status import Level, Remedy, Status
+from ....ids import Datablocks, Keys
+from ....mesh_io import RestShape, read_rest
+from ....properties import SinewDeformer
+from ...blocks import shapes
+from ...blocks.capture import evaluated_mesh
+from ...blocks.vertex_groups import read_weights
+from ...memory.evaluation import Evaluation
+from ...memory.sessions import Bound
+from .. import placement
+from ..bind_input import BindInput, options
+
+MISSING = "No cage yet - Add Cage takes the other selected mesh"
+
+_POSE = "cage"  # the key of its last pose among the session's poses
+
+
+def is_set(settings: SinewDeformer) -> bool:
+    """A cage was chosen, now or at bind."""
+    return settings.cage is not None or isinstance(settings.cage_rest, Mesh)
+
+
+def key(settings: SinewDeformer) -> tuple:
+    """Which rest cage."""
+    rest = settings.cage_rest
+    return (rest.get(Keys.REST_TOKEN, "") if isinstance(rest, Mesh) else "",)
+
+
+def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int) -> BindInput:
+    """Arrays for the native module, or the reason why there are none."""
+    if not isinstance(settings.cage_rest, Mesh):
+        raise CageError("The cage is not bound yet - press Bind", remedy=Remedy.BIND)
+    read_weights(rest, mesh, settings)
+    cage = read_rest(settings.cage_rest)
+    if not len(cage.points):
+        raise CageError("The cage has no vertices - add some, then Set Rest Cage", remedy=Remedy.CAGE_REST)
+    if len(cage.not_finite):
+        raise CageError(
+            "Vertices of the cage are nowhere - move or delete them, then Set Rest Cage",
+            tuple(cage.not_finite),
+            "cage vertex",
+            Remedy.CAGE_REST,
+        )
+    return BindInput(
+        key=key,
+        recipe=Recipe(
+            settings.definition,
+            Shape(rest.points, (rest.counts, rest.corners)),
+            options(settings, rest),
+            Cage(cage.points, (cage.counts, cage.corners)),
+        ),
+        rest=rest,
+        on_base=len(rest.points) == base_count,
+        control=f"a cage of {len(cage.points):,}",
+    )
+
+
+def notes(report: CageReport, request: BindInput) -> tuple[Status, ...]:
+    """Points that the cage does not hold; its faces that cross."""
+    found, count = [], len(report.outside)
+    if count:
+        one, several = request.rest.kind.nouns
+        text = f"1 {one} lies outside the cage" if count == 1 else f"{count:,} {several} lie outside the cage"
+        elements = (tuple(report.outside.tolist()), "vertex") if request.on_base else ((), "")
+        found.append(Status(Level.WARNING, text, *elements))
+    if len(report.crossing):
+        text = f"{len(report.crossing):,} faces of the cage cross each other"
+        found.append(Status(Level.WARNING, text, tuple(report.crossing.tolist()), "cage face"))
+    return tuple(found)
+
+
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
+    """The cage's vertices (c, 3) in the frame of the target; without a cage as they were last, if known."""
+    held, cage = evaluation.session.poses, evaluation.deformer.cage
+    if evaluation.deformer.cage_missing:
+        return (held[_POSE], {}) if _POSE in held else None
+    vertices, expected = _vertices(cage, evaluation.depsgraph), len(bound.factor.recipe.control.points)
+    if len(vertices) != expected:
+        raise CageError(
+            f"The cage has {len(vertices):,} vertices, at bind it had {expected:,} - Set Rest Cage takes it "
+            "as it is now",
+            remedy=Remedy.CAGE_REST,
+        )
+    world = np.array(evaluation.evaluated.matrix_world, dtype=np.float64)
+    placed = np.array(cage.evaluated_get(evaluation.depsgraph).matrix_world, dtype=np.float64)
+    relative = frames.inverse(world, "The mesh object") @ placed
+    with np.errstate(invalid="ignore"):  # said below
+        posed = frames.transformed(relative, vertices.astype(np.float64))
+    lost = np.flatnonzero(~frames.is_place(posed))
+    if len(lost):
+        raise CageError("Vertices of the cage are nowhere - undo, or move them", tuple(lost), "cage vertex")
+    held[_POSE] = posed
+    return posed, {}
+
+
+def placed(deformer: SinewDeformer, depsgraph: Depsgraph) -> list[object]:
+    """The matrix of the cage, and what its vertices hash to."""
+    cage = deformer.cage
+    if cage is None:
+        return [None]
+    matrix = cage.evaluated_get(depsgraph).matrix_world
+    return [placement.fingerprint(matrix), hash(_vertices(cage, depsgraph).tobytes())]
+
+
+def _vertices(cage: Object, depsgraph: Depsgraph) -> np.ndarray:
+    """float32 (c, 3) in the frame of the cage."""
+    with evaluated_mesh(cage, depsgraph) as mesh:
+        return np.zeros((0, 3), dtype=np.float32) if mesh is None else read_positions(mesh)
+
+
+def has_other_vertices(deformer: SinewDeformer) -> bool:
+    """The cage gained or lost vertices since it was bound."""
+    if deformer.cage_missing or not isinstance(deformer.cage_rest, Mesh):
+        return False
+    found = _vertices(deformer.cage, bpy.context.evaluated_depsgraph_get())
+    return len(found) != len(deformer.cage_rest.vertices)
+
+
+def set_rest(obj: Object, deformer: SinewDeformer) -> None:
+    """The cage rests where it is, unless it has a rest already."""
+    if deformer.cage is not None and not isinstance(deformer.cage_rest, Mesh):
+        take_rest(obj, deformer)
+
+
+def take_rest(obj: Object, deformer: SinewDeformer) -> None:
+    """The cage rests as it is now. Makes a datablock: for operators."""
+    cage = deformer.cage
+    if cage is None:
+        raise CageError(MISSING)
+    cage.update_from_editmode()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    evaluated = cage.evaluated_get(depsgraph)
+    mesh = bpy.data.meshes.new_from_object(evaluated, depsgraph=depsgraph)
+    relative = frames.inverse(np.array(obj.matrix_world, dtype=np.float64), obj.name)
+    mesh.transform(Matrix((relative @ np.array(evaluated.matrix_world, dtype=np.float64)).tolist()))
+    mesh.name = Datablocks.REST
+    mesh.materials.clear()
+    mesh[Keys.REST_TOKEN] = shapes.new_key()
+    shapes.hold_cage(deformer, mesh)

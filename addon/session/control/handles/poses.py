@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the controls are, as poses in the object space of the target."""
+
+from functools import lru_cache
+
+import bpy
+import numpy as np
+from bpy.types import Depsgraph, Object
+from mathutils import Matrix
+
+from ....core import frames
+from ....mesh_io import read_shape
+from ....properties import SinewDeformer, SinewHandle
+from ...blocks import keeper
+from ...memory.evaluation import Evaluation
+from ...memory.sessions import Bound
+from ..placement import fingerprint
+
+IDENTITY = np.eye(4)[:3]
+
+
+def control_matrix(handle: SinewHandle, depsgraph: Depsgraph | None = None) -> np.ndarray | None:
+    """World matrix of the control (4, 4), or None; evaluated where a depsgraph is given."""
+    control = handle.control
+    if control is None:
+        return None
+    evaluated = control if depsgraph is None else control.evaluated_get(depsgraph)
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    if not handle.bone:
+        return matrix
+    bone = evaluated.pose.bones.get(handle.bone) if evaluated.pose else None
+    return None if bone is None else matrix @ np.array(bone.matrix, dtype=np.float64)
+
+
+def placement(handle: SinewHandle, depsgraph: Depsgraph) -> tuple[int, ...] | None:
+    """Where the control is, to compare: the quick form of ``control_matrix``."""
+    control = handle.control
+    if control is None:
+        return None
+    evaluated = control.evaluated_get(depsgraph)
+    placed = fingerprint(evaluated.matrix_world)
+    if not handle.bone:
+        return (placed,)
+    bone = evaluated.pose.bones.get(handle.bone) if evaluated.pose else None
+    return None if bone is None else (placed, fingerprint(bone.matrix))
+
+
+def _inverse(matrix: Matrix, whose: str) -> np.ndarray:
+    """The inverse (4, 4) of what rests from frame to frame: it is not even read into an array again."""
+    return _inverse_of_frozen(matrix.copy().freeze(), whose)
+
+
+@lru_cache(maxsize=256)
+def _inverse_of_frozen(matrix: Matrix, whose: str) -> np.ndarray:
+    return frames.inverse(np.array(matrix.copy(), dtype=np.float64), whose)
+
+
+def rest_of(handle: SinewHandle) -> np.ndarray:
+    """The control relative to the target at rest, (4, 4)."""
+    return np.array(handle.rest_matrix, dtype=np.float64).reshape(4, 4, order="F")
+
+
+def set_rest(handle: SinewHandle, matrix: np.ndarray) -> None:
+    """Store the control's rest frame."""
+    handle.rest_matrix = matrix.ravel(order="F").tolist()
+    handle.has_rest = True
+
+
+def capture_rest(
+    handle: SinewHandle, target: np.ndarray, control: np.ndarray, pose: np.ndarray | None = None
+) -> None:
+    """Make ``control`` (world, now) stand for ``pose``, by default the identity, so that nothing jumps."""
+    now = frames.inverse(target, "The mesh object") @ control
+    if pose is not None:
+        now = frames.inverse(np.vstack((pose, (0.0, 0.0, 0.0, 1.0))), handle.name) @ now
+    set_rest(handle, now)
+
+
+def gather(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
+    """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape.
+
+    A control that was deleted leaves its handle where it was last; one that was exchanged takes over there.
+    """
+    deformer, depsgraph, session = evaluation.deformer, evaluation.depsgraph, evaluation.session
+    world = evaluation.evaluated.matrix_world
+    by_key = {handle.uid: handle for handle in deformer.handles}
+    poses = np.empty((len(bound.handles), 3, 4))
+    from_rest = np.zeros(len(bound.handles), dtype=bool)
+    for row, key in enumerate(bound.handles):
+        handle = by_key.get(key)
+        poses[row] = IDENTITY
+        if handle is None or handle.kind != "HANDLE":
+            continue
+        from_rest[row] = handle.from_rest
+        control = control_matrix(handle, depsgraph)
+        if (
+            control is None
+            and handle.bone
+            and evaluation.in_viewport
+            and keeper.follow_renamed_bones(evaluation.obj)
+        ):
+            control = control_matrix(handle, depsgraph)
+        if control is not None and not handle.has_rest and evaluation.in_viewport:
+            last = session.poses.get(key)
+            last = _last_pose(deformer, bound, row) if last is None else last
+            capture_rest(handle, np.array(world, dtype=np.float64), control, last)
+            session.rewire, handle.has_last_pose = True, False
+        if control is not None and handle.has_rest:
+            to_rest = _inverse(handle.rest_matrix, f"The control of {handle.name}")
+            poses[row] = (_inverse(world, "The mesh object") @ control @ to_rest)[:3]
+            session.poses[key] = poses[row].copy()
+        else:
+            if key not in session.poses:
+                session.poses[key] = _last_pose(deformer, bound, row)
+            poses[row] = session.poses[key]
+            if evaluation.in_viewport:
+                _keep(handle, poses[row])
+    return poses, from_rest
+
+
+def _keep(handle: SinewHandle, pose: np.ndarray) -> None:
+    """Let the file know where a region without a control stays."""
+    values = pose.astype(np.float32).ravel()
+    if not handle.has_last_pose or not np.array_equal(values, np.array(handle.last_pose, dtype=np.float32)):
+        handle.last_pose, handle.has_last_pose = values.tolist(), True
+
+
+def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
+    """Where a region whose control is gone stays: as the file says, else as the saved shape shows it."""
+    handle = next(handle for handle in deformer.handles if handle.uid == bound.handles[row])
+    kept = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
+    if handle.has_last_pose and np.isfinite(kept).all():
+        return kept
+    rest = bound.rest.points
+    members = bound.indices[row]
+    for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):
+        shape = read_shape(proxy.data) if proxy is not None else None
+        if shape is not None and len(shape) == len(rest):
+            return frames.fit(rest[members], shape[members])
+    return IDENTITY
+
+
+def complete_rest_frames(obj: Object, deformer: SinewDeformer) -> None:
+    """Rest frames for handles that have a control but no frame yet."""
+    target = np.array(obj.matrix_world, dtype=np.float64)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    for handle in deformer.handles:
+        if handle.kind == "HANDLE" and handle.control is not None and not handle.has_rest:
+            matrix = control_matrix(handle, depsgraph)
+            if matrix is not None:
+                capture_rest(handle, target, matrix)

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From handle settings to what the native module binds: index arrays and weights.
+
+No bpy calls but reads.
+"""
+
+import numpy as np
+from bpy.types import Mesh
+
+from ....backend import Handles, Recipe, Shape
+from ....core.errors import ConstraintError
+from ....core.status import Remedy
+from ....mesh_io import RestShape
+from ....properties import SinewDeformer
+from ...blocks.vertex_groups import read_weights
+from ..bind_input import BindInput, options
+
+_IMPLIED = "support"  # the key of the fixed region around a support
+
+
+def key(settings: SinewDeformer) -> tuple:
+    """Which regions there are. Their order in the list has no meaning."""
+    return tuple(
+        sorted(
+            (handle.uid, handle.kind, handle.vertex_group, handle.weight, handle.continuity)
+            for handle in settings.handles
+            if handle.enabled
+        )
+    )
+
+
+def has_constraints(settings: SinewDeformer) -> bool:
+    """At least one region is in use."""
+    return any(handle.enabled for handle in settings.handles)
+
+
+def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int) -> BindInput:
+    """Arrays for the native module, or the reason why there are none.
+
+    ``base_count``: how many vertices the base mesh has.
+    """
+    read_weights(rest, mesh, settings)
+    method = settings.definition
+    count = len(rest.points)
+    names, indices, weights, continuity = [], [], [], []
+    taken = np.zeros(count, dtype=bool)
+    holder = np.full(count, -1)
+    labels: list[str] = []
+    support: np.ndarray | None = None
+    support_continuity = 2.0
+    for handle in settings.handles:
+        if not handle.enabled:
+            continue
+        painted = rest.weights.get(handle.vertex_group)
+        if painted is None:
+            raise ConstraintError(
+                f"{handle.name}: vertex group '{handle.vertex_group}' is not on the mesh - pick one, Rebind"
+            )
+        members = np.flatnonzero(painted > 0.0)
+        if len(members) == 0:
+            raise ConstraintError(
+                f"{handle.name}: vertex group '{handle.vertex_group}' has no vertices - assign some, Rebind"
+            )
+        if handle.kind == "SUPPORT":
+            support = painted > 0.0 if support is None else support | (painted > 0.0)
+            support_continuity = min(support_continuity, handle.continuity)
+            continue
+        strength = painted[members].astype(np.float64) * handle.weight
+        _refuse_overlap(holder, members[strength >= 1.0], handle.name, labels)
+        taken[members] = True
+        names.append(handle.uid)
+        indices.append(members)
+        weights.append(strength)
+        continuity.append(handle.continuity)
+    if support is not None:
+        outside = np.flatnonzero(~support & ~taken)
+        if len(outside):
+            names.append(_IMPLIED)
+            indices.append(outside)
+            weights.append(None)
+            continuity.append(support_continuity)
+    if not names:
+        raise ConstraintError(
+            "Nothing holds the mesh - select vertices in Edit Mode and Add Handle or Add Fixed"
+        )
+    return BindInput(
+        key=key,
+        recipe=Recipe(
+            method,
+            Shape(rest.points, (rest.counts, rest.corners)),
+            options(settings, rest),
+            Handles(tuple(indices), tuple(weights), tuple(continuity) if method.continuity else None),
+        ),
+        rest=rest,
+        on_base=count == base_count,
+        control="1 handle" if len(names) == 1 else f"{len(names)} handles",
+        handles=tuple(names),
+        indices=tuple(indices),
+    )
+
+
+def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: list[str]) -> None:
+    """No vertex obeys two masters. ``holder`` (n,) is the row in ``labels`` that holds each vertex, or -1."""
+    shared = hard[holder[hard] >= 0]
+    if len(shared):
+        other = labels[holder[shared[0]]]
+        vertices = "1 vertex" if len(shared) == 1 else f"{len(shared)} vertices"
+        raise ConstraintError(
+            f"{other} and {name} share {vertices} - take them out of one of the two groups, then Rebind",
+            tuple(shared),
+            "vertex",
+            Remedy.PART_REGIONS,
+        )
+    holder[hard] = len(labels)
+    labels.append(name)

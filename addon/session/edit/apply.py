@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Make a shape permanent, as Blender applies a modifier: on the mesh itself, or as a shape key.
+
+Main thread only.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+from bpy.types import Modifier, Object
+
+from ...compat import read_key, read_positions, write_key
+from ...core.errors import SinewError
+from ...core.status import Level
+from ...mesh_io import read_incoming
+from ...properties import SinewDeformer
+from ..blocks import capture, shapes, targets
+from ..live import evaluate
+from ..memory import sessions
+from . import deformers
+
+
+def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = False) -> list[str]:
+    """Give the mesh, or a new shape key of it, the shape of now, and take the deformer off unless ``keep``.
+
+    Like any modifier it works on the mesh itself: those before it in the stack stay and act on the result.
+    Their names are returned.
+    """
+    deformer = obj.sinew.deformers[index]
+    modifier = shapes.find_modifier(obj, deformer)
+    _refuse(obj, deformer, modifier, as_shape_key)
+    modifiers = list(obj.modifiers)
+    before = [other for other in modifiers[: modifiers.index(modifier)] if other.show_viewport]
+    names = [other.name for other in before]
+    with _switched_off(before):
+        entered, left = _shapes(obj, deformer, modifiers.index(modifier), names)
+    with sessions.suspended():
+        if as_shape_key:
+            _add_key(obj, modifier.name, entered, left)
+        else:
+            targets.write_points(obj, left)
+        if not keep:
+            deformers.remove_deformer(obj, index)
+        obj.update_tag()
+    return names
+
+
+def _refuse(obj: Object, deformer: SinewDeformer, modifier: Modifier | None, as_shape_key: bool) -> None:
+    """What Blender refuses too, and what has no shape to apply."""
+    if as_shape_key:
+        targets.require_mesh(obj, "Shape keys are made on")
+    elif not targets.holds_points(obj, targets.point_type(deformer)):
+        raise SinewError(f"Blender makes what the cage moves of {obj.name} - convert it to a mesh")
+    if obj.data.users > 1:
+        raise SinewError("Other objects share this mesh - make it single-user first (Object > Relations)")
+    if obj.data.library is not None or obj.data.override_library is not None:
+        raise SinewError("The mesh is linked - make it local first (Object > Relations)")
+    if getattr(obj.data, "shape_keys", None) is not None and not as_shape_key:
+        raise SinewError("The mesh has shape keys, which keep its shape - use Apply as Shape Key")
+    if deformer.bake.is_baked:
+        raise SinewError(f"{deformer.name} is baked - Unbake it first")
+    if modifier is None:
+        raise SinewError(f"{deformer.name} has no modifier any more - press Bind first")
+    if not modifier.show_viewport:
+        raise SinewError(f"The modifier {modifier.name} is switched off - switch it on first")
+
+
+@contextmanager
+def _switched_off(modifiers: list[Modifier]) -> Iterator[None]:
+    """The mesh itself enters the deformer, not what these made of it."""
+    for modifier in modifiers:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in modifiers:
+            modifier.show_viewport = True
+
+
+def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[str]) -> tuple:
+    """What enters and what leaves the deformer, float32 (n, 3). Of a mesh alone the first is known."""
+    expected = targets.point_count(obj, targets.point_type(deformer))
+    if deformer.rest is not None and len(deformer.rest.vertices) != expected and before:
+        raise SinewError(
+            f"The deformer works on vertices that {', '.join(before)} made - apply those first, or move the "
+            "deformer before them"
+        )
+    bpy.context.view_layer.update()
+    evaluate.update(bpy.context.evaluated_depsgraph_get())
+    if deformer.status_level == Level.ERROR.value:
+        raise SinewError(deformer.status)
+    mesh = capture.mesh_after(obj, position + 1)
+    try:
+        left = read_positions(mesh)
+        entered = left
+        if targets.is_mesh(obj):
+            entered = read_incoming(mesh, *shapes.attribute_names(deformer.uid), len(left)).points
+    finally:
+        bpy.data.meshes.remove(mesh)
+    if entered is None or len(left) != expected:
+        raise SinewError("Topology changed - Rebind before you apply")
+    return entered, left
+
+
+def _add_key(obj: Object, name: str, entered: np.ndarray, left: np.ndarray) -> None:
+    """A key at value 0, as Blender's own Apply as Shape Key leaves it."""
+    active = obj.active_shape_key_index
+    if obj.data.shape_keys is None:
+        obj.shape_key_add(name="Basis", from_mix=False)
+    basis = read_key(obj.data.shape_keys.reference_key)
+    key = obj.shape_key_add(name=name, from_mix=False)
+    key.relative_key = obj.data.shape_keys.reference_key
+    key.value = 0.0  # new keys are on from Blender 5.0
+    write_key(key, np.where(entered == basis, left, basis + (left - entered)))
+    obj.active_shape_key_index = active

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What operators and scripts call for cages. Main thread only."""
+
+from collections.abc import Callable
+from functools import partial
+
+import bmesh
+import bpy
+import numpy as np
+from bpy.types import Object
+from mathutils import Matrix
+
+from ...backend import Progress, automatic_cage
+from ...core.errors import CageError, MeshError
+from ...mesh_io import read_rest
+from ...properties import SinewDeformer
+from ..blocks import capture, keeper, shapes, targets
+from ..control.cage import kind
+from ..live import binding
+from ..memory import sessions
+from . import hull
+
+Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per face, vertex of each corner
+
+
+def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
+    """What makes a cage around what enters the deformer, or would enter a new one. Any thread may call it.
+
+    ``options`` as ``backend.automatic_cage`` takes them. Loose points count as their convex hull.
+    """
+    modifier = None if deformer is None else shapes.find_modifier(obj, deformer)
+    position = len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
+    mesh = capture.mesh_after(obj, position)
+    try:
+        rest = read_rest(mesh)
+    finally:
+        bpy.data.meshes.remove(mesh)
+    if not len(rest.points):
+        raise MeshError(f"{obj.name} has no points - add some, or check the modifiers before Sinew")
+    points, faces = rest.points, (rest.counts, rest.corners)
+    if not len(rest.counts):
+        points, faces = hull.around(points)
+    return partial(_around, points, faces, options)
+
+
+def _around(
+    points: np.ndarray, faces: tuple[np.ndarray, np.ndarray], options: dict, progress: Progress | None
+) -> Shape:
+    return automatic_cage(points, faces, progress, **options)
+
+
+@sessions.suspended()
+def add_cage_object(obj: Object, shape: Shape) -> Object:
+    """A new mesh object of this shape in the frame of ``obj``, which carries it along."""
+    points, counts, corners = shape
+    mesh = bpy.data.meshes.new(f"{obj.name} Cage")
+    faces = [face.tolist() for face in np.split(corners, np.cumsum(counts)[:-1])]
+    mesh.from_pydata(points.tolist(), [], faces)
+    cage = bpy.data.objects.new(mesh.name, mesh)
+    for collection in obj.users_collection or (bpy.context.scene.collection,):
+        collection.objects.link(cage)
+    _parent(cage, obj)
+    cage.show_in_front = True
+    bpy.context.view_layer.update()
+    return cage
+
+
+def _parent(cage: Object, obj: Object) -> None:
+    """As Ctrl P does, so that the cage stays in its place when it gets another parent, an armature say.
+
+    A child of a curve would go along its path, so there a constraint carries the cage.
+    """
+    follows = None
+    if targets.is_path(obj):
+        follows = cage.constraints.new("CHILD_OF")
+        follows.target = obj
+    else:
+        cage.parent = obj
+    world = obj.matrix_world.copy()
+    cage.matrix_basis = world
+    sheared = np.abs(np.array(cage.matrix_basis) - np.array(world)).max() > 1e-5 * max(
+        world.median_scale, 1.0
+    )
+    if sheared or world.determinant() == 0.0:
+        cage.matrix_basis = Matrix()
+        return
+    if follows is None:
+        cage.matrix_parent_inverse = world.inverted()
+    else:
+        follows.inverse_matrix = world.inverted()
+
+
+@sessions.suspended()
+def set_cage(obj: Object, deformer: SinewDeformer, cage: Object) -> None:
+    """Let a mesh object move the deformer. It is drawn as wire, and rests where it is now; see ``bind``."""
+    if cage == obj:
+        raise CageError(f"{obj.name} cannot be its own cage - choose another mesh")
+    if cage.type != "MESH":
+        raise CageError(f"{cage.name} is no mesh - a cage is a closed mesh around the target")
+    if _leads_to(cage, obj):
+        raise CageError(f"{cage.name} follows {obj.name} itself - choose a cage that does not depend on it")
+    deformer.cage = cage
+    if cage.library is None:
+        cage.display_type = "WIRE"
+        cage.hide_render = True
+    keeper.keep_evaluated(obj)
+
+
+def _leads_to(cage: Object, obj: Object) -> bool:
+    """A deformer of the cage, or one behind that, has ``obj`` for its own cage."""
+    waiting, known = [cage], set()
+    while waiting:
+        for deformer in waiting.pop().sinew.deformers:
+            if deformer.cage == obj:
+                return True
+            if deformer.cage is not None and deformer.cage not in known:
+                known.add(deformer.cage)
+                waiting.append(deformer.cage)
+    return False
+
+
+@sessions.suspended()
+def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
+    """The cage rests as it is now, so the mesh is at rest too; see ``bind``."""
+    kind.take_rest(obj, deformer)
+    binding.abandon(deformer.uid)
+
+
+@sessions.suspended()
+def flip_cage(deformer: SinewDeformer) -> None:
+    """Turn the faces of the cage round, so that they look outwards; it rests as it is now, see ``bind``."""
+    cage = deformer.cage
+    if cage is None or cage.data.library is not None:
+        raise CageError("There is no cage here that could be flipped - make it local first")
+    edit = bmesh.from_edit_mesh(cage.data) if cage.mode == "EDIT" else bmesh.new()
+    if cage.mode != "EDIT":
+        edit.from_mesh(cage.data)
+    bmesh.ops.reverse_faces(edit, faces=edit.faces[:])
+    if cage.mode == "EDIT":
+        bmesh.update_edit_mesh(cage.data)
+    else:
+        edit.to_mesh(cage.data)
+        edit.free()
+    shapes.release_cage(deformer)
+    bpy.context.view_layer.update()
+
+
+def release_cage(deformer: SinewDeformer) -> None:
+    """Remove the cage made for a deformer, unless another deformer uses it."""
+    shapes.release_cage(deformer)
+    cage, deformer.cage = deformer.cage, None
+    if cage is None or not deformer.owns_cage or cage.library is not None or cage.sinew.deformers:
+        return
+    if any(other.cage == cage for obj in bpy.data.objects for other in obj.sinew.deformers):
+        return
+    mesh = cage.data
+    bpy.data.objects.remove(cage)
+    if mesh.users == 0:
+        bpy.data.meshes.remove(mesh)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Controls: empties made for a handle, or objects and bones the user names."""
+
+import colorsys
+
+import bpy
+import numpy as np
+from bpy.types import Object
+from mathutils import Matrix
+
+from ....core import frames
+from ....core.errors import ConstraintError
+from ....mesh_io import RestShape
+from ....properties import SinewHandle, deformers_of
+from ...control.handles import poses
+
+
+def colour(number: int) -> tuple[float, float, float]:
+    """Colours far apart from each other, for the ``number``-th handle."""
+    return colorsys.hsv_to_rgb((0.06 + number * 0.618034) % 1.0, 0.75, 0.95)
+
+
+def make_empty(
+    obj: Object, rest: RestShape, members: np.ndarray, name: str, pose: np.ndarray
+) -> tuple[Object, np.ndarray]:
+    """An empty at the region, z along its mean normal, and its rest frame relative to the target (4, 4).
+
+    It is a child of the target, so it rides along, and its own transform is zero at rest: Alt+G, Alt+R,
+    Alt+S bring the region back to rest.
+    """
+    target = np.array(obj.matrix_world, dtype=np.float64)
+    relative = frames.inverse(target, obj.name)
+    at_rest = frames.placed(target, frames.region_frame(rest.points, rest.counts, rest.corners, members))
+    moved = target @ np.vstack((pose, (0.0, 0.0, 0.0, 1.0))) @ relative
+    radius = frames.radius(frames.transformed(target, rest.points[members]))
+    if radius == 0.0:
+        radius = 0.1 * frames.radius(frames.transformed(target, rest.points))
+
+    empty = bpy.data.objects.new(name, None)
+    empty.empty_display_type = "SPHERE"
+    empty.empty_display_size = max(0.6 * radius, 1e-3)
+    empty.show_in_front = True
+    for collection in obj.users_collection or (bpy.context.scene.collection,):
+        collection.objects.link(empty)
+    empty.parent = obj
+    empty.matrix_parent_inverse = Matrix((relative @ at_rest).tolist())
+    empty.matrix_basis = Matrix((np.linalg.inv(at_rest) @ moved @ at_rest).tolist())
+    return empty, relative @ at_rest
+
+
+def assign(
+    obj: Object, handle: SinewHandle, control: Object, bone: str, pose: np.ndarray | None = None
+) -> None:
+    """Let an object or a bone move a handle, from ``pose`` on; nothing jumps."""
+    if control == obj:
+        raise ConstraintError(f"{obj.name} cannot control itself - choose another object")
+    if bone and (control.pose is None or bone not in control.pose.bones):
+        raise ConstraintError(f"{control.name} has no bone '{bone}' - choose one of its pose bones")
+    handle.control, handle.bone = control, bone
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    matrix = poses.control_matrix(handle, depsgraph)
+    poses.capture_rest(handle, np.array(obj.matrix_world, dtype=np.float64), matrix, pose)
+
+
+def release(handle: SinewHandle) -> None:
+    """Remove the empty made for a handle, unless another handle uses it."""
+    control, handle.control = handle.control, None
+    if control is None or not handle.owns_control or control.library is not None or deformers_of(control):
+        return
+    used = any(
+        other.control == control
+        for obj in bpy.data.objects
+        for deformer in deformers_of(obj)
+        for other in deformer.handles
+    )
+    if not used:
+        bpy.data.objects.remove(control)

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adds and removes handles. Main thread only."""
+
+import bpy
+import numpy as np
+from bpy.types import Mesh, Object
+
+from ....core import frames, status
+from ....core.errors import ConstraintError, SinewError
+from ....core.status import Level, Status
+from ....mesh_io import RestShape, group_names, group_weights, read_rest
+from ....properties import SinewDeformer, SinewHandle
+from ...blocks import animation_paths, capture, keeper, shapes
+from ...control import kinds
+from ...control.handles import poses
+from ...memory import sessions
+from ..bind import unbind
+from ..names import unique_name
+from . import empties
+
+
+@sessions.suspended()
+def add_handle(
+    obj: Object,
+    deformer: SinewDeformer,
+    kind: str,
+    vertex_group: str,
+    control: Object | None = None,
+    bone: str = "",
+    owns_group: bool = False,
+) -> SinewHandle:
+    """A region of the named vertex group; a handle gets ``control`` (and ``bone``), or an empty of its own.
+
+    The region is not bound yet: see ``bind``. Where the deformer is posed already, the control stands at
+    the posed region and nothing jumps.
+    """
+    if vertex_group not in obj.vertex_groups:
+        raise ConstraintError(f"{obj.name} has no vertex group '{vertex_group}' - choose one of its groups")
+    handle = deformer.handles.add()
+    handle.uid = shapes.new_key()
+    handle.kind = kind
+    handle.vertex_group = vertex_group
+    handle.owns_group = owns_group
+    handle.name = unique_name(
+        vertex_group, [other.name for other in deformer.handles if other.uid != handle.uid]
+    )
+    handle.colour = empties.colour(len(deformer.handles) - 1)
+    deformer.active_handle = len(deformer.handles) - 1
+    if kind != "HANDLE":
+        return handle
+    try:
+        _give_control(obj, deformer, handle, control, bone)
+    except SinewError:
+        deformer.handles.remove(len(deformer.handles) - 1)
+        obj.update_tag()  # the evaluated copy still has it
+        raise
+    return handle
+
+
+def _give_control(
+    obj: Object, deformer: SinewDeformer, handle: SinewHandle, control: Object | None, bone: str
+) -> None:
+    mesh = capture.rest_mesh(obj, deformer)
+    try:
+        rest = read_rest(mesh)
+        members = _members(mesh, handle)
+    finally:
+        bpy.data.meshes.remove(mesh)
+    pose = _current_pose(deformer, rest, members)
+    if control is not None:
+        empties.assign(obj, handle, control, bone, pose)
+        return
+    handle.control, frame = empties.make_empty(obj, rest, members, f"{obj.name} {handle.name}", pose)
+    handle.owns_control = True
+    poses.set_rest(handle, frame)
+
+
+def _members(mesh: Mesh, handle: SinewHandle) -> np.ndarray:
+    groups = group_weights(mesh, group_names(mesh), {handle.vertex_group})
+    members = np.flatnonzero(groups[handle.vertex_group] > 0.0)
+    if len(members) == 0:
+        raise ConstraintError(f"Vertex group '{handle.vertex_group}' has no vertices - assign some first")
+    return members
+
+
+def _current_pose(deformer: SinewDeformer, rest: RestShape, members: np.ndarray) -> np.ndarray:
+    """How the region is moved at present, as a rigid pose."""
+    session = sessions.find(deformer.uid)
+    shown = session.view("VIEWPORT") if session else None
+    if shown is None or shown.positions is None or len(shown.positions) != len(rest.points):
+        return poses.IDENTITY
+    before = session.bound.rest.points if shown.incoming is None else shown.incoming.astype(np.float64)
+    after = shown.positions + (before if shown.displacement else 0.0)
+    return frames.fit(before[members], after[members], rigid=True)
+
+
+@sessions.suspended()
+def remove_handle(obj: Object, deformer: SinewDeformer, index: int) -> None:
+    """Let a region go, with the control and the group made for it."""
+    handle = deformer.handles[index]
+    empties.release(handle)
+    _release_group(obj, deformer, handle)
+    order = animation_paths.removed(len(deformer.handles), index)
+    deformer.handles.remove(index)
+    animation_paths.handles_reordered(obj, deformer, order)
+    deformer.active_handle = max(0, min(deformer.active_handle, len(deformer.handles) - 1))
+    keeper.keep_evaluated(obj)
+    obj.update_tag()
+    kind = kinds.kind_in_use(deformer)
+    if not kind.is_set(deformer):
+        unbind(obj, deformer)
+        status.put(deformer.uid, Status(Level.INFO, kind.MISSING))
+
+
+def _release_group(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
+    if not handle.owns_group:
+        return
+    shared = any(
+        other.vertex_group == handle.vertex_group and other.uid != handle.uid
+        for any_deformer in obj.sinew.deformers
+        for other in any_deformer.handles
+    )
+    group = obj.vertex_groups.get(handle.vertex_group)
+    if group is not None and not shared:
+        obj.vertex_groups.remove(group)

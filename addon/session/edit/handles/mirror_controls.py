@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The control of a mirrored handle: the bone or object of the other side, else an empty.
+
+With S the reflection across the target's local X, the mirror image of a frame or pose M is S M S: a rigid
+motion again, and the one Blender's Paste Pose Flipped gives bones.
+"""
+
+import bpy
+import numpy as np
+from bpy.types import Object
+from mathutils import Matrix
+
+from ....core import frames
+from ....core.sides import flip
+from ....mesh_io import RestShape
+from ....properties import SinewDeformer, SinewHandle
+from ...control.handles import poses
+from ...memory import sessions
+from . import empties
+
+_REFLECTION = np.diag((-1.0, 1.0, 1.0, 1.0))
+_CLOSE = 1e-3  # largest difference of poses that count as equal: a millimetre, a twentieth of a degree
+
+
+def _mirrored(matrix: np.ndarray) -> np.ndarray:
+    """The mirror image of a 4x4 matrix."""
+    return _REFLECTION @ matrix @ _REFLECTION
+
+
+def give(
+    obj: Object,
+    deformer: SinewDeformer,
+    source: SinewHandle,
+    target: SinewHandle,
+    rest: RestShape,
+    members: np.ndarray,
+) -> None:
+    """Let the control of the other side move ``target``, in the mirrored pose.
+
+    ``members``: its vertices in ``rest``. A control the user chose before stays, where it is.
+    """
+    if target.kind != "HANDLE":
+        empties.release(target)
+        return
+    pose = _mirrored(np.vstack((_pose(obj, deformer, source), (0.0, 0.0, 0.0, 1.0))))
+    frame = _mirrored(poses.rest_of(source)) if source.has_rest else None
+    if not target.control_missing:
+        if target.owns_control and frame is not None:
+            _place(obj, target, frame, pose)
+        return
+    control, bone = _other_side(obj, source)
+    if control is None:
+        _give_empty(obj, source, target, rest, members, frame, pose)
+    elif bone:
+        _give_bone(obj, source, target, control, bone)
+    else:
+        _give_object(obj, target, control, frame, pose)
+
+
+def _pose(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> np.ndarray:
+    """The pose of a handle now, (3, 4); of one whose control is gone, the last."""
+    matrix = poses.control_matrix(handle, bpy.context.evaluated_depsgraph_get())
+    if matrix is not None and handle.has_rest:
+        return frames.pose(_world(obj), matrix, poses.rest_of(handle), f"The control of {handle.name}")
+    session = sessions.find(deformer.uid)
+    return poses.IDENTITY if session is None else session.poses.get(handle.uid, poses.IDENTITY)
+
+
+def _world(obj: Object) -> np.ndarray:
+    return np.array(obj.matrix_world, dtype=np.float64)
+
+
+def _other_side(obj: Object, source: SinewHandle) -> tuple[Object | None, str]:
+    """The bone of the same armature, or the object of the scene, with the flipped name."""
+    control = source.control
+    if control is None:
+        return None, ""
+    bone = flip(source.bone)
+    if bone and control.pose is not None and bone in control.pose.bones:
+        return control, bone
+    other = bpy.context.scene.objects.get(flip(control.name) or " ")
+    usable = other is not None and other not in (obj, control)
+    return (other if usable and not source.bone else None), ""
+
+
+def _give_empty(
+    obj: Object,
+    source: SinewHandle,
+    target: SinewHandle,
+    rest: RestShape,
+    members: np.ndarray,
+    frame: np.ndarray | None,
+    pose: np.ndarray,
+) -> None:
+    empty, own_frame = empties.make_empty(obj, rest, members, f"{obj.name} {target.name}", pose[:3])
+    like = source.control
+    if like is not None and like.type == "EMPTY":
+        for name in ("empty_display_type", "empty_display_size", "show_in_front", "rotation_mode"):
+            setattr(empty, name, getattr(like, name))
+    target.control, target.bone, target.owns_control = empty, "", True
+    _place(obj, target, own_frame if frame is None else frame, pose)
+
+
+def _place(obj: Object, target: SinewHandle, frame: np.ndarray, pose: np.ndarray) -> None:
+    """Put the control of a handle where ``pose`` takes its rest frame, and make that its rest frame."""
+    control = target.control
+    if control.parent == obj and control.parent_type == "OBJECT":
+        control.matrix_parent_inverse = Matrix(frame.tolist())
+        control.matrix_basis = Matrix((frames.inverse(frame, target.name) @ pose @ frame).tolist())
+    else:
+        control.matrix_world = Matrix((_world(obj) @ pose @ frame).tolist())
+    poses.set_rest(target, frame)
+
+
+def _give_bone(obj: Object, source: SinewHandle, target: SinewHandle, control: Object, bone: str) -> None:
+    """The bone rests where the mirror image of the source's rest has it: the same in its own axes."""
+    target.control, target.bone, target.owns_control = control, bone, False
+    if not source.has_rest:
+        return
+    to_target = frames.inverse(_world(obj), obj.name) @ _world(control)
+    bones = control.data.bones
+    own, other = (np.array(bones[name].matrix_local, dtype=np.float64) for name in (source.bone, bone))
+    moved = frames.inverse(to_target @ own, source.bone) @ poses.rest_of(source)
+    poses.set_rest(target, to_target @ other @ _mirrored(moved))
+
+
+def _give_object(
+    obj: Object, target: SinewHandle, control: Object, frame: np.ndarray | None, pose: np.ndarray
+) -> None:
+    """It keeps its place. Where that is the mirror image of the source's rest or pose, so is its rest frame;
+    elsewhere what it stands for now is the mirrored pose."""
+    target.owns_control = False
+    empties.assign(obj, target, control, "", pose[:3])
+    if frame is None:
+        return
+    matrix = poses.control_matrix(target, bpy.context.evaluated_depsgraph_get())
+    now = frames.pose(_world(obj), matrix, frame, control.name)
+    if any(np.abs(now - known[:3]).max() < _CLOSE for known in (pose, np.eye(4))):
+        poses.set_rest(target, frame)

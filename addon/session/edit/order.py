@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The order of deformers, which is the order of their modifiers, and of handles, which changes no shape."""
+
+from bpy.types import Object
+
+from ... import compat
+from ...core.errors import SinewError
+from ...properties import SinewDeformer
+from ..blocks import animation_paths, keeper, shapes
+from ..memory import sessions
+
+
+@sessions.suspended()
+def move_deformer(obj: Object, index: int, target: int) -> None:
+    """Put a deformer at another place in the list; the Sinew modifiers of the stack then follow the list.
+
+    They change places with each other: modifiers of others keep theirs.
+    """
+    baked = [deformer.name for deformer in obj.sinew.deformers if deformer.bake.is_baked]
+    if baked:
+        raise SinewError(f"{baked[0]} is baked, and its cache belongs where it is - Unbake it first")
+    count = len(obj.sinew.deformers)
+    order = animation_paths.moved(count, index, target)
+    wanted = sorted(range(count), key=order.get)
+    _restack(obj, [obj.sinew.deformers[old] for old in wanted])
+    obj.sinew.deformers.move(index, target)
+    animation_paths.deformers_reordered(obj, order)
+    obj.sinew.active_deformer = order.get(obj.sinew.active_deformer, target)
+    keeper.keep_evaluated(obj)
+    obj.update_tag()
+
+
+def _restack(obj: Object, deformers: list[SinewDeformer]) -> None:
+    """Give the Sinew modifiers the order of ``deformers``, in the places they hold together."""
+    names = [
+        modifier.name
+        for modifier in (shapes.find_modifier(obj, deformer) for deformer in deformers)
+        if modifier
+    ]
+    before = [modifier.name for modifier in obj.modifiers]
+    after = list(before)
+    places = sorted(before.index(name) for name in names)
+    for place, name in zip(places, names, strict=True):
+        after[place] = name
+    if _arrange(obj, after):
+        return
+    _arrange(obj, before)
+    raise SinewError("Blender does not let these modifiers change places - one between them must stay first")
+
+
+def _arrange(obj: Object, names: list[str]) -> bool:
+    """Bring the stack in this order, from the top down."""
+    for place, name in enumerate(names):
+        if not compat.move_modifier(obj, name, place):
+            return False
+    return [modifier.name for modifier in obj.modifiers] == names
+
+
+@sessions.suspended()
+def move_handle(obj: Object, deformer: SinewDeformer, index: int, target: int) -> None:
+    """Put a handle at another place in the list."""
+    order = animation_paths.moved(len(deformer.handles), index, target)
+    deformer.handles.move(index, target)
+    animation_paths.handles_reordered(obj, deformer, order)
+    deformer.active_handle = order.get(deformer.active_handle, target)
+    keeper.keep_evaluated(obj)
+    obj.update_tag()

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""After an edit of the mesh or its cage: painted weights take effect, lost or new vertices are noticed.
+
+Main thread only: this makes datablocks. It runs when the edits pause, never while one is under way.
+"""
+
+from contextlib import suppress
+
+import bpy
+import numpy as np
+from bpy.types import Mesh, Object
+
+from ...compat import read_positions, write_positions
+from ...core.errors import SinewError
+from ...mesh_io import read_rest, same_topology
+from ...properties import SinewDeformer
+from ..blocks import capture, shapes, vertex_groups
+from ..control.cage import kind
+from ..memory import sessions
+from . import bind
+
+_BUSY_MODES = ("EDIT", "SCULPT", "SCULPT_CURVES")  # meshes under the knife: looked at when the user leaves
+
+
+def refresh() -> bool:
+    """Look at the meshes that were edited; True where one needs another solve."""
+    waiting, changed = [], False
+    for name in sessions.take_edited():
+        obj = bpy.data.objects.get(name)
+        if obj is None or obj.library is not None:
+            continue
+        if _is_busy(obj):
+            waiting.append(name)
+            continue
+        for deformer in obj.sinew.deformers:
+            if deformer.is_bound and not deformer.bake.is_baked and not shapes.is_linked(deformer.proxy):
+                changed |= _refresh(obj, deformer)
+        sessions.forget_edit(name)  # looking at it counts as an edit for Blender
+    for name in waiting:
+        sessions.note_edit(name)
+    return changed
+
+
+def _is_busy(obj: Object) -> bool:
+    cages = [deformer.cage for deformer in obj.sinew.deformers if deformer.auto_rebind and deformer.cage]
+    return any(edited.mode in _BUSY_MODES for edited in (obj, *cages))
+
+
+@sessions.suspended()
+def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
+    if deformer.auto_rebind and kind.has_other_vertices(deformer):
+        with suppress(SinewError):  # the status says why
+            kind.take_rest(obj, deformer)
+            bind.bind(obj, deformer, wait=False)
+        return True
+    vertex_groups.follow_renamed_groups(obj, deformer)
+    try:
+        meshes = capture.rest_meshes(obj, deformer)
+    except SinewError:  # no vertices: the evaluation says so
+        return False
+    held = (deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER") if deformer.renders_differ else None)
+    if not same_topology(held[0], meshes[0]):
+        _discard(meshes)
+        _change_topology(obj, deformer)
+        return True
+    fits = _fits(held[1], meshes[1])
+    same = fits and all(_same_weights(old, new, deformer) for old, new in zip(held, meshes, strict=True))
+    if same and not deformer.topology_changed:
+        _discard(meshes)
+        return False
+    write_positions(meshes[0], read_positions(held[0]))
+    if fits and held[1] is not None:
+        write_positions(meshes[1], read_positions(held[1]))
+    sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
+    shapes.hold_rest(deformer, meshes)
+    shapes.ensure(obj, deformer, *sizes)
+    deformer.topology_changed = False
+    obj.update_tag(refresh={"OBJECT"})
+    return True
+
+
+def _fits(old: Mesh | None, new: Mesh | None) -> bool:
+    """Renders get the vertices that they had at bind. Else what enters there now is their rest shape."""
+    if old is None or new is None:
+        return old is new
+    return same_topology(old, new)
+
+
+def _same_weights(old: Mesh | None, new: Mesh | None, deformer: SinewDeformer) -> bool:
+    if old is None:
+        return True
+    before, after = read_rest(old), read_rest(new)
+    vertex_groups.read_weights(before, old, deformer)
+    vertex_groups.read_weights(after, new, deformer)
+    return before.weights.keys() == after.weights.keys() and all(
+        np.array_equal(before.weights[name], after.weights[name]) for name in before.weights
+    )
+
+
+def _discard(meshes: tuple[Mesh | None, ...]) -> None:
+    for mesh in meshes:
+        if mesh is not None:
+            bpy.data.meshes.remove(mesh)
+
+
+def _change_topology(obj: Object, deformer: SinewDeformer) -> None:
+    if deformer.auto_rebind:
+        with suppress(SinewError):  # the status says why
+            bind.bind(obj, deformer, wait=False)
+    elif not deformer.topology_changed:
+        deformer.topology_changed = True
+        obj.update_tag(refresh={"OBJECT"})

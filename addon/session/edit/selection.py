@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the selection of Edit Mode to vertex groups, and back. Main thread only."""
+
+from collections.abc import Iterable
+
+import bmesh
+from bpy.types import Object
+
+from ...core.errors import ConstraintError, SinewError
+
+
+def group_from_selection(obj: Object, name: str) -> str:
+    """A new vertex group of the vertices selected in Edit Mode."""
+    edit = bmesh.from_edit_mesh(obj.data)
+    if not any(vertex.select for vertex in edit.verts):
+        raise ConstraintError("Nothing is selected - select the vertices of the region first")
+    group = obj.vertex_groups.new(name=name)
+    layer = edit.verts.layers.deform.verify()
+    for vertex in edit.verts:
+        if vertex.select:
+            vertex[layer][group.index] = 1.0
+    bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
+    return group.name
+
+
+def select_group(obj: Object, vertex_group: str) -> None:
+    """Select the vertices of a group, in Edit Mode."""
+    group = obj.vertex_groups.get(vertex_group)
+    if group is None:
+        raise SinewError(f"{obj.name} has no vertex group '{vertex_group}'")
+    edit = bmesh.from_edit_mesh(obj.data)
+    layer = edit.verts.layers.deform.active
+    members = [] if layer is None else [v.index for v in edit.verts if v[layer].get(group.index, 0.0) > 0.0]
+    select_elements(obj, members, "vertex")
+
+
+def select_elements(obj: Object, elements: Iterable[int], kind: str) -> int:
+    """Select vertices or faces by index, in Edit Mode; how many there were."""
+    edit = bmesh.from_edit_mesh(obj.data)
+    for vertex in edit.verts:
+        vertex.select = False
+    edit.select_flush(False)
+    sequence = edit.faces if kind == "face" else edit.verts
+    sequence.ensure_lookup_table()
+    wanted = [index for index in elements if index < len(sequence)]
+    for index in wanted:
+        sequence[index].select = True
+    edit.select_flush(True)
+    bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
+    return len(wanted)

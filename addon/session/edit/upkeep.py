@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Upkeep on the main thread, of what handlers may not do themselves: they make no datablocks.
+
+A copied object shows the shapes of the original until it gets its own.
+
+Main thread only: this makes datablocks.
+"""
+
+import bpy
+from bpy.types import Object
+
+from ...ids import Datablocks
+from ..blocks import keeper, shapes, targets
+from ..blocks.owners import copies, forget_owners, has_copies, owners
+from ..live import binding
+from ..memory import sessions
+from . import deformers
+
+
+def separate(obj: Object) -> None:
+    """Give a copy keys and shapes of its own. The rest mesh is never written, so it stays shared."""
+    for deformer in obj.sinew.deformers:
+        modifier = shapes.find_modifier(obj, deformer)
+        deformer.uid = shapes.new_key()
+        shared = deformer.shape("VIEWPORT"), deformer.shape("RENDER")
+        if shared[0] is not None:
+            deformer.proxy = bpy.data.objects.new(Datablocks.PROXY_VIEWPORT, shared[0].data.copy())
+        if shared[1] is not None:
+            deformer.proxy_render = bpy.data.objects.new(Datablocks.PROXY_RENDER, shared[1].data.copy())
+        if modifier is not None:
+            shapes.connect(modifier, deformer)
+    keeper.keep_evaluated(obj)
+    obj.update_tag()
+
+
+def collect() -> None:
+    """Take in what threads have finished: the next evaluation solves with it, or shows it."""
+    ready = binding.collect()
+    for obj in owners() if ready or sessions.has_work() else ():
+        if any(
+            deformer.uid in ready or sessions.has_answer(deformer.uid) for deformer in obj.sinew.deformers
+        ):
+            obj.update_tag(refresh={"OBJECT"})
+
+
+def tidy() -> None:
+    """What handlers had to leave: shapes for copies, drivers that are gone or keep the wrong control."""
+    found = copies()
+    for obj in found:
+        separate(obj)
+    if found:
+        forget_owners()
+    for obj in _converted():
+        for index in _former(obj):
+            deformers.forget_deformer(obj, index)
+    exchanged = set(sessions.rewired())
+    for obj in owners():
+        uids = exchanged.intersection(deformer.uid for deformer in obj.sinew.deformers)
+        if (uids or not keeper.is_kept(obj)) and obj.library is None:
+            keeper.keep_evaluated(obj)
+        for uid in uids:
+            sessions.open_session(uid).rewire = False
+
+
+def _converted() -> list[Object]:
+    """Objects that Blender made meshes of, or of meshes: with the shape shown, and without modifiers."""
+    return [obj for obj in owners() if obj.library is None and _former(obj)]
+
+
+def _former(obj: Object) -> list[int]:
+    """Deformers of what the object was before, the last first."""
+    deformers = obj.sinew.deformers
+    return [
+        index
+        for index in reversed(range(len(deformers)))
+        if not targets.suits(obj, deformers[index]) and shapes.find_modifier(obj, deformers[index]) is None
+    ]
+
+
+def has_pending() -> bool:
+    """Something waits for ``tidy``, ``refresh`` or ``settle``."""
+    waits = sessions.unsettled() or sessions.rewired() or sessions.has_edited() or _converted()
+    return bool(waits) or has_copies() or not all(keeper.is_kept(obj) for obj in owners())

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an evaluation changed, so that nothing of ours runs when nothing of ours changed.
+
+Blender lists what it updated, but not objects that are hidden or in no scene (3.4.1). So the controls are
+compared by their matrices, and only the target is looked up in the list.
+"""
+
+from enum import IntEnum
+
+from bpy.types import Depsgraph, DepsgraphUpdate, Object
+
+from ..control import kinds, placement
+from ..memory import sessions
+from ..memory.sessions import LastUpdate
+
+
+class Change(IntEnum):
+    """What an evaluation changed of an object and its mesh, the most of it."""
+
+    NOTHING = 0
+    DRIVEN = 1  # values of its properties at most, such as those that follow controls
+    SETTINGS = 2
+    GEOMETRY = 3  # what enters the modifiers may differ
+
+
+class Changes:
+    """The updates of one evaluation. A render evaluates everything anew, so there all counts as changed."""
+
+    def __init__(self, depsgraph: Depsgraph) -> None:
+        self._depsgraph = depsgraph
+        self._in_viewport = depsgraph.mode == "VIEWPORT"
+        self._updates: dict[object, Change] | None = None
+
+    def change_of(self, obj: Object) -> Change:
+        """What changed. Blender does not list objects that it does not show."""
+        if not self._in_viewport or not obj.visible_get(view_layer=self._depsgraph.view_layer):
+            return Change.GEOMETRY
+        return max(self._listed(obj), self._listed(obj.data))
+
+    def has_edited_mesh(self, obj: Object) -> bool:
+        """The mesh itself, or its stack of modifiers, was edited."""
+        return self._listed(obj.data) is Change.GEOMETRY
+
+    def placed(self, obj: Object, evaluated: Object) -> tuple:
+        """Where the target and its controls are."""
+        placed = [placement.fingerprint(evaluated.matrix_world)]
+        for deformer in obj.sinew.deformers:
+            placed += kinds.kind_in_use(deformer).placed(deformer, self._depsgraph)
+        return tuple(placed)
+
+    def last_update(self, obj: Object) -> LastUpdate | None:
+        """What ``note`` said of the object."""
+        return sessions.last_update(obj.name_full) if self._in_viewport else None
+
+    def note(self, obj: Object, update: LastUpdate) -> None:
+        """The target is up to date with this evaluation."""
+        if self._in_viewport:
+            sessions.note_update(obj.name_full, update)
+
+    def _listed(self, part: object) -> Change:
+        if self._updates is None:
+            self._updates = {update.id.original: _change(update) for update in self._depsgraph.updates}
+        return self._updates.get(part, Change.NOTHING)
+
+
+def _change(update: DepsgraphUpdate) -> Change:
+    if update.is_updated_geometry:
+        return Change.GEOMETRY
+    return Change.SETTINGS if update.is_updated_transform or update.is_updated_shading else Change.DRIVEN

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Go through the deformers in stack order. Called in every evaluation, so equal inputs cost next to nothing.
+
+Handlers run this off the main thread in renders. It reads evaluated data from the depsgraph it is given, and
+writes arrays of unchanged size; it never makes or removes a datablock.
+"""
+
+import bpy
+from bpy.types import Depsgraph, Object
+
+from ... import compat
+from ...core import status
+from ...core.errors import BackendMissingError, OptionError, SinewError, TopologyChangedError
+from ...core.methods import BY_ID
+from ...core.status import Level, Remedy, Status
+from ...ids import Inputs
+from ...properties import SinewDeformer
+from ..blocks import baked, shapes, targets, vertex_groups
+from ..blocks.owners import owners
+from ..control import kinds
+from ..memory import sessions
+from ..memory.evaluation import Chain, Evaluation, is_shown
+from ..memory.sessions import LastUpdate
+from . import binding, incoming, solving
+from .changes import Change, Changes
+
+LINKED = "Linked: shows the last solution - make a library override to pose it here"
+
+
+def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> None:
+    """Solve every deformer whose inputs changed. ``preview`` spends a budget; see ``settle``.
+
+    After an ``edit``, not a change of the frame, meshes with new geometry are looked at later (``refresh``).
+
+    Costs some microseconds a control where nothing of ours changed, however large the meshes are.
+    """
+    found = owners()
+    changes = Changes(depsgraph) if found else None
+    for obj in found:
+        if edit and changes.has_edited_mesh(obj):
+            sessions.note_edit(obj.name)
+        if sessions.is_suspended():
+            sessions.note_missed(obj.name)
+            continue
+        evaluated = obj.evaluated_get(depsgraph)
+        if not evaluated.is_evaluated:
+            continue
+        change, placed, last = (
+            changes.change_of(obj),
+            changes.placed(obj, evaluated),
+            changes.last_update(obj),
+        )
+        if last is not None and change is Change.NOTHING and last.placed == placed:
+            continue
+        if sessions.take_missed(obj.name):
+            change = Change.GEOMETRY
+        layout = last.layout if last is not None and change <= Change.DRIVEN else None
+        layout = _update_object(obj, evaluated, depsgraph, preview, change is Change.GEOMETRY, layout)
+        changes.note(obj, LastUpdate(placed, layout))
+
+
+def _update_object(
+    obj: Object,
+    evaluated: Object,
+    depsgraph: Depsgraph,
+    preview: bool,
+    new_geometry: bool,
+    layout: tuple | None,
+) -> tuple:
+    """Bring the object up to date; its layout (``LastUpdate``).
+
+    ``layout`` is given where at most controls moved since it was made: then the rig need not be looked at.
+    """
+    changed = layout is None or not _still_holds(layout, obj)
+    if changed:
+        if depsgraph.mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
+            new_geometry = False  # what was read was not what entered
+        layout = _layout(obj, depsgraph.mode)
+    chain = Chain()
+    for modifier, shows in zip(obj.modifiers, layout, strict=True):
+        if not is_shown(modifier, depsgraph.mode):
+            continue
+        if shows is None:
+            chain = Chain() if baked.overwrites(modifier) else chain.after_other_modifier()
+            continue
+        index = shows[0]
+        deformer = obj.sinew.deformers[index]
+        settings = _evaluated_settings(evaluated, index, deformer)
+        session = shapes.session_of(deformer, depsgraph.mode)
+        evaluation = Evaluation(
+            obj, evaluated, depsgraph, modifier, deformer, settings, session, chain, preview, new_geometry
+        )
+        if evaluation.in_viewport and changed:
+            deformer.complete()
+            if vertex_groups.follow_renamed_groups(obj, deformer):
+                session.rest = None  # its weights go by the old names
+            if shapes.connect_mask(obj, modifier, deformer):
+                obj.update_tag()
+        with session.lock:
+            try:
+                chain = _take(evaluation)
+            except SinewError as error:
+                chain = _refuse(evaluation, error)
+    if depsgraph.mode == "VIEWPORT" and changed:
+        _report_lost(obj)
+        baked.report(obj)
+    return layout
+
+
+def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
+    """The deformer that each modifier shows, by index and key."""
+    by_proxy, found = _by_shape(obj), []
+    for modifier in obj.modifiers:
+        shape = None
+        if modifier.type == "NODES" and is_shown(modifier, mode):
+            shape = compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT)
+        index = by_proxy.pop(shape, None)
+        found.append(None if index is None else (index, obj.sinew.deformers[index].uid))
+    return tuple(found)
+
+
+def _still_holds(layout: tuple, obj: Object) -> bool:
+    """Scripts may change lists of ours without a word to Blender."""
+    deformers = obj.sinew.deformers
+    return len(layout) == len(obj.modifiers) and all(
+        shows is None or (shows[0] < len(deformers) and deformers[shows[0]].uid == shows[1])
+        for shows in layout
+    )
+
+
+def _by_shape(obj: Object) -> dict[Object, int]:
+    """Deformers that have both shapes, by the viewport's. One that shares its key with an earlier one waits
+    for its own.
+    """
+    found, keys = {}, set()
+    for index, deformer in enumerate(obj.sinew.deformers):
+        shape = deformer.shape("VIEWPORT")
+        whole = shape is not None and deformer.shape("RENDER") is not None
+        if whole and shape not in found and deformer.uid not in keys:
+            found[shape] = index
+        keys.add(deformer.uid)
+    return found
+
+
+def _report_lost(obj: Object) -> None:
+    """Hidden data that somebody deleted is made anew by Bind."""
+    for deformer in obj.sinew.deformers:
+        session = sessions.find(deformer.uid)
+        was_bound = deformer.is_bound or (session is not None and session.bound is not None)
+        if not was_bound or binding.job(deformer.uid) is not None:
+            continue
+        if not deformer.is_bound:
+            lost = "rest shape"
+        elif deformer.shape("VIEWPORT") is None or deformer.shape("RENDER") is None:
+            lost = "hidden shape"
+        elif shapes.find_modifier(obj, deformer) is None:
+            lost = "modifier"
+        else:
+            continue
+        text = f"The {lost} was deleted - Rebind"
+        status.put(deformer.uid, Status(Level.ERROR, text, remedy=Remedy.BIND))
+
+
+def _evaluated_settings(evaluated: Object, index: int, deformer: SinewDeformer) -> SinewDeformer:
+    """The deformer with its animated values, or the original where Blender has not copied it yet."""
+    copies = evaluated.sinew.deformers
+    if index < len(copies) and copies[index].uid == deformer.uid:
+        return copies[index]
+    return deformer
+
+
+def _take(evaluation: Evaluation) -> Chain:
+    """Bring one deformer up to date; what it leaves for the next."""
+    deformer, session = evaluation.deformer, evaluation.session
+    if not evaluation.settings.live:
+        return incoming.after(evaluation)
+    if shapes.is_linked(deformer.proxy):
+        status.put(deformer.uid, Status(Level.INFO, LINKED))
+        return Chain(broken=True)
+    if deformer.method in BY_ID:
+        targets.require_method(evaluation.obj, deformer.definition)
+    if not deformer.is_bound or not kinds.kind_in_use(evaluation.settings).is_set(evaluation.settings):
+        shapes.show_rest(deformer, evaluation.mode, evaluation.depsgraph.scene)
+        return evaluation.chain.through(deformer.uid)
+    wait = bpy.app.background or not evaluation.in_viewport
+    if deformer.method not in BY_ID:
+        raise OptionError("The method is unknown here - choose one in the menu")
+    if deformer.topology_changed:
+        raise TopologyChangedError(incoming.TOPOLOGY_CHANGED)
+    bound = binding.ensure(session, deformer, evaluation.settings, wait, mode=evaluation.mode)
+    if bound is None:
+        if session.failed is not None:
+            shapes.show_rest(deformer, evaluation.mode, evaluation.depsgraph.scene)
+        return evaluation.chain.through(deformer.uid)
+    solving.solve(evaluation, bound, *incoming.find(evaluation, bound))
+    return incoming.after(evaluation)
+
+
+def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
+    if evaluation.in_viewport:
+        status.fail(evaluation.deformer.uid, error)
+        if evaluation.deformer.auto_rebind and error.remedy is Remedy.CAGE_REST:
+            sessions.note_edit(evaluation.obj.name)
+    else:
+        evaluation.note(f"In the render: {error}")
+    if isinstance(error, BackendMissingError):
+        return incoming.after(evaluation)  # the last solution stays
+    shapes.show_rest(evaluation.deformer, evaluation.mode, evaluation.depsgraph.scene)
+    return evaluation.chain.through(evaluation.deformer.uid)
+
+
+def settle() -> bool:
+    """Ask for the final answer of every preview; True where there was one. For a timer, and for tests."""
+    asked = False
+    for obj in owners():
+        for deformer in obj.sinew.deformers:
+            session = sessions.find(deformer.uid)
+            if session is None or session.work is not None:
+                continue
+            if any(not shown.converged for shown in session.shown.values()):
+                session.settle = asked = True
+                obj.update_tag(refresh={"OBJECT"})
+    return asked

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What enters a deformer now, and what leaves it for the next one in the stack."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...core.errors import TopologyChangedError
+from ...mesh_io import read_incoming
+from ..blocks import node_group, shapes, targets
+from ..memory.evaluation import Chain, Evaluation, is_shown
+from ..memory.sessions import Bound
+
+_DEFORMING = {  # Blender's modifiers that keep the vertices they get
+    "ARMATURE",
+    "CAST",
+    "CORRECTIVE_SMOOTH",
+    "CURVE",
+    "DISPLACE",
+    "HOOK",
+    "LAPLACIANDEFORM",
+    "LAPLACIANSMOOTH",
+    "LATTICE",
+    "MESH_CACHE",
+    "MESH_DEFORM",
+    "SHRINKWRAP",
+    "SIMPLE_DEFORM",
+    "SMOOTH",
+    "SURFACE_DEFORM",
+    "WARP",
+    "WAVE",
+}
+TOPOLOGY_CHANGED = "Topology changed - Rebind"
+
+
+def find(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray | None, bool]:
+    """The incoming positions float32 (n, 3), None for rest; and whether only displacements can be shown."""
+    if not targets.is_mesh(evaluation.obj):
+        session = evaluation.session
+        if evaluation.new_geometry or session.structure is None:
+            session.structure = targets.structure(evaluation.obj)
+        if session.structure != bound.rest.structure:
+            raise TopologyChangedError(TOPOLOGY_CHANGED)
+        return None, True  # to a cage it is all the same: what it moves, it moves on from where that is
+    expected = len(bound.rest.points)
+    if evaluation.chain.broken:
+        evaluation.note("Another modifier stands between two deformers: this one adds its displacement")
+        return None, True
+    if evaluation.chain.points is not None:
+        if len(evaluation.chain.points) != expected:
+            raise TopologyChangedError(TOPOLOGY_CHANGED)
+        return evaluation.chain.points, False
+    source = evaluation.chain.entered
+    if not source and not evaluation.new_geometry and evaluation.shown.positions is not None:
+        return evaluation.shown.incoming, evaluation.shown.displacement
+    found = read_incoming(
+        evaluation.evaluated.data, *shapes.attribute_names(source or evaluation.deformer.uid), expected
+    )
+    if found.points is not None and len(bound.rest.not_finite):
+        points = found.points.copy()
+        points[bound.rest.not_finite] = bound.rest.compact[bound.rest.not_finite]
+        found = replace(found, points=points)
+    if found.points is not None:
+        evaluation.note("")
+        return (None if np.array_equal(found.points, bound.rest.compact) else found.points), False
+    if found.count < 0 and evaluation.obj.mode == "EDIT":
+        return evaluation.shown.incoming, False
+    if found.count > expected or _entering(evaluation) not in (None, expected):
+        raise TopologyChangedError(TOPOLOGY_CHANGED)
+    if 0 <= found.count < expected and _is_last(evaluation):
+        raise TopologyChangedError(TOPOLOGY_CHANGED)
+    evaluation.note("A later modifier reorders vertices: the deformation is added as displacement")
+    return None, True
+
+
+def _entering(evaluation: Evaluation) -> int | None:
+    """How many vertices enter, where nothing before this deformer can change their number."""
+    if evaluation.obj.mode == "EDIT":
+        return None
+    for modifier in evaluation.obj.modifiers:
+        if modifier == evaluation.modifier:
+            return len(evaluation.obj.data.vertices)
+        if (
+            is_shown(modifier, evaluation.mode)
+            and modifier.type not in _DEFORMING
+            and not node_group.is_ours(modifier)
+        ):
+            return None
+    return None
+
+
+def _is_last(evaluation: Evaluation) -> bool:
+    """No visible modifier follows this deformer's."""
+    return (
+        next(other for other in reversed(evaluation.obj.modifiers) if is_shown(other, evaluation.mode))
+        == evaluation.modifier
+    )
+
+
+def after(evaluation: Evaluation) -> Chain:
+    """What leaves the deformer, as its node group computes it in float32."""
+    shown, settings = evaluation.shown, evaluation.settings
+    if shown.positions is None or shown.displacement or settings.mask_group:
+        return Chain(broken=True)
+    if shown.factor == 1.0:
+        return Chain(points=shown.positions)
+    before = evaluation.session.bound.rest.compact if shown.incoming is None else shown.incoming
+    factor = np.float32(shown.factor)
+    return Chain(points=before * (np.float32(1.0) - factor) + shown.positions * factor)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a panel says of defects of a mesh."""
+
+import numpy as np
+
+from ...backend import Diagnosis
+from ...core.status import Level, Remedy, Status
+
+NAMES = {  # what is counted: one of it, several
+    "not_finite": ("vertex without a finite position", "vertices without a finite position"),
+    "coincident": ("coincident vertex", "coincident vertices"),
+    "degenerate": ("face without area", "faces without area"),
+    "duplicate": ("duplicate face", "duplicate faces"),
+    "non_manifold": ("edge of three or more faces", "edges of three or more faces"),
+    "loose": ("loose vertex", "loose vertices"),
+}
+
+
+def notes(diagnosis: Diagnosis, selectable: bool = True) -> tuple[Status, ...]:
+    """Lines for the panel. ``selectable``: elements are those of the base mesh, so Select can show them."""
+    lines = []
+    for what, elements in elements_by_defect(diagnosis).items():
+        if len(elements):
+            kind = "face" if what in ("degenerate", "duplicate") else "vertex"
+            shown = tuple(int(element) for element in np.unique(elements)) if selectable else ()
+            text = counted(what, len(elements))
+            lines.append(Status(Level.WARNING, text, shown, kind if shown else "", Remedy.REPAIR))
+    return tuple(lines)
+
+
+def elements_by_defect(diagnosis: Diagnosis) -> dict[str, np.ndarray]:
+    """Index arrays; edges as the (k, 2) vertices at their ends."""
+    return {
+        "not_finite": diagnosis.not_finite,
+        "coincident": diagnosis.coincident_vertices,
+        "degenerate": diagnosis.degenerate_faces,
+        "duplicate": diagnosis.duplicate_faces,
+        "non_manifold": diagnosis.non_manifold_edges,
+        "loose": diagnosis.loose_vertices,
+    }
+
+
+def counted(what: str, count: int) -> str:
+    return f"{count:,} {NAMES[what][count != 1]}"

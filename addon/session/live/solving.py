@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solve when the signature of the inputs changed, and write the shape mesh.
+
+A drag in a window shows previews: as many steps as the drag budget allows, started from the shape before.
+Where one step is dearer than the budget, a thread solves and the shape follows the controls a little later.
+When the drag pauses, the answer that depends on the poses alone replaces the preview.
+"""
+
+import math
+import time
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...backend import Progress
+from ...core import status
+from ...core.errors import OptionError, SolverError, TopologyChangedError
+from ...core.status import Level, Status
+from ...mesh_io import shape_array, write_shape
+from ...preferences import preferences
+from ..control import kinds
+from ..control.bind_input import solve_options
+from ..memory import render_writes
+from ..memory.background import Work
+from ..memory.evaluation import Evaluation
+from ..memory.sessions import Bound, Session, Shown
+from . import binding
+from .incoming import TOPOLOGY_CHANGED
+
+PREVIEW_ITERATIONS = 4  # while the price of a step is unknown
+_MOST_ITERATIONS = 10  # more would not show within a drag
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a shape depends on. ``early`` is content with a preview, ``final`` replaces one."""
+
+    signature: tuple
+    incoming: np.ndarray | None  # float32 (n, 3), None for rest
+    displacement: bool
+    control: np.ndarray  # as ``Factor.solve`` takes it
+    options: dict[str, object]
+    early: bool
+    final: bool
+
+    def matches(self, other: "Question | Shown") -> bool:
+        """The same shape is asked for, or shown."""
+        return self.signature == other.signature and _same(self.incoming, other.incoming)
+
+
+def solve(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, displacement: bool) -> None:
+    """Bring the shape mesh up to date. ``incoming`` float32 (n, 3), None for rest."""
+    shown = evaluation.shown
+    question = _question(evaluation, bound, incoming, displacement)
+    if question is None:
+        return
+    if question.matches(shown) and (shown.converged or question.early):
+        if shown.factor != _factor(evaluation):
+            _show(evaluation, bound, question, shown.shape, shown.converged)
+        return
+    if evaluation.in_viewport and _may_be_late(evaluation, bound, question):
+        answer = _from_thread(evaluation.session, bound, question)
+        if answer is None:
+            return
+        question, shape = answer
+    else:
+        if evaluation.in_viewport:
+            evaluation.session.drop_work()
+        shape = _solve_here(evaluation, bound, question)
+    _show(evaluation, bound, question, shape, converged=not question.early)
+
+
+def _factor(evaluation: Evaluation) -> float:
+    """How much is shown; files may hold anything."""
+    factor = evaluation.settings.factor
+    if not math.isfinite(factor):
+        raise OptionError("Factor is not a number - set it between 0 and 1")
+    return min(max(factor, 0.0), 1.0)
+
+
+def _question(
+    evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, displacement: bool
+) -> Question | None:
+    """None where the control is lost and nobody knows where it was."""
+    found = kinds.kind_of_method(bound.factor.recipe.method).pose(evaluation, bound)
+    if found is None:
+        return None
+    control, further = found
+    options = solve_options(evaluation.settings)
+    posed = (control.tobytes(), *(value.tobytes() for value in further.values()))
+    signature = (bound.key, posed, tuple(options.items()), displacement)
+    options.update(further)
+    options["incoming"] = incoming
+    shown = evaluation.shown
+    same = shown.signature == signature and _same(shown.incoming, incoming)
+    final = evaluation.session.settle and same and evaluation.in_viewport
+    early = evaluation.preview and evaluation.settings.definition.iterative and not final
+    if early:
+        options["max_iterations"] = min(evaluation.session.steps, options["max_iterations"])
+        if shown.positions is not None and not shown.displacement:
+            options["start"] = shown.positions
+    return Question(signature, incoming, displacement, control, options, early, final)
+
+
+def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
+    return a is b or (a is not None and b is not None and np.array_equal(a, b))
+
+
+def _show(
+    evaluation: Evaluation, bound: Bound, question: Question, shape: np.ndarray, converged: bool
+) -> None:
+    shown, factor = evaluation.shown, _factor(evaluation)
+    mesh = None if evaluation.proxy is None else evaluation.proxy.data
+    fits = mesh is not None and render_writes.write(
+        evaluation.depsgraph.scene,
+        lambda: write_shape(mesh, shape, factor, question.displacement),
+        evaluation.session.lock,
+    )
+    if not fits:
+        raise TopologyChangedError(TOPOLOGY_CHANGED)
+    shown.signature, shown.incoming = question.signature, question.incoming
+    shown.hold(shape)
+    shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged
+    if evaluation.in_viewport and status.current(evaluation.deformer.uid).level is not Level.INFO:
+        status.put(evaluation.deformer.uid, Status(Level.INFO, binding.summary(bound)))
+
+
+def _solve_here(evaluation: Evaluation, bound: Bound, question: Question) -> np.ndarray:
+    begin = time.perf_counter()
+    shape = _answer(bound, question)
+    _learn_price(evaluation.session, question, time.perf_counter() - begin)
+    return shape
+
+
+def _answer(bound: Bound, question: Question, progress: Progress | None = None) -> np.ndarray:
+    """A ``shape_array`` with the answer. Touches no Blender data: any thread will do."""
+    shape = shape_array(len(bound.rest.points))
+    out = shape[:-1]
+    if not question.displacement:
+        bound.factor.solve(question.control, out=out, progress=progress, **question.options)
+        return shape
+    solved, _report = bound.factor.solve(question.control, progress=progress, **question.options)
+    with np.errstate(over="ignore"):
+        np.subtract(solved, bound.rest.points, out=out, casting="same_kind")
+    if not np.isfinite(out).all():
+        raise SolverError("The solution is not finite - check the scale of the controls")
+    return shape
+
+
+def _learn_price(session: Session, question: Question, seconds: float) -> None:
+    """What the next step of a drag will cost, and how many of them its budget allows."""
+    session.solve_milliseconds = seconds * 1000.0
+    if not question.early:
+        session.step_milliseconds = session.solve_milliseconds
+    elif "start" in question.options:  # without one, the first answer is dearer than its steps
+        session.step_milliseconds = session.solve_milliseconds / question.options["max_iterations"]
+        affordable = int(_budget() / max(session.step_milliseconds, 1e-3))
+        session.steps = min(max(affordable, 1), _MOST_ITERATIONS)
+
+
+def _budget() -> float:
+    """Milliseconds that a drag may spend on a redraw."""
+    return preferences(bpy.context).drag_budget
+
+
+def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bool:
+    """A thread may answer: nobody waits for a final shape, nor for a preview that is over the budget."""
+    if not binding.may_wait(len(bound.rest.points)):
+        return False
+    session = evaluation.session
+    iterative = evaluation.settings.definition.iterative
+    dear = session.step_milliseconds > _budget() and (question.early or not iterative)
+    return question.final or (evaluation.preview and dear)
+
+
+def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Question, np.ndarray] | None:
+    """The shape that a thread has found, perhaps for an earlier question; None until there is something."""
+    work = session.work
+    if work is not None and not work.done:
+        if question.matches(work.subject) or not work.subject.final:
+            return None
+        work.cancel()
+        work = None
+    if work is None:
+        _ask(session, bound, question)
+        return None
+    session.work = None
+    if work.error is not None:
+        session.settle = False
+        raise work.error
+    answered = work.subject
+    _learn_price(session, answered, work.seconds)
+    if answered.final:
+        session.settle = False
+    if not question.matches(answered):
+        _ask(session, bound, question)
+        if answered.final:
+            return None
+    return answered, work.result
+
+
+def _ask(session: Session, bound: Bound, question: Question) -> None:
+    session.work = Work(lambda progress: _answer(bound, question, progress), question)

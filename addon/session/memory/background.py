@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A native call in a thread of its own, so that a window stays alive. It touches no Blender data."""
+
+import threading
+import time
+from collections.abc import Callable
+
+from ...backend import Progress
+from ...core.errors import SinewError
+
+
+class Work:
+    """Runs ``call(progress)`` at once; ask ``done``, then read ``result`` or ``error``.
+
+    ``subject`` says what it is about: the one who collects it compares it with what is wanted by then.
+    """
+
+    def __init__(self, call: Callable[[Progress], object], subject: object = None) -> None:
+        self.subject = subject
+        self.fraction = 0.0
+        self.stage = ""
+        self.result: object = None
+        self.error: SinewError | None = None
+        self.seconds = 0.0
+        self._call = call
+        self._cancelled = False
+        self.thread = threading.Thread(target=self._run, name="sinew", daemon=True)
+        self.thread.start()
+
+    @property
+    def done(self) -> bool:
+        """It ended, by result or by error."""
+        return not self.thread.is_alive()
+
+    def cancel(self) -> None:
+        """Stop at the next progress call; nobody waits for it."""
+        self._cancelled = True
+
+    def _run(self) -> None:
+        begin = time.perf_counter()
+        try:
+            self.result = self._call(self._progress)
+        except SinewError as error:
+            self.error = error
+        self.seconds = time.perf_counter() - begin
+
+    def _progress(self, fraction: float, stage: str) -> bool:
+        self.fraction, self.stage = fraction, stage
+        return not self._cancelled

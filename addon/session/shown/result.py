@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a deformer made of its mesh, for those who show or measure it: shape, triangles, distortion.
+
+Computed when asked for, kept until the factor or the shape is another. Main thread only.
+"""
+
+from dataclasses import dataclass, field
+
+import bmesh
+import numpy as np
+from bpy.types import Object
+
+from ...compat import read_triangles
+from ...core import distortion
+from ...core.distortion import Measure, RestMetric
+from ...core.methods import Control
+from ...mesh_io import RestShape, group_names, group_weights
+from ...properties import SinewDeformer
+from ..blocks import targets
+from ..memory import sessions
+from ..memory.sessions import Bound
+
+
+@dataclass(frozen=True)
+class Result:
+    """The shape that leaves a deformer. ``source`` says what it was computed from.
+
+    ``points`` float32 (n, 3), object space; ``triangles`` int32 (t, 3). ``handles`` are the keys of the bound
+    regions, ``indices`` their vertices.
+    """
+
+    source: tuple
+    rest: RestShape
+    handles: tuple[str, ...]
+    indices: tuple[np.ndarray, ...]
+    points: np.ndarray
+    triangles: np.ndarray
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """Ratios (n,) at the vertices, 1 where nothing happened; ``worst`` is the vertex farthest from that."""
+
+    source: tuple
+    measure: Measure
+    values: np.ndarray
+    worst: int
+
+    @property
+    def largest(self) -> float:
+        """The ratio of the worst vertex."""
+        return float(self.values[self.worst])
+
+
+@dataclass(frozen=True)
+class Influence:
+    """The sum (n,) of the weights of some cage ``vertices``; the vertices ``outside`` the cage."""
+
+    vertices: tuple[int, ...]
+    values: np.ndarray
+    outside: np.ndarray
+
+
+@dataclass
+class _Kept:
+    """Of one deformer. The rest shape it belongs to is held, so that its identity is a key; no factor is."""
+
+    rest: RestShape
+    triangles: np.ndarray
+    groups: dict[str, np.ndarray | None] = field(default_factory=dict)
+    metric: RestMetric | None = None
+    result: Result | None = None
+    distortion: Distortion | None = None
+
+
+_kept: dict[str, _Kept] = {}
+
+
+def source(obj: Object, deformer: SinewDeformer) -> tuple | None:
+    """What the shape shown depends on, to compare by ``same``; None without a bound shape."""
+    session = sessions.find(deformer.uid)
+    if session is None or session.bound is None or not deformer.is_bound:
+        return None
+    shown = session.view("VIEWPORT")
+    mask = weights(obj, deformer, deformer.mask_group)
+    bound = session.bound
+    return bound.rest, bound.indices, shown.positions, shown.incoming, shown.displacement, shown.factor, mask
+
+
+def same(one: tuple | None, other: tuple | None) -> bool:
+    """Two sources lead to one shape."""
+    if one is None or other is None:
+        return one is other
+    return all(a is b or (isinstance(a, float) and a == b) for a, b in zip(one, other))
+
+
+def shape_shown(obj: Object, deformer: SinewDeformer) -> Result | None:
+    """The shape that leaves the deformer now."""
+    now = source(obj, deformer)
+    if now is None:
+        return None
+    bound = sessions.find(deformer.uid).bound
+    kept = _entry(deformer, bound)
+    if kept.result is None or not same(kept.result.source, now):
+        points = _blend(bound.rest, *now[2:])
+        kept.result = Result(now, bound.rest, bound.handles, bound.indices, points, kept.triangles)
+    return kept.result
+
+
+def measured(obj: Object, deformer: SinewDeformer, kind: Measure) -> Distortion | None:
+    """The distortion, where it was computed for the shape shown now. Costs nothing."""
+    kept = _kept.get(deformer.uid)
+    if kept is None or kept.distortion is None or kept.distortion.measure is not kind:
+        return None
+    return kept.distortion if same(kept.distortion.source, source(obj, deformer)) else None
+
+
+def measure(obj: Object, deformer: SinewDeformer, kind: Measure) -> Distortion | None:
+    """The distortion of the shape shown now; None where nothing is bound."""
+    found = measured(obj, deformer, kind)
+    result = shape_shown(obj, deformer)
+    if found is not None or result is None:
+        return found
+    kept = _kept[deformer.uid]
+    if kept.metric is None:
+        kept.metric = distortion.rest_metric(result.rest.points, result.triangles)
+    ratios = distortion.ratio(kind, *distortion.singular_values(kept.metric, result.points))
+    values = distortion.at_vertices(kept.metric, ratios)
+    kept.distortion = Distortion(result.source, kind, values, distortion.worst(values))
+    return kept.distortion
+
+
+def chosen(deformer: SinewDeformer) -> tuple[int, ...]:
+    """The vertices selected on the cage of the deformer, in Edit Mode or before it was left."""
+    cage = deformer.cage
+    if cage is None or cage.type != "MESH":
+        return ()
+    if cage.mode == "EDIT":
+        return tuple(vertex.index for vertex in bmesh.from_edit_mesh(cage.data).verts if vertex.select)
+    selected = np.empty(len(cage.data.vertices), dtype=bool)
+    cage.data.vertices.foreach_get("select", selected)
+    return tuple(np.flatnonzero(selected).tolist())
+
+
+def influence(deformer: SinewDeformer) -> Influence | None:
+    """How far each vertex goes with those selected on the cage; None without a bound cage.
+
+    Modifiers of the cage keep the numbers of its own vertices, or add others after them.
+    """
+    session = sessions.find(deformer.uid)
+    if session is None or session.bound is None:
+        return None
+    factor = session.bound.factor
+    if factor.is_spent or factor.recipe.method.control is not Control.CAGE:
+        return None  # a thread binds another
+    vertices = tuple(v for v in chosen(deformer) if v < len(factor.recipe.control.points))
+    return Influence(vertices, factor.influence(vertices), factor.report.outside)
+
+
+def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | None:
+    """A vertex group float32 (n,) as painted now, else as it was at bind; None where there is none.
+
+    Read once, until ``repainted``.
+    """
+    session = sessions.find(deformer.uid)
+    if not group or session is None or session.bound is None or not deformer.is_bound:
+        return None
+    groups = _entry(deformer, session.bound).groups
+    if group not in groups:
+        names = [other.name for other in obj.vertex_groups]
+        mesh = obj.data
+        if targets.vertex_count(obj) != len(session.bound.rest.points):
+            mesh = deformer.rest_in("VIEWPORT")
+            names = group_names(mesh)
+        groups[group] = group_weights(mesh, names, {group}).get(group)
+    return groups[group]
+
+
+def repainted(deformer: SinewDeformer) -> None:
+    """Vertex groups may have changed."""
+    kept = _kept.get(deformer.uid)
+    if kept is not None:
+        kept.groups.clear()
+
+
+def forget() -> None:
+    """Free all of it."""
+    _kept.clear()
+
+
+def _entry(deformer: SinewDeformer, bound: Bound) -> _Kept:
+    for uid in [uid for uid in _kept if sessions.find(uid) is None]:
+        del _kept[uid]
+    kept = _kept.get(deformer.uid)
+    if kept is None or kept.rest is not bound.rest:
+        kept = _kept[deformer.uid] = _Kept(bound.rest, read_triangles(deformer.rest_in("VIEWPORT")))
+    return kept
+
+
+def _blend(
+    rest: RestShape,
+    positions: np.ndarray | None,
+    incoming: np.ndarray | None,
+    displacement: bool,
+    factor: float,
+    mask: np.ndarray | None,
+) -> np.ndarray:
+    """As the node group does: from what came in to the solution, by Factor and mask."""
+    before = rest.compact if incoming is None else incoming
+    if positions is None:
+        return before
+    after = before + positions if displacement else positions
+    if factor == 1.0 and mask is None:
+        return after
+    share = np.float32(factor) if mask is None else (np.float32(factor) * mask)[:, None]
+    return before + share * (after - before)
