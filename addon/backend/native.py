@@ -161,6 +161,8 @@ class Factor:
         """
         native, target = self._native, recipe.target
         with _translated(native):
+            if not isinstance(self._method, recipe.native_class(native)):
+                return None
             if not self._mesh.is_made_of(target.points, target.faces):
                 return None
             made = recipe.control.make(native, recipe, self._mesh)

@@ -42,7 +42,7 @@ class Handles:
 
     def make(self, native, recipe: "Recipe", mesh: object) -> object:
         """The native method, without handles yet."""
-        return getattr(native, recipe.method.native)(mesh, **recipe.options)
+        return recipe.native_class(native)(mesh, **recipe.options)
 
     def can_reuse(self, _recipe: "Recipe", made: object, former: object) -> bool:
         """Whether something of a bound method serves a made one."""
@@ -78,7 +78,7 @@ class Cage(Shape):
         """The native method, with no points bound yet."""
         cage = native.SurfaceMesh(self.points, self.faces)
         with _at_fault(native, cage):
-            return getattr(native, recipe.method.native)(cage, **recipe.options)
+            return recipe.native_class(native)(cage, **recipe.options)
 
     def can_reuse(self, recipe: "Recipe", made: object, former: object) -> bool:
         """Whether the weights of a bound method are those of a made one."""
@@ -129,6 +129,10 @@ class Recipe:
     target: Shape
     options: dict[str, object]
     control: Handles | Cage
+
+    def native_class(self, native) -> type:
+        """Of the method, in the native module."""
+        return getattr(native, self.method.native)
 
     def preview(self) -> "Recipe | None":
         """Rough weights to pose by until exact ones are there, where those take long."""

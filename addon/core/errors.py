@@ -65,6 +65,12 @@ class CancelledError(SinewError):
     remedy = status.Remedy.BIND
 
 
+class UnforeseenError(SinewError):
+    """A mistake in Sinew itself ended the work of a thread."""
+
+    remedy = status.Remedy.BIND
+
+
 class TopologyChangedError(SinewError):
     """The mesh no longer has the vertices it was bound with."""
 

@@ -7,6 +7,8 @@ Texts only: nothing here is saved, everything is recomputed.
 from dataclasses import dataclass
 from enum import Enum
 
+from .memory import remember
+
 
 class Level(Enum):
     """How a line is shown."""
@@ -44,8 +46,8 @@ class Status:
 
 EMPTY = Status()
 
-_statuses: dict[str, Status] = {}
-_notes: dict[str, tuple[Status, ...]] = {}
+_statuses: dict[str, Status] = remember({})
+_notes: dict[str, tuple[Status, ...]] = remember({})
 
 
 def current(key: str) -> Status:
@@ -75,11 +77,7 @@ def fail(key: str, error: Exception) -> None:
     _statuses[key] = Status(Level.ERROR, str(error), elements, kind, remedy)
 
 
-def clear(key: str | None = None) -> None:
-    """Forget one deformer, or all of them."""
-    if key is None:
-        _statuses.clear()
-        _notes.clear()
-        return
+def clear(key: str) -> None:
+    """Forget a deformer."""
     _statuses.pop(key, None)
     _notes.pop(key, None)

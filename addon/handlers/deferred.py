@@ -19,13 +19,24 @@ _last_edit = 0.0
 
 
 def schedule() -> None:
-    """Look again soon."""
+    """Look again soon, as something was edited."""
     global _last_edit
     _last_edit = time.monotonic()
-    if not bpy.app.background and not bpy.app.timers.is_registered(_tick) and _is_pending():
-        bpy.app.timers.register(_tick, first_interval=PAUSE)
+    if not bpy.app.timers.is_registered(_tick) and _is_pending():
+        _start()
     if _has_unlocked_renders() and not bpy.app.timers.is_registered(_serve):
         bpy.app.timers.register(_serve)
+
+
+def follow_threads() -> None:
+    """Look again soon where a thread is at work."""
+    if session.busy() and not bpy.app.timers.is_registered(_tick):
+        _start()
+
+
+def _start() -> None:
+    if not bpy.app.background:
+        bpy.app.timers.register(_tick, first_interval=PAUSE)
 
 
 def stop() -> None:
@@ -66,15 +77,17 @@ def _tick() -> float | None:
     if time.monotonic() - _last_edit < PAUSE:
         session.collect()
         return _FRAME if session.busy() else _POLL
+    is_busy = True
     try:
-        if not catch_up():
-            return None
+        is_busy = catch_up()
     except AttributeError as refusal:
         # While an engine starts in the render thread, Blender refuses all writes for a moment.
         if "not allowed" not in str(refusal) and "blend data" not in str(refusal):
             raise
-    _watch()
     _redraw()
+    if not is_busy:
+        return None
+    _watch()
     return _POLL
 
 
@@ -87,8 +100,8 @@ def _watch() -> None:
 
 
 def _redraw() -> None:
-    """Show the progress of a bind."""
+    """Show the progress of a bind, and its end, in the panels too."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type == "VIEW_3D":
+            if area.type in ("VIEW_3D", "PROPERTIES"):
                 area.tag_redraw()

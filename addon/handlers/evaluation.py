@@ -25,3 +25,5 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
 def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Playback, scrubbing, renders, motion blur: always the final answer."""
     session.update(depsgraph)
+    if depsgraph.mode == "VIEWPORT":
+        deferred.follow_threads()  # an animated setting may have started a bind

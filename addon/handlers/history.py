@@ -7,6 +7,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .. import session
+from ..core.memory import forget_all
 from . import deferred
 
 
@@ -21,8 +22,7 @@ def on_undo(*_args: object) -> None:
 @persistent
 def on_load(*_args: object) -> None:
     """Another file: nothing of the old one counts."""
-    session.drop_all()
-    session.forget_owners()
+    forget_all()
     if session.owners():  # the first evaluation after a load calls no handlers
         session.update(bpy.context.evaluated_depsgraph_get())
         deferred.schedule()

@@ -2,7 +2,6 @@
 """The modal half of Grab Region: what each event does. Needs no window, only events like Blender's."""
 
 import math
-from enum import Enum
 
 import numpy as np
 from bpy.types import Event, Object
@@ -10,6 +9,7 @@ from bpy.types import Event, Object
 from .. import session
 from ..core.errors import SinewError
 from ..core.typed_motion import TypedMotion, View
+from .modal.shell import Outcome
 
 CONFIRM = ("LEFTMOUSE", "RET", "NUMPAD_ENTER")
 CANCEL = ("RIGHTMOUSE", "ESC")
@@ -23,15 +23,6 @@ _RESIZE = {
     "PAGE_DOWN": 1.0 / _STEP,
 }
 _REPEATS = (*_RESIZE, "BACK_SPACE")  # other keys may be held, as the one that started the tool is
-
-
-class Outcome(Enum):
-    """What an event led to."""
-
-    GO_ON = "GO_ON"
-    PASS = "PASS"
-    CONFIRMED = "CONFIRMED"
-    CANCELLED = "CANCELLED"
 
 
 class Grabbing:
@@ -73,6 +64,15 @@ class Grabbing:
         if kind != "INBETWEEN_MOUSEMOVE":  # Blender has a newer one in the queue
             self._show(obj)
         return Outcome.GO_ON
+
+    def restore(self, obj: Object) -> None:
+        """Put every vertex back."""
+        self.grab.restore(obj)
+
+    @property
+    def job(self) -> session.Work | None:
+        """A bind or a final answer under way in a thread."""
+        return self.grab.job
 
     @property
     def matrix(self) -> np.ndarray:

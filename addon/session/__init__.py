@@ -24,7 +24,7 @@ from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import drop_all, find, forget_shapes, note_edit, suspended, unsettled
+from .memory.sessions import find, forget_shapes, note_edit, suspended, unsettled
 from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
@@ -48,7 +48,6 @@ __all__ = (
     "carry_out_writes",
     "collect",
     "copies",
-    "drop_all",
     "duration",
     "find",
     "find_cache",

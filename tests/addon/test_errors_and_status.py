@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from sinew.core import errors, status
+from sinew.core import errors, memory, status
 from sinew.core.status import Level, Status
 
 
@@ -29,7 +29,7 @@ def test_status_is_kept_by_key():
     status.clear("b")
     assert status.current("b") is status.EMPTY
     assert status.notes("b") == ()
-    status.clear()
+    memory.forget_all()
     assert status.current("a") is status.EMPTY
 
 
@@ -111,4 +111,4 @@ def test_errors_bring_their_remedy_to_the_panel():
         assert status.current("remedies").remedy is remedy
     status.fail("remedies", errors.ConstraintError("message", remedy=status.Remedy.PART_REGIONS))
     assert status.current("remedies").remedy is status.Remedy.PART_REGIONS
-    status.clear()
+    memory.forget_all()

@@ -444,7 +444,7 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
             obj.vertex_groups["Stiffness"].add(members, 0.5, "REPLACE")
         for kind in ("edit", "new"):
             if kind == "new":
-                session.drop_all()
+                room("core.memory").forget_all()
             # Not by the operator: Blender evaluates before it runs one, and that would bind.
             times[kind].append(timed(lambda: session.bind(obj, deformer)))
             times[f"{kind}_native"].append(session.find(deformer.uid).bound.milliseconds)

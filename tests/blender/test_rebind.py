@@ -50,7 +50,7 @@ def paint(plate: Rig, value: float) -> None:
 def same_as_anew(plate: Rig, room) -> None:
     """A bind that starts with nothing gives the same shape, to rounding."""
     shown = plate.points()
-    room("session").drop_all()
+    room("core.memory").forget_all()
     bind(plate)
     np.testing.assert_allclose(plate.points(), shown, atol=1e-5)
 

@@ -383,7 +383,7 @@ def test_the_drag_budget_sets_how_many_steps_a_preview_takes(heavy_drag, room, m
     session.bound.factor.solve = count
     session.step_milliseconds = 0.0
     for budget, steps in ((1.0e4, 10), (1.0e-4, 1)):
-        monkeypatch.setattr(room("session.live.solving"), "_budget", lambda budget=budget: budget)
+        monkeypatch.setattr(room("session.live.drag"), "budget", lambda budget=budget: budget)
         for _ in range(3):
             plate.lift(0.1)
             session.step_milliseconds = 0.0  # so that nothing goes to a thread

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.types import Object
 
+from ...core.memory import remember
 from ...properties import deformers_of
 from . import shapes
 
@@ -21,13 +22,17 @@ class _Found:
     owners: tuple[_Key, ...] = ()
     has_copies: bool = False
 
+    def clear(self) -> None:
+        """Look for them again."""
+        self.objects = -1
 
-_found = _Found()
+
+_found = remember(_Found())
 
 
 def forget_owners() -> None:
     """Objects may have gained or lost deformers."""
-    _found.objects = -1
+    _found.clear()
 
 
 def owners() -> list[Object]:

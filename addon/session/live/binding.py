@@ -12,11 +12,13 @@ from ...backend import Factor, Inheritance, Progress, availability, build_factor
 from ...core import status
 from ...core.errors import BackendMissingError, CancelledError, SinewError
 from ...core.kinds import MESH
+from ...core.memory import remember
 from ...core.status import Level, Remedy, Status
 from ...ids import Keys
 from ...mesh_io import read_rest
 from ...properties import SinewDeformer
 from ..blocks import targets
+from ..blocks.owners import owners
 from ..control import kinds
 from ..control.bind_input import BindInput
 from ..memory import sessions
@@ -31,8 +33,18 @@ HEAVY = 20_000  # vertices; below, a bind takes some tens of milliseconds and ne
 CANCELLED = "Binding was cancelled - press Bind to start again"
 
 
-_jobs: dict[str, Work] = {}  # by deformer key; the subject is a BindInput
-_watched: set[str] = set()
+class _Jobs(dict[str, Work]):
+    """Binds under way by deformer key; the subject of each is a ``BindInput``."""
+
+    def clear(self) -> None:
+        """Stop all of them."""
+        for job in self.values():
+            job.cancel()
+        super().clear()
+
+
+_jobs = remember(_Jobs())
+_watched: set[str] = remember(set())
 
 
 def require_backend() -> None:
@@ -61,20 +73,21 @@ def ensure(
     rest = deformer.rest_in(mode)
     token = rest.get(Keys.REST_TOKEN, "")
     key = kinds.bind_key(settings, token)
-    bound, job = session.bound, _jobs.get(deformer.uid)
-    if bound is not None and bound.key == key and not bound.factor.is_spent:
-        followed = not wait and job is not None and job.subject.key == key
-        if followed or not bound.is_preview:
-            return bound
+    under_way = None
+    if mode == "VIEWPORT":
+        _keep_job_for(deformer.uid, key)
+        under_way = None if wait else _jobs.get(deformer.uid)
+    bound = session.bound
+    is_wanted = bound is not None and bound.key == key and not bound.factor.is_spent
+    if is_wanted and (under_way is not None or not bound.is_preview):
+        return bound
     require_backend()
-    if session.failed == key:
+    if session.failed == key or under_way is not None:
         return None
     request = None
     try:
         if session.rest is None or session.rest.token != token:
             session.rest = read_rest(rest)
-        if job is not None and job.subject.key == key and not wait:
-            return None
         kind, base_count = kinds.kind_in_use(settings), targets.vertex_count(deformer.id_data)
         request = kind.request(settings, rest, session.rest, key, base_count)
         if rest == deformer.rest:
@@ -100,6 +113,17 @@ def _begin(request: BindInput, inherited: Inheritance | None) -> Work:
     if preview is not None and inherited is None:
         return Work(partial(build_factor, preview), replace(request, recipe=preview, after=request))
     return Work(partial(build_factor, request.recipe, inherited=inherited), request)
+
+
+def _keep_job_for(uid: str, key: tuple) -> None:
+    """A bind under way goes on only while it is the one wanted; a finished one is taken in at once."""
+    job = _jobs.get(uid)
+    if job is None:
+        return
+    if job.subject.key != key:
+        abandon(uid)
+    elif job.done:
+        _take_in(uid)
 
 
 def _refuse(session: Session, uid: str, key: tuple, error: SinewError, request: BindInput | None) -> None:
@@ -128,7 +152,7 @@ def _install(
         seconds * 1000.0,
         request.after is not None,
     )
-    session.failed = None
+    session.failed = session.unanswered = None
     session.shown.clear()
     if say:
         status.put(uid, Status(Level.INFO, summary(session.bound)))
@@ -196,21 +220,30 @@ def cancel(uid: str) -> None:
 
 
 def collect() -> list[str]:
-    """Take finished jobs in; the keys of the deformers that may solve now. For timers, and for tests."""
-    ready = []
-    for uid, done in list(_jobs.items()):
-        if not done.done:
-            continue
-        del _jobs[uid]
-        ready.append(uid)
-        if done.result is not None:
-            _install(sessions.open_session(uid), uid, done.subject, done.result, done.seconds)
-            if done.subject.after is not None:
-                real = done.subject.after
-                _jobs[uid] = Work(partial(build_factor, real.recipe), real)
-        elif done.error is not None:
-            _refuse(sessions.open_session(uid), uid, done.subject.key, done.error, done.subject)
-    return ready
+    """Take finished jobs in; the keys of the deformers that may solve now. For timers, and for tests.
+
+    A deformer may be gone since, by undo for instance: what was computed for it is dropped.
+    """
+    finished = [uid for uid, job in _jobs.items() if job.done]
+    known = {deformer.uid for obj in owners() for deformer in obj.sinew.deformers} if finished else set()
+    for uid in finished:
+        if uid in known:
+            _take_in(uid)
+        else:
+            abandon(uid)
+    return [uid for uid in finished if uid in known]
+
+
+def _take_in(uid: str) -> None:
+    """A finished job becomes the factor or the refusal of its deformer; a preview starts the real bind."""
+    job, session = _jobs.pop(uid), sessions.open_session(uid)
+    if job.error is not None:
+        _refuse(session, uid, job.subject.key, job.error, job.subject)
+        return
+    _install(session, uid, job.subject, job.result, job.seconds)
+    real = job.subject.after
+    if real is not None:
+        _jobs[uid] = Work(partial(build_factor, real.recipe), real)
 
 
 def busy() -> bool:

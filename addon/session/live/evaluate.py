@@ -180,6 +180,8 @@ def _take(evaluation: Evaluation) -> Chain:
     if deformer.method in BY_ID:
         targets.require_method(evaluation.obj, deformer.definition)
     if not deformer.is_bound or not kinds.kind_in_use(evaluation.settings).is_set(evaluation.settings):
+        if evaluation.in_viewport:
+            binding.abandon(deformer.uid)
         shapes.show_rest(deformer, evaluation.mode, evaluation.depsgraph.scene)
         return evaluation.chain.through(deformer.uid)
     wait = bpy.app.background or not evaluation.in_viewport

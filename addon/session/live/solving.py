@@ -10,26 +10,21 @@ import math
 import time
 from dataclasses import dataclass
 
-import bpy
 import numpy as np
 
 from ...backend import Progress
 from ...core import status
-from ...core.errors import OptionError, SolverError, TopologyChangedError
+from ...core.errors import CancelledError, OptionError, SolverError, TopologyChangedError
 from ...core.status import Level, Status
 from ...mesh_io import shape_array, write_shape
-from ...preferences import preferences
 from ..control import kinds
 from ..control.bind_input import solve_options
 from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
 from ..memory.sessions import Bound, Session, Shown
-from . import binding
+from . import binding, drag
 from .incoming import TOPOLOGY_CHANGED
-
-PREVIEW_ITERATIONS = 4  # while the price of a step is unknown
-_MOST_ITERATIONS = 10  # more would not show within a drag
 
 
 @dataclass(frozen=True)
@@ -155,13 +150,7 @@ def _learn_price(session: Session, question: Question, seconds: float) -> None:
         session.step_milliseconds = session.solve_milliseconds
     elif "start" in question.options:  # without one, the first answer is dearer than its steps
         session.step_milliseconds = session.solve_milliseconds / question.options["max_iterations"]
-        affordable = int(_budget() / max(session.step_milliseconds, 1e-3))
-        session.steps = min(max(affordable, 1), _MOST_ITERATIONS)
-
-
-def _budget() -> float:
-    """Milliseconds that a drag may spend on a redraw."""
-    return preferences(bpy.context).drag_budget
+        session.steps = drag.affordable_steps(session.step_milliseconds)
 
 
 def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bool:
@@ -170,7 +159,7 @@ def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bo
         return False
     session = evaluation.session
     iterative = evaluation.settings.definition.iterative
-    dear = session.step_milliseconds > _budget() and (question.early or not iterative)
+    dear = session.step_milliseconds > drag.budget() and (question.early or not iterative)
     return question.final or (evaluation.preview and dear)
 
 
@@ -183,11 +172,15 @@ def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Qu
         work.cancel()
         work = None
     if work is None:
+        if session.unanswered is not None and question.matches(session.unanswered.subject):
+            raise session.unanswered.error
         _ask(session, bound, question)
         return None
     session.work = None
     if work.error is not None:
         session.settle = False
+        if not isinstance(work.error, CancelledError):
+            session.unanswered = work
         raise work.error
     answered = work.subject
     _learn_price(session, answered, work.seconds)

@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A native call in a thread of its own, so that a window stays alive. It touches no Blender data."""
 
+import sys
 import threading
 import time
 from collections.abc import Callable
 
 from ...backend import Progress
-from ...core.errors import SinewError
+from ...core.errors import SinewError, UnforeseenError
+
+_UNFORESEEN = "A mistake in Sinew ended this work - please report it with what the console shows"
 
 
 class Work:
-    """Runs ``call(progress)`` at once; ask ``done``, then read ``result`` or ``error``.
+    """Runs ``call(progress)`` at once; ask ``done``, then read ``result`` or ``error``: one of them is there.
 
     ``subject`` says what it is about: the one who collects it compares it with what is wanted by then.
     """
@@ -42,7 +45,12 @@ class Work:
             self.result = self._call(self._progress)
         except SinewError as error:
             self.error = error
-        self.seconds = time.perf_counter() - begin
+        finally:
+            if self.result is None and self.error is None:
+                # A mistake in the code: its traceback goes to the console. Whoever collects this work must
+                # see that it failed, or the same work would be started again and again.
+                self.error = UnforeseenError(f"{_UNFORESEEN}: {sys.exc_info()[1]!r}")
+            self.seconds = time.perf_counter() - begin
 
     def _progress(self, fraction: float, stage: str) -> bool:
         self.fraction, self.stage = fraction, stage

@@ -14,8 +14,11 @@ import numpy as np
 
 from ...backend import Factor
 from ...core import status
+from ...core.memory import remember
 from ...mesh_io import RestShape
 from .background import Work
+
+FIRST_STEPS = 4  # iterations of a drag's first redraw, while the price of one is unknown
 
 
 @dataclass
@@ -61,12 +64,13 @@ class Session:
     poses: dict[str, np.ndarray] = field(default_factory=dict)
     settle: bool = False  # the final answer of the shown preview is wanted
     work: Work | None = None  # a thread looks for an answer; the subject is its question
+    unanswered: Work | None = None  # the last one that failed: the same question is not asked again
     rewire: bool = (
         False  # a control was exchanged: the driver that keeps controls evaluated names the old one
     )
     solve_milliseconds: float = 0.0
     step_milliseconds: float = 0.0  # of a drag: one iteration, or one solve of a method without them
-    steps: int = 4  # iterations that a drag may spend
+    steps: int = FIRST_STEPS  # iterations that a drag may spend
     lock: threading.RLock = field(default_factory=threading.RLock)
 
     def drop_work(self) -> None:
@@ -93,11 +97,11 @@ class LastUpdate:
     layout: tuple[tuple[int, str] | None, ...]
 
 
-_sessions: dict[str, Session] = {}
+_sessions: dict[str, Session] = remember({})
 _RENDER = " in renders"
-_last_updates: dict[str, LastUpdate] = {}  # by object
-_edited: set[str] = set()
-_missed: set[str] = set()
+_last_updates: dict[str, LastUpdate] = remember({})  # by object
+_edited: set[str] = remember(set())
+_missed: set[str] = remember(set())
 _suspended = 0
 
 
@@ -127,15 +131,6 @@ def drop(key: str) -> None:
     status.clear(key)
 
 
-def drop_all() -> None:
-    """Forget everything, as another file is opened."""
-    _sessions.clear()
-    _last_updates.clear()
-    _edited.clear()
-    _missed.clear()
-    status.clear()
-
-
 def forget_shapes() -> None:
     """Undo may have changed what the shape meshes hold: write them again.
 
@@ -144,7 +139,7 @@ def forget_shapes() -> None:
     _last_updates.clear()
     for session in _sessions.values():
         session.shown.clear()
-        session.failed = None
+        session.failed = session.unanswered = None
 
 
 def note_edit(name: str) -> None:

@@ -13,6 +13,7 @@ from bpy.types import Object
 from ...compat import read_triangles
 from ...core import distortion
 from ...core.distortion import Measure, RestMetric
+from ...core.memory import remember
 from ...core.methods import Control
 from ...mesh_io import RestShape, group_names, group_weights
 from ...properties import SinewDeformer
@@ -73,7 +74,7 @@ class _Kept:
     distortion: Distortion | None = None
 
 
-_kept: dict[str, _Kept] = {}
+_kept: dict[str, _Kept] = remember({})
 
 
 def source(obj: Object, deformer: SinewDeformer) -> tuple | None:

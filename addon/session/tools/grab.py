@@ -2,66 +2,25 @@
 """Grab a selection in Edit Mode: the surface around follows it once, without a deformer.
 
 Only the part of the mesh that may move, with the rings of fixed vertices that its energies look at, goes to
-the native module. Everything held is arrays; each call that touches the mesh is given the object.
+the native module.
 """
 
 import time
-from dataclasses import dataclass
 
-import bmesh
-import bpy
 import numpy as np
 from bpy.types import Object
 
-from ...backend import Factor, Handles, Recipe, Shape, build_factor
-from ...core import frames, reach
-from ...core.errors import ConstraintError, MeshError, TopologyChangedError
+from ...backend import Factor, Handles, Progress, Recipe, Shape, build_factor
+from ...core import frames
+from ...core.errors import ConstraintError
 from ...core.methods import Method
-from ...core.status import Remedy
-from ...mesh_io import group_weights, read_rest
-from ...preferences import preferences
 from ..control.handles.poses import IDENTITY
-from ..live import binding
-from ..memory import sessions
+from ..live import binding, drag
 from ..memory.background import Work
+from ..memory.sessions import FIRST_STEPS
+from .patch import Patch, Region
 
-NOTHING_SELECTED = "Nothing is selected - select the vertices to grab"
-ALL_FIXED = "The selected vertices belong to Fixed regions, which stay - select others"
-NO_PLACE = "The selected vertices have coordinates that are no numbers - Repair the mesh, or select others"
-CHANGED = "The mesh was edited meanwhile - grab again"
 NOTHING_FREE = "Nothing around the selection is free to follow - only the selection moves"
-
-_RINGS = 3  # energies up to the variation of curvature look three edges far
-_HEADROOM = 1.5  # how much farther than asked the surface is measured when the radius grows
-_FEW = 0.2  # of the vertices: below, updating their normals one by one is quicker than all by Blender
-_PREVIEW_ITERATIONS = 4  # while the price of a step is unknown
-_MOST_ITERATIONS = 10  # more would not show within a drag
-
-
-@dataclass
-class _Region:
-    """What follows the selection within a radius.
-
-    ``members`` (k,) are vertices of the mesh; ``free``, ``handle`` and ``fixed`` places among them. ``rest``
-    (k, 3) is oriented and scaled as the world. ``moving`` (t,) are the selection and after it the free
-    vertices, ``shaded`` the vertices and faces whose normals they change, None where those are many.
-    """
-
-    radius: float
-    moving: np.ndarray
-    shaded: tuple[np.ndarray, np.ndarray] | None
-    members: np.ndarray
-    free: np.ndarray
-    handle: np.ndarray
-    fixed: np.ndarray
-    rest: np.ndarray
-    faces: tuple[np.ndarray, np.ndarray]
-    factor: Factor | None = None
-
-    def rides_along(self, pose: np.ndarray) -> bool:
-        """Nothing holds the region, and nothing bends it: it goes as one piece."""
-        linear = pose[:, :3]
-        return len(self.fixed) == 0 and np.allclose(linear.T @ linear, np.eye(3), rtol=0.0, atol=1e-9)
 
 
 class Grab:
@@ -73,61 +32,24 @@ class Grab:
     def __init__(self, obj: Object, method: Method) -> None:
         binding.require_backend()
         self._method = method
-        world = np.array(obj.matrix_world, dtype=np.float64)
-        self._inverse = frames.inverse(world, obj.name)[:3, :3]
-        self._linear, self._origin = world[:3, :3], world[:3, 3]
-        self._read(obj)
-        self._surface = reach.Surface(len(self._rest), self._counts, self._corners)
-        self._lengths: np.ndarray | None = None
-        self._measured = 0.0
-        self._region: _Region | None = None
+        self._patch = Patch(obj)
+        self._region: Region | None = None
+        self._factor: Factor | None = None  # of the region, where it needs one and has it
         self._work: Work | None = None
         self._final: Work | None = None
         self._start: np.ndarray | None = None
-        self._budget = _PREVIEW_ITERATIONS
-        self._shown: _Region | None = None  # whose vertices are not at rest
+        self._budget = FIRST_STEPS
         self.settled = True  # what is shown is the final answer for its motion
-
-    @sessions.suspended()
-    def _read(self, obj: Object) -> None:
-        """Copy what Edit Mode shows, the active shape key included, bit for bit."""
-        mesh = bpy.data.meshes.new(obj.data.name)
-        try:
-            bmesh.from_edit_mesh(obj.data).to_mesh(mesh)
-            shape = read_rest(mesh)
-            selected = np.empty(len(shape.points), dtype=bool)
-            hidden = np.empty(len(shape.points), dtype=bool)
-            mesh.vertices.foreach_get("select", selected)
-            mesh.vertices.foreach_get("hide", hidden)
-            groups = {
-                handle.vertex_group
-                for deformer in obj.sinew.deformers
-                for handle in deformer.handles
-                if handle.kind == "FIXED" and handle.enabled
-            }
-            painted = group_weights(mesh, [group.name for group in obj.vertex_groups], groups)
-        finally:
-            bpy.data.meshes.remove(mesh)
-        self._rest, self._counts, self._corners = shape.compact, shape.counts, shape.corners
-        self._points = shape.points @ self._linear.T
-        stays = hidden.copy()
-        stays[shape.not_finite] = True
-        self.lost = len(shape.not_finite)  # vertices whose coordinates are no numbers
-        for weights in painted.values():
-            stays |= weights > 0.0
-        if not (selected & ~hidden).any():
-            raise ConstraintError(NOTHING_SELECTED)
-        if not (selected & ~stays).any():
-            if selected[shape.not_finite].any():
-                raise MeshError(NO_PLACE, tuple(shape.not_finite), "vertex", Remedy.REPAIR)
-            raise ConstraintError(ALL_FIXED, tuple(np.flatnonzero(selected)), "vertex")
-        self._stays = stays
-        self._selected = np.flatnonzero(selected & ~stays)
 
     @property
     def selection(self) -> np.ndarray:
         """The selected vertices in the world at rest, (s, 3)."""
-        return self._points[self._selected] + self._origin
+        return self._patch.selection
+
+    @property
+    def lost(self) -> int:
+        """How many vertices have coordinates that are no numbers."""
+        return self._patch.lost
 
     @property
     def radius(self) -> float | None:
@@ -157,12 +79,11 @@ class Grab:
         Without ``wait`` a heavy part binds in a thread: see ``job`` and ``collect``.
         """
         self._abandon()
-        region = self._within(radius)
+        region = self._patch.region(radius)
         if len(region.free) == 0 or len(region.fixed) == 0:  # bound when a motion asks for it
-            self._take(region)
+            self._take(region, None)
         elif wait or not binding.may_wait(len(region.members)):
-            region.factor = self._bind(region, None)
-            self._take(region)
+            self._take(region, self._bind(region, None))
         else:
             self._work = Work(lambda progress: self._bind(region, progress), region)
 
@@ -173,17 +94,16 @@ class Grab:
         done, self._work = self._work, None
         if done.error is not None:
             raise done.error
-        done.subject.factor = done.result
-        self._take(done.subject)
+        self._take(done.subject, done.result)
         return True
 
     def _is_bound(self, wait: bool) -> bool:
         """The region has its factor, or needs none; False while a thread builds it."""
         region = self._region
-        if region.factor is not None or len(region.free) == 0:
+        if self._factor is not None or len(region.free) == 0:
             return True
         if wait or not binding.may_wait(len(region.members)):
-            region.factor = self._bind(region, None)
+            self._factor = self._bind(region, None)
             return True
         if self._work is None:
             self._work = Work(lambda progress: self._bind(region, progress), region)
@@ -195,45 +115,11 @@ class Grab:
                 work.cancel()
         self._work = self._final = None
 
-    def _take(self, region: _Region) -> None:
-        self._region, self._start, self._budget = region, None, _PREVIEW_ITERATIONS
+    def _take(self, region: Region, factor: Factor | None) -> None:
+        self._region, self._factor = region, factor
+        self._start, self._budget = None, FIRST_STEPS
 
-    def _within(self, radius: float) -> _Region:
-        sources = np.zeros(len(self._rest), dtype=bool)
-        sources[self._selected] = True
-        if np.isinf(radius):
-            free = self._surface.connected(sources, self._stays)
-        else:
-            free = self._measure(sources, radius) <= radius
-        free &= ~sources
-        inside = reach.surrounded(self._counts, self._corners, free, _RINGS)
-        members, faces = reach.part(self._counts, self._corners, inside)
-        return _Region(
-            radius,
-            moving=np.concatenate((self._selected, np.flatnonzero(free))),
-            shaded=self._shaded(free | sources),
-            members=members,
-            free=np.flatnonzero(free[members]),
-            handle=np.flatnonzero(sources[members]),
-            fixed=np.flatnonzero(~free[members] & ~sources[members]),
-            rest=self._points[members],
-            faces=faces,
-        )
-
-    def _shaded(self, moving: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        faces = reach.met(self._counts, self._corners, moving)
-        vertices = np.unique(self._corners[np.repeat(faces, self._counts)])
-        few = len(vertices) < _FEW * len(self._rest)
-        return (vertices, np.flatnonzero(faces)) if few else None
-
-    def _measure(self, sources: np.ndarray, radius: float) -> np.ndarray:
-        """Lengths (n,) over the surface, measured again only where the radius outgrew what is known."""
-        if self._lengths is None or radius > self._measured:
-            self._measured = radius if self._lengths is None else radius * _HEADROOM
-            self._lengths = self._surface.lengths(self._points, sources, self._stays, self._measured)
-        return self._lengths
-
-    def _bind(self, region: _Region, progress: binding.Progress | None) -> Factor:
+    def _bind(self, region: Region, progress: Progress | None) -> Factor:
         options = {row.id: row.default for row in self._method.parameters if row.rebinds}
         handles = [places for places in (region.handle, region.fixed) if len(places)]
         target = Shape(region.rest, region.faces)
@@ -255,14 +141,14 @@ class Grab:
             followed = frames.transformed(pose, region.rest)
         elif not self._is_bound(wait=not preview):
             return
-        elif region.factor is not None:
+        elif self._factor is not None:
             options = self._options()
             early = preview and self._method.iterative
             if early:
                 options["max_iterations"] = min(self._budget, options.get("max_iterations", self._budget))
                 options["start"] = self._start
             begin = time.perf_counter()
-            followed, report = region.factor.solve(self._poses(pose), **options)
+            followed, report = self._factor.solve(self._poses(pose), **options)
             self._start = followed
             if early:
                 self.settled = report.converged
@@ -279,8 +165,8 @@ class Grab:
         if not self._is_bound(wait):
             return False
         if self._final is None:
-            poses, options = self._poses(pose), self._options()
-            self._final = Work(lambda progress: region.factor.solve(poses, progress=progress, **options))
+            factor, poses, options = self._factor, self._poses(pose), self._options()
+            self._final = Work(lambda progress: factor.solve(poses, progress=progress, **options))
         if not self._final.done:
             return False
         done, self._final = self._final, None
@@ -293,10 +179,7 @@ class Grab:
     def restore(self, obj: Object) -> None:
         """Put every vertex back where it was, bit for bit."""
         self._abandon()
-        if self._shown is not None:
-            moving = self._shown.moving
-            self._put(obj, moving, self._rest[moving])
-            self._shown = None
+        self._patch.restore(obj)
 
     def _drop_final(self) -> None:
         if self._final is not None:
@@ -306,10 +189,7 @@ class Grab:
     def _spend(self, iterations: int, seconds: float) -> None:
         """As many steps a redraw as the drag budget allows for this mesh."""
         if iterations:
-            affordable = int(
-                preferences(bpy.context).drag_budget * iterations / (1000.0 * max(seconds, 1e-9))
-            )
-            self._budget = min(max(affordable, 1), _MOST_ITERATIONS)
+            self._budget = drag.affordable_steps(1000.0 * seconds / iterations)
 
     def _options(self) -> dict[str, object]:
         return {row.id: row.default for row in self._method.parameters if not row.rebinds}
@@ -319,7 +199,7 @@ class Grab:
         if not np.isfinite(motion).all():
             raise ConstraintError("The motion is not a finite number - type another one")
         pose = motion[:3].copy()
-        pose[:, 3] += motion[:3, :3] @ self._origin - self._origin
+        pose[:, 3] += motion[:3, :3] @ self._patch.origin - self._patch.origin
         return pose
 
     def _poses(self, pose: np.ndarray) -> np.ndarray:
@@ -328,45 +208,7 @@ class Grab:
 
     def _write(self, obj: Object, pose: np.ndarray, followed: np.ndarray | None, final: bool = True) -> None:
         """The selection goes by its pose, the free vertices by the solution (k, 3); others go to rest."""
-        region, stale = self._region, np.zeros(0, dtype=int)
-        if self._shown is not None and self._shown is not region:
-            stale = np.setdiff1d(self._shown.moving, region.moving)
-        goals = [frames.transformed(pose, self._points[self._selected])]
+        goals = [frames.transformed(pose, self._patch.points[self._patch.selected])]
         if followed is not None:
-            goals.append(followed[region.free])
-        with np.errstate(over="ignore"):  # refused just below
-            moved = (np.concatenate(goals) @ self._inverse.T).astype(np.float32)
-        if not np.isfinite(moved).all():
-            raise MeshError("The result is not finite - move less far")
-        if len(stale):
-            self._put(obj, stale, self._rest[stale])
-        self._put(obj, region.moving, moved, region.shaded, final)
-        self._shown = region
-
-    def _put(
-        self,
-        obj: Object,
-        vertices: np.ndarray,
-        positions: np.ndarray,
-        shaded: tuple[np.ndarray, np.ndarray] | None = None,
-        final: bool = True,
-    ) -> None:
-        """Write some vertices of the mesh in Edit Mode, (w,) and float32 (w, 3).
-
-        Normals of the ``shaded`` vertices and faces follow, else all; n-gons are filled anew at the end.
-        """
-        edit = bmesh.from_edit_mesh(obj.data)
-        if len(edit.verts) != len(self._rest) or len(edit.faces) != len(self._counts):
-            raise TopologyChangedError(CHANGED)
-        edit.verts.ensure_lookup_table()
-        sequence = edit.verts
-        for vertex, position in zip(vertices.tolist(), positions.tolist(), strict=True):
-            sequence[vertex].co = position
-        if shaded is None:
-            edit.normal_update()
-        else:
-            edit.faces.ensure_lookup_table()
-            for elements, chosen in ((edit.faces, shaded[1]), (sequence, shaded[0])):
-                for index in chosen.tolist():
-                    elements[index].normal_update()
-        bmesh.update_edit_mesh(obj.data, loop_triangles=final, destructive=False)
+            goals.append(followed[self._region.free])
+        self._patch.write(obj, self._region, np.concatenate(goals), final)

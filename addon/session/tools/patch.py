@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh in Edit Mode, read once: what a tool may move of it, and how that is written and put back.
+
+Everything held is arrays; each call that touches the mesh is given the object.
+"""
+
+from dataclasses import dataclass
+
+import bmesh
+import bpy
+import numpy as np
+from bpy.types import Object
+
+from ...core import frames, reach
+from ...core.errors import ConstraintError, MeshError, TopologyChangedError
+from ...core.status import Remedy
+from ...mesh_io import group_weights, read_rest
+from ..memory import sessions
+
+NOTHING_SELECTED = "Nothing is selected - select the vertices to grab"
+ALL_FIXED = "The selected vertices belong to Fixed regions, which stay - select others"
+NO_PLACE = "The selected vertices have coordinates that are no numbers - Repair the mesh, or select others"
+CHANGED = "The mesh was edited meanwhile - grab again"
+
+_RINGS = 3  # energies up to the variation of curvature look three edges far
+_HEADROOM = 1.5  # how much farther than asked the surface is measured when the radius grows
+_FEW = 0.2  # of the vertices: below, updating their normals one by one is quicker than all by Blender
+
+
+@dataclass(frozen=True)
+class Region:
+    """What follows the selection within a radius.
+
+    ``members`` (k,) are vertices of the mesh; ``free``, ``handle`` and ``fixed`` places among them. ``rest``
+    (k, 3) is oriented and scaled as the world. ``moving`` (t,) are the selection and after it the free
+    vertices, ``shaded`` the vertices and faces whose normals they change, None where those are many.
+    """
+
+    radius: float
+    moving: np.ndarray
+    shaded: tuple[np.ndarray, np.ndarray] | None
+    members: np.ndarray
+    free: np.ndarray
+    handle: np.ndarray
+    fixed: np.ndarray
+    rest: np.ndarray
+    faces: tuple[np.ndarray, np.ndarray]
+
+    def rides_along(self, pose: np.ndarray) -> bool:
+        """Nothing holds the region, and nothing bends it: it goes as one piece."""
+        linear = pose[:, :3]
+        return len(self.fixed) == 0 and np.allclose(linear.T @ linear, np.eye(3), rtol=0.0, atol=1e-9)
+
+
+class Patch:
+    """The selection of a mesh in Edit Mode and the surface around it.
+
+    Ask for the ``region`` within a radius, ``write`` its vertices, ``restore`` them. ``points`` (n, 3) are
+    at rest, oriented and scaled as the world, and lack only the place of the object, ``origin`` (3,).
+    """
+
+    def __init__(self, obj: Object) -> None:
+        world = np.array(obj.matrix_world, dtype=np.float64)
+        self._inverse = frames.inverse(world, obj.name)[:3, :3]
+        self._linear, self.origin = world[:3, :3], world[:3, 3]
+        self._read(obj)
+        self._surface = reach.Surface(len(self._rest), self._counts, self._corners)
+        self._lengths: np.ndarray | None = None
+        self._measured = 0.0
+        self._written: Region | None = None  # whose vertices are not at rest
+
+    @sessions.suspended()
+    def _read(self, obj: Object) -> None:
+        """Copy what Edit Mode shows, the active shape key included, bit for bit."""
+        mesh = bpy.data.meshes.new(obj.data.name)
+        try:
+            bmesh.from_edit_mesh(obj.data).to_mesh(mesh)
+            shape = read_rest(mesh)
+            selected = np.empty(len(shape.points), dtype=bool)
+            hidden = np.empty(len(shape.points), dtype=bool)
+            mesh.vertices.foreach_get("select", selected)
+            mesh.vertices.foreach_get("hide", hidden)
+            groups = {
+                handle.vertex_group
+                for deformer in obj.sinew.deformers
+                for handle in deformer.handles
+                if handle.kind == "FIXED" and handle.enabled
+            }
+            painted = group_weights(mesh, [group.name for group in obj.vertex_groups], groups)
+        finally:
+            bpy.data.meshes.remove(mesh)
+        self._rest, self._counts, self._corners = shape.compact, shape.counts, shape.corners
+        self.points = shape.points @ self._linear.T
+        stays = hidden.copy()
+        stays[shape.not_finite] = True
+        self.lost = len(shape.not_finite)  # vertices whose coordinates are no numbers
+        for weights in painted.values():
+            stays |= weights > 0.0
+        if not (selected & ~hidden).any():
+            raise ConstraintError(NOTHING_SELECTED)
+        if not (selected & ~stays).any():
+            if selected[shape.not_finite].any():
+                raise MeshError(NO_PLACE, tuple(shape.not_finite), "vertex", Remedy.REPAIR)
+            raise ConstraintError(ALL_FIXED, tuple(np.flatnonzero(selected)), "vertex")
+        self._stays = stays
+        self.selected = np.flatnonzero(selected & ~stays)
+
+    @property
+    def selection(self) -> np.ndarray:
+        """The selected vertices in the world at rest, (s, 3)."""
+        return self.points[self.selected] + self.origin
+
+    def region(self, radius: float) -> Region:
+        """What follows within ``radius`` (world units, over the surface); infinite: all connected."""
+        sources = np.zeros(len(self._rest), dtype=bool)
+        sources[self.selected] = True
+        if np.isinf(radius):
+            free = self._surface.connected(sources, self._stays)
+        else:
+            free = self._measure(sources, radius) <= radius
+        free &= ~sources
+        inside = reach.surrounded(self._counts, self._corners, free, _RINGS)
+        members, faces = reach.part(self._counts, self._corners, inside)
+        return Region(
+            radius,
+            moving=np.concatenate((self.selected, np.flatnonzero(free))),
+            shaded=self._shaded(free | sources),
+            members=members,
+            free=np.flatnonzero(free[members]),
+            handle=np.flatnonzero(sources[members]),
+            fixed=np.flatnonzero(~free[members] & ~sources[members]),
+            rest=self.points[members],
+            faces=faces,
+        )
+
+    def _shaded(self, moving: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        faces = reach.met(self._counts, self._corners, moving)
+        vertices = np.unique(self._corners[np.repeat(faces, self._counts)])
+        few = len(vertices) < _FEW * len(self._rest)
+        return (vertices, np.flatnonzero(faces)) if few else None
+
+    def _measure(self, sources: np.ndarray, radius: float) -> np.ndarray:
+        """Lengths (n,) over the surface, measured again only where the radius outgrew what is known."""
+        if self._lengths is None or radius > self._measured:
+            self._measured = radius if self._lengths is None else radius * _HEADROOM
+            self._lengths = self._surface.lengths(self.points, sources, self._stays, self._measured)
+        return self._lengths
+
+    def write(self, obj: Object, region: Region, places: np.ndarray, final: bool = True) -> None:
+        """Put the vertices ``region.moving`` at ``places`` (t, 3), frame of ``points``; others rest."""
+        with np.errstate(over="ignore"):  # refused just below
+            moved = (places @ self._inverse.T).astype(np.float32)
+        if not np.isfinite(moved).all():
+            raise MeshError("The result is not finite - move less far")
+        if self._written is not None and self._written is not region:
+            stale = np.setdiff1d(self._written.moving, region.moving)
+            if len(stale):
+                self._put(obj, stale, self._rest[stale])
+        self._put(obj, region.moving, moved, region.shaded, final)
+        self._written = region
+
+    def restore(self, obj: Object) -> None:
+        """Put every vertex back where it was, bit for bit."""
+        if self._written is not None:
+            moving = self._written.moving
+            self._put(obj, moving, self._rest[moving])
+            self._written = None
+
+    def _put(
+        self,
+        obj: Object,
+        vertices: np.ndarray,
+        positions: np.ndarray,
+        shaded: tuple[np.ndarray, np.ndarray] | None = None,
+        final: bool = True,
+    ) -> None:
+        """Write some vertices of the mesh in Edit Mode, (w,) and float32 (w, 3).
+
+        Normals of the ``shaded`` vertices and faces follow, else all; n-gons are filled anew at the end.
+        """
+        edit = bmesh.from_edit_mesh(obj.data)
+        if len(edit.verts) != len(self._rest) or len(edit.faces) != len(self._counts):
+            raise TopologyChangedError(CHANGED)
+        edit.verts.ensure_lookup_table()
+        sequence = edit.verts
+        for vertex, position in zip(vertices.tolist(), positions.tolist(), strict=True):
+            sequence[vertex].co = position
+        if shaded is None:
+            edit.normal_update()
+        else:
+            edit.faces.ensure_lookup_table()
+            for elements, chosen in ((edit.faces, shaded[1]), (sequence, shaded[0])):
+                for index in chosen.tolist():
+                    elements[index].normal_update()
+        bmesh.update_edit_mesh(obj.data, loop_triangles=final, destructive=False)
