@@ -5,6 +5,7 @@ from .loader import Availability
 from .native import (
     Diagnosis,
     Factor,
+    Inheritance,
     automatic_cage,
     availability,
     build_factor,
@@ -12,16 +13,19 @@ from .native import (
     limit_memory,
     limit_threads,
 )
-from .recipes import CageRecipe, CageReport, Progress, Recipe
+from .recipes import Cage, CageReport, Handles, Progress, Recipe, Shape
 
 __all__ = (
     "Availability",
-    "CageRecipe",
+    "Cage",
     "CageReport",
     "Diagnosis",
     "Factor",
+    "Handles",
+    "Inheritance",
     "Progress",
     "Recipe",
+    "Shape",
     "automatic_cage",
     "availability",
     "build_factor",

@@ -1,72 +1,65 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a factor is made from, one class a kind of control. Arrays are held, and must not change."""
+"""What a factor is made from. Arrays are held, and must not change."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 
-from ..core.errors import CageError, CancelledError
+from ..core.errors import CageError
 from ..core.methods import Method
 from ..core.status import Remedy
 
-_PREVIEW_RAYS = 128  # a point: a tenth of the time of exact weights, off by some hundredths
+_PREVIEW_RAYS = 128  # per point: a tenth of the time of exact weights, off by some hundredths
 
 Progress = Callable[[float, str], bool]
-Change = Callable[[object, Progress | None], object]  # binds a solver anew and gives the report
 
 
 @dataclass(frozen=True)
-class Recipe:
-    """Of a method with handles.
+class Shape:
+    """``points`` (n, 3) float64; ``faces`` (counts, corners)."""
 
-    ``points`` (n, 3) float64, ``faces`` (counts, corners); ``options`` of the native constructor. Of each
-    handle its vertices, and its weights and continuity as the native ``set_handles`` takes them.
-    """
-
-    method: Method
     points: np.ndarray
     faces: tuple[np.ndarray, np.ndarray]
-    options: dict[str, object]
-    handles: Sequence[np.ndarray]
+
+
+@dataclass(frozen=True)
+class Bound:
+    """A native method, bound, with what its bind reported."""
+
+    method: object
+    report: object
+
+
+@dataclass(frozen=True)
+class Handles:
+    """Regions of a surface: vertices, weights and continuity of each, as ``set_handles`` takes them."""
+
+    vertices: Sequence[np.ndarray]
     weights: Sequence[object]
     continuity: Sequence[float] | None = None
 
-    def build(self, native, mesh, progress: Progress | None) -> tuple[object, object]:
-        """A bound solver and its report."""
-        solver = getattr(native, self.method.native)(mesh, **self.options)
-        return solver, _set_handles(self, solver, progress)
+    def make(self, native, recipe: "Recipe", mesh: object) -> object:
+        """The native method, without handles yet."""
+        return getattr(native, recipe.method.native)(mesh, **recipe.options)
 
-    def change_to(self, other: object, solver: object, report: object) -> Change | None:
-        """What binds the solver to another recipe; None where only a new solver does."""
-        if type(other) is not Recipe or self.method is not other.method or not self.has_rest_of(other):
-            return None
-        others, same_regions = self.differs_in(other), self.has_regions_of(other)
-        if not others:
-            return partial(_keep, report) if same_regions else partial(_set_handles, other)
-        painted = {parameter.id for parameter in other.method.paintable}
-        if others <= painted and same_regions and hasattr(solver, "set_stiffness"):
-            return partial(_set_stiffness, {name: other.options[name] for name in sorted(painted)})
-        return None
+    def can_reuse(self, _recipe: "Recipe", made: object, former: object) -> bool:
+        """Whether something of a bound method serves a made one."""
+        return made.can_reuse(former)
 
-    def preview(self) -> None:
-        """Nothing quicker stands in for a factor."""
+    def bind(
+        self, _native, _recipe: "Recipe", made: object, former: Bound | None, progress: Progress | None
+    ) -> object:
+        """Give a made method its handles, out of a bound one if there is one; the report."""
+        words = {"weights": self.weights, "continuity": self.continuity, "progress": progress}
+        if former is None:
+            return made.set_handles(self.vertices, **words)
+        return made.rebind(former.method, self.vertices, **words)
 
-    def has_rest_of(self, other: "Recipe") -> bool:
-        """The same shape and faces."""
-        return _same((self.points, *self.faces), (other.points, *other.faces))
-
-    def has_regions_of(self, other: "Recipe") -> bool:
-        """The same handles."""
-        return _same(
-            (self.handles, self.weights, self.continuity), (other.handles, other.weights, other.continuity)
-        )
-
-    def differs_in(self, other: "Recipe") -> set[str]:
-        """Names of the options that are others."""
-        names = self.options.keys() | other.options.keys()
-        return {name for name in names if not _same(self.options.get(name), other.options.get(name))}
+    def solve(self, method: object, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
+        """Positions (n, 3) and a report; ``poses`` (k, 3, 4)."""
+        return method.solve(poses, **options)
 
 
 @dataclass(frozen=True)
@@ -78,61 +71,35 @@ class CageReport:
 
 
 @dataclass(frozen=True)
-class CageRecipe:
-    """Of a method with a cage.
+class Cage(Shape):
+    """The rest cage around a target, in the frame of the target."""
 
-    ``points`` (n, 3) float64, ``faces`` (counts, corners) of the mesh; ``options`` of the native constructor;
-    ``cage_points`` (c, 3), ``cage_faces`` (counts, corners) of the rest cage, in the frame of the mesh.
-    """
+    def make(self, native, recipe: "Recipe", _mesh: object) -> object:
+        """The native method, with no points bound yet."""
+        cage = native.SurfaceMesh(self.points, self.faces)
+        with _at_fault(native, cage):
+            return getattr(native, recipe.method.native)(cage, **recipe.options)
 
-    method: Method
-    points: np.ndarray
-    faces: tuple[np.ndarray, np.ndarray]
-    options: dict[str, object]
-    cage_points: np.ndarray
-    cage_faces: tuple[np.ndarray, np.ndarray]
+    def can_reuse(self, recipe: "Recipe", made: object, former: object) -> bool:
+        """Whether the weights of a bound method are those of a made one."""
+        return made.can_reuse(former, recipe.target.points)
 
-    def build(self, native, _mesh, progress: Progress | None) -> tuple[object, object]:
-        """Bound coordinates and their report."""
-        cage = native.SurfaceMesh(self.cage_points, self.cage_faces)
-        try:
-            coordinates = getattr(native, self.method.native)(cage, **self.options)
-            outside = coordinates.bind(self.points, progress).outside
-        except native.InvalidMesh as error:  # of the mesh, a bind refuses points alone
-            inside_out = 0 < len(native.diagnose_cage(cage).inverted_faces) == cage.face_count
-            remedy = Remedy.FLIP_CAGE if inside_out else Remedy.CAGE_REST
-            raise CageError(
-                str(error), tuple(error.elements), f"cage {error.element_kind}", remedy
-            ) from error
-        crossing = np.unique(native.diagnose_cage(cage).crossing_faces)
-        return _Warp(coordinates, self.points), CageReport(outside, crossing)
-
-    def preview(self) -> "CageRecipe | None":
-        """Rough weights to pose by until exact ones are there, where those take long."""
-        if not self.options.get("exact"):
-            return None
-        return replace(self, options={**self.options, "exact": False, "directions": _PREVIEW_RAYS})
-
-    def change_to(self, other: object, _solver: object, report: object) -> Change | None:
-        """What binds the coordinates to another recipe; None where only new ones do."""
-        same = isinstance(other, CageRecipe) and _same(self._parts(), other._parts())
-        return partial(_keep, report) if same else None
-
-    def _parts(self) -> tuple:
-        names = sorted(self.options)
-        options = tuple((name, self.options[name]) for name in names)
-        return (self.method.id, options, self.points, *self.faces, self.cage_points, *self.cage_faces)
-
-
-class _Warp:
-    """A posed cage in the place of poses: the warp of the rest points, as displacements of what enters."""
-
-    def __init__(self, coordinates: object, rest: np.ndarray) -> None:
-        self._coordinates = coordinates
-        self._rest = rest
+    def bind(
+        self, native, recipe: "Recipe", made: object, former: Bound | None, progress: Progress | None
+    ) -> object:
+        """Compute the weights of the target's points, or take over those of a bound method; the report."""
+        points = recipe.target.points
+        if former is not None:
+            made.rebind(former.method, points, progress)
+            return former.report
+        cage = native.SurfaceMesh(self.points, self.faces)
+        with _at_fault(native, cage):
+            outside = made.bind(points, progress).outside
+        return CageReport(outside, np.unique(native.diagnose_cage(cage).crossing_faces))
 
     def solve(
         self,
+        method: object,
         vertices: np.ndarray,
         *,
         incoming: np.ndarray | None = None,
@@ -140,34 +107,31 @@ class _Warp:
         progress: Progress | None = None,
     ) -> tuple[np.ndarray, None]:
         """Positions (n, 3) for cage ``vertices`` (c, 3). A product: there is nothing to report."""
-        positions = self._coordinates.warp(vertices, out=out)
-        if incoming is not None:
-            np.add(positions, incoming - self._rest, out=positions, casting="same_kind")
-        return positions, None
-
-    def influence(self, vertices: Sequence[int]) -> np.ndarray:
-        """(n,) how far each point goes with these vertices of the cage."""
-        return self._coordinates.influence(vertices)
+        return method.warp(vertices, out=out, incoming=incoming), None
 
 
-def _same(a: object, b: object) -> bool:
-    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
-        return a is b or np.array_equal(a, b)
-    if isinstance(a, tuple | list) and isinstance(b, tuple | list):
-        return len(a) == len(b) and all(map(_same, a, b))
-    return a == b
+@contextmanager
+def _at_fault(native, cage: object) -> Iterator[None]:
+    """Says of a refused mesh that it is the cage: of the target, points alone are refused."""
+    try:
+        yield
+    except native.InvalidMesh as error:
+        inside_out = 0 < len(native.diagnose_cage(cage).inverted_faces) == cage.face_count
+        remedy = Remedy.FLIP_CAGE if inside_out else Remedy.CAGE_REST
+        raise CageError(str(error), tuple(error.elements), f"cage {error.element_kind}", remedy) from error
 
 
-def _keep(report, _solver, progress: Progress | None):
-    if progress is not None and not progress(1.0, "bound"):
-        raise CancelledError("Cancelled")
-    return report
+@dataclass(frozen=True)
+class Recipe:
+    """``options`` of the native constructor; ``control`` is an array bundle that builds the native object."""
 
+    method: Method
+    target: Shape
+    options: dict[str, object]
+    control: Handles | Cage
 
-def _set_handles(recipe: Recipe, solver, progress: Progress | None):
-    boundary = {} if recipe.continuity is None else {"continuity": recipe.continuity}
-    return solver.set_handles(recipe.handles, weights=recipe.weights, progress=progress, **boundary)
-
-
-def _set_stiffness(stiffness: dict[str, object], solver, progress: Progress | None):
-    return solver.set_stiffness(**stiffness, progress=progress)
+    def preview(self) -> "Recipe | None":
+        """Rough weights to pose by until exact ones are there, where those take long."""
+        if not self.options.get("exact"):
+            return None
+        return replace(self, options={**self.options, "exact": False, "directions": _PREVIEW_RAYS})

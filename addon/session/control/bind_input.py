@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...backend import CageRecipe, Recipe
+from ...backend import Recipe
 from ...core.errors import OptionError
 from ...core.methods import METHODS, group_property
 from ...mesh_io import RestShape
@@ -26,7 +26,7 @@ class BindInput:
     """
 
     key: tuple
-    recipe: Recipe | CageRecipe
+    recipe: Recipe
     rest: RestShape
     on_base: bool  # the vertices that enter are those of the base mesh
     control: str

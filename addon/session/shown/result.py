@@ -153,7 +153,7 @@ def influence(deformer: SinewDeformer) -> Influence | None:
     factor = session.bound.factor
     if factor.is_spent or factor.recipe.method.control is not Control.CAGE:
         return None  # a thread binds another
-    vertices = tuple(v for v in chosen(deformer) if v < len(factor.recipe.cage_points))
+    vertices = tuple(v for v in chosen(deformer) if v < len(factor.recipe.control.points))
     return Influence(vertices, factor.influence(vertices), factor.report.outside)
 
 

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from bpy.types import Object
 
-from ...backend import Factor, Recipe, build_factor
+from ...backend import Factor, Handles, Recipe, Shape, build_factor
 from ...core import frames, reach
 from ...core.errors import ConstraintError, MeshError, TopologyChangedError
 from ...core.methods import Method
@@ -236,8 +236,8 @@ class Grab:
     def _bind(self, region: _Region, progress: binding.Progress | None) -> Factor:
         options = {row.id: row.default for row in self._method.parameters if row.rebinds}
         handles = [places for places in (region.handle, region.fixed) if len(places)]
-        weights = [None] * len(handles)
-        recipe = Recipe(self._method, region.rest, region.faces, options, handles, weights)
+        target = Shape(region.rest, region.faces)
+        recipe = Recipe(self._method, target, options, Handles(handles, [None] * len(handles)))
         return build_factor(recipe, progress)
 
     # How it moves

@@ -7,7 +7,7 @@ No bpy calls but reads.
 import numpy as np
 from bpy.types import Mesh
 
-from ....backend import Recipe
+from ....backend import Handles, Recipe, Shape
 from ....core.errors import ConstraintError
 from ....core.status import Remedy
 from ....mesh_io import RestShape
@@ -87,12 +87,9 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         key=key,
         recipe=Recipe(
             method,
-            rest.points,
-            (rest.counts, rest.corners),
+            Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            tuple(indices),
-            tuple(weights),
-            tuple(continuity) if method.continuity else None,
+            Handles(tuple(indices), tuple(weights), tuple(continuity) if method.continuity else None),
         ),
         rest=rest,
         on_base=count == base_count,
