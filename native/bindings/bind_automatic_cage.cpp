@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
-#include "native/space/cage/automatic_cage.h"
-#include "native/space/cage/cage_diagnosis.h"
+#include "native/enclosure/automatic_cage.h"
+#include "native/enclosure/cage_diagnosis.h"
 
 namespace sinew::bindings {
 

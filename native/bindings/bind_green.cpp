@@ -8,7 +8,7 @@ namespace sinew::bindings {
 
 namespace {
 
-GreenOptions options(const CageWeightOptions& weights, const std::string& outside, int exit_face)
+GreenOptions options(const PointWeightOptions& weights, const std::string& outside, int exit_face)
 {
     return {weights,
             choose<GreenOutside>(outside, "outside",

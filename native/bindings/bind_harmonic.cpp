@@ -6,7 +6,7 @@ namespace sinew::bindings {
 
 namespace {
 
-HarmonicOptions options(const CageWeightOptions& weights, const std::string& quality,
+HarmonicOptions options(const PointWeightOptions& weights, const std::string& quality,
                         const std::string& outside, const std::string& solver)
 {
     return {weights,

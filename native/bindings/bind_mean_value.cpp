@@ -12,7 +12,7 @@ void bind_mean_value(py::module_& module)
 
 Sum 1 and linear precision everywhere, outside the cage too; may be negative where a concave cage is seen
 through itself. A closed form: cost O(points x triangles).)",
-        +[](const CageWeightOptions& weights) { return weights; }, "");
+        +[](const PointWeightOptions& weights) { return weights; }, "");
 }
 
 } // namespace sinew::bindings

@@ -6,7 +6,7 @@ namespace sinew::bindings {
 
 namespace {
 
-PositiveMeanValueOptions options(const CageWeightOptions& weights, bool exact, int directions,
+PositiveMeanValueOptions options(const PointWeightOptions& weights, bool exact, int directions,
                                  const std::string& outside)
 {
     return {weights, exact, directions, cage_outside(outside)};

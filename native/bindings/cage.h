@@ -3,8 +3,8 @@
 
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
+#include "native/space/cage/cage.h"
 #include "native/space/cage/cage_coordinates.h"
-#include "native/space/cage/cage_outside.h"
 
 #include <memory>
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace sinew::bindings {
 
-inline CageWeightOptions weight_options(const std::string& precision, double threshold)
+inline PointWeightOptions weight_options(const std::string& precision, double threshold)
 {
     return {choose<WeightPrecision>(precision, "precision",
                                     {{"single", WeightPrecision::single_precision},
@@ -34,7 +34,7 @@ inline CageOutside cage_outside(const std::string& outside)
 template <class Method, class Options, class... Own, class... Words>
 py::class_<Method, CageCoordinates, std::shared_ptr<Method>>
 bind_cage_method(py::module_& module, const char* name, const char* doc,
-                 Options (*options)(const CageWeightOptions&, Own...), const std::string& words,
+                 Options (*options)(const PointWeightOptions&, Own...), const std::string& words,
                  Words&&... own)
 {
     py::class_<Method, CageCoordinates, std::shared_ptr<Method>> result(module, name, doc);

@@ -6,7 +6,7 @@ if(MSVC)
   target_compile_options(sinew_compiler INTERFACE /W4 /permissive- /utf-8 /bigobj /wd4127)
   target_compile_definitions(sinew_compiler INTERFACE _USE_MATH_DEFINES NOMINMAX)
 else()
-  # Vectors of 32 bytes never cross a call between objects (solvers/lanes.inl), so their ABI is no matter.
+  # Vectors of 32 bytes never cross a call between objects (core/simd/lane_types.inl), so their ABI is no matter.
   target_compile_options(sinew_compiler INTERFACE -Wall -Wextra -Wpedantic -Wno-psabi)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     # Every 64-bit x86 machine that Blender 4.2 and later runs on has SSE4.2.
@@ -26,20 +26,30 @@ if(SINEW_SANITIZE)
   endif()
 endif()
 
-# Sources named *_avx2.cpp and *_avx512.cpp run on processors that have these instructions, in place of their plain
-# twins. No fused operations: all give the same results to the last bit.
-function(sinew_compile_for_wide_processors target)
+# Compiles each file of kernels (native/<room>/<name>, with .h and .inl) once for every set of instructions that is named
+# after it, beside the baseline of all processors. No fused operations: all give the same results to the last bit.
+function(sinew_add_kernels target)
   if(NOT MSVC AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-    get_target_property(sources ${target} SOURCES)
-    set(avx2 -mavx2)
-    set(avx512 -mavx512f -mavx512vl -mavx512dq)
-    foreach(instructions IN ITEMS avx2 avx512)
-      set(those ${sources})
-      list(FILTER those INCLUDE REGEX "_${instructions}\\.cpp$")
-      set_source_files_properties(${those} PROPERTIES COMPILE_OPTIONS "${${instructions}};-mno-fma")
-    endforeach()
-    target_compile_definitions(${target} PRIVATE SINEW_HAVE_AVX2)
+    target_compile_definitions(${target} PUBLIC SINEW_HAVE_WIDE_KERNELS)
+    set(baseline "")
+    set(avx2 -mavx2 -mno-fma)
+    set(avx512 -mavx512f -mavx512vl -mavx512dq -mno-fma)
   endif()
+  foreach(argument IN LISTS ARGN)
+    if(argument MATCHES "/")
+      set(kernels ${argument})
+      set(instructions baseline)
+    else()
+      set(instructions ${argument})
+    endif()
+    if(DEFINED ${instructions} OR instructions STREQUAL baseline)
+      string(COMPARE EQUAL ${instructions} avx512 SINEW_EIGHT_LANES)
+      set(source ${CMAKE_CURRENT_BINARY_DIR}/${kernels}_${instructions}.cpp)
+      configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/kernels.cpp.in ${source} @ONLY)
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${${instructions}}")
+      target_sources(${target} PRIVATE ${source})
+    endif()
+  endforeach()
 endfunction()
 
 # CGAL counts on the rounding mode that it sets. Its exact numbers are Boost's: as quick here as GMP's, and nothing

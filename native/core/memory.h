@@ -63,6 +63,13 @@ public:
         return {*this, make()};
     }
 
+    /// Frees the workspaces that are idle.
+    void clear()
+    {
+        const std::lock_guard lock(mutex_);
+        idle_.clear();
+    }
+
 private:
     std::mutex mutex_;
     std::vector<std::unique_ptr<T>> idle_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Four fits of rotation_fit.h side by side, one a lane. For kernels; see core/lane_types.inl.
 
-#include "native/core/lane_types.inl"
+#include "native/core/simd/lane_types.inl"
 
 namespace {
 

@@ -2,7 +2,7 @@
 #include "native/solvers/orderings.h"
 
 #include "native/core/errors.h"
-#include "native/solvers/cholmod_factor.h"
+#include "native/solvers/engines/cholmod_factor.h"
 
 #include <Eigen/OrderingMethods>
 

@@ -3,8 +3,8 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
-#include "native/solvers/cholmod_factor.h"
-#include "native/solvers/lanes.h"
+#include "native/solvers/engines/cholmod_factor.h"
+#include "native/solvers/supernodal/kernels.h"
 
 #include <algorithm>
 #include <new>

@@ -4,7 +4,7 @@
 #include "native/core/types.h"
 #include "native/solvers/orderings.h"
 #include "native/solvers/spd_factor.h"
-#include "native/solvers/supernodal_solve.h"
+#include "native/solvers/supernodal/solve.h"
 
 #include <cstdint>
 #include <memory>

@@ -3,8 +3,8 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
-#include "native/solvers/cholmod_factor.h"
-#include "native/solvers/ldlt_factor.h"
+#include "native/solvers/engines/cholmod_factor.h"
+#include "native/solvers/engines/ldlt_factor.h"
 
 #include <algorithm>
 #include <new>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/core/types.h"
-#include "native/solvers/factor_engine.h"
+#include "native/solvers/engines/factor_engine.h"
 #include "native/solvers/orderings.h"
 
 #include <cstdint>

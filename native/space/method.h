@@ -20,7 +20,7 @@ struct SpaceReport
     std::string changed; ///< what differs from the earlier object: "cage, points"; empty for none
     int point_count = 0;
     std::vector<int> outside;      ///< points outside the control
-    double dropped = 0.0;          ///< what the threshold changed, see CageWeights::dropped()
+    double dropped = 0.0;          ///< what the threshold changed, see PointWeights::dropped()
     double error = 0.0; ///< estimate of the largest error of a weight; 0 where the form is closed
     std::int64_t weight_bytes = 0; ///< memory of the weights
     double seconds = 0.0; ///< wall clock of the call

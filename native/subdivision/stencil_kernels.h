@@ -4,20 +4,15 @@
 namespace sinew {
 
 /// Rows [begin, end) of a sparse matrix times points of four numbers each, the last one unused; three numbers
-/// a row come out. Every set of kernels does the same operations in the same order, without fused ones.
+/// a row come out. Every variant does the same operations in the same order, without fused ones.
 struct StencilKernels
 {
     void (*in_double)(const int* offsets, const int* indices, const double* weights, const double* points,
                       int begin, int end, double* to);
     void (*in_float)(const int* offsets, const int* indices, const float* weights, const float* points,
                      int begin, int end, float* to);
+
+    static const StencilKernels baseline, avx2;
 };
-
-/// The widest kernels that this processor runs.
-const StencilKernels& stencil_kernels();
-
-/// By name, for tests: the kernels every processor runs, and those with AVX2 (null where it has none).
-const StencilKernels& baseline_stencil_kernels();
-const StencilKernels* avx2_stencil_kernels();
 
 } // namespace sinew

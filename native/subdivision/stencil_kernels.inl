@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bodies of StencilKernels, compiled once for each instruction set.
+// The bodies of StencilKernels, compiled once for each set of instructions.
 
-#include "native/core/lane_types.inl"
+#include "native/core/simd/lane_types.inl"
 
 namespace {
 
@@ -38,3 +38,5 @@ void rows(const int* offsets, const int* indices, const T* weights, const T* poi
 }
 
 } // namespace
+
+const sinew::StencilKernels sinew::StencilKernels::SINEW_INSTRUCTIONS{rows<double>, rows<float>};

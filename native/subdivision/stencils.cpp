@@ -2,6 +2,7 @@
 #include "native/subdivision/stencils.h"
 
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
 #include "native/subdivision/stencil_kernels.h"
 
 #include <memory>
@@ -39,12 +40,12 @@ Stencils::Stencils(SparseRows matrix) : matrix_(std::move(matrix))
 
 void Stencils::apply(const double* points, double* to) const
 {
-    apply_rows(matrix_, matrix_.valuePtr(), points, to, stencil_kernels().in_double);
+    apply_rows(matrix_, matrix_.valuePtr(), points, to, widest_kernels<StencilKernels>().in_double);
 }
 
 void Stencils::apply(const float* points, float* to) const
 {
-    apply_rows(matrix_, single_.data(), points, to, stencil_kernels().in_float);
+    apply_rows(matrix_, single_.data(), points, to, widest_kernels<StencilKernels>().in_float);
 }
 
 } // namespace sinew

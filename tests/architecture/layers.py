@@ -1,30 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The ranks of the rooms: a room sees itself and rooms of lower rank, never one of its own rank."""
+"""The ranks of the rooms of addon/: a room sees itself and rooms of lower rank, never one of its own rank."""
 
 import ast
-import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from .tree import files, lines
+from .tree import files
 
-NATIVE_RANKS = {
-    "core": 0,
-    "mesh": 1,
-    "solvers": 1,
-    "space": 1,
-    "operators": 2,
-    "subdivision": 2,
-    "surface": 2,
-    "surface/linear": 3,
-    "space/lattice": 3,
-    "space/cage": 3,
-    "space/points": 3,
-    "surface/nonlinear": 4,
-    "space/nonlinear": 4,
-    "multiresolution": 5,
-    "bindings": 6,
-}
 ADDON_RANKS = {
     "ids": 0,
     "core": 0,
@@ -53,58 +35,15 @@ INNER_RANKS = {
 }
 # Folders whose sub-folders may not see each other: adding one kind must not need another.
 APART = ("session/control",)
-# A header that only one room may include -> that room.
-RESERVED_HEADERS = {
-    r"pybind11/|Python\.h": "bindings",
-    r"opensubdiv/": "subdivision",
-    r"tbb/|oneapi/": "core",
-}
 BLENDER_MODULES = {"bpy", "bpy_extras", "bmesh", "mathutils", "gpu", "blf", "addon_utils", "bl_math", "aud"}
 ROOMS_WITHOUT_BLENDER = {"core", "backend"}
-INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
-
-
-def native_offences(root: Path) -> list[str]:
-    return [f"{place}: {what}" for place, what in _native_offences(root)]
 
 
 def addon_offences(root: Path) -> list[str]:
     return [f"{place}: {what}" for place, what in _addon_offences(root)]
 
 
-def _native_room(path: str) -> str | None:
-    """The room of a path below native/, by the longest name that fits."""
-    fitting = [room for room in NATIVE_RANKS if path.startswith(room + "/")]
-    return max(fitting, key=len, default=None)
-
-
-def _native_offences(root: Path) -> Iterator[tuple[str, str]]:
-    for path in files(root, "native", ".h", ".cpp"):
-        name = path.relative_to(root).as_posix()
-        room = _native_room(name.removeprefix("native/"))
-        if room is None:
-            yield name, "belongs to no room that has a rank"
-            continue
-        for number, line in lines(path):
-            place = f"{name}:{number}"
-            if re.match(r"\s*#\s*pragma\s+omp\b", line):
-                yield place, f"parallel loops go through core/parallel.h, never OpenMP: {line.strip()}"
-            include = INCLUDE.match(line)
-            if include is None:
-                continue
-            quote, target = include.groups()
-            for header, keeper in RESERVED_HEADERS.items():
-                if re.match(header, target) and room != keeper:
-                    yield place, f"only {keeper} may include {target}: {line.strip()}"
-            if quote == '"' and not target.startswith("native/"):
-                yield place, f"includes run from the repository root: {line.strip()}"
-            elif quote == '"':
-                yield from _step(
-                    place, line, room, _native_room(target.removeprefix("native/")), NATIVE_RANKS
-                )
-
-
-def _step(
+def step(
     place: str, line: str, room: str, target: str | None, ranks: dict[str, int]
 ) -> Iterator[tuple[str, str]]:
     """Nothing where `room` may see `target`."""
@@ -149,14 +88,14 @@ def _addon_step(
 ) -> Iterator[tuple[str, str]]:
     """Nothing where the file may see the target, a path below addon/."""
     own, room = inside.with_suffix("").parts, target[0]
-    yield from _step(place, line, own[0], room if room in ADDON_RANKS else None, ADDON_RANKS)
+    yield from step(place, line, own[0], room if room in ADDON_RANKS else None, ADDON_RANKS)
     ranks = INNER_RANKS.get(room, {})
     if own[0] == room and own[1:] != ("__init__",) and ranks:
         inner = target[1] if len(target) > 1 and target[1] in ranks else None
         if own[1] not in ranks:
             yield place, f"{own[1]} is no room of {room} that has a rank: {line.strip()}"
         else:
-            yield from _step(place, line, own[1], inner, ranks)
+            yield from step(place, line, own[1], inner, ranks)
     for folder in APART:
         above = tuple(folder.split("/"))
         parts = [path[len(above)] for path in (own, target) if path[: len(above)] == above != path]

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every method is complete: pair of files, test, binding with its types, row, sample, all under one name.
 
-A pair in a method room that is no row of the registry is part of a method, and says so in one of three ways:
-its name starts with the id of a row and an underscore (``arap_cascade``), or its header has the line
-``// Part of the method thin_shell.`` or ``// For every method of this room.``
+A method room's own files are methods, and what all of them share: ``cage`` and ``cage_coordinates`` in the
+room ``cage``. Parts of a method stand in a folder of their own, or in another room.
 """
 
 import ast
@@ -20,8 +19,6 @@ METHOD_ROOMS = {
     "SPACE_LINEAR": ("space/lattice", "space/cage", "space/points"),
     "SPACE_NONLINEAR": ("space/nonlinear",),
 }
-PART_OF = re.compile(r"^// Part of the method (\w+)\.$", re.MULTILINE)
-OF_ALL = re.compile(r"^// For every method of this room\.$", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -94,19 +91,11 @@ def _shows(sample: Path, method: str) -> bool:
 def _strays(root: Path, found: list[Row]) -> Iterator[str]:
     ids = {row.id for row in found}
     for room in sorted({room for rooms in METHOD_ROOMS.values() for room in rooms}):
+        shared = Path(room).name
         for header in files(root, f"native/{room}", ".h"):
-            text = header.read_text(encoding="utf-8")
-            of = PART_OF.search(text)
-            part = (
-                OF_ALL.search(text)
-                or any(header.stem.startswith(name + "_") for name in ids)
-                or (of and of.group(1) in ids)
-            )
-            if header.stem not in ids and not part:
-                yield f"native/{room}/{header.name}: neither a row of the registry nor part of a method"
+            own = header.parent == root / "native" / room
+            if own and header.stem not in ids and not f"{header.stem}_".startswith(f"{shared}_"):
+                yield f"native/{room}/{header.name}: neither a row of the registry nor shared by the room"
         for source in files(root, f"native/{room}", ".cpp"):
-            header = source.with_name(
-                source.stem.removesuffix("_avx2").removesuffix("_avx512") + ".h"
-            )  # one for every instruction set
-            if not header.is_file():
-                yield f"native/{room}/{source.name}: has no header beside it"
+            if not source.with_suffix(".h").is_file():
+                yield f"{source.relative_to(root).as_posix()}: has no header beside it"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from .tree import files, lines
 
-SOURCES = {".h", ".cpp", ".py", ".pyi", ".cmake", ".sh", ".toml", ".yml", ".yaml"}
+SOURCES = {".h", ".cpp", ".inl", ".in", ".py", ".pyi", ".cmake", ".sh", ".toml", ".yml", ".yaml"}
 SOURCE_NAMES = {"CMakeLists.txt", "run", "setup", ".clang-format", ".clang-tidy"}
 LONGEST = 600
 LICENCE = "SPDX-License-Identifier: GPL-3.0-or-later"

@@ -3,7 +3,8 @@ from pathlib import Path
 
 import pytest
 
-from .layers import ADDON_RANKS, INNER_RANKS, NATIVE_RANKS, addon_offences, native_offences
+from .layers import ADDON_RANKS, INNER_RANKS, addon_offences
+from .native_layers import NATIVE_RANKS, SUB_RANKS, SUFFIXES, native_offences, room_of, sub_room_of
 from .tree import ROOT, files, grow, listed
 
 
@@ -34,6 +35,20 @@ def test_addon_rooms_see_lower_ranks_only() -> None:
         ("native/bindings/a.cpp", "#include <opensubdiv/far/stencilTable.h>", "only subdivision may include"),
         ("native/operators/a.cpp", "#include <tbb/parallel_for.h>", "only core may include"),
         ("native/operators/a.cpp", "#pragma omp parallel for", "never OpenMP"),
+        ("native/core/simd/a.inl", '#include "native/mesh/b.h"', "of higher rank"),
+        ("native/solvers/dense/a.h", '#include "native/solvers/b.h"', "of higher rank"),
+        ("native/solvers/dense/a.h", '#include "native/solvers/descent/b.h"', "of the same rank"),
+        ("native/space/cage/cage.h", '#include "native/space/cage/inside/b.h"', "of higher rank"),
+        ("native/space/cage/harmonic/a.h", '#include "native/space/cage/harmonic.h"', "of higher rank"),
+        ("native/space/cage/a.h", '#include "native/solvers/engines/b.h"', "from outside native/solvers"),
+        (
+            "native/bindings/a.cpp",
+            '#include "native/space/cage/inside/b.h"',
+            "from outside native/space/cage",
+        ),
+        ("native/solvers/a.h", '#include "native/solvers/gizmos/b.h"', "no room that has a rank"),
+        ("native/mesh/a.h", '#include "native/core/gizmos/b.h"', "no room that has a rank"),
+        ("native/mesh/gizmos/a.h", "", "no room that has a rank"),
     ],
 )
 def test_native_offence_is_found(tmp_path: Path, path: str, line: str, reason: str) -> None:
@@ -52,6 +67,12 @@ def test_native_offence_is_found(tmp_path: Path, path: str, line: str, reason: s
         ("native/bindings/a.cpp", "#include <pybind11/numpy.h>"),
         ("native/subdivision/a.cpp", "#include <opensubdiv/far/stencilTable.h>"),
         ("native/core/a.cpp", "#include <vector>"),
+        ("native/solvers/a.h", '#include "native/solvers/engines/b.h"'),
+        ("native/solvers/engines/a.h", '#include "native/solvers/supernodal/b.h"'),
+        ("native/space/cage/inside/a.h", '#include "native/space/cage/cage.h"'),
+        ("native/space/cage/harmonic.h", '#include "native/space/cage/harmonic/b.h"'),
+        ("native/space/cage/a.inl", '#include "native/core/simd/b.inl"'),
+        ("native/surface/linear/a.cpp", '#include "native/solvers/b.h"'),
     ],
 )
 def test_native_step_down_is_allowed(tmp_path: Path, path: str, line: str) -> None:
@@ -130,8 +151,9 @@ def test_kinds_of_control_stand_apart(tmp_path: Path, line: str) -> None:
 
 def test_every_room_that_exists_has_a_rank() -> None:
     """Also where a room holds no source yet."""
-    folders = {p.parent.relative_to(ROOT / "native").as_posix() for p in files(ROOT, "native", ".h", ".cpp")}
-    assert folders <= set(NATIVE_RANKS)
+    sources = [p.relative_to(ROOT / "native").as_posix() for p in files(ROOT, "native", *SUFFIXES)]
+    assert all((room := room_of(path)) and sub_room_of(path, room) is not None for path in sources)
+    assert set(SUB_RANKS) <= set(NATIVE_RANKS)
     rooms = {
         p.stem if p.is_file() else p.name
         for p in (ROOT / "addon").iterdir()

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// For every method of this room.
 #pragma once
 
 #include "native/mesh/surface_mesh.h"
 
 namespace sinew {
+
+/// What becomes of points outside the cage, where a method has no weights.
+enum class CageOutside {
+    refuse,    ///< bind() names them
+    mean_value ///< they get the weights of MeanValue; a warp jumps where the cage is crossed
+};
 
 /// A closed control mesh around, within or beside the points that it moves.
 ///

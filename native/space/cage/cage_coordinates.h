@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// For every method of this room.
 #pragma once
 
 #include "native/space/cage/cage.h"
-#include "native/space/cage/linear_method.h"
+#include "native/space/weights/linear_method.h"
 
 #include <utility>
 
@@ -21,7 +20,7 @@ public:
     const Cage& cage() const { return cage_; }
 
 protected:
-    CageCoordinates(Cage cage, const CageWeightOptions& options)
+    CageCoordinates(Cage cage, const PointWeightOptions& options)
         : LinearSpaceMethod(options), cage_(std::move(cage))
     {
     }

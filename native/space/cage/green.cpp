@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/green.h"
 
-#include "native/core/aligned.h"
 #include "native/core/errors.h"
+#include "native/core/simd/aligned.h"
+#include "native/core/simd/kernel_set.h"
 
 #include <Eigen/Geometry>
 
@@ -88,21 +89,21 @@ void Green::controls(PointsView vertices, Points& controls) const
 /// What the kernels tell of some points side by side.
 struct Green::Told
 {
-    const std::size_t lanes = static_cast<std::size_t>(cage_kernels().lanes);
+    const std::size_t lanes = static_cast<std::size_t>(widest_kernels<CageKernels>().lanes);
     AlignedVector<double> scratch, phi, psi;
     std::array<double, most_cage_lanes> winding;
     int touching = 0;
 
     explicit Told(const CageGeometry& geometry)
-        : scratch(geometry.scratch_size(cage_kernels())),
+        : scratch(geometry.scratch_size(widest_kernels<CageKernels>())),
           phi(lanes * static_cast<std::size_t>(geometry.tables().vertex_count)),
           psi(lanes * static_cast<std::size_t>(geometry.tables().triangle_count))
     {
     }
     void run(const CageTables& tables, const PointLanes& points)
     {
-        touching = cage_kernels().green(tables, points.lanes, scratch.data(), phi.data(), psi.data(),
-                                        winding.data());
+        touching = widest_kernels<CageKernels>().green(tables, points.lanes, scratch.data(), phi.data(),
+                                                       psi.data(), winding.data());
     }
 };
 
@@ -110,13 +111,13 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
 {
     const CageTables tables = geometry_.tables();
     const int vertices = cage().vertex_count(), count = static_cast<int>(block.rows());
-    const int lanes = cage_kernels().lanes;
+    const int lanes = widest_kernels<CageKernels>().lanes;
     Told together(geometry_), alone(geometry_);
     rows.setZero(count, columns());
     outside.assign(static_cast<std::size_t>(count), 0);
     for (int first = 0; first < count; first += lanes) {
         std::array<Vector3, most_cage_lanes> x;
-        PointLanes points(cage_kernels());
+        PointLanes points(widest_kernels<CageKernels>());
         for (int lane = 0; lane < lanes; ++lane) {
             x[lane] = geometry_.within_reach(geometry_.seen(block.row(std::min(first + lane, count - 1))));
             points.set(lane, x[lane]);
@@ -128,7 +129,7 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
             const bool touches = (together.touching >> lane & 1) ||
                                  (std::round(together.winding[lane]) == 0.0 && is_on_cage(x[lane]));
             if (touches) {
-                PointLanes same(cage_kernels());
+                PointLanes same(widest_kernels<CageKernels>());
                 for (int k = 0; k < lanes; ++k)
                     same.set(k, moved_in(x[lane]));
                 alone.run(tables, same);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/space/cage/cage_coordinates.h"
-#include "native/space/cage/cage_geometry.h"
+#include "native/space/cage/closed_forms/cage_geometry.h"
 
 namespace sinew {
 
@@ -15,7 +15,7 @@ enum class GreenOutside {
 
 struct GreenOptions
 {
-    CageWeightOptions weights;
+    PointWeightOptions weights;
     GreenOutside outside = GreenOutside::nearest;
     int exit_face = -1; ///< of the cage, for GreenOutside::face
 };

@@ -2,9 +2,9 @@
 #include "native/space/cage/harmonic.h"
 
 #include "native/core/errors.h"
-#include "native/space/cage/harmonic_boundary.h"
-#include "native/space/cage/harmonic_data.h"
-#include "native/space/cage/harmonic_grid.h"
+#include "native/space/cage/harmonic/boundary.h"
+#include "native/space/cage/harmonic/data.h"
+#include "native/space/cage/harmonic/grid.h"
 
 #include <Eigen/LU>
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "native/space/cage/cage_coordinates.h"
-#include "native/space/cage/cage_outside.h"
-#include "native/space/cage/cage_surface.h"
-#include "native/space/cage/harmonic_data.h"
-#include "native/space/cage/harmonic_grid.h"
+#include "native/space/cage/harmonic/data.h"
+#include "native/space/cage/harmonic/grid.h"
+#include "native/space/cage/inside/cage_surface.h"
+#include "native/space/cage/inside/outside_weights.h"
 
 #include <memory>
 
@@ -28,7 +28,7 @@ enum class HarmonicSolver {
 
 struct HarmonicOptions
 {
-    CageWeightOptions weights;
+    PointWeightOptions weights;
     HarmonicQuality quality = HarmonicQuality::medium;
     CageOutside outside = CageOutside::refuse;
     HarmonicSolver solver = HarmonicSolver::automatic;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/space/cage/cage_coordinates.h"
-#include "native/space/cage/cage_geometry.h"
+#include "native/space/cage/closed_forms/cage_geometry.h"
 
 namespace sinew {
 
@@ -31,7 +31,7 @@ namespace sinew {
 class MeanValue : public CageCoordinates
 {
 public:
-    explicit MeanValue(Cage cage, const CageWeightOptions& options = {})
+    explicit MeanValue(Cage cage, const PointWeightOptions& options = {})
         : CageCoordinates(std::move(cage), options), geometry_(this->cage())
     {
     }

@@ -2,7 +2,7 @@
 #include "native/space/cage/positive_mean_value.h"
 
 #include "native/core/errors.h"
-#include "native/space/cage/positive_mean_value_view.h"
+#include "native/space/cage/visibility/visible_cage.h"
 
 #include <algorithm>
 #include <cmath>

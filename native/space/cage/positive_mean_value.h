@@ -2,8 +2,8 @@
 #pragma once
 
 #include "native/space/cage/cage_coordinates.h"
-#include "native/space/cage/cage_outside.h"
-#include "native/space/cage/cage_surface.h"
+#include "native/space/cage/inside/cage_surface.h"
+#include "native/space/cage/inside/outside_weights.h"
 
 #include <memory>
 #include <vector>
@@ -14,7 +14,7 @@ class VisibleCage;
 
 struct PositiveMeanValueOptions
 {
-    CageWeightOptions weights;
+    PointWeightOptions weights;
     bool exact = true;     ///< else by `directions` rays a point: a preview
     int directions = 1024; ///< rays, in antipodal pairs: even, at least 8
     CageOutside outside = CageOutside::refuse;

@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/operators/painted.h"
 #include "native/solvers/constrained_quadratic.h"
 #include "native/solvers/sparse_columns.h"
 
@@ -19,35 +20,6 @@ namespace {
 
 constexpr int most_basis_handles = 16; ///< 64 columns: 0.5 KB a vertex
 constexpr double least_painted = 1e-6; ///< of the largest painted value
-
-/// One value a vertex, checked; empty when the stiffness is zero everywhere.
-std::vector<double> spread(const Stiffness& stiffness, int n, const char* name)
-{
-    if (stiffness.size() != 1 && static_cast<int>(stiffness.size()) != n)
-        throw InvalidOption(std::string(name) + ": " + std::to_string(stiffness.size()) +
-                            " values given; 1 or one a vertex (" + std::to_string(n) + ") needed");
-    std::vector<int> bad;
-    for (int i = 0; i < static_cast<int>(stiffness.size()); ++i)
-        if (!(stiffness[i] >= 0.0 && std::isfinite(stiffness[i])))
-            bad.push_back(i);
-    if (!bad.empty()) {
-        if (stiffness.size() == 1)
-            throw InvalidOption(std::string(name) + ": " + std::to_string(stiffness[0]) +
-                                " is not a finite number >= 0");
-        throw InvalidOption(std::string(name) + ": values at vertices " + list_some(bad) +
-                                " are not finite numbers >= 0",
-                            Error::Element::vertex, bad);
-    }
-    const double largest = *std::ranges::max_element(stiffness);
-    if (largest == 0.0)
-        return {};
-    if (stiffness.size() == 1)
-        return std::vector<double>(n, largest);
-    std::vector<double> values = stiffness;
-    for (double& value : values)
-        value = std::max(value, least_painted * largest);
-    return values;
-}
 
 double mean_over(const std::vector<double>& values, std::span<const int> vertices)
 {
@@ -160,8 +132,9 @@ struct ThinShell::Impl
                               const Stiffness& variation) const
     {
         const int n = rest.vertex_count();
-        Coefficients k{spread(stretching, n, "stretching"), spread(bending, n, "bending"),
-                       spread(variation, n, "variation")};
+        Coefficients k{painted(stretching, n, least_painted, "stretching"),
+                       painted(bending, n, least_painted, "bending"),
+                       painted(variation, n, least_painted, "variation")};
         if (k.stretching.empty() && k.bending.empty() && k.variation.empty())
             throw InvalidOption("stretching, bending and variation are all zero; "
                                 "give at least one of them a positive value");

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/operators/laplacian.h"
-#include "native/surface/linear/affine_basis.h"
+#include "native/surface/linear/responses/affine_basis.h"
 #include "native/surface/method.h"
 
 #include <memory>

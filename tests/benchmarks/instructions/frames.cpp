@@ -4,7 +4,7 @@
 #include "native/core/parallel.h"
 #include "native/space/cage/green.h"
 #include "native/space/cage/mean_value.h"
-#include "native/surface/linear/affine_basis.h"
+#include "native/surface/linear/responses/affine_basis.h"
 #include "native/surface/linear/thin_shell.h"
 #include "native/surface/nonlinear/arap.h"
 

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
-#include "native/solvers/cholmod_factor.h"
+#include "native/solvers/engines/cholmod_factor.h"
 #include "tests/native/solvers/matrices.h"
 
 #include <Eigen/LU>

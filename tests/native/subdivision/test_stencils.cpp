@@ -2,6 +2,7 @@
 #include "native/subdivision/stencils.h"
 
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
 #include "native/subdivision/stencil_kernels.h"
 #include "tests/native/shapes.h"
 
@@ -68,7 +69,8 @@ TEST(Stencils, do_not_depend_on_threads_or_instructions)
 
     Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> padded(points.rows(), 4);
     padded << points, VectorX::Zero(points.rows());
-    for (const StencilKernels* kernels : {&baseline_stencil_kernels(), avx2_stencil_kernels()}) {
+    for (const StencilKernels* kernels :
+         {&StencilKernels::baseline, kernels_with<StencilKernels>(Instructions::avx2)}) {
         if (!kernels)
             continue;
         kernels->in_double(matrix.outerIndexPtr(), matrix.innerIndexPtr(), matrix.valuePtr(), padded.data(),

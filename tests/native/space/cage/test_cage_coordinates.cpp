@@ -18,7 +18,7 @@ namespace {
 class Counted : public CageCoordinates
 {
 public:
-    explicit Counted(Cage cage = Cage(shapes::cube()), const CageWeightOptions& options = {})
+    explicit Counted(Cage cage = Cage(shapes::cube()), const PointWeightOptions& options = {})
         : CageCoordinates(std::move(cage), options)
     {
     }
@@ -44,9 +44,9 @@ SpaceTraits traits()
     const SurfaceMesh cage = shapes::cube();
     using enum WeightPrecision;
     return {.name = "CageCoordinates",
-            .variants = {cages::variant<Counted>("single", cage, CageWeightOptions{single_precision, 0.0}),
-                         cages::variant<Counted>("sparse", cage, CageWeightOptions{single_precision, 0.1}),
-                         cages::variant<Counted>("double", cage, CageWeightOptions{double_precision, 0.0})},
+            .variants = {cages::variant<Counted>("single", cage, PointWeightOptions{single_precision, 0.0}),
+                         cages::variant<Counted>("sparse", cage, PointWeightOptions{single_precision, 0.1}),
+                         cages::variant<Counted>("double", cage, PointWeightOptions{double_precision, 0.0})},
             .control = cage.points(),
             .points = shapes::points_around(cage, 1000, 1.5),
             .translation = 1e-6, // of single weights

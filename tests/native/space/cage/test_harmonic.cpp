@@ -16,7 +16,7 @@ namespace sinew {
 
 namespace {
 
-constexpr CageWeightOptions doubles{WeightPrecision::double_precision, 0.0};
+constexpr PointWeightOptions doubles{WeightPrecision::double_precision, 0.0};
 
 HarmonicOptions exact(HarmonicQuality quality = HarmonicQuality::fast)
 {

@@ -11,7 +11,7 @@ namespace sinew {
 
 namespace {
 
-constexpr CageWeightOptions doubles{WeightPrecision::double_precision, 0.0};
+constexpr PointWeightOptions doubles{WeightPrecision::double_precision, 0.0};
 
 RowMatrix weights_of(const SurfaceMesh& cage, const Points& points)
 {

@@ -14,7 +14,7 @@ namespace sinew {
 
 namespace {
 
-constexpr CageWeightOptions doubles{WeightPrecision::double_precision, 0.0};
+constexpr PointWeightOptions doubles{WeightPrecision::double_precision, 0.0};
 
 PositiveMeanValueOptions exact()
 {

@@ -2,7 +2,7 @@
 #include "native/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
-#include "native/surface/linear/affine_basis.h"
+#include "native/surface/linear/responses/affine_basis.h"
 #include "tests/native/allocations.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"

@@ -4,7 +4,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
-#include "native/solvers/cholmod_factor.h"
+#include "native/solvers/engines/cholmod_factor.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/linear/dense_shell.h"
 

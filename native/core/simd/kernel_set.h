@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+namespace sinew {
+
+/// A set of kernels is a struct of function pointers, written once in an .inl file and compiled once for each
+/// set of instructions (sinew_add_kernels in native/cmake). It declares one static member of its own type for
+/// each set that the build makes: `baseline`, `avx2` and, where eight lanes gain something, `avx512`.
+enum class Instructions { baseline, avx2, avx512 };
+
+/// The kernels compiled with these instructions; null where this processor lacks them, or nobody made them.
+template <class Kernels>
+const Kernels* kernels_with(Instructions instructions)
+{
+#ifdef SINEW_HAVE_WIDE_KERNELS
+    if (instructions == Instructions::avx2 && __builtin_cpu_supports("avx2"))
+        return &Kernels::avx2;
+    if constexpr (requires { Kernels::avx512; })
+        if (instructions == Instructions::avx512 && __builtin_cpu_supports("avx512f") &&
+            __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+            return &Kernels::avx512;
+#endif
+    return instructions == Instructions::baseline ? &Kernels::baseline : nullptr;
+}
+
+/// Those with the widest instructions that this processor runs.
+template <class Kernels>
+const Kernels& widest_kernels()
+{
+    static const Kernels& widest = []() -> const Kernels& {
+        for (const Instructions instructions : {Instructions::avx512, Instructions::avx2})
+            if (const Kernels* kernels = kernels_with<Kernels>(instructions))
+                return *kernels;
+        return Kernels::baseline;
+    }();
+    return widest;
+}
+
+} // namespace sinew

@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/enclosure/automatic_cage.h"
+
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "native/enclosure/progressive_hull.h"
+#include "native/enclosure/quads.h"
+#include "native/enclosure/wrap.h"
+#include "native/mesh/components.h"
+#include "native/mesh/diagnosis.h"
+#include "native/mesh/triangle_tree.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+using Symmetry = AutomaticCageOptions::Symmetry;
+
+constexpr double mirror_tolerance = 1e-3;
+constexpr double on_mirror = 1e-5; // wrap vertices this close to the mirror are put on it
+constexpr int attempts = 3;        // each at twice the margin of the one before
+
+/// From object space to a box of diagonal 1 around the origin.
+struct Frame
+{
+    Vector3 centre;
+    double size;
+
+    Vector3 in(const Vector3& p) const { return (p - centre) / size; }
+    Vector3 out(const Vector3& p) const { return centre + size * p; }
+};
+
+Frame frame_of(const SurfaceMesh& target)
+{
+    const Vector3 low = target.points().colwise().minCoeff().transpose();
+    const Vector3 high = target.points().colwise().maxCoeff().transpose();
+    const double size = (high - low).stableNorm();
+    if (!std::isfinite(size))
+        throw InvalidMesh("points: too far apart to measure");
+    if (size < 1e-100)
+        throw InvalidMesh("points: all in one place; a cage needs an extent");
+    return {low + 0.5 * (high - low), size};
+}
+
+/// A part of the progress of the whole.
+Progress share(const Progress& whole, double from, double to)
+{
+    return Progress([&whole, from, to](double fraction, const char* stage) {
+        whole.tick(from + (to - from) * std::min(fraction, 1.0), stage);
+        return true;
+    });
+}
+
+/// What has to be inside, closed by fans over its borders.
+TriangleSoup soup_of(const SurfaceMesh& target, const Frame& frame)
+{
+    TriangleSoup soup;
+    soup.triangles = target.triangles();
+    for (int v = 0; v < target.vertex_count(); ++v)
+        soup.points.push_back(frame.in(target.point(v)));
+    const Diagnosis diagnosis = diagnose(target);
+    for (const std::vector<int>& loop : diagnosis.boundary_loops) {
+        const int middle = static_cast<int>(soup.points.size());
+        Vector3 sum = Vector3::Zero();
+        for (int v : loop)
+            sum += soup.points[v];
+        soup.points.push_back(sum / static_cast<double>(loop.size()));
+        for (std::size_t k = 0; k < loop.size(); ++k)
+            soup.triangles.push_back({loop[k], loop[(k + 1) % loop.size()], middle});
+    }
+    // The wrap leaves out flat triangles: their corners, and loose vertices, become tiny ones.
+    std::vector<char> held(target.vertex_count(), 0);
+    for (const Triangle& t : soup.triangles)
+        if (!is_flat(corners_of(soup.points, t)))
+            for (int v : t)
+                if (v < target.vertex_count())
+                    held[v] = 1;
+    for (int v = 0; v < target.vertex_count(); ++v) {
+        if (held[v])
+            continue;
+        const int next = static_cast<int>(soup.points.size());
+        soup.points.push_back(soup.points[v] + Vector3(1e-6, 0, 0));
+        soup.points.push_back(soup.points[v] + Vector3(0, 1e-6, 0));
+        soup.triangles.push_back({v, next, next + 1});
+    }
+    return soup;
+}
+
+/// The target's vertices by place, to ask whether there is one at the image of each.
+class Images
+{
+public:
+    Images(const SurfaceMesh& target, const Frame& frame)
+    {
+        for (int v = 0; v < target.vertex_count(); ++v)
+            points_.push_back(frame.in(target.point(v)));
+        for (const Vector3& p : points_)
+            cells_[cell(p)].push_back(p);
+    }
+
+    bool mirror(int axis) const
+    {
+        return std::ranges::all_of(points_, [&](Vector3 p) {
+            p[axis] = -p[axis];
+            return has(p);
+        });
+    }
+
+private:
+    using Cell = std::array<int, 3>;
+
+    static Cell cell(const Vector3& p)
+    {
+        const Eigen::Array3i index = (p / (2 * mirror_tolerance)).array().floor().cast<int>();
+        return {index[0], index[1], index[2]};
+    }
+
+    bool has(const Vector3& point) const
+    {
+        const auto [x, y, z] = cell(point);
+        for (int n = 0; n < 27; ++n) {
+            const auto at = cells_.find({x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1});
+            if (at != cells_.end() && std::ranges::any_of(at->second, [&](const Vector3& p) {
+                    return (p - point).norm() < mirror_tolerance;
+                }))
+                return true;
+        }
+        return false;
+    }
+
+    std::vector<Vector3> points_;
+    std::map<Cell, std::vector<Vector3>> cells_;
+};
+
+int mirror_axis(const SurfaceMesh& target, const Frame& frame, Symmetry symmetry)
+{
+    if (symmetry != Symmetry::automatic)
+        return static_cast<int>(symmetry) - static_cast<int>(Symmetry::x); // none is -1
+    const Images images(target, frame);
+    for (int axis = 0; axis < 3; ++axis)
+        if (images.mirror(axis))
+            return axis;
+    return -1;
+}
+
+/// The soup and its image.
+void add_image(TriangleSoup& soup, int axis)
+{
+    const int count = static_cast<int>(soup.points.size());
+    for (int v = 0; v < count; ++v) {
+        soup.points.push_back(soup.points[v]);
+        soup.points.back()[axis] *= -1;
+    }
+    const std::size_t triangles = soup.triangles.size();
+    for (std::size_t t = 0; t < triangles; ++t) {
+        const auto [a, b, c] = soup.triangles[t];
+        soup.triangles.push_back({a + count, c + count, b + count});
+    }
+}
+
+/// The part on the positive side of the mirror; vertices on the cut have the coordinate 0.
+TriangleSoup positive_half(const TriangleSoup& whole, int axis)
+{
+    TriangleSoup half;
+    half.points = whole.points;
+    for (Vector3& p : half.points)
+        if (std::abs(p[axis]) < on_mirror)
+            p[axis] = 0.0;
+    std::map<std::pair<int, int>, int> cuts;
+    const auto cut = [&](int a, int b) {
+        const auto [at, fresh] = cuts.try_emplace(std::minmax(a, b), static_cast<int>(half.points.size()));
+        if (fresh) {
+            const auto [low, high] = std::minmax(a, b);
+            const Vector3 p = half.points[low], q = half.points[high];
+            Vector3 middle = p + (q - p) * (p[axis] / (p[axis] - q[axis]));
+            middle[axis] = 0.0;
+            half.points.push_back(middle);
+        }
+        return at->second;
+    };
+    for (const Triangle& t : whole.triangles) {
+        std::vector<int> kept; // the corners of what is left, two to four
+        bool any = false;
+        for (int k = 0; k < 3; ++k) {
+            const int a = t[k], b = t[(k + 1) % 3];
+            const double from = half.points[a][axis], to = half.points[b][axis];
+            any |= from > 0.0;
+            if (from >= 0.0)
+                kept.push_back(a);
+            if ((from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0))
+                kept.push_back(cut(a, b));
+        }
+        if (any)
+            for (std::size_t k = 2; k < kept.size(); ++k)
+                half.triangles.push_back({kept[0], kept[k - 1], kept[k]});
+    }
+    return half;
+}
+
+/// The half and its image, joined along the mirror. Faces keep their order, images follow.
+void complete(std::vector<Vector3>& points, Polygons& faces, int axis)
+{
+    std::vector<int> image(points.size());
+    const std::size_t count = points.size(), half = faces.size();
+    for (std::size_t v = 0; v < count; ++v) {
+        image[v] = static_cast<int>(v);
+        if (points[v][axis] == 0.0)
+            continue;
+        image[v] = static_cast<int>(points.size());
+        points.push_back(points[v]);
+        points.back()[axis] *= -1;
+    }
+    for (std::size_t f = 0; f < half; ++f) {
+        std::vector<int> face(faces[f].rbegin(), faces[f].rend());
+        for (int& v : face)
+            v = image[v];
+        faces.push_back(std::move(face));
+    }
+}
+
+/// Closed, embedded, and the target inside it: on the coordinates that go out.
+bool is_good(const SurfaceMesh& cage, const SurfaceMesh& target)
+{
+    const Diagnosis diagnosis = diagnose(cage);
+    if (!diagnosis.boundary_loops.empty() || !diagnosis.non_manifold_edges.empty() ||
+        !diagnosis.inconsistent_edges.empty() || !diagnosis.degenerate_faces.empty())
+        return false;
+    const auto list = [](const SurfaceMesh& mesh) {
+        std::vector<Vector3> points;
+        for (int v = 0; v < mesh.vertex_count(); ++v)
+            points.push_back(mesh.point(v));
+        return points;
+    };
+    const std::vector<Vector3> around = list(cage), inner = list(target);
+    if (!meeting_pairs(around, cage.triangles()).empty())
+        return false;
+    const TriangleTree tree(around, cage.triangles());
+    std::atomic<bool> pokes = false;
+    parallel_for(
+        static_cast<int>(target.triangles().size()),
+        [&](int t) {
+            if (!pokes && tree.meets(corners_of(inner, target.triangles()[t])))
+                pokes = true;
+        },
+        256);
+    if (pokes)
+        return false;
+    // Triangles that do not meet the cage are inside where one corner is. A flat one may reach out unseen.
+    std::vector<char> asked(target.vertex_count(), 0);
+    const Components parts = connected_components(target);
+    std::vector<char> known(parts.count, 0);
+    for (int v = 0; v < target.vertex_count(); ++v)
+        if (!std::exchange(known[parts.labels[v]], 1))
+            asked[v] = 1;
+    for (const Triangle& t : target.triangles())
+        if (is_flat(corners_of(inner, t)))
+            for (int v : t)
+                asked[v] = 1;
+    for (int v = 0; v < target.vertex_count(); ++v)
+        if (asked[v] && winding_number(around, cage.triangles(), inner[v]) < 0.5)
+            return false;
+    return true;
+}
+
+double clearance(const SurfaceMesh& cage, const SurfaceMesh& target, double size)
+{
+    std::vector<Vector3> points;
+    for (int v = 0; v < cage.vertex_count(); ++v)
+        points.push_back(cage.point(v));
+    const TriangleTree tree(points, cage.triangles());
+    std::vector<double> distances(target.vertex_count());
+    parallel_for(
+        target.vertex_count(),
+        [&](int v) { distances[v] = (tree.closest(target.point(v)) - target.point(v)).norm() / size; }, 256);
+    return *std::ranges::min_element(distances);
+}
+
+SurfaceMesh mesh_of(const std::vector<Vector3>& points, const Polygons& faces, const Frame& frame)
+{
+    Points placed(static_cast<Eigen::Index>(points.size()), 3);
+    for (std::size_t v = 0; v < points.size(); ++v)
+        placed.row(static_cast<Eigen::Index>(v)) = frame.out(points[v]).transpose();
+    std::vector<int> counts, corners;
+    for (const std::vector<int>& face : faces) {
+        counts.push_back(static_cast<int>(face.size()));
+        corners.insert(corners.end(), face.begin(), face.end());
+    }
+    return {std::move(placed), std::move(counts), std::move(corners)};
+}
+
+} // namespace
+
+AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptions& options,
+                             const Progress& progress)
+{
+    const auto begin = std::chrono::steady_clock::now();
+    if (options.faces < 12 || options.faces > 100'000)
+        throw InvalidOption("faces: " + std::to_string(options.faces) + " is not in 12 to 100000");
+    if (!(options.margin >= 0.004 && options.margin <= 0.25))
+        throw InvalidOption("margin: " + std::to_string(options.margin) + " is not in 0.004 to 0.25");
+
+    const Frame frame = frame_of(target);
+    TriangleSoup soup = soup_of(target, frame);
+    const int axis = mirror_axis(target, frame, options.symmetry);
+    if (axis >= 0)
+        add_image(soup, axis);
+
+    std::optional<AutomaticCage> best;
+    double margin = options.margin;
+    for (int attempt = 0; attempt < attempts; ++attempt, margin *= 2) {
+        const double start = static_cast<double>(attempt) / attempts, width = 1.0 / attempts;
+        const auto stage = [&](double from, double to) {
+            return share(progress, start + width * from, start + width * to);
+        };
+        TriangleSoup wrap = wrapped(soup, margin, margin, stage(0.0, 0.5));
+        const int wrap_faces = static_cast<int>(wrap.triangles.size());
+        if (axis >= 0)
+            wrap = positive_half(wrap, axis);
+        ProgressiveHull hull(wrap, 1.0, axis);
+        hull.collapse(axis >= 0 ? options.faces / 2 : options.faces, stage(0.5, 0.8));
+        hull.tighten(TriangleTree(wrap.points, wrap.triangles), stage(0.8, 0.95));
+
+        auto [points, triangles] = hull.surface();
+        Polygons faces =
+            options.quads ? paired(points, triangles, TriangleTree(soup.points, soup.triangles), 0.3 * margin)
+                          : polygons(triangles);
+        if (axis >= 0)
+            complete(points, faces, axis);
+        progress.tick(start + width * 0.95, "checking");
+        const SurfaceMesh cage = mesh_of(points, faces, frame);
+        if (!is_good(cage, target))
+            continue;
+        AutomaticCage found;
+        found.points = cage.points();
+        for (int f = 0; f < cage.face_count(); ++f) {
+            found.counts.push_back(static_cast<int>(cage.face(f).size()));
+            found.corners.insert(found.corners.end(), cage.face(f).begin(), cage.face(f).end());
+        }
+        found.report.faces = static_cast<int>(cage.triangles().size());
+        found.report.quads = found.report.faces - cage.face_count();
+        found.report.reached = found.report.faces <= options.faces + (axis >= 0 ? 1 : 0);
+        found.report.mirror_axis = axis;
+        found.report.wrap_faces = wrap_faces;
+        found.report.margin = margin;
+        if (!best || found.report.faces < best->report.faces)
+            best = std::move(found);
+        if (best->report.reached)
+            break;
+    }
+    if (!best)
+        throw InvalidMesh(
+            "no closed cage without crossings was found around this mesh; try another margin or "
+            "number of faces");
+    best->report.clearance =
+        clearance(SurfaceMesh(best->points, best->counts, best->corners), target, frame.size);
+    progress.tick(1.0, "checking");
+    best->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return *std::move(best);
+}
+
+} // namespace sinew

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/enclosure/cage_diagnosis.h"
+
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "native/enclosure/wrap.h"
+#include "native/mesh/triangle_tree.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew {
+
+namespace {
+
+/// One side of a face along an edge.
+struct Side
+{
+    int low, high; ///< the edge
+    int face;
+    bool rising; ///< the face runs from low to high
+};
+
+std::vector<Side> sorted_sides(const SurfaceMesh& cage)
+{
+    std::vector<Side> sides;
+    for (int f = 0; f < cage.face_count(); ++f) {
+        const auto loop = cage.face(f);
+        for (std::size_t k = 0; k < loop.size(); ++k) {
+            const int a = loop[k], b = loop[(k + 1) % loop.size()];
+            if (a != b)
+                sides.push_back({std::min(a, b), std::max(a, b), f, a < b});
+        }
+    }
+    std::ranges::sort(sides, {},
+                      [](const Side& s) { return std::array{s.low, s.high, s.face, int{s.rising}}; });
+    return sides;
+}
+
+struct Neighbour
+{
+    int face;
+    bool agrees; ///< both look to the same side
+};
+
+/// Faces joined through edges of two faces, each turned to agree with the first.
+struct Sheet
+{
+    std::vector<int> faces;
+    std::vector<char> turned; ///< (faces) where they look the other way
+    bool closed = true;
+};
+
+std::vector<Sheet> sheets(const SurfaceMesh& cage, const std::vector<std::vector<Neighbour>>& neighbours)
+{
+    std::vector<Sheet> found;
+    std::vector<char> seen(neighbours.size(), 0), turned(neighbours.size(), 0);
+    for (int first = 0; first < static_cast<int>(neighbours.size()); ++first) {
+        if (seen[first])
+            continue;
+        Sheet sheet{{first}, {}};
+        seen[first] = 1;
+        for (std::size_t k = 0; k < sheet.faces.size(); ++k)
+            for (const auto& [face, agrees] : neighbours[sheet.faces[k]])
+                if (!seen[face]) {
+                    seen[face] = 1;
+                    turned[face] = agrees == (turned[sheet.faces[k]] != 0);
+                    sheet.faces.push_back(face);
+                }
+        for (int f : sheet.faces) {
+            sheet.turned.push_back(turned[f]);
+            sheet.closed &= neighbours[f].size() == cage.face(f).size();
+        }
+        found.push_back(std::move(sheet));
+    }
+    return found;
+}
+
+/// Which faces of the sheets look inward. A sheet's own volume tells its sense, the winding of the others
+/// around it whether it is a cavity.
+std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vector3>& points,
+                          const std::vector<std::vector<Triangle>>& cut)
+{
+    std::vector<std::vector<Triangle>> outward(found.size());
+    std::vector<Eigen::AlignedBox3d> boxes(found.size());
+    std::vector<char> reversed(found.size(), 0); // `turned` has to be swapped to look outward
+    for (std::size_t s = 0; s < found.size(); ++s) {
+        double volume = 0.0;
+        const Vector3 origin = points[cut[found[s].faces.front()].front()[0]];
+        for (std::size_t k = 0; k < found[s].faces.size(); ++k)
+            for (Triangle t : cut[found[s].faces[k]]) {
+                if (found[s].turned[k])
+                    std::swap(t[1], t[2]);
+                outward[s].push_back(t);
+                for (int v : t)
+                    boxes[s].extend(points[v]);
+                volume += (points[t[0]] - origin).dot((points[t[1]] - origin).cross(points[t[2]] - origin));
+            }
+        reversed[s] = volume < 0.0;
+        if (reversed[s])
+            for (Triangle& t : outward[s])
+                std::swap(t[1], t[2]);
+    }
+    std::vector<int> faces;
+    for (std::size_t s = 0; s < found.size(); ++s) {
+        int around = 0;
+        for (std::size_t other = 0; other < found.size(); ++other)
+            // Parts that cross are not in one another.
+            if (other != s && found[other].closed && boxes[other].contains(boxes[s]))
+                around += std::ranges::all_of(outward[s], [&](const Triangle& t) {
+                    return winding_number(points, outward[other], points[t[0]]) > 0.5;
+                });
+        const bool cavity = around % 2 == 1;
+        for (std::size_t k = 0; k < found[s].faces.size(); ++k)
+            if ((found[s].turned[k] != 0) != ((reversed[s] != 0) != cavity))
+                faces.push_back(found[s].faces[k]);
+    }
+    std::ranges::sort(faces);
+    return faces;
+}
+
+/// The pair of faces behind each pair of triangles, each once, none with itself.
+std::vector<std::array<int, 2>> crossing(const SurfaceMesh& cage, const std::vector<Vector3>& points)
+{
+    std::vector<std::array<int, 2>> pairs;
+    for (const auto& [s, t] : meeting_pairs(points, cage.triangles())) {
+        const auto [f, g] = std::minmax(cage.triangle_faces()[s], cage.triangle_faces()[t]);
+        if (f != g)
+            pairs.push_back({f, g});
+    }
+    std::ranges::sort(pairs);
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    return pairs;
+}
+
+std::vector<int> outside(PointsView points, const TriangleSoup& cage)
+{
+    std::vector<int> strays;
+    for (int i = 0; i < points.rows(); ++i)
+        if (!points.row(i).allFinite())
+            strays.push_back(i);
+    if (!strays.empty())
+        throw InvalidConstraint("points: NaN or infinite coordinates at points " + list_some(strays),
+                                Error::Element::vertex, strays);
+    Eigen::AlignedBox3d box;
+    for (const Triangle& t : cage.triangles)
+        for (int v : t)
+            box.extend(cage.points[v]);
+    const bool any = std::ranges::any_of(
+        cage.triangles, [&](const Triangle& t) { return !is_flat(corners_of(cage.points, t)); });
+    std::vector<char> out(points.rows(), 1);
+    if (any) {
+        const TriangleTree tree(cage.points, cage.triangles);
+        const double close = 1e-9 * box.diagonal().norm();
+        parallel_for(
+            static_cast<int>(points.rows()),
+            [&](int i) {
+                const Vector3 p = points.row(i).transpose();
+                out[i] = winding_number(cage.points, cage.triangles, p) < 0.5 &&
+                         (tree.closest(p) - p).norm() > close;
+            },
+            64);
+    }
+    for (int i = 0; i < points.rows(); ++i)
+        if (out[i])
+            strays.push_back(i);
+    return strays;
+}
+
+} // namespace
+
+CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsView>& points)
+{
+    CageDiagnosis diagnosis;
+    TriangleSoup soup;
+    soup.triangles = cage.triangles();
+    for (int v = 0; v < cage.vertex_count(); ++v)
+        soup.points.push_back(cage.point(v));
+
+    std::vector<std::vector<Neighbour>> neighbours(cage.face_count());
+    const std::vector<Side> sides = sorted_sides(cage);
+    for (std::size_t begin = 0, end; begin < sides.size(); begin = end) {
+        end = begin + 1;
+        while (end < sides.size() && sides[end].low == sides[begin].low &&
+               sides[end].high == sides[begin].high)
+            ++end;
+        const std::array edge{sides[begin].low, sides[begin].high};
+        if (end - begin == 1) {
+            diagnosis.open_edges.push_back(edge);
+        } else if (end - begin > 2) {
+            diagnosis.non_manifold_edges.push_back(edge);
+        } else {
+            const Side &a = sides[begin], &b = sides[begin + 1];
+            neighbours[a.face].push_back({b.face, a.rising != b.rising});
+            neighbours[b.face].push_back({a.face, a.rising != b.rising});
+        }
+    }
+
+    std::vector<std::vector<Triangle>> cut(cage.face_count());
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+        const int face = cage.triangle_faces()[t];
+        cut[face].push_back(soup.triangles[t]);
+        if (is_flat(corners_of(soup.points, soup.triangles[t])) &&
+            (diagnosis.degenerate_faces.empty() || diagnosis.degenerate_faces.back() != face))
+            diagnosis.degenerate_faces.push_back(face);
+    }
+    const std::vector<Sheet> found = sheets(cage, neighbours);
+    diagnosis.component_count = static_cast<int>(found.size());
+    diagnosis.inverted_faces = inverted(found, soup.points, cut);
+    diagnosis.crossing_faces = crossing(cage, soup.points);
+    if (points)
+        diagnosis.outside_points = outside(*points, soup);
+    return diagnosis;
+}
+
+std::string summary(const CageDiagnosis& d)
+{
+    std::string text;
+    const auto add = [&](std::size_t count, const char* one, const char* many) {
+        if (count > 0)
+            text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (count == 1 ? one : many);
+    };
+    add(d.open_edges.size(), "open edge", "open edges");
+    add(d.non_manifold_edges.size(), "non-manifold edge", "non-manifold edges");
+    add(d.inverted_faces.size(), "inverted face", "inverted faces");
+    add(d.degenerate_faces.size(), "face without area", "faces without area");
+    add(d.crossing_faces.size(), "pair of crossing faces", "pairs of crossing faces");
+    add(d.outside_points.size(), "point outside", "points outside");
+    return text.empty() ? "clean" : text;
+}
+
+} // namespace sinew

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/graph/clusters.h"
+
+#include <functional>
+#include <limits>
+#include <map>
+#include <queue>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr double hat_radius = 1.6; ///< of the shares, in cluster radii
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+using Entry = std::pair<double, int>;
+using Front = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
+
+/// Visits nodes by rising distance from a seed along the edges.
+/// \param reaches  whether an edge to a node at a distance is followed; if so, notes the distance.
+template <class Visit, class Reaches>
+void grow(const GraphEdges& edges, const Points& rest, int seed, const std::vector<double>& distance,
+          Visit&& visit, Reaches&& reaches)
+{
+    Front front;
+    front.emplace(0.0, seed);
+    while (!front.empty()) {
+        const auto [d, i] = front.top();
+        front.pop();
+        if (d > distance[i])
+            continue;
+        visit(i, d);
+        for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a) {
+            const int j = edges.neighbours[a];
+            const double further = d + (rest.row(i) - rest.row(j)).norm();
+            if (reaches(j, further))
+                front.emplace(further, j);
+        }
+    }
+}
+
+} // namespace
+
+Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : label(graph.size(), -1)
+{
+    std::vector<double> distance(graph.size(), infinite);
+    const auto add = [&](int seed) {
+        const int id = static_cast<int>(seeds.size());
+        seeds.push_back(seed);
+        distance[seed] = 0.0;
+        label[seed] = id;
+        grow(
+            graph.edges(), rest, seed, distance, [](int, double) {},
+            [&](int j, double further) {
+                if (graph.hard(j) != graph.hard(seed) || !(further < distance[j]))
+                    return false;
+                distance[j] = further;
+                label[j] = id;
+                return true;
+            });
+    };
+    for (int i = 0; i < graph.size(); ++i)
+        if (!graph.is_idle(i) && label[i] < 0)
+            add(i); // one seed for each part of each region at least
+    std::priority_queue<Entry> farthest;
+    for (int i = 0; i < graph.size(); ++i)
+        if (!graph.is_idle(i))
+            farthest.emplace(distance[i], i);
+    while (static_cast<int>(seeds.size()) < wanted && !farthest.empty()) {
+        const auto [d, i] = farthest.top();
+        farthest.pop();
+        if (d > distance[i]) {
+            farthest.emplace(distance[i], i); // outdated: it came nearer meanwhile
+            continue;
+        }
+        if (d <= 0)
+            break;
+        radius = d;
+        add(i);
+    }
+}
+
+/// Shares are squared hats over the distance to each seed along the edges, normalised at every node.
+ClusterMap::ClusterMap(const HandleGraph& graph, const Points& rest, const Clusters& clusters)
+    : label_(clusters.label), members_(clusters.seeds.size(), 0)
+{
+    for (int p : label_)
+        if (p >= 0)
+            ++members_[p];
+
+    const double reach = hat_radius * clusters.radius;
+    std::vector<std::vector<std::pair<int, double>>> shares(graph.size());
+    std::vector<double> distance(graph.size(), infinite);
+    std::vector<int> touched;
+    for (int s = 0; s < cluster_count(); ++s) {
+        const int seed = clusters.seeds[s];
+        distance[seed] = 0.0;
+        touched = {seed};
+        grow(
+            graph.edges(), rest, seed, distance,
+            [&](int i, double d) {
+                const double height = reach > 0 ? 1.0 - d / reach : 1.0;
+                shares[i].emplace_back(s, height * height);
+            },
+            [&](int j, double further) {
+                if (!(further < reach && further < distance[j]))
+                    return false;
+                if (distance[j] == infinite)
+                    touched.push_back(j);
+                distance[j] = further;
+                return true;
+            });
+        for (int i : touched)
+            distance[i] = infinite;
+    }
+    for (int i = 0; i < graph.size(); ++i) {
+        if (shares[i].empty() && label_[i] >= 0)
+            shares[i].emplace_back(label_[i], 1.0);
+        double sum = 0.0;
+        for (const auto& share : shares[i])
+            sum += share.second;
+        for (const auto& [cluster, weight] : shares[i]) {
+            clusters_.push_back(cluster);
+            weights_.push_back(weight / sum);
+        }
+        offsets_.push_back(static_cast<int>(clusters_.size()));
+    }
+}
+
+void ClusterMap::restrict(const PointsView& points, Points& means) const
+{
+    means.setZero(cluster_count(), 3);
+    for (std::size_t i = 0; i < label_.size(); ++i)
+        if (label_[i] >= 0)
+            means.row(label_[i]) += points.row(i);
+    for (int p = 0; p < cluster_count(); ++p)
+        means.row(p) /= members_[p];
+}
+
+std::vector<double> ClusterMap::restrict(const std::vector<double>& values) const
+{
+    std::vector<double> means(cluster_count(), 0.0);
+    for (std::size_t i = 0; i < label_.size(); ++i)
+        if (label_[i] >= 0)
+            means[label_[i]] += values[i];
+    for (int p = 0; p < cluster_count(); ++p)
+        means[p] /= members_[p];
+    return means;
+}
+
+void ClusterMap::renumber(const std::vector<int>& old)
+{
+    const std::vector<int> renamed = new_numbers(old), members = members_;
+    for (int p = 0; p < cluster_count(); ++p)
+        members_[p] = members[old[p]];
+    for (int& p : label_)
+        p = p < 0 ? p : renamed[p];
+    for (int& p : clusters_)
+        p = renamed[p];
+}
+
+HandleGraph graph_of_clusters(const HandleGraph& graph, const Points& rest, const ClusterMap& map)
+{
+    const int size = map.cluster_count();
+    const std::vector<int>& label = map.label();
+    const Points means = map.restrict(view(rest));
+    const GraphEdges& fine = graph.edges();
+
+    std::vector<std::map<int, double>> crossing(size);
+    for (int i = 0; i < graph.size(); ++i)
+        for (int a = fine.offsets[i]; a < fine.offsets[i + 1]; ++a) {
+            const int p = label[i];
+            const int q = label[fine.neighbours[a]];
+            if (p != q && p >= 0)
+                crossing[p][q] += fine.weights[a] * (rest.row(i) - rest.row(fine.neighbours[a])).norm();
+        }
+    GraphEdges edges;
+    for (int p = 0; p < size; ++p) {
+        for (const auto& [q, weight] : crossing[p]) {
+            const double length = (means.row(p) - means.row(q)).norm();
+            edges.neighbours.push_back(q);
+            edges.weights.push_back(length > 0 && weight > 0 ? weight / length : 1.0);
+        }
+        edges.offsets.push_back(static_cast<int>(edges.neighbours.size()));
+    }
+
+    GraphHandles handles;
+    handles.hard.assign(size, -1);
+    handles.idle.assign(size, false);
+    for (int i = 0; i < graph.size(); ++i)
+        if (label[i] >= 0)
+            handles.hard[label[i]] = graph.hard(i);
+    std::map<std::pair<int, int>, double> pulls;
+    for (const GraphPull& pull : graph.pulls())
+        pulls[{label[pull.node], pull.handle}] += pull.stiffness;
+    for (const auto& [key, stiffness] : pulls)
+        handles.pulls.push_back({key.first, key.second, stiffness});
+    return {std::move(edges), std::move(handles)};
+}
+
+} // namespace sinew

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/descent/metric_lbfgs.h"
+
+#include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
+#include "native/solvers/descent/kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace sinew {
+
+namespace {
+
+constexpr int most_trials = 3;
+constexpr double armijo = 1e-4;
+/// Relative rise of F that is rounding, not ascent.
+constexpr double rounding = 1e-12;
+/// Of s.y, relative to |s| |y|: below, rounding to single precision could turn its sign.
+constexpr double least_curvature = 1e-6;
+
+constexpr int grain = 2048; ///< numbers a parallel chunk: its vectors stay in the cache between two loops
+constexpr int most_window = 16;
+
+} // namespace
+
+/// The last correction pairs, in single precision: s and L^-1 y, whose products with the gradient are all
+/// that the recursion needs. An iteration reads each of them twice.
+class LbfgsWorkspace::History
+{
+public:
+    /// Forgets everything.
+    void reset(int window, Eigen::Index numbers)
+    {
+        if (numbers_ != numbers || window_ != window)
+            pairs_.clear();
+        window_ = window;
+        numbers_ = static_cast<int>(numbers);
+        size_ = 0;
+        while (static_cast<int>(pairs_.size()) < window_ + (window_ > 0))
+            pairs_.push_back(std::make_unique<Pair>(numbers_, window_));
+    }
+
+    int size() const { return size_; }
+    void clear() { size_ = 0; }
+
+    /// Takes in the pair of the last step() and of what it changed: (g, z) to (g1, z1). Left out where its
+    /// curvature is not positive.
+    void extend(const Points& g, const Points& g1, const Points& z, const Points& z1)
+    {
+        if (window_ == 0)
+            return;
+        if (size_ == window_) { // the oldest goes
+            std::rotate(pairs_.begin(), pairs_.begin() + 1, pairs_.end());
+            --size_;
+        }
+        Pair& fresh = at(size_);
+        const int chunks = (numbers_ + grain - 1) / grain;
+        parts_.resize(chunks);
+        older_.resize(static_cast<std::size_t>(2 * size_) * chunks);
+        parallel_chunks(numbers_, grain, [&](int begin, int end) {
+            const int chunk = begin / grain, count = end - begin;
+            parts_[chunk] =
+                kernels_.pair(g.data() + begin, g1.data() + begin, z.data() + begin, z1.data() + begin,
+                              fresh.s.get() + begin, count, fresh.Ly.get() + begin);
+            const float *s[most_window], *Ly[most_window];
+            collect(begin, s, Ly);
+            kernels_.products(g1.data() + begin, size_, s, Ly, count,
+                              older_.data() + static_cast<std::size_t>(2 * size_) * chunk);
+        });
+        PairProducts sums{};
+        for (const PairProducts& part : parts_) {
+            sums.ss += part.ss, sums.yy += part.yy, sums.sy += part.sy, sums.y_Ly += part.y_Ly;
+            sums.s_g += part.s_g, sums.Ly_g += part.Ly_g, sums.z_g += part.z_g;
+        }
+        z_g_ = sums.z_g;
+        // What changed between g and g1 is y of the new pair.
+        for (int k = 0; k < size_; ++k) {
+            double s_g = 0.0, Ly_g = 0.0;
+            for (int chunk = 0; chunk < chunks; ++chunk) {
+                s_g += older_[static_cast<std::size_t>(2 * size_) * chunk + 2 * k];
+                Ly_g += older_[static_cast<std::size_t>(2 * size_) * chunk + 2 * k + 1];
+            }
+            at(k).later_s_y[size_ - k] = s_g - at(k).s_g;
+            at(k).later_y_Ly[size_ - k] = Ly_g - at(k).Ly_g;
+            at(k).s_g = s_g;
+            at(k).Ly_g = Ly_g;
+        }
+        if (!(sums.sy > least_curvature * std::sqrt(sums.ss * sums.yy)))
+            return;
+        fresh.s_g = sums.s_g;
+        fresh.Ly_g = sums.Ly_g;
+        fresh.later_s_y[0] = sums.sy;
+        fresh.later_y_Ly[0] = sums.y_Ly;
+        ++size_;
+    }
+
+    /// d = H g by the two-loop recursion, with z = L^-1 g in place of a solve in its middle: the shares of
+    /// s and L^-1 y that it adds to z. Returns the slope g.d.
+    double recur()
+    {
+        for (int k = size_ - 1; k >= 0; --k) {
+            double s_q = at(k).s_g;
+            for (int j = k + 1; j < size_; ++j)
+                s_q -= at(j).share_Ly * at(k).later_s_y[j - k];
+            at(k).share_Ly = s_q / at(k).later_s_y[0];
+        }
+        double slope = z_g_;
+        for (int k = 0; k < size_; ++k) {
+            double y_r = at(k).Ly_g; // y.z
+            for (int j = 0; j < size_; ++j)
+                y_r -= at(j).share_Ly * at(std::min(j, k)).later_y_Ly[std::abs(j - k)];
+            for (int j = 0; j < k; ++j)
+                y_r += at(j).share_s * at(j).later_s_y[k - j];
+            at(k).share_s = at(k).share_Ly - y_r / at(k).later_s_y[0];
+            slope += at(k).share_s * at(k).s_g - at(k).share_Ly * at(k).Ly_g;
+        }
+        return slope;
+    }
+
+    /// trial = x - t d, which the next pair's s is taken from.
+    void step(const Points& x, const Points& z, double t, Points& trial)
+    {
+        trial.resize(x.rows(), 3);
+        std::vector<double> share_s(size_), share_Ly(size_);
+        for (int k = 0; k < size_; ++k) {
+            share_s[k] = at(k).share_s;
+            share_Ly[k] = at(k).share_Ly;
+        }
+        parallel_chunks(numbers_, grain, [&](int begin, int end) {
+            const float *s[most_window], *Ly[most_window];
+            collect(begin, s, Ly);
+            kernels_.step(x.data() + begin, z.data() + begin, size_, s, Ly, share_s.data(), share_Ly.data(),
+                          t, end - begin, trial.data() + begin,
+                          window_ > 0 ? at(size_).s.get() + begin : nullptr);
+        });
+    }
+
+private:
+    struct Pair
+    {
+        Pair(int numbers, int window)
+            : s(new float[numbers]), Ly(new float[numbers]), later_s_y(window), later_y_Ly(window)
+        {
+        }
+        std::unique_ptr<float[]> s, Ly; ///< step, L^-1 y for the change y of the gradient
+        double s_g = 0.0, Ly_g = 0.0;   ///< with the present g
+        /// Its s and its L^-1 y with the y of itself and of the pairs after it.
+        std::vector<double> later_s_y, later_y_Ly;
+        double share_s = 0.0, share_Ly = 0.0;
+    };
+
+    Pair& at(int k) { return *pairs_[k]; }
+
+    /// Where the vectors of the pairs stand, from number `begin` on.
+    void collect(int begin, const float** s, const float** Ly)
+    {
+        for (int k = 0; k < size_; ++k) {
+            s[k] = at(k).s.get() + begin;
+            Ly[k] = at(k).Ly.get() + begin;
+        }
+    }
+
+    const LbfgsKernels& kernels_ = widest_kernels<LbfgsKernels>();
+    int window_ = 0, numbers_ = 0, size_ = 0;
+    double z_g_ = 0.0; ///< with the present z and g
+    std::vector<std::unique_ptr<Pair>> pairs_; ///< those in use first, oldest first; then one for the next
+    std::vector<PairProducts> parts_;
+    std::vector<double> older_;
+};
+
+LbfgsWorkspace::LbfgsWorkspace() : history(std::make_unique<History>()) {}
+LbfgsWorkspace::~LbfgsWorkspace() = default;
+LbfgsWorkspace::LbfgsWorkspace(LbfgsWorkspace&&) noexcept = default;
+
+SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress,
+                     LbfgsWorkspace* work)
+{
+    if (!work) {
+        LbfgsWorkspace own;
+        return minimize(problem, x, options, progress, &own);
+    }
+    SolveReport report;
+    auto& [g, z, trial, trial_g, trial_z, kept] = *work;
+    LbfgsWorkspace::History& history = *kept;
+    history.reset(std::min(options.window, most_window), x.size());
+    int small_steps = 0;
+
+    double F = problem.evaluate(x, g);
+    const auto done = [&] {
+        report.converged = report.converged || F <= options.floor || small_steps >= 2;
+        return report.converged || report.iterations >= options.max_iterations;
+    };
+    if (!done())
+        problem.precondition(g, z);
+    while (!done()) {
+        progress.tick(static_cast<double>(report.iterations) / options.max_iterations, "solving");
+        const double slope = history.recur();
+        problem.keep_state();
+
+        double F_trial = F;
+        bool accepted = false;
+        double t = 1.0;
+        for (int k = 0; k < most_trials && history.size() > 0; ++k) {
+            if (!(slope > 0))
+                break;
+            history.step(x, z, t, trial);
+            F_trial = problem.evaluate(trial, trial_g);
+            ++report.iterations;
+            accepted = F_trial <= F - armijo * t * slope;
+            if (accepted || report.iterations >= options.max_iterations)
+                break;
+            ++report.rejected;
+            problem.restore_state();
+            const double parabola = slope * t * t / (2 * (F_trial - F + slope * t));
+            t = std::clamp(parabola, 0.1 * t, 0.6 * t);
+        }
+        if (!accepted && report.iterations < options.max_iterations) {
+            history.clear();
+            history.step(x, z, 1.0, trial);
+            F_trial = problem.evaluate(trial, trial_g);
+            ++report.iterations;
+            accepted = F_trial <= F;
+            // At the minimum the plain step moves within rounding.
+            report.converged = !accepted && F_trial <= F + rounding * std::abs(F);
+        }
+        if (!accepted) {
+            ++report.rejected;
+            problem.restore_state();
+            break;
+        }
+
+        report.residual = F > 0 ? (F - F_trial) / F : 0.0;
+        small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
+        if (report.iterations < options.max_iterations && small_steps < 2) {
+            problem.precondition(trial_g, trial_z);
+            history.extend(g, trial_g, z, trial_z);
+        }
+        F = F_trial;
+        std::swap(x, trial);
+        std::swap(g, trial_g);
+        std::swap(z, trial_z);
+    }
+    report.energy = F;
+    return report;
+}
+
+} // namespace sinew

@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/surface/nonlinear/arap/energy.h"
+
+#include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
+#include "native/operators/rotation_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+/// A cell whose edges lie on one line leaves its turn about that line open. This share of the
+/// rotation it had closes it; at the minimum, where rotations rest, it changes nothing.
+constexpr double tie = 1e-8;
+
+constexpr int entries = 9; ///< numbers of a rotation
+using Packed = Eigen::Matrix<double, 3, 3>;
+constexpr std::size_t chunk_numbers = arap_columns * (arap_chunk + 1); ///< of a chunk's covariances
+
+/// Three numbers a row, and one more that may be read.
+void pack(const PointsView& points, std::vector<double>& packed)
+{
+    packed.resize(points.size() + 1);
+    parallel_for(static_cast<int>(points.rows()), [&](int i) {
+        for (int k = 0; k < 3; ++k)
+            packed[3 * static_cast<std::size_t>(i) + k] = points(i, k);
+    });
+}
+
+} // namespace
+
+ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets,
+                         const Points& pulls, ArapBuffers* buffers)
+    : graph_(graph), kernels_(widest_kernels<ArapKernels>()), pulls_(pulls),
+      own_buffers_(buffers ? nullptr : std::make_unique<ArapBuffers>()),
+      buffers_(buffers ? *buffers : *own_buffers_)
+{
+    buffers_.energies.resize(graph.chunks().all.size());
+    pack(base, buffers_.base);
+    pack(view(targets), buffers_.points);
+    std::copy_n(buffers_.base.data(), 3 * static_cast<std::size_t>(graph.free_count()),
+                buffers_.points.data());
+    view_ = {.edges = graph.chunks().edges.data(),
+             .ends = graph.chunks().ends.data(),
+             .weights = graph.chunks().weights.data(),
+             .triangles = graph.chunks().triangles.data(),
+             .rims = graph.cells().rims,
+             .rigidity = graph.cells().rigidity.data(),
+             .free = graph.free_count(),
+             .base = buffers_.base.data(),
+             .points = buffers_.points.data(),
+             .smoothing = graph.cells().smoothing};
+    const int present = graph.chunks().present();
+    for (int k = 0; k < (graph.is_smooth() ? 3 : 1); ++k) {
+        Matrices& rotations = buffers_.rotations[k];
+        rotations.resize(entries * static_cast<std::size_t>(graph.size()) + 1);
+        const int first = k == 0 ? 0 : present; // idle nodes keep theirs in all of them
+        parallel_for(graph.size() - first, [&](int i) {
+            Eigen::Map<Packed>(rotations.data() + entries * static_cast<std::size_t>(first + i))
+                .setIdentity();
+        });
+    }
+}
+
+/// Rotations and energy of the cells that no free node belongs to, once.
+void ArapProblem::settle_the_others()
+{
+    if (settled_)
+        return;
+    settled_ = true;
+    const int count = static_cast<int>(graph_.chunks().all.size()) - graph_.chunks().moving;
+    parallel_chunks(count, 1, [&](int c, int) {
+        const ArapChunk& chunk = graph_.chunks().all[graph_.chunks().moving + c];
+        std::array<double, chunk_numbers> S;
+        kernels_.covariances(view_, chunk, S.data());
+        for (int k = 0; k < 2; ++k) // from anywhere, and from there: the tie changes nothing any longer
+            fit(chunk, S.data(), buffers_.rotations[current_], tie, buffers_.rotations[current_]);
+    });
+    parallel_chunks(count, 1, [&](int c, int) {
+        const ArapChunk& chunk = graph_.chunks().all[graph_.chunks().moving + c];
+        buffers_.energies[c] = kernels_.energy(view_, chunk, buffers_.rotations[current_].data(), nullptr);
+    });
+    energy_of_others_ = std::accumulate(buffers_.energies.begin(), buffers_.energies.begin() + count, 0.0);
+}
+
+Matrix3 ArapProblem::rotation(int i) const
+{
+    return Eigen::Map<const Packed>(buffers_.rotations[current_].data() +
+                                    entries * static_cast<std::size_t>(i));
+}
+
+void ArapProblem::set_rotation(int i, const Matrix3& R)
+{
+    Eigen::Map<Packed>(buffers_.rotations[current_].data() + entries * static_cast<std::size_t>(i)) = R;
+}
+
+void ArapProblem::move_to(const Points& x)
+{
+    parallel_chunks(graph_.free_count(), 16384, [&](int begin, int end) {
+        std::copy(x.data() + 3 * static_cast<std::size_t>(begin),
+                  x.data() + 3 * static_cast<std::size_t>(end),
+                  buffers_.points.data() + 3 * static_cast<std::size_t>(begin));
+    });
+}
+
+PointsView ArapProblem::place(const Points& x)
+{
+    move_to(x);
+    return PointsView(buffers_.points.data(), graph_.size(), 3);
+}
+
+int ArapProblem::spare(int used) const
+{
+    int set = 0;
+    while (set == kept_ || set == used)
+        ++set;
+    return set;
+}
+
+void ArapProblem::for_each_moving(const std::function<void(const ArapChunk&)>& body) const
+{
+    parallel_chunks(graph_.chunks().moving, 1, [&](int c, int) { body(graph_.chunks().all[c]); });
+}
+
+void ArapProblem::fit(const ArapChunk& chunk, const double* S, const Matrices& before, double tie,
+                      Matrices& after) const
+{
+    bool safe[arap_chunk];
+    const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
+    const int count = chunk.end - chunk.begin;
+    kernels_.fit(S, before.data() + first, tie, count, after.data() + first, safe);
+    for (int i = 0; i < count; ++i) {
+        if (safe[i])
+            continue;
+        const Matrix3 own = arap_covariance(S, i);
+        const Matrix3 last =
+            Eigen::Map<const Packed>(before.data() + first + entries * static_cast<std::size_t>(i));
+        Eigen::Map<Packed>(after.data() + first + entries * static_cast<std::size_t>(i)) =
+            fit_rotation_svd(own + tie * own.norm() * last);
+    }
+}
+
+double* ArapProblem::covariances_of(const ArapChunk& chunk) const
+{
+    return buffers_.covariances.data() + (&chunk - graph_.chunks().all.data()) * chunk_numbers;
+}
+
+/// One linearised step of all rotations together: (moment + 4 alpha A L) omega = torque. The
+/// cell-by-cell fit alone passes a turn on by one ring an iteration.
+void ArapProblem::turn_rotation_field()
+{
+    const Matrices& before = buffers_.rotations[current_];
+    Points& torque = buffers_.torque;
+    if (torque.rows() != graph_.size())
+        torque.setZero(graph_.size(), 3); // that of idle nodes stays
+    for_each_moving([&](const ArapChunk& chunk) {
+        double* const S = covariances_of(chunk);
+        kernels_.covariances(view_, chunk, S);
+        kernels_.torques(view_, chunk, S, before.data(),
+                         torque.data() + 3 * static_cast<std::size_t>(chunk.begin));
+    });
+    graph_.rotation_factor().solve(torque, torque);
+    const int turned = current_ == kept_ ? spare(current_) : current_;
+    for_each_moving([&](const ArapChunk& chunk) {
+        const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
+        kernels_.turn(torque.data() + 3 * static_cast<std::size_t>(chunk.begin), before.data() + first,
+                      chunk.end - chunk.begin, buffers_.rotations[turned].data() + first);
+    });
+    current_ = turned;
+}
+
+void ArapProblem::fit_rotations(const Points& x)
+{
+    move_to(x);
+    settle_the_others();
+    stale_ = false;
+    const Matrices& before = buffers_.rotations[current_];
+    const int next = current_ == kept_ ? spare(current_) : current_;
+    for_each_moving([&](const ArapChunk& chunk) {
+        std::array<double, chunk_numbers> S;
+        kernels_.covariances(view_, chunk, S.data());
+        fit(chunk, S.data(), before, tie, buffers_.rotations[next]);
+    });
+    current_ = next;
+}
+
+double ArapProblem::energy_and_gradient(Points& gradient) const
+{
+    gradient.resize(graph_.free_count(), 3);
+    std::vector<double>& energies = buffers_.energies;
+    parallel_chunks(graph_.chunks().moving, 1, [&](int c, int) {
+        energies[c] = kernels_.energy(view_, graph_.chunks().all[c], buffers_.rotations[current_].data(),
+                                      gradient.data());
+    });
+    double energy =
+        std::accumulate(energies.begin(), energies.begin() + graph_.chunks().moving, energy_of_others_) /
+        graph_.energy_factor();
+
+    for (std::size_t k = 0; k < graph_.nodes().pulls().size(); ++k) {
+        const GraphPull& pull = graph_.nodes().pulls()[k];
+        const Eigen::Map<const Eigen::RowVector3d> at(buffers_.points.data() +
+                                                      3 * static_cast<std::size_t>(pull.node));
+        const Eigen::RowVector3d gap = at - pulls_.row(k);
+        energy += 0.5 * pull.stiffness * gap.squaredNorm();
+        gradient.row(pull.node) += pull.stiffness * gap;
+    }
+    return energy;
+}
+
+double ArapProblem::evaluate(const Points& x, Points& gradient)
+{
+    if (graph_.is_smooth()) {
+        move_to(x);
+        settle_the_others();
+        buffers_.covariances.resize(graph_.chunks().moving * chunk_numbers);
+        turn_rotation_field();
+        const Matrices& before = buffers_.rotations[current_];
+        const int next = spare(current_);
+        for_each_moving([&](const ArapChunk& chunk) {
+            double* const S = covariances_of(chunk);
+            kernels_.add_neighbours(view_, chunk, before.data(), S);
+            fit(chunk, S, before, 0.0, buffers_.rotations[next]);
+        });
+        current_ = next;
+    } else {
+        fit_rotations(x);
+    }
+    return energy_and_gradient(gradient);
+}
+
+void ArapProblem::precondition(const Points& gradient, Points& z) const
+{
+    graph_.position_factor().solve(gradient, z);
+}
+
+void ArapProblem::positions_for_rotations(Points& x)
+{
+    Points& gradient = buffers_.gradient;
+    x = PointsView(buffers_.points.data(), graph_.free_count(), 3);
+    for (int k = 0; k < 2; ++k) { // in single precision, each leaves a millionth
+        energy_and_gradient(gradient);
+        graph_.position_factor().solve(gradient, gradient);
+        x -= gradient;
+        move_to(x);
+    }
+}
+
+} // namespace sinew

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/core/simd/lane_math.inl"
+
+#include "tests/native/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace sinew {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// Positive, of every size that may come up.
+double positive(shapes::Random& random) { return std::exp(60.0 * random.signed_unit()); }
+
+} // namespace
+
+TEST(LaneMath, angles_are_those_of_the_c_library_to_two_units)
+{
+    shapes::Random random(1);
+    for (int k = 0; k < 100'000; ++k) {
+        const double y = positive(random), x = y * std::exp(8.0 * random.signed_unit());
+        for (const double side : {x, -x, 0.0}) {
+            const double exact = std::atan2(y, side);
+            EXPECT_NEAR(angle_between(constant(y), constant(side))[2], exact, 2.0 * epsilon * exact);
+            EXPECT_NEAR(angle_over_sine(constant(y), constant(side))[1] * y, exact, 4.0 * epsilon * exact);
+        }
+    }
+    EXPECT_EQ(angle_between(constant(0.0), constant(2.0))[0], 0.0);
+    EXPECT_EQ(angle_between(constant(0.0), constant(-2.0))[0], 3.141592653589793);
+}
+
+TEST(LaneMath, logarithms_are_those_of_the_c_library_to_two_units)
+{
+    shapes::Random random(2);
+    for (int k = 0; k < 100'000; ++k) {
+        const double a = positive(random), b = k % 2 ? positive(random) : a * (1.0 + random.unit());
+        const double exact = static_cast<double>(std::log(static_cast<long double>(a) / b));
+        EXPECT_NEAR(log_of_ratio(constant(a), constant(b))[3], exact,
+                    2.0 * epsilon * (1.0 + std::abs(exact)));
+    }
+    EXPECT_EQ(log_of_ratio(constant(3.0), constant(3.0))[0], 0.0);
+}
+
+TEST(LaneMath, each_lane_is_on_its_own)
+{
+    const Lanes<double> y{1.0, 0.1, 5.0, 0.0}, x{-3.0, 2.0, 0.5, 1.0};
+    for (int k = 0; k < 4; ++k)
+        EXPECT_EQ(angle_between(y, x)[k], angle_between(constant(y[k]), constant(x[k]))[0]);
+    EXPECT_EQ(signed_as(constant(2.0), constant(-1.0))[1], -2.0);
+    EXPECT_EQ(mask_bits(above(y, x)), 0b0101);
+}
+
+} // namespace sinew

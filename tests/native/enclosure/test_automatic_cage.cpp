@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/enclosure/automatic_cage.h"
+
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "native/enclosure/cage_diagnosis.h"
+#include "tests/native/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <map>
+#include <set>
+
+namespace sinew {
+
+namespace {
+
+/// A wide margin: a wrap of a few hundred faces, which takes little time.
+constexpr double wide = 0.06;
+
+SurfaceMesh mesh_of(const AutomaticCage& cage) { return {cage.points, cage.counts, cage.corners}; }
+
+/// Whether the segment (a, b) goes through the triangle, in doubles; shares no code with the cage.
+bool pierces(const Vector3& a, const Vector3& b, const Vector3& p, const Vector3& q, const Vector3& r)
+{
+    Matrix3 m;
+    m << b - a, p - q, p - r;
+    const Vector3 x = m.fullPivLu().solve(p - a);
+    return (m * x - (p - a)).norm() < 1e-9 && x.minCoeff() >= 0 && x[0] <= 1 && x[1] + x[2] <= 1;
+}
+
+/// Closed, outward, embedded and around the target, as far as edges and a few rays can tell.
+void expect_good(const AutomaticCage& cage, const SurfaceMesh& target)
+{
+    const SurfaceMesh mesh = mesh_of(cage);
+    EXPECT_EQ(summary(diagnose_cage(mesh, view(target.points()))), "clean");
+    std::map<std::pair<int, int>, int> balance;
+    for (const Triangle& t : mesh.triangles())
+        for (int k = 0; k < 3; ++k) {
+            const int a = t[k], b = t[(k + 1) % 3];
+            balance[std::minmax(a, b)] += a < b ? 1 : -1;
+        }
+    for (const auto& [edge, sum] : balance)
+        EXPECT_EQ(sum, 0);
+    // A ray from each point leaves through one face more than it enters by.
+    for (int v = 0; v < target.vertex_count(); v += 1 + target.vertex_count() / 30) {
+        const Vector3 a = target.point(v),
+                      b = a + 1e3 * shapes::size(target.points()) * Vector3(.31, .52, .79);
+        int crossings = 0;
+        for (const auto& [i, j, k] : mesh.triangles())
+            crossings += pierces(a, b, mesh.point(i), mesh.point(j), mesh.point(k));
+        EXPECT_EQ(crossings % 2, 1) << v;
+    }
+    EXPECT_GT(cage.report.clearance, 0.0);
+}
+
+SurfaceMesh torus(int around, int across)
+{
+    std::vector<Vector3> points;
+    shapes::Polygons faces;
+    for (int i = 0; i < around; ++i)
+        for (int j = 0; j < across; ++j) {
+            const double u = 2 * shapes::pi * i / around, v = 2 * shapes::pi * j / across;
+            points.emplace_back((3 + std::cos(v)) * std::cos(u), (3 + std::cos(v)) * std::sin(u),
+                                std::sin(v));
+            const auto at = [&](int k, int l) { return k % around * across + l % across; };
+            faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+        }
+    return shapes::mesh(points, faces);
+}
+
+} // namespace
+
+TEST(AutomaticCage, encloses_in_as_many_faces_as_asked)
+{
+    const SurfaceMesh targets[] = {shapes::sphere(3), shapes::bar(8, 2), shapes::hill(12, 12), torus(40, 20),
+                                   shapes::messy()};
+    for (const SurfaceMesh& target : targets)
+        for (int faces : {60, 150}) {
+            const AutomaticCage cage = automatic_cage(target, {.faces = faces, .margin = wide});
+            expect_good(cage, target);
+            EXPECT_TRUE(cage.report.reached);
+            EXPECT_LE(cage.report.faces, faces + 1);
+            EXPECT_GE(cage.report.faces, faces - 2);
+        }
+}
+
+TEST(AutomaticCage, keeps_parts_and_holes)
+{
+    const SurfaceMesh ring = torus(40, 20);
+    const AutomaticCage cage = automatic_cage(ring, {.faces = 200, .margin = 0.03});
+    expect_good(cage, ring);
+    const SurfaceMesh around = mesh_of(cage);
+    const int euler = around.vertex_count() - static_cast<int>(around.edges().size()) + around.face_count();
+    EXPECT_EQ(euler, 0); // one hole, as the ring
+
+    const SurfaceMesh two = shapes::joined(shapes::sphere(2), shapes::sphere(2), {5, 1, 0});
+    const AutomaticCage apart = automatic_cage(two, {.faces = 150, .margin = 0.03});
+    expect_good(apart, two);
+    EXPECT_EQ(diagnose_cage(mesh_of(apart)).component_count, 2);
+}
+
+TEST(AutomaticCage, mirrors_where_the_target_does)
+{
+    const SurfaceMesh bar = shapes::bar(8, 2); // about y = 0 and z = 0, and x = 4
+    for (auto symmetry : {AutomaticCageOptions::Symmetry::automatic, AutomaticCageOptions::Symmetry::y}) {
+        const AutomaticCage cage = automatic_cage(bar, {.faces = 100, .margin = wide, .symmetry = symmetry});
+        expect_good(cage, bar);
+        const int axis = symmetry == AutomaticCageOptions::Symmetry::y ? 1 : 0;
+        ASSERT_EQ(cage.report.mirror_axis, axis);
+        const double middle = axis == 0 ? 4.0 : 0.0;
+        const SurfaceMesh mesh = mesh_of(cage);
+        std::vector<int> image;
+        for (int v = 0; v < mesh.vertex_count(); ++v) {
+            Vector3 p = mesh.point(v);
+            p[axis] = 2 * middle - p[axis];
+            int best = 0;
+            for (int w = 0; w < mesh.vertex_count(); ++w)
+                if ((mesh.point(w) - p).norm() < (mesh.point(best) - p).norm())
+                    best = w;
+            EXPECT_LT((mesh.point(best) - p).norm(), 1e-14 * 9);
+            image.push_back(best);
+        }
+        std::set<std::vector<int>> faces;
+        const auto rotated = [](std::vector<int> face) {
+            std::ranges::rotate(face, std::ranges::min_element(face));
+            return face;
+        };
+        for (const auto& face : shapes::faces_of(mesh))
+            faces.insert(rotated(face));
+        for (auto face : shapes::faces_of(mesh)) {
+            std::ranges::reverse(face);
+            for (int& v : face)
+                v = image[v];
+            EXPECT_TRUE(faces.contains(rotated(face)));
+        }
+    }
+    const AutomaticCage none =
+        automatic_cage(bar, {.faces = 100, .margin = wide, .symmetry = AutomaticCageOptions::Symmetry::none});
+    EXPECT_EQ(none.report.mirror_axis, -1);
+    // No plane of symmetry, but one is asked for: the target and its image are inside.
+    const SurfaceMesh hill = shapes::hill(12, 12);
+    expect_good(
+        automatic_cage(hill, {.faces = 100, .margin = wide, .symmetry = AutomaticCageOptions::Symmetry::x}),
+        hill);
+}
+
+TEST(AutomaticCage, joins_triangles_into_quads_that_are_safe_along_both_diagonals)
+{
+    const SurfaceMesh target = shapes::bar(8, 2);
+    const AutomaticCage cage = automatic_cage(target, {.faces = 120, .margin = wide, .quads = true});
+    expect_good(cage, target);
+    EXPECT_GT(2 * cage.report.quads, cage.report.faces / 2); // more faces of quads than triangles left
+    for (int first : {0, 1}) {
+        shapes::Polygons cut;
+        for (const auto& face : shapes::faces_of(mesh_of(cage))) {
+            const std::size_t k = face.size();
+            for (std::size_t j = 2; j < k; ++j)
+                cut.push_back({face[first], face[(first + j - 1) % k], face[(first + j) % k]});
+        }
+        EXPECT_EQ(summary(diagnose_cage(shapes::over(cage.points, cut), view(target.points()))), "clean");
+    }
+}
+
+// Loose triangles wrap into a surface of many holes, which no collapse may close: a wider margin does.
+TEST(AutomaticCage, widens_the_margin_where_the_wrap_has_too_many_holes)
+{
+    shapes::Random random(11);
+    std::vector<Vector3> points;
+    shapes::Polygons faces;
+    for (int t = 0; t < 60; ++t) {
+        const Vector3 at = 2 * random.vector();
+        for (int k = 0; k < 3; ++k)
+            points.push_back(at + random.vector());
+        faces.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    const SurfaceMesh target = shapes::mesh(points, faces);
+    const AutomaticCage cage = automatic_cage(target, {.faces = 60, .margin = 0.03});
+    expect_good(cage, target);
+    EXPECT_TRUE(cage.report.reached);
+    EXPECT_GT(cage.report.margin, 0.03);
+}
+
+TEST(AutomaticCage, takes_flat_open_and_loose_targets_of_any_scale)
+{
+    const SurfaceMesh flat = shapes::grid(6, 6);
+    expect_good(automatic_cage(flat, {.faces = 40, .margin = wide}), flat);
+    const SurfaceMesh loose = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {3, 3, 3}}, {{0, 1, 2}});
+    expect_good(automatic_cage(loose, {.faces = 80, .margin = wide}), loose);
+    const SurfaceMesh line = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}});
+    expect_good(automatic_cage(line, {.faces = 40, .margin = wide}), line);
+    for (double scale : {1e-6, 1e6}) {
+        const SurfaceMesh sphere =
+            shapes::moved(shapes::sphere(2), Points((scale * shapes::sphere(2).points()).rowwise() +
+                                                    scale * Eigen::RowVector3d(100, 0, 0)));
+        expect_good(automatic_cage(sphere, {.faces = 60, .margin = wide}), sphere);
+    }
+}
+
+TEST(AutomaticCage, is_the_same_on_any_number_of_threads)
+{
+    const SurfaceMesh target = shapes::hill(12, 12);
+    limit_threads(1);
+    const AutomaticCage one = automatic_cage(target, {.faces = 80, .margin = wide});
+    limit_threads(0);
+    const AutomaticCage many = automatic_cage(target, {.faces = 80, .margin = wide});
+    EXPECT_EQ(one.points, many.points);
+    EXPECT_EQ(one.corners, many.corners);
+}
+
+TEST(AutomaticCage, ticks_forward_and_stops_when_told)
+{
+    const SurfaceMesh target = shapes::sphere(2);
+    double last = 0.0;
+    std::set<std::string> stages;
+    automatic_cage(target, {.faces = 60, .margin = wide}, Progress([&](double fraction, const char* stage) {
+                       EXPECT_GE(fraction, last);
+                       EXPECT_LE(fraction, 1.0);
+                       last = fraction;
+                       stages.insert(stage);
+                       return true;
+                   }));
+    EXPECT_EQ(last, 1.0);
+    EXPECT_EQ(stages, (std::set<std::string>{"wrapping", "simplifying", "tightening", "checking"}));
+    for (const std::string& stage : stages)
+        EXPECT_THROW(automatic_cage(target, {.faces = 60, .margin = wide},
+                                    Progress([&](double, const char* now) { return now != stage; })),
+                     Cancelled);
+}
+
+TEST(AutomaticCage, refuses_by_name)
+{
+    const SurfaceMesh target = shapes::sphere(1);
+    EXPECT_THROW(automatic_cage(target, {.faces = 11}), InvalidOption);
+    EXPECT_THROW(automatic_cage(target, {.faces = 100'001}), InvalidOption);
+    for (double margin : {0.0, -1.0, 0.3, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_THROW(automatic_cage(target, {.margin = margin}), InvalidOption);
+    EXPECT_THROW(automatic_cage(shapes::mesh({{1, 2, 3}, {1, 2, 3}}, {})), InvalidMesh);
+    EXPECT_THROW(automatic_cage(shapes::mesh({{-1e308, 0, 0}, {1e308, 0, 0}}, {})), InvalidMesh);
+}
+
+} // namespace sinew

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/dense/system.h"
+
+#include "native/core/errors.h"
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
+#include "native/solvers/dense/kernels.h"
+#include "tests/native/shapes.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cstddef>
+
+namespace sinew {
+
+namespace {
+
+MatrixX solved(const MatrixX& A, const MatrixX& B, const Progress& progress = {})
+{
+    DenseSystem system(static_cast<int>(A.rows()), static_cast<int>(B.cols()));
+    for (int i = 0; i < system.size(); ++i) {
+        for (Eigen::Index j = 0; j < A.cols(); ++j)
+            system.row(i)[j] = A(i, j);
+        for (Eigen::Index j = 0; j < B.cols(); ++j)
+            system.right_side(i)[j] = B(i, j);
+    }
+    system.solve(progress);
+    MatrixX X(B.rows(), B.cols());
+    for (int i = 0; i < system.size(); ++i)
+        for (Eigen::Index j = 0; j < B.cols(); ++j)
+            X(i, j) = system.solution(i)[j];
+    return X;
+}
+
+} // namespace
+
+TEST(DenseSystem, agrees_with_eigen_at_sizes_around_its_blocks)
+{
+    shapes::Random random(1);
+    for (int n : {1, 2, 7, 63, 64, 65, 200, 321})
+        for (int columns : {1, 5, 8, 17}) {
+            const MatrixX A = random.dense(n, n), B = random.dense(n, columns);
+            const MatrixX expected = A.partialPivLu().solve(B);
+            // Random matrices of this size have condition numbers up to 1e5.
+            EXPECT_LT((solved(A, B) - expected).norm(), 1e-10 * expected.norm()) << n << " " << columns;
+        }
+}
+
+TEST(DenseSystem, needs_its_pivots)
+{
+    MatrixX A(3, 3), B = MatrixX::Identity(3, 3);
+    A << 0, 1, 2, 1, 0, 3, 4, -3, 0;
+    EXPECT_LT((solved(A, B) - A.inverse()).norm(), 1e-14);
+}
+
+TEST(DenseSystem, tells_the_unknown_whose_pivot_is_missing)
+{
+    shapes::Random random(2);
+    MatrixX A = random.dense(100, 100);
+    A.col(70) = A.col(20);
+    DenseSystem system(100, 1);
+    for (int i = 0; i < 100; ++i)
+        for (int j = 0; j < 100; ++j)
+            system.row(i)[j] = A(i, j);
+    system.solve({});
+    for (int k = 0; k < 70; ++k)
+        EXPECT_GT(system.pivot_sizes()[static_cast<std::size_t>(k)], 1e-6);
+    EXPECT_LT(system.pivot_sizes()[70], 1e-12);
+}
+
+TEST(DenseSystem, gives_the_same_bits_on_one_thread)
+{
+    shapes::Random random(3);
+    const MatrixX A = random.dense(400, 400), B = random.dense(400, 30);
+    const MatrixX many = solved(A, B);
+    limit_threads(1);
+    const MatrixX one = solved(A, B);
+    limit_threads(0);
+    EXPECT_EQ(many, one);
+}
+
+TEST(DenseSystem, stops_when_it_is_cancelled)
+{
+    shapes::Random random(4);
+    int ticks = 0;
+    const Progress twice([&](double, const char*) { return ++ticks < 2; });
+    EXPECT_THROW(solved(random.dense(300, 300), random.dense(300, 1), twice), Cancelled);
+}
+
+TEST(DenseSystem, is_refused_above_the_memory_limit)
+{
+    limit_memory(DenseSystem::bytes(500, 10) - 1);
+    EXPECT_THROW(DenseSystem(500, 10), OutOfMemory);
+    limit_memory(0);
+    EXPECT_NO_THROW(DenseSystem(500, 10));
+}
+
+TEST(DenseKernels, give_the_same_bits_with_wider_instructions)
+{
+    if (!kernels_with<DenseKernels>(Instructions::avx2))
+        GTEST_SKIP() << "this processor has no AVX2";
+    shapes::Random random(5);
+    for (int rows : {1, 4, 7, 8, 13}) {
+        const MatrixX a = random.dense(30, rows), b = random.dense(8, 3 * 30); // both read by columns
+        const std::vector<int> place{9, 2, 4, 0, 7, 1, 5, 12, 3, 11, 6, 10, 8};
+        const MatrixX before = random.dense(24, 13);
+        MatrixX plain = before;
+        DenseKernels::baseline.add_product(a.data(), 30, rows, 30, b.data(), 3, plain.data(), 24,
+                                           place.data());
+        for (const DenseKernels* kernels : {kernels_with<DenseKernels>(Instructions::avx2),
+                                            kernels_with<DenseKernels>(Instructions::avx512)})
+            if (kernels) {
+                MatrixX wide = before;
+                kernels->add_product(a.data(), 30, rows, 30, b.data(), 3, wide.data(), 24, place.data());
+                EXPECT_EQ(plain, wide);
+            }
+    }
+}
+
+} // namespace sinew

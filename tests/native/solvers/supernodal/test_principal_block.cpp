@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/supernodal/principal_block.h"
+
+#include "tests/native/solvers/matrices.h"
+
+#include <gtest/gtest.h>
+
+namespace sinew {
+
+TEST(PrincipalBlock, is_the_dense_block_with_rows_of_the_identity)
+{
+    const SparseMatrix A = matrices::shuffled_grid(5);
+    const std::vector<int> unknowns{0, 3, 4, 7, 11, 12, 20, 24};
+    std::vector<bool> free(25, true);
+    free[4] = free[20] = free[6] = false;
+    MatrixX expected(8, 8);
+    for (int r = 0; r < 8; ++r)
+        for (int c = 0; c < 8; ++c)
+            expected(r, c) =
+                free[unknowns[r]] && free[unknowns[c]] ? A.coeff(unknowns[r], unknowns[c]) : r == c;
+
+    const PrincipalBlock block(A, unknowns, free);
+    EXPECT_EQ(MatrixX(block.copy()), expected);
+    EXPECT_EQ(block.diagonal(), expected.diagonal());
+    MatrixX visited = MatrixX::Zero(8, 8);
+    for (int c = 0; c < 8; ++c)
+        block.column(c, [&](int r, double value) { visited(r, c) = value; });
+    EXPECT_EQ(visited, expected);
+}
+
+TEST(PrincipalBlock, has_the_digest_of_its_copy_whatever_is_free)
+{
+    const SparseMatrix A = matrices::shuffled_grid(5);
+    const std::vector<int> unknowns{0, 3, 4, 7, 11, 12, 20, 24}, others{0, 1, 2, 3, 4, 5, 6, 7};
+    std::vector<bool> free(25, true);
+    const std::uint64_t all = PrincipalBlock(A, unknowns, free).digest();
+    EXPECT_EQ(all, digest(PrincipalBlock(A, unknowns, free).copy()));
+    EXPECT_NE(all, PrincipalBlock(A, others, free).digest());
+    free[4] = free[20] = false;
+    EXPECT_EQ(all, PrincipalBlock(A, unknowns, free).digest());
+    EXPECT_EQ(all, digest(PrincipalBlock(A, unknowns, free).copy()));
+}
+
+} // namespace sinew

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/core/simd/kernel_set.h"
+#include "native/solvers/supernodal/kernels.h"
+#include "native/solvers/supernodal/solve.h"
+
+#include "native/core/parallel.h"
+#include "native/solvers/engines/cholmod_factor.h"
+#include "native/solvers/spd_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <random>
+#include <thread>
+#include <tuple>
+#include <vector>
+
+namespace sinew {
+namespace {
+
+/// A dense random lower triangle cut into supernodes of the given widths; entries below a supernode's own
+/// columns are kept where `keep` says so, at least the first.
+struct Example
+{
+    std::vector<int> permutation, first{0}, row_begin{0}, block_begin{0}, rows;
+    std::vector<double> values;
+    Eigen::MatrixXd L;
+
+    Example(const std::vector<int>& widths, double density, unsigned seed)
+    {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> value(-1.0, 1.0), chance(0.0, 1.0);
+        for (const int width : widths)
+            first.push_back(first.back() + width);
+        const int n = first.back();
+        L = Eigen::MatrixXd::Zero(n, n);
+        for (std::size_t s = 0; s < widths.size(); ++s) {
+            std::vector<int> own;
+            for (int r = first[s]; r < first[s + 1]; ++r)
+                own.push_back(r);
+            for (int r = first[s + 1]; r < n; ++r)
+                if (r == first[s + 1] || chance(random) < density)
+                    own.push_back(r);
+            const std::size_t start = values.size();
+            values.resize(start + own.size() * widths[s], 12345.0); // what CHOLMOD leaves above the diagonal
+            for (int c = 0; c < widths[s]; ++c)
+                for (std::size_t r = c; r < own.size(); ++r) {
+                    const bool diagonal = static_cast<int>(r) == c;
+                    const double entry = diagonal ? 1.5 + value(random) : value(random) / n;
+                    values[start + c * own.size() + r] = entry;
+                    L(own[r], first[s] + c) = entry;
+                }
+            rows.insert(rows.end(), own.begin(), own.end());
+            row_begin.push_back(static_cast<int>(rows.size()));
+            block_begin.push_back(static_cast<int>(values.size()));
+        }
+        values.resize(values.size() + SupernodalFactor::padding, 12345.0);
+        permutation.resize(n);
+        for (int i = 0; i < n; ++i)
+            permutation[i] = i;
+        std::shuffle(permutation.begin(), permutation.end(), random);
+    }
+
+    SupernodalFactor view()
+    {
+        return {.size = static_cast<int>(permutation.size()),
+                .supernodes = static_cast<int>(first.size()) - 1,
+                .permutation = permutation.data(),
+                .first = first.data(),
+                .row_begin = row_begin.data(),
+                .block_begin = block_begin.data(),
+                .rows = rows.data(),
+                .values = values.data()};
+    }
+
+    /// A dense solve that shares nothing with ours.
+    MatrixX expected(const MatrixX& rhs) const
+    {
+        MatrixX permuted(rhs.rows(), rhs.cols());
+        for (std::size_t i = 0; i < permutation.size(); ++i)
+            permuted.row(i) = rhs.row(permutation[i]);
+        const MatrixX solved = (L * L.transpose()).ldlt().solve(permuted);
+        MatrixX result(rhs.rows(), rhs.cols());
+        for (std::size_t i = 0; i < permutation.size(); ++i)
+            result.row(permutation[i]) = solved.row(i);
+        return result;
+    }
+};
+
+class SupernodalSolveTest : public ::testing::TestWithParam<std::vector<int>>
+{
+};
+
+TEST_P(SupernodalSolveTest, equals_a_dense_solve_for_one_to_four_columns)
+{
+    Example example(GetParam(), 0.4, 7);
+    const SupernodalSolve solve(example.view());
+    for (int k = 1; k <= lane_count; ++k) {
+        const MatrixX rhs = MatrixX::Random(example.permutation.size(), k);
+        MatrixX found;
+        solve.solve(rhs, found);
+        const MatrixX expected = example.expected(rhs);
+        ASSERT_EQ(found.cols(), k);
+        EXPECT_LT((found - expected).norm(), 1e-11 * expected.norm());
+    }
+}
+
+// Widths around the kernels' four columns and the inverted blocks' sixteen.
+INSTANTIATE_TEST_SUITE_P(widths, SupernodalSolveTest,
+                         ::testing::Values(std::vector<int>{1}, std::vector<int>{1, 1, 1},
+                                           std::vector<int>{3, 5, 4}, std::vector<int>{16, 17, 15},
+                                           std::vector<int>{33, 2, 48, 1}, std::vector<int>{64}));
+
+/// The square of a grid's Laplacian: its elimination tree branches, and its factor of over a million entries
+/// is large enough for several subtrees.
+SparseMatrix squared_grid(int side)
+{
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto tie = [&](int a, int b) {
+        for (const auto& [row, column, value] :
+             {std::tuple{a, a, 1.0}, {b, b, 1.0}, {a, b, -1.0}, {b, a, -1.0}})
+            entries.emplace_back(row, column, value);
+    };
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            if (x + 1 < side)
+                tie(y * side + x, y * side + x + 1);
+            if (y + 1 < side)
+                tie(y * side + x, (y + 1) * side + x);
+        }
+    for (int i = 0; i < side * side; ++i)
+        entries.emplace_back(i, i, 0.1);
+    SparseMatrix L(side * side, side * side);
+    L.setFromTriplets(entries.begin(), entries.end());
+    return L * L;
+}
+
+TEST(SupernodalSolve, in_parallel_equals_another_library_and_does_not_depend_on_the_number_of_threads)
+{
+    const SparseMatrix matrix = squared_grid(110);
+    SpdFactor ours({.backend = FactorBackend::supernodal}), theirs({.backend = FactorBackend::ldlt});
+    if (!have_cholmod())
+        GTEST_SKIP() << "no supernodal factor without CHOLMOD";
+    ours.factorize(matrix);
+    theirs.factorize(matrix);
+    ASSERT_GT(ours.nonzeros(), 400'000); // below, it would not run in parallel
+    const MatrixX rhs = MatrixX::Random(matrix.cols(), 3);
+    const MatrixX many = ours.solve(rhs), expected = theirs.solve(rhs);
+    // The condition is about 6e3, so ten digits agree with ease.
+    EXPECT_LT((many - expected).norm(), 1e-10 * expected.norm());
+    limit_threads(1);
+    const MatrixX one = ours.solve(rhs);
+    limit_threads(0);
+    EXPECT_EQ(many, one);
+}
+
+TEST(SupernodalSolve, several_threads_may_solve_at_once)
+{
+    Example example(std::vector<int>(40, 7), 0.5, 5);
+    const SupernodalSolve solve(example.view());
+    std::vector<MatrixX> rhs, found(6);
+    for (int t = 0; t < 6; ++t)
+        rhs.push_back(MatrixX::Random(example.permutation.size(), 1 + t % 4));
+    std::vector<std::thread> threads;
+    for (int t = 0; t < 6; ++t)
+        threads.emplace_back([&, t] { solve.solve(rhs[t], found[t]); });
+    for (std::thread& thread : threads)
+        thread.join();
+    for (int t = 0; t < 6; ++t) {
+        const MatrixX expected = example.expected(rhs[t]);
+        EXPECT_LT((found[t] - expected).norm(), 1e-11 * expected.norm());
+    }
+}
+
+/// A supernode with random numbers, and what stands for its inverse triangles.
+struct RandomSupernode
+{
+    int width, height;
+    MatrixX values;
+    VectorX diagonal;
+    std::vector<int> rows; ///< every second point behind its own
+
+    RandomSupernode(int width, int height)
+        : width(width), height(height), values(MatrixX::Random(height, width + 8)), // read past the end
+          diagonal(VectorX::Random(width))
+    {
+        for (int r = width; r < height; ++r)
+            rows.push_back(width + 2 * (r - width));
+    }
+    int points() const { return 2 * height; }
+    /// The triangles' inverses where the kernels expect them.
+    MatrixX inverse(int c, int part) const
+    {
+        MatrixX T = values.block(c, c, part, part).transpose().triangularView<Eigen::StrictlyLower>();
+        T.diagonal() = diagonal.segment(c, part);
+        return T;
+    }
+    void forward(MatrixX& x) const
+    {
+        for (int c = 0; c < width; c += 16) {
+            const int part = std::min(16, width - c);
+            x.middleRows(c, part) = (inverse(c, part) * x.middleRows(c, part)).eval();
+            for (int r = c + part; r < height; ++r)
+                x.row(place(r)) -= values.block(r, c, 1, part) * x.middleRows(c, part);
+        }
+    }
+    void backward(MatrixX& x) const
+    {
+        for (int c = (width - 1) / 16 * 16; c >= 0; c -= 16) {
+            const int part = std::min(16, width - c);
+            for (int r = c + part; r < height; ++r)
+                x.middleRows(c, part) -= values.block(r, c, 1, part).transpose() * x.row(place(r));
+            x.middleRows(c, part) = (inverse(c, part).transpose() * x.middleRows(c, part)).eval();
+        }
+    }
+    int place(int r) const { return r < width ? r : rows[r - width]; }
+};
+
+/// By the kernels: forward, with the rows from `inside` on in an array of their own, or backward.
+template <class T>
+MatrixX run(const LaneKernels<T>& kernels, const RandomSupernode& s, const MatrixX& x, int lanes,
+            bool forward, int inside)
+{
+    const Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic> values = s.values.cast<T>();
+    const Eigen::Matrix<T, Eigen::Dynamic, 1> diagonal = s.diagonal.cast<T>();
+    const LaneSupernode<T> view{values.data(), diagonal.data(), s.rows.data(), s.width, s.height};
+    Eigen::Matrix<T, lane_count, Eigen::Dynamic> points = x.transpose().cast<T>(), sums = points;
+    std::vector<T> workspace(LaneSupernode<T>::workspace(s.height));
+    std::vector<int> place(s.points());
+    for (int k = 0; k < s.points(); ++k)
+        place[k] = s.points() - 1 - k;
+    if (!forward) {
+        kernels.backward(view, lanes, points.data(), points.data(), workspace.data());
+        return points.transpose().template cast<double>();
+    }
+    sums.setZero();
+    kernels.forward(view, lanes, points.data(), points.data(), inside, sums.data(), place.data(),
+                    workspace.data());
+    for (int k = 0; k < s.points(); ++k)
+        points.col(k) += sums.col(place[k]);
+    return points.transpose().template cast<double>();
+}
+
+template <class T>
+void expect_kernels(double tolerance)
+{
+    const LaneKernels<T>& plain = LaneKernels<T>::baseline;
+    const LaneKernels<T>* wide = kernels_with<LaneKernels<T>>(Instructions::avx2);
+    for (const int lanes : {3, 4})
+        for (const int width : {1, 2, 3, 4, 7, 8, 16, 17, 35, 50})
+            for (const int rest : {0, 1, 3, 8, 21})
+                for (const bool forward : {true, false}) {
+                    const RandomSupernode s(width, width + rest);
+                    MatrixX x = MatrixX::Random(s.points(), lane_count);
+                    if (lanes == 3)
+                        x.col(3).setZero();
+                    MatrixX expected = x;
+                    forward ? s.forward(expected) : s.backward(expected);
+                    for (const int inside : {0, width + 9, s.points()}) {
+                        const MatrixX a = run(plain, s, x, lanes, forward, inside);
+                        const double scale = 1 + expected.norm();
+                        EXPECT_LT((a - expected).norm(), tolerance * scale) << width << '+' << rest;
+                        if (wide) {
+                            EXPECT_EQ(a, run(*wide, s, x, lanes, forward, inside)) << width << '+' << rest;
+                        }
+                    }
+                }
+}
+
+TEST(Lanes, substitute_as_dense_triangles_do_and_to_the_same_bits_with_wide_instructions)
+{
+    expect_kernels<double>(1e-13); // some 50 terms a sum
+    expect_kernels<float>(5e-5);
+}
+
+} // namespace
+} // namespace sinew
