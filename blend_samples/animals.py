@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The animals of several samples, with their skin."""
+"""Animals that several samples use, with their skin."""
 
 from __future__ import annotations
 

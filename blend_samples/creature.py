@@ -49,7 +49,7 @@ def make() -> bpy.types.Scene:
 
 
 def pose(dragon: bpy.types.Object, method: str | None) -> None:
-    """Pins and pads for every dragon; a deformer and moving controls for those with a method."""
+    """Add pins and pads to every dragon, and a deformer with moving controls to those that have a method."""
     place = dragon.matrix_world
     for x, y in ((0.52, 0.375), (0.52, -0.375), (-0.50, 0.43), (-0.50, -0.43)):
         markers.add_pad(place @ Vector((x, y, 0.0)), 0.26)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A subdivided lighthouse in a leaning cage: mean value coordinates shear it, Green's turn its parts."""
+"""A subdivided lighthouse in a leaning cage: mean values shear it, Green coordinates turn its parts."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ POSE_FRAME = 40
 SPACING = 2.1
 LABELS = {None: "Rest", "mean_value": "Mean Value", "green": "Green"}
 STOREYS = ((0.0, 0.60), (0.62, 0.52), (1.18, 0.47), (1.74, 0.47), (2.34, 0.47))  # height, half the width
-LEAN = (0.0, 0.10, 0.42, 0.86, 1.22)  # how far each floor of the cage goes aside
+LEAN = (0.0, 0.10, 0.42, 0.86, 1.22)  # how far each floor of the cage moves sideways
 SWAY = {1: 0.0, POSE_FRAME: 1.0, 52: 1.0, 72: -0.8, 96: 0.0}
 
 

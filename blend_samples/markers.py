@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands for the controls in a picture: orange pins and edges of cages, blue pads where it is fixed."""
+"""Marks that show controls in a picture: orange pins, orange cage edges, blue pads on fixed regions."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def add_cage_edges(cage: bpy.types.Object, thickness: float) -> None:
     frame.thickness, frame.use_even_offset, frame.use_boundary = thickness, False, False
     edges.hide_render, edges.hide_select, edges.display_type = False, True, "SOLID"
     edges.visible_shadow = False
-    edges.hide_set(True)  # the cage itself is there to be edited
+    edges.hide_set(True)  # the cage itself is edited, not these edges
 
 
 def carry(
@@ -57,7 +57,7 @@ def carry(
 
 
 def add_pad(centre: Sequence[float], radius: float, height: float = 0.012) -> None:
-    """A thin disc on the floor that says: this stays where it is."""
+    """A thin disc on the floor under a part that stays where it is."""
     bpy.ops.mesh.primitive_cylinder_add(
         vertices=64, radius=radius, depth=height, location=(centre[0], centre[1], height / 2)
     )

@@ -20,7 +20,7 @@ class SampleError(RuntimeError):
 
 @dataclass(frozen=True)
 class Move:
-    """What a control has done since it was at rest: turned and scaled about ``pivot``, then shifted."""
+    """How a control has moved from its rest: turned and scaled about ``pivot``, then shifted."""
 
     shift: Sequence[float] = (0.0, 0.0, 0.0)
     turn: Sequence[float] = (0.0, 0.0, 0.0)  # degrees about x, y, z
@@ -45,7 +45,7 @@ def make_active(obj: bpy.types.Object) -> None:
 def line_up(
     first: bpy.types.Object, labels: Iterable[str], spacing: float, heading: float = 0.0
 ) -> list[bpy.types.Object]:
-    """The object and copies of it, one a label, in a row along x; each is turned by ``heading`` degrees."""
+    """The object and copies of it in a row along x, one per label, each turned by ``heading`` degrees."""
     name, labels = first.name, list(labels)
     row = [first, *(first.copy() for _ in labels[1:])]
     for k, (obj, label) in enumerate(zip(row, labels)):
@@ -81,7 +81,7 @@ def add_region(obj: bpy.types.Object, kind: str, group: str, **control: str) -> 
 
 
 def add_cage(obj: bpy.types.Object, method: str, **options: float | str | bool) -> bpy.types.Object:
-    """The cage of a new deformer: an automatic one, or with ``source="OBJECT"`` the one that is named."""
+    """The cage of a new deformer: an automatic one, or with ``source="OBJECT"`` the named object."""
     progress(f"a cage around {obj.name}, {method}")
     make_active(obj)
     expect(bpy.ops.sinew.cage_add(method=method, **options), f"{obj.name}: cage_add({method!r})")
@@ -101,7 +101,7 @@ def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bp
 def add_pose(
     cage: bpy.types.Object, name: str, points: np.ndarray, values: Mapping[int, float]
 ) -> bpy.types.ShapeKey:
-    """A shape key of the cage, its vertices at ``points`` (c, 3), as strong at each frame as ``values``."""
+    """Add a shape key with the cage vertices at ``points`` (c, 3); ``values`` is its strength per frame."""
     if cage.data.shape_keys is None:
         cage.shape_key_add(name="Rest")
     key = cage.shape_key_add(name=name)
@@ -159,7 +159,7 @@ def shape(obj: bpy.types.Object) -> np.ndarray:
 
 
 def check_posed(obj: bpy.types.Object, rest_frame: int, pose_frame: int) -> None:
-    """Stop the sample unless the deformers are bound and well, and the pose is finite and moves the mesh."""
+    """Stop the sample unless all deformers are bound without an error and the pose is finite and moves it."""
     for deformer in obj.sinew.deformers:
         if not deformer.is_bound or deformer.status_level in {"ERROR", "WARNING"}:
             raise SampleError(

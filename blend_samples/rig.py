@@ -89,7 +89,7 @@ def add_armature(dragon: bpy.types.Object) -> bpy.types.Object:
 
 
 def carry_cage(cage: bpy.types.Object, rig: bpy.types.Object) -> None:
-    """What Ctrl P, With Automatic Weights does: the armature carries the cage, as it would carry a mesh."""
+    """Parent the cage to the armature as Ctrl P, With Automatic Weights does."""
     posing.make_active(rig)
     cage.select_set(True)
     bpy.context.view_layer.update()

@@ -31,7 +31,7 @@ def empty_scene(name: str) -> bpy.types.Scene:
 
 
 def progress(text: str) -> None:
-    """A line for the person who waits."""
+    """Print a line for the person who waits."""
     print(f"> {text} ...", flush=True)
 
 
@@ -60,7 +60,7 @@ def set_up_render(scene: bpy.types.Scene, samples: int, width: int = WIDTH, heig
 
 
 def studio_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
-    """Where everything lies that is not posed."""
+    """The collection of everything that is not posed."""
     if "Studio" not in scene.collection.children:
         scene.collection.children.link(bpy.data.collections.new("Studio"))
     return scene.collection.children["Studio"]
@@ -187,7 +187,7 @@ def label_font() -> bpy.types.VectorFont:
 
 
 def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None:
-    """What a person finds who opens the file: the pose through the camera, a control selected."""
+    """Make the file open with the view through the camera and a control selected."""
     scene.frame_set(frame)
     for other in scene.objects:
         other.select_set(False)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sculpting: soft unions of shapes on a grid, skinned by quads. Repeatable to the last vertex."""
+"""Sculpting: soft unions of shapes on a grid, skinned by quads. The same input gives the same mesh."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Clay:
         np.maximum(self.field, depth.astype(np.float32), out=self.field)
 
     def onto(self, points: Sequence[Vector]) -> np.ndarray:
-        """The points pulled onto the surface as it stands (where it is within a few voxels)."""
+        """The points moved onto the present surface, where it is at most a few voxels away."""
         settled = np.array(points, float)
         for _ in range(12):
             slope = self.gradient(settled)
@@ -153,7 +153,7 @@ def vertex_normals(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
 
 
 def scatter(points: np.ndarray, spacing: float, seed: int) -> np.ndarray:
-    """Indices of points at least ``spacing`` apart, thrown like darts, the same each time."""
+    """Indices of points at least ``spacing`` apart, chosen at random but the same each time."""
     tree = KDTree(len(points))
     for i, point in enumerate(points):
         tree.insert(point, i)
@@ -168,7 +168,7 @@ def scatter(points: np.ndarray, spacing: float, seed: int) -> np.ndarray:
 
 
 def ball(centre: Vector, radius: float, cuts: int = 10) -> tuple[np.ndarray, np.ndarray]:
-    """A closed sphere of quads: a cube of ``cuts`` by ``cuts`` faces a side, blown up."""
+    """A closed sphere of quads: a cube of ``cuts`` by ``cuts`` faces per side, projected to a sphere."""
     line = np.tan(np.linspace(-np.pi / 4, np.pi / 4, cuts + 1))
     u, v = (w.ravel() for w in np.meshgrid(line, line, indexing="ij"))
     sides = [

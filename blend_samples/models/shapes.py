@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes as distance fields, the stuff that clay is joined from.
+"""Shapes as distance fields, from which ``sculpt.Clay`` is joined.
 
 A shape is anything with ``bounds() -> (low, high)`` and ``distance(points) -> (n,)``, negative inside and
 exact near the surface, which is all that the blending needs. Points are (n, 3) float arrays.

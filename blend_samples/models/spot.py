@@ -34,7 +34,7 @@ def read() -> tuple[np.ndarray, np.ndarray]:
 
 
 def paint(points: np.ndarray) -> dict[str, np.ndarray]:
-    """Colour fields (n,): positive where a colour lies."""
+    """Colour fields (n,): positive where the colour is."""
     _, y, z = points.T
     blot = np.array([noise.noise(Vector(p) * 2.1 + Vector((3.7, 0.4, 1.9))) for p in points])
     muzzle = 0.26 - np.linalg.norm((points - (0.60, 0, 1.02)) * (1.0, 0.80, 1.25), axis=1)

@@ -224,7 +224,7 @@ def build(name: str = "Yeti") -> tuple[bpy.types.Object, bpy.types.Object]:
     points = points.reshape(-1, 3)
     for bone, values in skin_weights(points).items():
         group = body.vertex_groups.new(name=bone)
-        steps = np.round(np.clip(values, 0, 1) * 64).astype(int)  # a call for each level, not for each vertex
+        steps = np.round(np.clip(values, 0, 1) * 64).astype(int)  # one call per level, not per vertex
         for step in range(1, 65):
             group.add(np.flatnonzero(steps == step).tolist(), step / 64, "REPLACE")
     for suffix, band in elbow_bands(points).items():

@@ -6,6 +6,8 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+import pytest
+
 ADDON = Path(__file__).parents[2] / "addon"
 
 
@@ -19,3 +21,11 @@ def _package() -> None:
 
 if "sinew" not in sys.modules:
     _package()
+
+
+@pytest.fixture
+def backend() -> ModuleType:
+    pytest.importorskip("sinew_native")
+    from sinew import backend
+
+    return backend

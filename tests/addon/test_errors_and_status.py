@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from sinew.core import errors, memory, status
+from sinew.core.methods import BY_ID, METHODS, Control
 from sinew.core.status import Level, Status
 
 
@@ -38,17 +39,7 @@ COUNTS = np.full(9, 4, dtype=np.int32)
 CORNERS = np.array([i + j * 4 + k for j in range(3) for i in range(3) for k in (0, 1, 5, 4)], dtype=np.int32)
 
 
-@pytest.fixture
-def backend():
-    pytest.importorskip("sinew_native")
-    from sinew import backend
-
-    return backend
-
-
 def build(backend, method_id: str = "thin_shell", **changes):
-    from sinew.core.methods import BY_ID
-
     arguments = {
         "points": PLATE,
         "faces": (COUNTS, CORNERS),
@@ -73,7 +64,7 @@ def test_a_factor_solves(backend):
     assert np.allclose(positions, PLATE + (0.0, 0.0, 1.0))
 
 
-@pytest.mark.parametrize("method_id", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method_id", [row.id for row in METHODS if row.control is Control.HANDLES])
 def test_native_refusals_become_ours(backend, method_id: str):
     with pytest.raises(errors.ConstraintError):
         build(backend, method_id, handles=[np.arange(4), np.array([99])])
@@ -81,8 +72,9 @@ def test_native_refusals_become_ours(backend, method_id: str):
         build(backend, method_id, handles=[np.arange(4), np.arange(2, 6)])
     with pytest.raises(errors.MeshError):
         build(backend, method_id, points=np.full_like(PLATE, np.nan))
-    with pytest.raises(errors.OptionError):
-        build(backend, method_id, options={"rigidity" if method_id == "arap" else "bending": -1.0})
+    for painted in BY_ID[method_id].paintable:
+        with pytest.raises(errors.OptionError):
+            build(backend, method_id, options={painted.id: -1.0})
     with pytest.raises(errors.ConstraintError):
         build(backend, method_id).solve(np.stack([np.eye(4)[:3]] * 3))
 

@@ -34,14 +34,6 @@ NEEDS_NEW = {  # options that no factor is updated to
 
 
 @pytest.fixture
-def backend():
-    pytest.importorskip("sinew_native")
-    from sinew import backend
-
-    return backend
-
-
-@pytest.fixture
 def calls(backend, count_native) -> Counter:
     """How often the native module was asked to build or bind something."""
     return count_native(backend.availability().module)

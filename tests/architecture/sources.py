@@ -12,6 +12,12 @@ from .tree import files, lines
 SOURCES = {".h", ".cpp", ".inl", ".in", ".py", ".pyi", ".cmake", ".sh", ".toml", ".yml", ".yaml"}
 SOURCE_NAMES = {"CMakeLists.txt", "run", "setup", ".clang-format", ".clang-tidy"}
 LONGEST = 600
+# Folder -> the script that names each of its .cpp files.
+BUILD_LISTS = {
+    "native": "CMakeLists.txt",
+    "tests/native": "tests/native/CMakeLists.txt",
+    "benchmarks": "benchmarks/CMakeLists.txt",
+}
 LICENCE = "SPDX-License-Identifier: GPL-3.0-or-later"
 # One-letter classes, so that this file holds none of them.
 FORBIDDEN = {
@@ -64,7 +70,7 @@ def word_offences(root: Path) -> list[str]:
 def build_list_offences(root: Path) -> list[str]:
     """CMake names every source once, and no source that does not exist."""
     offences = []
-    for folder, script in (("native", "CMakeLists.txt"), ("tests/native", "tests/native/CMakeLists.txt")):
+    for folder, script in BUILD_LISTS.items():
         home = root / script
         text = re.sub(r"#.*", "", home.read_text(encoding="utf-8")) if home.is_file() else ""
         named = [(home.parent / name).resolve() for name in re.findall(r"[\w./-]+\.cpp\b", text)]

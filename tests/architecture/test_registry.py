@@ -71,8 +71,8 @@ def test_offence_is_found(tmp_path: Path, path: str, content: str, reason: str) 
 
 
 def test_class_names_follow_from_ids() -> None:
-    assert [camel_case(name) for name in ("thin_shell", "arap", "mean_value")] == [
-        "ThinShell",
+    assert [camel_case(name) for name in ("arap", "thin_shell", "positive_mean_value")] == [
         "Arap",
-        "MeanValue",
+        "ThinShell",
+        "PositiveMeanValue",
     ]

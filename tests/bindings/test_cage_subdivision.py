@@ -6,16 +6,12 @@ import pytest
 
 import sinew_native as sn
 
-CUBE = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-QUADS = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
+from .cages import CUBE as UNIT_CUBE
+from .cages import QUADS, bound
+
+CUBE = 2.0 * UNIT_CUBE - 1.0
 LINEAR = (sn.MeanValue, sn.PositiveMeanValue, sn.Harmonic)
 ROUNDING = 1e-12  # of double weights and stencils, some hundred products each
-
-
-def bound(method: type, cage: np.ndarray, faces: object, points: np.ndarray) -> object:
-    coordinates = method(sn.SurfaceMesh(cage, faces), precision="double")
-    coordinates.bind(points)
-    return coordinates
 
 
 def control() -> tuple[np.ndarray, sn.SubdivisionSurface]:
@@ -31,7 +27,7 @@ def posed(seed: int) -> np.ndarray:
 @pytest.mark.parametrize("method", LINEAR)
 def test_control_level_then_subdivide_is_the_product_of_both_matrices(method: type) -> None:
     points, smooth = control()
-    coordinates = bound(method, CUBE, QUADS, points)
+    coordinates = bound(method, sn.SurfaceMesh(CUBE, QUADS), points)
     pose = posed(1)
     by_steps = smooth.refine(coordinates.warp(pose))
     at_once = smooth.matrix @ (coordinates.vertex_weights @ pose)
@@ -41,8 +37,8 @@ def test_control_level_then_subdivide_is_the_product_of_both_matrices(method: ty
 @pytest.mark.parametrize("method", LINEAR)
 def test_orders_agree_for_affine_poses_and_differ_for_others(method: type) -> None:
     points, smooth = control()
-    coarse = bound(method, CUBE, QUADS, points)
-    fine = bound(method, CUBE, QUADS, smooth.refine(points))
+    coarse = bound(method, sn.SurfaceMesh(CUBE, QUADS), points)
+    fine = bound(method, sn.SurfaceMesh(CUBE, QUADS), smooth.refine(points))
     affine = CUBE @ np.array([[1.1, 0.2, 0.0], [-0.3, 0.9, 0.1], [0.0, 0.2, 1.3]]) + 0.4
     subdivided_last = smooth.refine(coarse.warp(affine))
     assert np.abs(subdivided_last - fine.warp(affine)).max() < 1e-9
@@ -55,7 +51,7 @@ def test_a_subdivided_cage_has_weights_of_its_control_vertices(method: type) -> 
     """W (S c) = (W S) c: the smooth cage moves points as if its few control vertices had weights."""
     cage = sn.SubdivisionSurface(sn.SurfaceMesh(1.5 * CUBE, QUADS), level=2)
     points = np.random.default_rng(3).uniform(-0.5, 0.5, (200, 3))
-    coordinates = bound(method, cage.refine(1.5 * CUBE), cage.faces, points)
+    coordinates = bound(method, sn.SurfaceMesh(cage.refine(1.5 * CUBE), cage.faces), points)
     pose = 1.5 * posed(4)
     of_controls = coordinates.vertex_weights @ cage.matrix.toarray()
     assert np.abs(of_controls.sum(axis=1) - 1.0).max() < ROUNDING
@@ -64,8 +60,8 @@ def test_a_subdivided_cage_has_weights_of_its_control_vertices(method: type) -> 
 
 def test_green_agrees_in_either_order_for_similarities() -> None:
     points, smooth = control()
-    coarse = bound(sn.Green, CUBE, QUADS, points)
-    fine = bound(sn.Green, CUBE, QUADS, smooth.refine(points))
+    coarse = bound(sn.Green, sn.SurfaceMesh(CUBE, QUADS), points)
+    fine = bound(sn.Green, sn.SurfaceMesh(CUBE, QUADS), smooth.refine(points))
     turn = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
     similar = 1.3 * CUBE @ turn.T - 0.2
     assert np.abs(smooth.refine(coarse.warp(similar)) - fine.warp(similar)).max() < 1e-9

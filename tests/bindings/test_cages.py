@@ -7,25 +7,15 @@ import pytest
 import sinew_native as sn
 
 from .cage_oracles import exact_green, exact_mean_value, green_by_quadrature, mean_value_by_quadrature
+from .cages import CUBE, QUADS, bound, u_prism
 from .meshes import sphere
 
 BOTH = pytest.mark.parametrize("method", [sn.MeanValue, sn.Green])
-CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
-QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 
 
 def bumpy(level: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     points, faces = sphere(level)
     return points + np.random.default_rng(seed).uniform(-0.1, 0.1, points.shape), faces
-
-
-def u_prism() -> sn.SurfaceMesh:
-    """A prism over a U, with n-gons at both ends."""
-    outline = np.array([(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)], float)
-    points = np.concatenate([np.column_stack([outline, np.full(8, z)]) for z in (0.0, 1.0)])
-    faces = [list(range(7, -1, -1)), list(range(8, 16))]
-    faces += [[i, (i + 1) % 8, 8 + (i + 1) % 8, 8 + i] for i in range(8)]
-    return sn.SurfaceMesh(points, ([len(face) for face in faces], np.concatenate(faces)))
 
 
 def cages() -> list[sn.SurfaceMesh]:
@@ -35,12 +25,6 @@ def cages() -> list[sn.SurfaceMesh]:
         sn.SurfaceMesh(CUBE, QUADS),
         u_prism(),
     ]
-
-
-def bound(method, cage: sn.SurfaceMesh, points: np.ndarray, **options: object):
-    coordinates = method(cage, precision="double", **options)
-    coordinates.bind(points)
-    return coordinates
 
 
 def inside(cage: sn.SurfaceMesh, count: int, seed: int = 0) -> np.ndarray:

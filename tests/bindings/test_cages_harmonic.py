@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Harmonic and positive mean value coordinates against finite differences and ray casting in NumPy."""
 
-import itertools
-
 import numpy as np
 import pytest
 import scipy.sparse as sparse
@@ -10,23 +8,13 @@ import scipy.sparse.linalg as linalg
 
 import sinew_native as sn
 
-OUTLINE = np.array([(0, 0), (3, 0), (3, 3), (2, 3), (2, 1), (1, 1), (1, 3), (0, 3)], float)
+from .cages import CUBE, OUTLINE, QUADS, bound, u_prism
+
 CAPS = [(0, 1, 4), (0, 4, 5), (1, 2, 3), (1, 3, 4), (0, 5, 6), (0, 6, 7)]  # triangles of the outline
 
 
-def u_prism(quads: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points, corner counts and corners of a U of depth 1; its sides are quads or pairs of triangles."""
-    points = np.array([(x, y, z) for z in (0, 1) for x, y in OUTLINE], float)
-    faces = [(a, c, b) for a, b, c in CAPS] + [(a + 8, b + 8, c + 8) for a, b, c in CAPS]
-    for i in range(8):
-        j = (i + 1) % 8
-        faces += [(i, j, j + 8, i + 8)] if quads else [(i, j, j + 8), (i, j + 8, i + 8)]
-    return points, np.array([len(face) for face in faces]), np.concatenate(faces)
-
-
-def surface(quads: bool = True) -> sn.SurfaceMesh:
-    points, counts, corners = u_prism(quads)
-    return sn.SurfaceMesh(points, (counts, corners))
+def surface() -> sn.SurfaceMesh:
+    return u_prism(CAPS)
 
 
 def inside(count: int, depth: float = 0.05) -> np.ndarray:
@@ -116,8 +104,7 @@ def test_finite_differences_converge_to_harmonic() -> None:
     errors = []
     for cells in (5, 10):
         nodes, expected = by_differences(cells)
-        harmonic = sn.Harmonic(surface(), precision="double", quality="medium")
-        harmonic.bind(nodes)
+        harmonic = bound(sn.Harmonic, surface(), nodes, quality="medium")
         errors.append(np.abs(harmonic.vertex_weights - expected).max(axis=1))
     coarse, fine = errors
     # The grid errs by h^(2/3) at the two edges of 270 degrees, by h^2 log h elsewhere: 1.6 to 4 a halving.
@@ -142,15 +129,13 @@ def first_faces(points, triangles, x, directions) -> np.ndarray:
 
 
 def test_positive_mean_values_agree_with_ray_casting() -> None:
-    points, _counts, corners = u_prism(quads=False)
-    triangles = corners.reshape(-1, 3)
+    cage = surface()
     x = np.array([(0.5, 2.5, 0.5), (1.5, 0.5, 0.5), (0.2, 0.3, 0.7), (2.4, 1.2, 0.1)])
     random = np.random.default_rng(1).standard_normal((40_000, 3))
     directions = random / np.linalg.norm(random, axis=1)[:, None]
-    positive = sn.PositiveMeanValue(surface(quads=False), precision="double")
-    positive.bind(x)
+    positive = bound(sn.PositiveMeanValue, cage, x)
     for row, at in zip(positive.vertex_weights, x, strict=True):
-        expected = first_faces(points, triangles, at, directions)
+        expected = first_faces(cage.points, cage.triangles, at, directions)
         assert np.abs(row - expected).max() < 5e-3  # four standard errors of 40,000 random rays
 
 
@@ -163,8 +148,8 @@ def test_weights_are_barycentric(method) -> None:
     assert len(report.outside) == 0
     assert weights.min() >= 0
     assert np.abs(weights.sum(1) - 1).max() < 1e-12
-    assert np.abs(weights @ u_prism(True)[0] - x).max() < 1e-9
-    np.testing.assert_allclose(coordinates.warp(u_prism(True)[0] * 2 + 1), x * 2 + 1, atol=1e-9)
+    assert np.abs(weights @ surface().points - x).max() < 1e-9
+    np.testing.assert_allclose(coordinates.warp(surface().points * 2 + 1), x * 2 + 1, atol=1e-9)
 
 
 def test_single_precision_is_close_to_double(method) -> None:
@@ -183,8 +168,7 @@ def test_points_outside_are_named_or_bound_by_mean_values(method) -> None:
     assert refusal.value.element_kind == "vertex"
     coordinates = method(precision="double", outside="mean_value")
     assert coordinates.bind(x).outside.tolist() == [1, 2]
-    plain = sn.MeanValue(surface(), precision="double")
-    plain.bind(x)
+    plain = bound(sn.MeanValue, surface(), x)
     np.testing.assert_allclose(coordinates.vertex_weights[1:], plain.vertex_weights[1:], atol=1e-12)
 
 
@@ -244,12 +228,10 @@ def test_harmonic_above_the_memory_limit_is_refused() -> None:
 
 
 def test_harmonic_cube_is_trilinear_from_python() -> None:
-    corners = np.array(list(itertools.product((0.0, 1.0), repeat=3)))[:, ::-1]
-    quads = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
     x = np.random.default_rng(0).uniform(0, 1, (200, 3))
-    harmonic = sn.Harmonic(sn.SurfaceMesh(corners, quads))
+    harmonic = sn.Harmonic(sn.SurfaceMesh(CUBE, QUADS))
     harmonic.bind(x)
-    expected = np.prod(np.where(corners > 0.5, x[:, None], 1 - x[:, None]), axis=2)
+    expected = np.prod(np.where(CUBE > 0.5, x[:, None], 1 - x[:, None]), axis=2)
     assert np.abs(harmonic.vertex_weights - expected).max() < 1e-4
 
 
@@ -262,4 +244,4 @@ def test_lattice_and_boundary_agree_from_python() -> None:
     (boundary_error, boundary), (lattice_error, lattice) = found["boundary"], found["lattice"]
     assert np.abs(boundary - lattice).max() < boundary_error + lattice_error < 0.1
     assert harmonic.residual_max == 0
-    assert np.abs(lattice @ u_prism(True)[0] - x).max() < 1e-11
+    assert np.abs(lattice @ surface().points - x).max() < 1e-11

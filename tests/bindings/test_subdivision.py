@@ -7,10 +7,8 @@ import scipy.sparse as sparse
 
 import sinew_native as sn
 
+from .cages import CUBE, QUADS
 from .meshes import grid, sphere
-
-CUBE = np.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)
-QUADS = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
 
 
 def cube(**options) -> sn.SubdivisionSurface:
@@ -105,7 +103,7 @@ def test_normals_of_a_smooth_cube_look_outward() -> None:
 
 
 def test_polygons_at_level_zero() -> None:
-    points, faces = CUBE, (np.array([4, 4, 4, 4, 4, 3, 3]), np.array([*sum(QUADS[:5], ()), 1, 3, 7, 1, 7, 5]))
+    points, faces = CUBE, (np.array([4, 4, 4, 4, 4, 3, 3]), np.array([*QUADS[:5].ravel(), 1, 5, 7, 1, 7, 3]))
     surface = sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), level=0)
     counts, corners = surface.faces
     np.testing.assert_array_equal(counts, faces[0])

@@ -3,13 +3,16 @@
 
 import importlib
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import ModuleType
 
 import bpy
+import inside
+import installed
 import pytest
-from installed import enable
-from rig import Rig
+from expected import Expected, Poses
+from rig import Rig, close
+from rigs import RIGS, HandleRig
 
 # isort: split
 import addon_utils  # comes with bpy, not before it
@@ -18,7 +21,7 @@ import addon_utils  # comes with bpy, not before it
 @pytest.fixture(scope="session")
 def addon_name() -> str:
     """The module name of the installed add-on."""
-    return enable()
+    return installed.name()
 
 
 @pytest.fixture(scope="session")
@@ -28,9 +31,25 @@ def addon(addon_name: str) -> ModuleType:
 
 
 @pytest.fixture(scope="session")
-def room(addon_name: str):
+def room(addon_name: str) -> Callable[[str], ModuleType]:
     """A room of the add-on by name, as ``room("session")``."""
-    return lambda path: importlib.import_module(f"{addon_name}.{path}")
+    return inside.room
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo):
+    """Fixtures learn whether the test itself passed."""
+    report = (yield).get_result()
+    if call.when == "call":
+        item.stash[_PASSED] = report.passed
+
+
+@pytest.fixture(autouse=True)
+def comes_to_rest(scene: bpy.types.Scene, request: pytest.FixtureRequest) -> Iterator[None]:
+    """After every test nothing is stuck and nothing runs away; see ``inside.assert_at_rest``."""
+    yield
+    if request.node.stash.get(_PASSED, False):
+        inside.assert_at_rest()
 
 
 @pytest.fixture(autouse=True)
@@ -57,10 +76,34 @@ def preferences(addon_name: str) -> Iterator[bpy.types.AddonPreferences]:
     bpy.context.preferences.addons[addon_name].preferences.memory_limit = 0.0
 
 
+@pytest.fixture(params=RIGS)
+def rig(request: pytest.FixtureRequest) -> HandleRig:
+    """One of each kind of control and target. Not bound."""
+    return RIGS[request.param].new()
+
+
+@pytest.fixture
+def posed(rig: HandleRig) -> tuple[HandleRig, Poses]:
+    """Bound and lifted by a half; what to see of it."""
+    expected = rig.start()
+    rig.lift(0.5)
+    assert rig.shows(expected.lifted(0.5))
+    return rig, expected
+
+
 @pytest.fixture
 def plate() -> Rig:
     """A grid 2 x 2 in the plane z = 0, its far edge a handle, its near edge fixed. Not bound."""
     return Rig.plate()
+
+
+@pytest.fixture
+def posed_plate(plate: Rig) -> tuple[Rig, Expected]:
+    """The plate, bound and lifted by a half; what to see of it."""
+    expected = Expected.of(plate.bind())
+    plate.lift(0.5)
+    assert close(plate.points(), expected.lifted(0.5))
+    return plate, expected
 
 
 @pytest.fixture
@@ -80,3 +123,4 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 
 
 _STATUS = pytest.StashKey[int]()
+_PASSED = pytest.StashKey[bool]()

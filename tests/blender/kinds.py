@@ -12,6 +12,7 @@ import pytest
 from mathutils import Vector
 from rig import make_active, update
 
+TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
 HANDLES = ("AUTO", "VECTOR", "ALIGNED", "FREE")
 Warp = Callable[[np.ndarray], np.ndarray]
 

@@ -2,9 +2,9 @@
 """The shape that a scene asks for, from its properties and by mathematics of its own.
 
 It reads settings, rest meshes, vertex groups and Blender's evaluated matrices, and follows the modifier stack
-in NumPy. The thin shell is a dense solve of the published formulas. As-Rigid-As-Possible has many minima
-and stops by a tolerance, so there the native module is asked again from nothing: its contract is that equal
-poses give equal shapes, whatever came before.
+in NumPy. The thin shell is a dense solve of the published formulas (``DENSE``). Methods with many minima stop
+by a tolerance, so there, and for every row without a formula here, a new native object is asked: its contract
+is that equal poses give equal shapes, whatever came before.
 
 Triangles only, so that no choice of diagonals comes in.
 """
@@ -13,9 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 
 import bpy
 import numpy as np
+from registry import BY_ID
 from rig import base_points
 
 IDENTITY = np.eye(4)[:3]
@@ -114,12 +116,8 @@ class Oracle:
             options = options_of(deformer, weights)
             poses, flags = self._poses(obj, deformer, regions, depsgraph)
             before = rest if displaces else incoming.astype(np.float64)
-            if deformer.method == "thin_shell":
-                moved, error = thin_shell(
-                    rest, triangles(deformer.rest), options, regions, poses, flags, before
-                )
-            else:
-                moved, error = self._arap(deformer, rest, options, regions, poses, flags, before)
+            solve = DENSE.get(deformer.method, partial(self._anew, BY_ID[deformer.method]))
+            moved, error = solve(rest, triangles(deformer.rest), options, regions, poses, flags, before)
         except Refusal as refusal:
             answer.refused[deformer.uid] = str(refusal)
             return False
@@ -166,11 +164,13 @@ class Oracle:
             flags.append(handle.from_rest)
         return np.array(poses), np.array(flags)
 
-    def _arap(self, deformer, rest, options, regions, poses, flags, before) -> tuple[np.ndarray, float]:
-        faces = triangles(deformer.rest)
-        solver = self.native.Arap(self.native.SurfaceMesh(rest, faces), **options)
+    def _anew(self, row, rest, faces, options, regions, poses, flags, before) -> tuple[np.ndarray, float]:
+        """By a native object that knows nothing of the past."""
+        steps = {
+            parameter.id: options.pop(parameter.id) for parameter in row.parameters if not parameter.rebinds
+        }
+        solver = getattr(self.native, row.native)(self.native.SurfaceMesh(rest, faces), **options)
         solver.set_handles([region.members for region in regions], weights=[r.strength for r in regions])
-        steps = {"max_iterations": deformer.arap.max_iterations, "tolerance": deformer.arap.tolerance}
         incoming = None if np.array_equal(before, rest) else before
         moved, _report = solver.solve(poses, incoming=incoming, from_rest=flags, **steps)
         # Where a pose or an incoming shape differs in its last digit, the steps may stop one earlier.
@@ -264,61 +264,45 @@ def follow(obj: bpy.types.Object, modifier: bpy.types.Modifier, answer: Expected
 
 
 def regions_of(deformer, weights: Weights, count: int) -> list[Region]:
-    """The regions in use. A vertex obeys one hard handle; around a support everything else is fixed."""
-    found: list[Region] = []
-    inside = None
-    border = 2.0
-    taken = np.zeros(count, dtype=bool)
-    held = np.zeros(count, dtype=bool)
-    for handle in deformer.handles:
-        if not handle.enabled:
-            continue
-        painted = weights(handle.vertex_group)
-        if painted is None:
-            raise Refusal(f"no vertex group {handle.vertex_group}")
-        members = np.flatnonzero(painted > 0.0)
-        if len(members) == 0:
-            raise Refusal(f"vertex group {handle.vertex_group} is empty")
-        if handle.kind == "SUPPORT":
-            inside = painted > 0.0 if inside is None else inside | (painted > 0.0)
-            border = min(border, handle.continuity)
-            continue
-        strength = painted[members] * handle.weight
-        hard = members[strength >= 1.0]
-        if held[hard].any():
-            raise Refusal("a vertex in two hard handles")
-        held[hard] = True
-        taken[members] = True
-        found.append(Region(members, strength, handle.continuity, handle))
-    if inside is not None:
-        outside = np.flatnonzero(~inside & ~taken)
-        if len(outside):
-            found.append(Region(outside, np.ones(len(outside)), border))
+    """The regions in use, read off a table of who paints which vertex.
+
+    A vertex obeys one hard handle at most. Where there is a support, what nobody paints is fixed.
+    """
+    handles = [handle for handle in deformer.handles if handle.enabled]
+    painted = {handle.uid: weights(handle.vertex_group) for handle in handles}
+    for handle in handles:
+        if painted[handle.uid] is None or not painted[handle.uid].any():
+            raise Refusal(f"vertex group {handle.vertex_group} is empty, or gone")
+    supports = [handle for handle in handles if handle.kind == "SUPPORT"]
+    movers = [handle for handle in handles if handle.kind != "SUPPORT"]
+    strengths = np.array([painted[handle.uid] * handle.weight for handle in movers]).reshape(-1, count)
+    if ((strengths >= 1.0).sum(axis=0) > 1).any():
+        raise Refusal("a vertex in two hard handles")
+    found = [
+        Region(members, strength[members], handle.continuity, handle)
+        for handle, strength in zip(movers, strengths, strict=True)
+        for members in [np.flatnonzero(painted[handle.uid])]
+    ]
+    free = ~np.any([painted[handle.uid] > 0.0 for handle in handles], axis=0)
+    if supports and free.any():
+        border = min(handle.continuity for handle in supports)
+        found.append(Region(np.flatnonzero(free), np.ones(free.sum()), border))
     if not found:
         raise Refusal("nothing holds the mesh")
     return found
 
 
 def options_of(deformer, weights: Weights) -> dict[str, object]:
-    """Constructor keywords; a stiffness with a vertex group is an array (n,)."""
-    if deformer.method == "arap":
-        values = deformer.arap
-        options = {"smoothness": values.smoothness, "cells": values.cells}
-        painted = {"rigidity": 0.001}
-    else:
-        values = deformer.thin_shell
-        options = {"laplacian": values.laplacian}
-        painted = {"stretching": 0.0, "bending": 0.0, "variation": 0.0}
-    for name, least in painted.items():
-        options[name] = getattr(values, name)
-        group = getattr(values, f"{name}_group")
+    """The parameters of the row; one with a vertex group is an array (n,), not below its minimum."""
+    row, values = BY_ID[deformer.method], getattr(deformer, deformer.method)
+    options = {parameter.id: getattr(values, parameter.id) for parameter in row.parameters}
+    for parameter in row.paintable:
+        group = getattr(values, f"{parameter.id}_group")
+        share = weights(group) if group else None
+        if group and share is None:
+            raise Refusal(f"no vertex group {group}")
         if group:
-            share = weights(group)
-            if share is None:
-                raise Refusal(f"no vertex group {group}")
-            options[name] = np.maximum(options[name] * share, least)
-    if not any(np.any(options[name]) for name in painted):
-        raise Refusal("all stiffnesses are zero")
+            options[parameter.id] = np.maximum(options[parameter.id] * share, parameter.minimum)
     return options
 
 
@@ -397,6 +381,8 @@ def thin_shell(rest, faces, options, regions, poses, flags, before) -> tuple[np.
     """
     n, kind = len(rest), options["laplacian"]
     k_s, k_b, k_v = (stiffness(options[name], n) for name in ("stretching", "bending", "variation"))
+    if k_s is k_b is k_v is None:
+        raise Refusal("all stiffnesses are zero")
     _refuse_slivers(rest, faces)
     hard = np.full(n, -1)
     for row, region in enumerate(regions):
@@ -459,3 +445,6 @@ def _solve(A, part, hard, regions, poses, flags, rest, before) -> tuple[np.ndarr
         d[free] = np.linalg.solve(inner, pull[free] - A[np.ix_(free, fixed)] @ d[fixed])
         error = 4.0 * condition * 2.0**-52 * np.abs(d).max()
     return before + d, error
+
+
+DENSE = {"thin_shell": thin_shell}

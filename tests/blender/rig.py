@@ -9,10 +9,24 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+FLOAT32 = 4e-6  # a few roundings of coordinates near 1
+MATRIX = 1e-5  # a pose that went through location, rotation and scale in float32
+
 
 def update() -> None:
     """Let Blender evaluate, handlers included."""
     bpy.context.view_layer.update()
+
+
+def close(seen: np.ndarray, expected: np.ndarray, tolerance: float = FLOAT32) -> bool:
+    """Equal up to ``tolerance`` per coordinate, with the same number of points."""
+    return seen.shape == expected.shape and bool(np.abs(seen - expected).max() < tolerance)
+
+
+def push(message: str) -> None:
+    """An undo step, as the end of any user operation makes one."""
+    update()
+    bpy.ops.ed.undo_push(message=message)
 
 
 def evaluated_points(obj: bpy.types.Object) -> np.ndarray:
@@ -107,6 +121,13 @@ class Rig:
     def obj(self) -> bpy.types.Object:
         """Looked up each time: undo and load make new Python objects."""
         return bpy.data.objects[self.name]
+
+    @classmethod
+    def called(cls, name: str) -> Rig:
+        """One that is there already."""
+        rig = cls.__new__(cls)
+        rig.name = name
+        return rig
 
     @property
     def deformer(self):

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Run pytest inside Blender: ``blender -b --factory-startup -P tests/blender/run_pytest.py -- ARGS``."""
+"""Run pytest inside Blender: ``blender -b --factory-startup -P tests/blender/run_pytest.py -- ARGS``.
+
+Of the files in this folder those that ARGS name run, or all of them.
+"""
 
 import os
 import sys
@@ -8,7 +11,10 @@ from pathlib import Path
 import pytest
 
 arguments = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
-code = pytest.main(["-p", "no:cacheprovider", str(Path(__file__).parent), *arguments])
+folder = Path(__file__).parent
+files = [word for word in arguments if word.endswith(".py")]
+chosen = [str(folder / file) for file in files] or [str(folder)]
+code = pytest.main(["-p", "no:cacheprovider", *chosen, *(word for word in arguments if word not in files)])
 sys.stdout.flush()
 sys.stderr.flush()
 os._exit(code)  # Blender as a module may hang or crash on its way out

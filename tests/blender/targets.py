@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small meshes of triangles with vertex groups, for tests that have formulas for triangles only."""
+"""Small meshes of triangles with vertex groups, and settings, for random sequences: there are formulas for
+triangles only.
+"""
 
 from __future__ import annotations
 
 import bpy
 import numpy as np
+from registry import BY_ID, WITH_HANDLES
 from rig import make_active
 
 GROUPS = ("Far", "Near", "Middle", "Soft", "Nobody")
@@ -75,3 +78,27 @@ def new_target(shape: str) -> bpy.types.Object:
                 groups[name].add([index], weight, "REPLACE")
     make_active(obj)
     return obj
+
+
+PAINT = ("Soft", "Far", "Nobody", "")
+
+
+def values_of(parameter) -> tuple:
+    """What a sequence sets a parameter to."""
+    if hasattr(parameter, "items"):
+        return tuple(item[0] for item in parameter.items)
+    if not parameter.rebinds:  # how far a solve goes: a loose end is no answer to compare with
+        return (3,) if isinstance(parameter.default, int) else ()
+    return (parameter.minimum, 0.5 * parameter.soft_maximum)
+
+
+SETTINGS = tuple(
+    (method, name, value)
+    for method in WITH_HANDLES
+    for parameter in BY_ID[method].parameters
+    for name, values in (
+        (parameter.id, values_of(parameter)),
+        (f"{parameter.id}_group", PAINT if parameter in BY_ID[method].paintable else ()),
+    )
+    for value in values
+)

@@ -4,9 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from rig import Rig, add_armature, add_group, evaluated_points, grid_object, make_active
-
-FLOAT32 = 4e-6
+from registry import WITH_HANDLES
+from rig import FLOAT32, Rig, add_armature, add_group, evaluated_points, grid_object, make_active
 
 
 def key_points(key) -> np.ndarray:
@@ -41,7 +40,7 @@ def test_later_modifiers_stay_and_show_the_same(posed: Rig):
     assert np.array_equal(posed.points(), shown)
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_below_an_armature_the_mesh_itself_is_deformed(plate: Rig, method: str):
     """As Blender applies a modifier that is not first: to the mesh alone."""
     armature = add_armature(plate.obj)

@@ -6,6 +6,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from inside import BINDING, catch_up
+from registry import WITH_HANDLES
 from rig import Rig, add_group, grid_object, make_active, update
 
 
@@ -102,7 +104,7 @@ def test_zero_area_mesh(plate: Rig, room):
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_mesh_without_vertices(method: str):
     obj = bpy.data.objects.new("Empty", bpy.data.meshes.new("Empty"))
     bpy.context.scene.collection.objects.link(obj)
@@ -132,7 +134,7 @@ def test_messy_mesh_binds_and_follows():
     assert rig.points()[hard, 2] - rig.rest()[hard, 2] == pytest.approx(0.5, abs=4e-6)
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_not_finite_coordinates_are_counted_and_the_rest_works(plate: Rig, method: str, value: float):
     reference = Rig(grid_object("Reference")).bind(method)
@@ -224,7 +226,7 @@ def test_cancel_in_the_middle_of_a_bind(plate: Rig, room):
 
 def test_bind_in_a_thread_is_taken_in_when_it_is_done(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
     """The window's path for heavy meshes, without its timer."""
-    binding = room("session.live.binding")
+    binding = room(BINDING)
     monkeypatch.setattr(binding, "may_wait", lambda _count: True)
     plate.bind()
     session = room("session")
@@ -232,13 +234,13 @@ def test_bind_in_a_thread_is_taken_in_when_it_is_done(plate: Rig, room, monkeypa
     job = session.job(plate.deformer.uid)
     assert job is not None
     job.thread.join(timeout=20.0)
-    assert room("handlers.deferred").catch_up() is False
+    assert catch_up() is False
     plate.lift(0.5)
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
 
 
 def test_cancel_of_a_bind_in_a_thread(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
-    binding = room("session.live.binding")
+    binding = room(BINDING)
     plate.bind()
     monkeypatch.setattr(binding, "may_wait", lambda _count: True)
     session = room("session")
@@ -256,7 +258,7 @@ def test_native_module_missing(plate: Rig, room, tmp_path: Path, monkeypatch: py
     path = str(tmp_path / "rig.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path)
     missing = room("backend").Availability(None, "The native module is missing. Install the Sinew zip")
-    monkeypatch.setattr(room("session.live.binding"), "availability", lambda: missing)
+    monkeypatch.setattr(room(BINDING), "availability", lambda: missing)
     bpy.ops.wm.open_mainfile(filepath=path)
     assert np.array_equal(plate.points(), before)
     assert "native module is missing" in plate.deformer.status

@@ -7,7 +7,9 @@ import bpy
 import numpy as np
 import pytest
 from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, moving_plate, played, save
+from inside import SOLVING
 from mathutils import Matrix
+from registry import WITH_HANDLES
 from rig import Rig, add_armature, add_group, make_active, move_world
 
 
@@ -25,7 +27,7 @@ def saved(plate: Rig, tmp_path: Path) -> Rig:
     return plate
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize("target", TARGETS)
 def test_baked_frames_equal_live_ones_to_the_last_bit(plate: Rig, tmp_path: Path, target: str, method: str):
     plate.bind(method)
@@ -48,7 +50,7 @@ def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
     live = played(moving.obj)
     bake(moving, target, tmp_path / "plate")
     calls = []
-    monkeypatch.setattr(room("session.live.solving"), "solve", lambda *_: calls.append(1))
+    monkeypatch.setattr(room(SOLVING), "solve", lambda *_: calls.append(1))
     control = moving.control
     control.animation_data_clear()
     move_world(control, Matrix.Translation((0.0, 0.0, 3.0)))

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, moving_plate, played, save
+from inside import catch_up
 from rig import Rig, add_group, grid_object, make_active, update
 
 
@@ -113,14 +114,14 @@ def test_shape_keys_that_the_user_renamed_stay(moving: Rig):
     assert [key.name for key in moving.obj.data.shape_keys.key_blocks] == ["Basis", "Smile"]
 
 
-def test_a_copy_plays_and_unbakes_by_itself(saved: Rig, room):
+def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
     live = played(saved.obj)
     bake(saved, "PC2")
     make_active(saved.obj)
     bpy.ops.object.duplicate()
     copy = bpy.context.object
     update()
-    room("handlers.deferred").catch_up()
+    catch_up()
     assert_same(played(copy), live)
     make_active(copy)
     bpy.ops.sinew.unbake(delete_file=True)  # the original still plays it
@@ -205,7 +206,7 @@ def test_a_missing_cache_file_is_said(saved: Rig, tmp_path: Path):
     assert saved.deformer.status_level == "INFO"
 
 
-def test_an_override_is_baked(saved: Rig, tmp_path: Path, room):
+def test_an_override_is_baked(saved: Rig, tmp_path: Path):
     collection = bpy.data.collections.new("Asset")
     bpy.context.scene.collection.children.link(collection)
     for obj in (saved.obj, saved.control):
@@ -221,7 +222,7 @@ def test_an_override_is_baked(saved: Rig, tmp_path: Path, room):
     update()
     here.collections[0].override_hierarchy_create(scene, bpy.context.view_layer)
     update()
-    room("handlers.deferred").catch_up()
+    catch_up()
     obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot" / "over.blend"))
     obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from cages import ball, new_object
 from mathutils import Matrix
-from rig import apply_matrix, base_points, evaluated_points, make_active, update
+from registry import WITH_CAGE
+from rig import FLOAT32, apply_matrix, base_points, evaluated_points, make_active, update
 
-FLOAT32 = 4e-6
-METHODS = ("mean_value", "positive_mean_value", "harmonic", "green")
 NOWHERE = (float("nan"), float("inf"), -float("inf"))
 CORNERS = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -131,7 +130,7 @@ def test_undo_of_what_sent_a_cage_nowhere_brings_the_pose_back() -> None:
     assert_goes_on(target, cage)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_a_mesh_without_vertices_is_said_and_waits_for_some(method: str) -> None:
     target, cage = new_object("Ball", []), box()
     make_active(target)
@@ -203,7 +202,7 @@ def test_a_cage_that_holds_nothing_is_refused_until_it_does(room, points, faces,
     assert_goes_on(target, cage)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_a_cage_in_one_place_takes_the_mesh_there_and_gives_it_back(method: str) -> None:
     target, cage = ball(), box()
     deformer = surround(target, cage, method)
@@ -244,7 +243,7 @@ TWO_CUBES = (
 )
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 @pytest.mark.parametrize("cage", [LOOSE, TWO_CUBES], ids=["loose", "edge of four faces"])
 def test_a_closed_cage_may_have_loose_vertices_and_edges_of_four_faces(cage, method: str) -> None:
     target, cage = ball(), new_object("Cage", *cage)
@@ -261,7 +260,7 @@ DOUBLED = (CORNERS + [CORNERS[0]], [(8, 1, 3, 2), *SIDES[1:]], {0, 1, 2, 8})
 
 
 @pytest.mark.parametrize(("points", "faces", "bad"), [FIN, DOUBLED], ids=["fin", "doubled vertex"])
-def test_edges_that_leave_a_cage_open_are_shown(room, points, faces, bad) -> None:
+def test_edges_that_leave_a_cage_open_are_shown(points, faces, bad) -> None:
     target, cage = ball(), new_object("Cage", points, faces)
     deformer = surround(target, cage)
     assert deformer.status_level == "ERROR"
@@ -278,7 +277,7 @@ def test_edges_that_leave_a_cage_open_are_shown(room, points, faces, bad) -> Non
 FLAT = (CORNERS + [(-1.0, -1.0, 0.0)], SIDES + [(0, 1, 8), (8, 1, 0)])  # along an edge, there and back
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_faces_without_area_do_no_harm_or_are_shown(room, method: str) -> None:
     target, cage = ball(), new_object("Cage", *FLAT)
     deformer = surround(target, cage, method)
@@ -297,7 +296,7 @@ def test_faces_without_area_do_no_harm_or_are_shown(room, method: str) -> None:
     assert_goes_on(target, cage)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_vertices_on_those_of_the_cage_go_with_them(method: str) -> None:
     """The mesh is a copy of its cage."""
     target, cage = ball(), ball()
@@ -313,7 +312,7 @@ def test_vertices_on_those_of_the_cage_go_with_them(method: str) -> None:
     assert_goes_on(target, cage)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_vertices_on_edges_and_faces_of_the_cage_go_with_them(method: str) -> None:
     target, cage = fine_box(3), box()
     surround(target, cage, method)
@@ -345,7 +344,7 @@ def test_elements_that_a_modifier_of_the_cage_made_are_not_shown_wrongly(room) -
     assert bpy.context.object == cage
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_CAGE)
 def test_weights_above_the_memory_limit_are_refused_until_it_is_raised(
     room, preferences, method: str
 ) -> None:

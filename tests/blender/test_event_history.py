@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Undo and redo of every operator, of settings and of control moves, also across binds and topology edits."""
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,10 +9,12 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from events import Expected, close, push
+from expected import Expected, Poses
+from inside import bind_in_thread, finish, room
 from mathutils import Matrix
 from probe import render_points
-from rig import Rig, add_group, grid_object, make_active, move_world, update
+from rig import Rig, add_group, close, make_active, move_world, push, update
+from rigs import HandleRig
 
 LIFT = Matrix.Translation((0.0, 0.0, 0.5))
 
@@ -454,68 +455,78 @@ def test_undo_of_deleting_a_vertex_and_redo_after_the_rebind(plate: Rig):
         story.walk(start, end)
 
 
-# --- while a thread binds
+# --- while a thread binds: what the user does meanwhile, and what is seen then
 
 
-@pytest.fixture
-def binding(plate: Rig, room, monkeypatch: pytest.MonkeyPatch) -> tuple[Rig, Expected]:
-    """Lifted by a half, with a new bind under way in a thread, as a window starts it for a heavy mesh."""
-    expected = posed(plate)
-    session = room("session")
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
-    plate.deformer.handles[0].weight = 0.5
-    session.find(plate.deformer.uid).bound = None
-    session.bind(plate.obj, plate.deformer, wait=False)
-    monkeypatch.undo()
-    assert session.job(plate.deformer.uid) is not None
-    plate.deformer.handles[0].weight = 1.0
-    return plate, expected
+def undone(rig: HandleRig, expected: Poses, _folder: Path) -> np.ndarray:
+    bpy.ops.ed.undo()
+    return expected.lifted(0.0)
 
 
-def finish(room) -> None:
-    """Until no thread is at work."""
-    for _ in range(200):
-        if not room("handlers.deferred").catch_up():
-            break
-        time.sleep(0.01)
+def saved_and_loaded(rig: HandleRig, expected: Poses, folder: Path) -> np.ndarray:
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "rig.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(folder / "rig.blend"))
+    return expected.lifted(0.5)
+
+
+def rendered(rig: HandleRig, expected: Poses, _folder: Path) -> np.ndarray:
+    assert close(render_points(rig.obj), expected.lifted(0.5), rig.tolerance)
+    return expected.lifted(0.5)
+
+
+def frame_changed(rig: HandleRig, expected: Poses, _folder: Path) -> np.ndarray:
+    bpy.context.scene.frame_set(5)
+    return expected.lifted(0.5)
+
+
+def setting_changed(rig: HandleRig, expected: Poses, _folder: Path) -> np.ndarray:
+    rig.deformer.factor = 0.5
+    return 0.5 * rig.rest() + 0.5 * expected.lifted(0.5)
+
+
+def switched_forth_and_back(rig: HandleRig, expected: Poses, _folder: Path) -> np.ndarray:
+    method = rig.deformer.method
+    rig.deformer.method = next(other for other in rig.methods if other != method)
     update()
+    rig.deformer.method = method
+    return expected.lifted(0.5)
 
 
-@pytest.mark.parametrize("event", ["undo", "delete", "load", "new", "render", "frame", "settings", "unbind"])
-def test_events_while_a_thread_binds(binding: tuple[Rig, Expected], room, tmp_path: Path, event: str):
+def unbound(rig: HandleRig, _expected: Poses, _folder: Path) -> np.ndarray:
+    make_active(rig.obj)
+    bpy.ops.sinew.unbind()
+    return rig.rest()
+
+
+def deleted(rig: HandleRig, _expected: Poses, _folder: Path) -> None:
+    make_active(rig.obj)
+    bpy.ops.object.delete()
+
+
+def replaced_by_a_new_file(_rig: HandleRig, _expected: Poses, _folder: Path) -> None:
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+
+
+MEANWHILE = (undone, saved_and_loaded, rendered, frame_changed, setting_changed, switched_forth_and_back)
+MEANWHILE += (unbound, deleted, replaced_by_a_new_file)
+
+
+@pytest.mark.parametrize("event", MEANWHILE, ids=lambda event: event.__name__)
+def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Path, event: Callable):
     """What the thread was asked for is no longer wanted, or comes later: the shape is that of now."""
-    plate, expected = binding
-    shape = expected.shape(LIFT)
-    if event == "undo":
-        bpy.ops.ed.undo()
-        shape = plate.rest()
-    elif event == "delete":
-        make_active(plate.obj)
-        bpy.ops.object.delete()
-    elif event == "load":
-        path = str(tmp_path / "rig.blend")
-        bpy.ops.wm.save_as_mainfile(filepath=path)
-        bpy.ops.wm.open_mainfile(filepath=path)
-    elif event == "new":
-        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    elif event == "render":
-        assert close(render_points(plate.obj), shape)
-    elif event == "frame":
-        bpy.context.scene.frame_set(5)
-    elif event == "settings":
-        plate.deformer.factor = 0.5
-        shape = 0.5 * plate.rest() + 0.5 * shape
-    elif event == "unbind":
-        make_active(plate.obj)
-        bpy.ops.sinew.unbind()
-        shape = plate.rest()
-    finish(room)
-    if event in ("delete", "new"):
+    expected = rig.start()
+    push("bound")
+    rig.lift(0.5)
+    push("posed")
+    bind_in_thread(rig.obj, rig.deformer, monkeypatch)
+    shape = event(rig, expected, tmp_path)
+    assert finish()
+    if shape is None:
         assert room("session").owners() == []
-        fresh = Rig(grid_object("Fresh")).bind()
-        anew = Expected.of(fresh)
+        fresh = type(rig).new("Fresh")
+        expected = fresh.start()
         fresh.lift(0.25)
-        assert close(fresh.points(), anew.lifted(0.25))
+        assert fresh.shows(expected.lifted(0.25))
     else:
-        assert close(plate.points(), shape)
+        assert rig.shows(shape)
     assert not room("session").busy()

@@ -7,8 +7,9 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from events import Expected, close
-from rig import Rig, make_active, update
+from expected import Expected
+from inside import catch_up
+from rig import Rig, close, make_active, update
 
 
 def enter(plate: Rig, mode: str) -> None:
@@ -21,7 +22,7 @@ def leave(room=None) -> None:
     bpy.ops.object.mode_set(mode="OBJECT")
     update()
     if room is not None:
-        room("handlers.deferred").catch_up()
+        catch_up()
         update()
 
 
@@ -44,7 +45,7 @@ def test_controls_move_the_mesh_in_every_mode(posed: tuple[Rig, Expected], room,
     plate.lift(0.25)
     if mode != "EDIT":
         assert close(plate.points(), expected.lifted(0.75))
-    room("handlers.deferred").catch_up()
+    catch_up()
     leave(room)
     assert close(plate.points(), expected.lifted(0.75))
     assert plate.deformer.status_level == "INFO"
@@ -199,7 +200,7 @@ def test_topology_changed_in_edit_mode_and_rebound_by_itself(posed: tuple[Rig, E
 
 @pytest.mark.parametrize("automatic", [False, True])
 def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(
-    posed: tuple[Rig, Expected], tmp_path, room, automatic: bool
+    posed: tuple[Rig, Expected], tmp_path, automatic: bool
 ):
     """No timer had time to look: Blender in the background never has one."""
     plate, expected = posed
@@ -228,7 +229,7 @@ def test_topology_changed_and_changed_back(posed: tuple[Rig, Expected], room):
     for _ in range(3):
         bpy.ops.ed.undo()
     assert plate.obj.mode == "OBJECT"
-    room("handlers.deferred").catch_up()
+    catch_up()
     assert close(plate.points(), expected.lifted(0.5))
     assert plate.deformer.status_level == "INFO"
 
@@ -238,7 +239,7 @@ def test_edit_mode_of_two_targets_at_once(posed: tuple[Rig, Expected], room):
     make_active(plate.obj)
     plate.control.select_set(True)
     bpy.ops.object.duplicate()
-    room("handlers.deferred").catch_up()
+    catch_up()
     other = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != plate.obj)
     make_active(plate.obj)
     other.select_set(True)
@@ -263,7 +264,7 @@ def test_sculpt_mode_with_deforming_modifiers_only(posed: tuple[Rig, Expected], 
     plate.obj.update_tag()
     update()
     plate.lift(0.25)
-    room("handlers.deferred").catch_up()
+    catch_up()
     leave(room)
     assert close(plate.points(), expected.lifted(0.75))
     assert plate.deformer.status_level == "INFO"
@@ -277,7 +278,7 @@ def test_dynamic_topology(posed: tuple[Rig, Expected], room):
         pytest.skip("this Blender asks before it starts dynamic topology")
     update()
     plate.lift(0.25)
-    room("handlers.deferred").catch_up()
+    catch_up()
     bpy.ops.sculpt.dynamic_topology_toggle()
     leave(room)
     if close(plate.points(), plate.rest()):  # its vertices are in another order
@@ -352,7 +353,7 @@ def test_painted_weights_are_live(posed: tuple[Rig, Expected], room):
     enter(plate, "WEIGHT_PAINT")
     for weight in (0.5, 0.1, 1.0):
         paint(plate, "Top", weight)
-        room("handlers.deferred").catch_up()
+        catch_up()
         expected.rebind(plate.obj)
         assert close(plate.points(), expected.lifted(0.5))
     leave(room)
@@ -372,7 +373,7 @@ def test_operators_of_weight_paint_are_live(posed: tuple[Rig, Expected], room):
     ):
         operate()
         update()
-        room("handlers.deferred").catch_up()
+        catch_up()
         shown = plate.points()
         if plate.deformer.status_level == "INFO":
             expected.rebind(plate.obj)
@@ -384,25 +385,25 @@ def test_operators_of_weight_paint_are_live(posed: tuple[Rig, Expected], room):
     leave(room)
 
 
-def test_a_region_painted_wider_or_emptied(posed: tuple[Rig, Expected], room):
+def test_a_region_painted_wider_or_emptied(posed: tuple[Rig, Expected]):
     plate, expected = posed
     enter(plate, "WEIGHT_PAINT")
     plate.obj.vertex_groups["Top"].add([60], 1.0, "REPLACE")
     plate.obj.data.update()
     update()
-    room("handlers.deferred").catch_up()
+    catch_up()
     expected.rebind(plate.obj)
     assert plate.points()[60, 2] == pytest.approx(0.5, abs=1e-6)
     assert close(plate.points(), expected.lifted(0.5))
     plate.obj.vertex_groups["Top"].remove(list(range(121)))
     plate.obj.data.update()
     update()
-    room("handlers.deferred").catch_up()
+    catch_up()
     assert close(plate.points(), plate.rest())
     assert "has no vertices" in plate.deformer.status
     plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 1.0, "REPLACE")
     plate.obj.data.update()
     update()
-    room("handlers.deferred").catch_up()
+    catch_up()
     expected.rebind(plate.obj)
     assert close(plate.points(), expected.lifted(0.5))

@@ -14,19 +14,21 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from events import MATRIX, Expected, another_blender, close, is_executable
+from expected import Expected, Poses
 from mathutils import Euler, Matrix
 from probe import Probe, render, render_points
-from rig import Rig, make_active, update
+from registry import BY_ID, WITH_CAGE, WITH_HANDLES
+from rig import MATRIX, Rig, close, make_active, update
+from rigs import RIGS, HandleRig
+from second_blender import another_blender, is_executable
 from test_time import curves_of, glow, render_image
 
-METHODS = ("thin_shell", "arap")
 LAST = 20
 
 
-def animate(plate: Rig) -> None:
+def animate(rig: HandleRig) -> None:
     """A straight, even motion: turned by 60 degrees and lifted by one at the last frame."""
-    control = plate.control
+    control = rig.control
     control.rotation_mode = "XYZ"
     for frame, share in ((1, 0.0), (LAST, 1.0)):
         control.location = (0.0, 0.0, share)
@@ -39,26 +41,27 @@ def animate(plate: Rig) -> None:
         curve.extrapolation = "LINEAR"
 
 
-def pose_at(plate: Rig, frame: float) -> Matrix:
+def pose_at(rig: HandleRig, frame: float) -> Matrix:
     """The motion in closed form, about the control's place at rest."""
     share = (frame - 1.0) / (LAST - 1.0)
-    rest = plate.control.matrix_parent_inverse
+    rest = rig.control.matrix_parent_inverse
     turn = Euler((math.radians(60.0) * share, 0.0, 0.0)).to_matrix().to_4x4()
     return rest @ Matrix.Translation((0.0, 0.0, share)) @ turn @ rest.inverted()
 
 
-def tolerance(method: str) -> float:
-    """Poses go through float32; an iterative method answers within its own tolerance."""
-    return 1e-3 if method == "arap" else MATRIX
+RIGS_AND_METHODS = [("handles", method) for method in WITH_HANDLES]
+RIGS_AND_METHODS += [(kind, new.methods[0]) for kind, new in RIGS.items() if kind != "handles"]
 
 
-@pytest.fixture(params=METHODS)
-def animated(plate: Rig, request: pytest.FixtureRequest) -> tuple[Rig, Expected, float]:
-    plate.bind(request.param)
-    expected = Expected.of(plate, request.param)
-    animate(plate)
+@pytest.fixture(params=RIGS_AND_METHODS, ids=" ".join)
+def animated(request: pytest.FixtureRequest) -> tuple[HandleRig, Poses, float]:
+    """A rig, what to expect of it, and how exactly: an iterative method answers within its own tolerance."""
+    kind, method = request.param
+    rig = RIGS[kind].new()
+    expected = rig.start(method)
+    animate(rig)
     bpy.context.scene.frame_set(1)
-    return plate, expected, tolerance(request.param)
+    return rig, expected, 1e-3 if BY_ID[method].iterative else max(MATRIX, 2 * rig.tolerance)
 
 
 def test_playback_in_every_direction_and_speed(animated):
@@ -72,6 +75,11 @@ def test_playback_in_every_direction_and_speed(animated):
         assert close(plate.points(), expected.shape(pose_at(plate, frame)), limit), frame
 
 
+def away(rig: HandleRig) -> Matrix:
+    """Where the target has gone from a control that does not ride along."""
+    return Matrix.Identity(4) if rig.control.parent else rig.obj.matrix_world.inverted()
+
+
 def test_scrubbing_and_edits_in_turn(animated):
     """The frame changes, the user moves something else, drags the control without a key, scrubs on."""
     plate, expected, limit = animated
@@ -80,12 +88,12 @@ def test_scrubbing_and_edits_in_turn(animated):
         scene.frame_set(frame)
         plate.obj.location.x += 0.5
         update()
-        assert close(plate.points(), expected.shape(pose_at(plate, frame)), limit)
+        assert close(plate.points(), expected.shape(away(plate) @ pose_at(plate, frame)), limit)
         plate.lift(0.3)
         assert close(plate.points(), expected.now(plate.obj, plate.control), limit)
-        assert not close(plate.points(), expected.shape(pose_at(plate, frame)), 0.1)
+        assert not close(plate.points(), expected.shape(away(plate) @ pose_at(plate, frame)), 0.1)
     scene.frame_set(8)
-    assert close(plate.points(), expected.shape(pose_at(plate, 8.0)), limit)
+    assert close(plate.points(), expected.shape(away(plate) @ pose_at(plate, 8.0)), limit)
 
 
 def test_motion_blur_sees_the_shapes_between_frames(animated):
@@ -230,7 +238,7 @@ def render_file(animated, tmp_path: Path) -> tuple[str, Rig, Expected, float]:
     return path, plate, expected, limit
 
 
-@pytest.mark.parametrize("animated", ["arap"], indirect=True)
+@pytest.mark.parametrize("animated", [("handles", WITH_HANDLES[-1])], indirect=True, ids=" ".join)
 def test_blender_b_a(render_file, tmp_path: Path, addon_name: str):
     """The farm's way: the whole animation by one process; one frame by a process of its own, bit for bit."""
     if not is_executable():
@@ -245,6 +253,9 @@ def test_blender_b_a(render_file, tmp_path: Path, addon_name: str):
     assert np.array_equal(alone[1][0], shapes[2])
 
 
+@pytest.mark.parametrize(
+    "animated", [("handles", WITH_HANDLES[-1]), ("cage", WITH_CAGE[0])], indirect=True, ids=" ".join
+)
 def test_another_process_renders_the_same_bits(render_file, tmp_path: Path, addon_name: str):
     """A frame that a farm's machine renders first equals the one reached here by playing."""
     path, plate, _expected, _limit = render_file
@@ -256,7 +267,7 @@ def test_another_process_renders_the_same_bits(render_file, tmp_path: Path, addo
         f"""
         import probe
         bpy.ops.wm.open_mainfile(filepath={path!r})
-        seen["shapes"] = [shapes["Plate"].tolist() for shapes in probe.render(animation=True)]
+        seen["shapes"] = [shapes[{plate.name!r}].tolist() for shapes in probe.render(animation=True)]
         seen["frames"] = list(probe.Probe.frames)
         """,
         tmp_path,

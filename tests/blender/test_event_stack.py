@@ -6,9 +6,21 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 import pytest
-from events import FLOAT32, Expected, close
+from expected import Expected
+from inside import settle
 from probe import render_points
-from rig import Rig, add_armature, add_group, base_points, evaluated_points, grid_object, make_active, update
+from rig import (
+    FLOAT32,
+    Rig,
+    add_armature,
+    add_group,
+    base_points,
+    close,
+    evaluated_points,
+    grid_object,
+    make_active,
+    update,
+)
 
 BEND = 0.7
 
@@ -21,13 +33,6 @@ def posed(plate: Rig) -> tuple[Rig, Expected]:
     plate.lift(0.5)
     assert close(plate.points(), expected.lifted(0.5))
     return plate, expected
-
-
-def settle(room) -> None:
-    """The pause in which a window's timer works."""
-    update()
-    room("handlers.deferred").catch_up()
-    update()
 
 
 def lattice_modifier(obj: bpy.types.Object) -> bpy.types.Modifier:
@@ -61,7 +66,7 @@ def to_the_end(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
     bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=len(obj.modifiers) - 1)
 
 
-def test_a_deforming_modifier_below_above_moved_and_removed(posed: tuple[Rig, Expected], room):
+def test_a_deforming_modifier_below_above_moved_and_removed(posed: tuple[Rig, Expected]):
     """Before ours in the stack its result is what we deform; after ours it works on our result."""
     plate, expected = posed
     obj = plate.obj
@@ -81,12 +86,12 @@ def test_a_deforming_modifier_below_above_moved_and_removed(posed: tuple[Rig, Ex
     obj.modifiers["Bend"].show_viewport = True
     obj.modifiers.remove(obj.modifiers["Bend"])
     assert close(plate.points(), expected.lifted(0.5))
-    settle(room)
+    settle()
     assert close(plate.points(), expected.lifted(0.5))
     assert plate.deformer.status_level == "INFO"
 
 
-def test_a_deforming_modifier_before_ours_applied(plate: Rig, room):
+def test_a_deforming_modifier_before_ours_applied(plate: Rig):
     """The mesh takes its shape; what enters ours stays the same, and so does what is seen."""
     lattice_modifier(plate.obj)
     twisted = plate.points()
@@ -96,7 +101,7 @@ def test_a_deforming_modifier_before_ours_applied(plate: Rig, room):
     assert close(plate.points(), expected.lifted(0.5))
     make_active(plate.obj)
     bpy.ops.object.modifier_apply(modifier="Bend")
-    settle(room)
+    settle()
     assert close(plate.rest(), twisted)
     assert close(plate.points(), expected.lifted(0.5))
     plate.lift(0.25)
@@ -124,7 +129,7 @@ def solidify(obj: bpy.types.Object) -> bpy.types.Modifier:
 
 
 @pytest.mark.parametrize("add", [subdivision, array, solidify], ids=lambda add: add.__name__)
-def test_a_constructive_modifier_after_ours_added_applied_and_removed(posed: tuple[Rig, Expected], room, add):
+def test_a_constructive_modifier_after_ours_added_applied_and_removed(posed: tuple[Rig, Expected], add):
     plate, expected = posed
     modifier = add(plate.obj)
     for height in (0.5, 0.75):
@@ -132,13 +137,13 @@ def test_a_constructive_modifier_after_ours_added_applied_and_removed(posed: tup
         assert close(plate.points(), by_blender(expected.lifted(height), add), 1e-5)
         assert close(render_points(plate.obj), by_blender(expected.lifted(height), add), 1e-5)
     plate.obj.modifiers.remove(modifier)
-    settle(room)
+    settle()
     assert close(plate.points(), expected.lifted(0.75))
     assert plate.deformer.status_level == "INFO"
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-def test_a_constructive_modifier_after_ours_applied(posed: tuple[Rig, Expected], room, automatic: bool):
+def test_a_constructive_modifier_after_ours_applied(posed: tuple[Rig, Expected], automatic: bool):
     """Blender applies it to the mesh, without the pose: the deformer has another mesh before it then."""
     plate, expected = posed
     plate.deformer.auto_rebind = automatic
@@ -147,7 +152,7 @@ def test_a_constructive_modifier_after_ours_applied(posed: tuple[Rig, Expected],
     make_active(plate.obj)
     bpy.ops.object.modifier_apply(modifier="Subdivision")
     assert len(plate.rest()) > 400
-    settle(room)
+    settle()
     if not automatic:
         assert close(plate.points(), plate.rest())
         assert plate.deformer.status == "Topology changed - Rebind"
@@ -160,13 +165,13 @@ def test_a_constructive_modifier_after_ours_applied(posed: tuple[Rig, Expected],
 
 @pytest.mark.parametrize("add", [subdivision, array], ids=lambda add: add.__name__)
 @pytest.mark.parametrize("automatic", [False, True])
-def test_a_constructive_modifier_put_before_ours(posed: tuple[Rig, Expected], room, add, automatic: bool):
+def test_a_constructive_modifier_put_before_ours(posed: tuple[Rig, Expected], add, automatic: bool):
     """Other vertices enter: rest and a word about it, right after Rebind or by itself, right when it goes."""
     plate, expected = posed
     obj = plate.obj
     plate.deformer.auto_rebind = automatic
     to_the_top(obj, add(obj))
-    settle(room)
+    settle()
     if not automatic:
         assert close(plate.points(), by_blender(plate.rest(), add))
         assert plate.deformer.status == "Topology changed - Rebind"
@@ -181,7 +186,7 @@ def test_a_constructive_modifier_put_before_ours(posed: tuple[Rig, Expected], ro
     assert np.abs(shown - entering).max() > 0.4
     assert close(plate.points(), shown)
     obj.modifiers.remove(obj.modifiers[0])
-    settle(room)
+    settle()
     if not automatic:
         assert close(plate.points(), plate.rest())
         make_active(obj)
@@ -240,12 +245,12 @@ def test_ours_muted_and_shown(posed: tuple[Rig, Expected]):
     assert close(plate.points(), expected.lifted(0.75))
 
 
-def test_ours_applied_by_blenders_own_button(posed: tuple[Rig, Expected], room):
+def test_ours_applied_by_blenders_own_button(posed: tuple[Rig, Expected]):
     """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
     plate, expected = posed
     make_active(plate.obj)
     bpy.ops.object.modifier_apply(modifier=plate.obj.modifiers[0].name)
-    settle(room)
+    settle()
     assert close(plate.rest(), expected.lifted(0.5))
     assert close(plate.points(), expected.lifted(0.5))
     plate.lift(0.25)
@@ -256,11 +261,11 @@ def test_ours_applied_by_blenders_own_button(posed: tuple[Rig, Expected], room):
     assert close(plate.points(), expected.lifted(0.5))
 
 
-def test_ours_removed_by_blenders_own_button_and_bound_again(posed: tuple[Rig, Expected], room):
+def test_ours_removed_by_blenders_own_button_and_bound_again(posed: tuple[Rig, Expected]):
     plate, expected = posed
     make_active(plate.obj)
     bpy.ops.object.modifier_remove(modifier=plate.obj.modifiers[0].name)
-    settle(room)
+    settle()
     assert close(plate.points(), plate.rest())
     assert plate.deformer.status_level in ("ERROR", "WARNING")
     bpy.ops.sinew.bind()
@@ -268,47 +273,47 @@ def test_ours_removed_by_blenders_own_button_and_bound_again(posed: tuple[Rig, E
     assert len(plate.obj.modifiers) == 1
 
 
-def test_ours_copied_by_blenders_own_button(posed: tuple[Rig, Expected], room):
+def test_ours_copied_by_blenders_own_button(posed: tuple[Rig, Expected]):
     """Two modifiers show one shape: the pose is seen once, not twice."""
     plate, expected = posed
     make_active(plate.obj)
     bpy.ops.object.modifier_copy(modifier=plate.obj.modifiers[0].name)
     for height in (0.5, 0.75, 1.0):
-        settle(room)
+        settle()
         assert close(plate.points(), expected.lifted(height))
         plate.lift(0.25)
     bpy.ops.object.modifier_remove(modifier=plate.obj.modifiers[0].name)
-    settle(room)
+    settle()
     assert close(plate.points(), expected.lifted(1.25))
 
 
-def test_modifiers_copied_to_another_object(posed: tuple[Rig, Expected], room):
+def test_modifiers_copied_to_another_object(posed: tuple[Rig, Expected]):
     """It shows the shape as a mirror does; the rig stays one."""
     plate, expected = posed
     other = grid_object("Other")
     make_active(plate.obj)
     other.select_set(True)
     bpy.ops.object.make_links_data(type="MODIFIERS")
-    settle(room)
+    settle()
     plate.lift(0.25)
     assert close(plate.points(), expected.lifted(0.75))
     assert close(evaluated_points(other), expected.lifted(0.75))
     bpy.data.objects.remove(other)
-    settle(room)
+    settle()
     plate.lift(0.25)
     assert close(plate.points(), expected.lifted(1.0))
 
 
-def test_all_modifiers_applied_by_converting_to_a_mesh(posed: tuple[Rig, Expected], room):
+def test_all_modifiers_applied_by_converting_to_a_mesh(posed: tuple[Rig, Expected]):
     plate, expected = posed
     subdivision(plate.obj)
     smooth = by_blender(expected.lifted(0.5), subdivision)
     make_active(plate.obj)
     bpy.ops.object.convert(target="MESH")
-    settle(room)
+    settle()
     assert close(plate.points(), smooth, 1e-5)
     plate.obj.update_tag()
-    settle(room)
+    settle()
     assert close(plate.points(), smooth, 1e-5)
 
 
@@ -329,7 +334,7 @@ def second_deformer(plate: Rig) -> tuple[bpy.types.Object, Expected]:
     return control, Expected(obj, control, handle="Corner", fixed=("Rest",))
 
 
-def test_our_modifiers_in_another_order_keep_their_own_settings(plate: Rig, room):
+def test_our_modifiers_in_another_order_keep_their_own_settings(plate: Rig):
     plate.bind()
     first = Expected.of(plate)
     control = plate.control
@@ -343,21 +348,21 @@ def test_our_modifiers_in_another_order_keep_their_own_settings(plate: Rig, room
     names = [modifier.name for modifier in plate.obj.modifiers]
     to_the_end(plate.obj, plate.obj.modifiers[0])
     assert [modifier.name for modifier in plate.obj.modifiers] == names[::-1]
-    settle(room)
+    settle()
     two = first.now(plate.obj, control, incoming=second.now(plate.obj, corner).astype(np.float32))
     assert close(plate.points(), two, 2 * FLOAT32)
     plate.obj.modifiers[0].show_viewport = False
-    settle(room)
+    settle()
     assert close(plate.points(), first.now(plate.obj, control))
     plate.obj.modifiers[0].show_viewport = True
     make_active(plate.obj)
     bpy.ops.sinew.deformer_remove(index=0)
-    settle(room)
+    settle()
     assert close(plate.points(), second.now(plate.obj, corner))
     assert close(plate.rest(), rest)
 
 
-def test_a_modifier_between_two_of_ours_comes_and_goes(plate: Rig, room):
+def test_a_modifier_between_two_of_ours_comes_and_goes(plate: Rig):
     plate.bind()
     first = Expected.of(plate)
     control = plate.control
@@ -367,35 +372,35 @@ def test_a_modifier_between_two_of_ours_comes_and_goes(plate: Rig, room):
     lattice_modifier(plate.obj)
     make_active(plate.obj)
     bpy.ops.object.modifier_move_to_index(modifier="Bend", index=1)
-    settle(room)
+    settle()
     twisted = by_blender(first.now(plate.obj, control), lattice_modifier)
     between = second.now(plate.obj, corner, incoming=twisted.astype(np.float32))
     assert close(plate.points(), between, 1e-5)
     plate.obj.modifiers.remove(plate.obj.modifiers["Bend"])
-    settle(room)
+    settle()
     straight = second.now(plate.obj, corner, incoming=first.now(plate.obj, control).astype(np.float32))
     assert close(plate.points(), straight, 2 * FLOAT32)
 
 
-def test_shape_keys_added_blended_and_removed(posed: tuple[Rig, Expected], room):
+def test_shape_keys_added_blended_and_removed(posed: tuple[Rig, Expected]):
     plate, expected = posed
     obj = plate.obj
     obj.shape_key_add(name="Basis")
     wave = obj.shape_key_add(name="Wave")
     for point in wave.data:
         point.co.z = 0.2 * point.co.x
-    settle(room)
+    settle()
     for value in (0.0, 1.0, 0.5):
         wave.value = value
         entering = base_points(obj).copy()
         entering[:, 2] += value * 0.2 * entering[:, 0]
         assert close(plate.points(), expected.now(obj, plate.control, incoming=entering))
     obj.shape_key_clear()
-    settle(room)
+    settle()
     assert close(plate.points(), expected.lifted(0.5))
 
 
-def test_an_armature_added_before_a_living_deformer(posed: tuple[Rig, Expected], room):
+def test_an_armature_added_before_a_living_deformer(posed: tuple[Rig, Expected]):
     """The skin comes after the pose: the deformer then works on what the bones give it."""
     plate, expected = posed
     armature = add_armature(plate.obj)

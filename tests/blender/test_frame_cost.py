@@ -8,8 +8,9 @@ from collections import Counter
 from collections.abc import Callable
 
 import pytest
+from inside import LOOKS, READS, calls_of
+from registry import WITH_HANDLES
 from rig import Rig, add_armature, update
-from test_event_cost import calls_of
 
 CELLS = 60  # 3,721 vertices: one array of them is larger than all else that a frame allocates
 SHAPE = 12  # bytes a vertex, of a shape array
@@ -19,7 +20,7 @@ SHAPE = 12  # bytes a vertex, of a shape array
 def native(room, count_native) -> Counter:
     """How often the native module was asked for something."""
     module = room("backend").availability().module
-    return count_native(module, "SurfaceMesh", "set_handles", "set_stiffness", "solve")
+    return count_native(module, "SurfaceMesh", "diagnose", "set_handles", "rebind", "solve")
 
 
 def peak_of(action: Callable[[], object]) -> int:
@@ -39,28 +40,24 @@ def of_one_vertex(rig: Rig, size: int) -> float:
     return size / len(rig.obj.data.vertices)
 
 
-READS = {"read_positions", "read_incoming", "read_attributes", "read_shape", "read_rest", "read_faces"}
-LOOKS = {"group_weights", "read_weights", "rest_meshes", "has_rest_of", "_diagnosis"}
-
-
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
-def test_a_moved_control_is_one_solve_and_one_write(method: str, addon_name: str, native: Counter):
+@pytest.mark.parametrize("method", WITH_HANDLES)
+def test_a_moved_control_is_one_solve_and_one_write(method: str, native: Counter):
     plate = Rig.plate(CELLS).bind(method)
     for _ in range(3):
         plate.lift(0.1)
     native.clear()
-    found = calls_of(addon_name, lambda: plate.lift(0.1))
+    found = calls_of(lambda: plate.lift(0.1))
     assert native == {"solve": 1}
     assert found["write_shape"] == found["write_positions"] == found["_answer"] == 1, found
     assert found["gather"] == 1, found  # the poses; a bind gathers regions too
     assert not (READS | LOOKS) & found.keys(), found
     native.clear()
-    found = calls_of(addon_name, update)
+    found = calls_of(update)
     assert not native
     assert found.total() < 60, found
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_a_moved_control_needs_one_new_array(method: str):
     """The shape that is written; the solver keeps its own memory from frame to frame."""
     plate = Rig.plate(CELLS).bind(method)
@@ -88,7 +85,7 @@ def test_a_drag_widens_the_shape_that_it_starts_from(room):
     assert room("session").unsettled()
 
 
-def test_an_animated_pose_below_costs_one_read(addon_name: str, native: Counter):
+def test_an_animated_pose_below_costs_one_read(native: Counter):
     """What enters is read once, compared, and given to the solver as it is."""
     plate = Rig.plate(CELLS)
     armature = add_armature(plate.obj)
@@ -103,7 +100,7 @@ def test_an_animated_pose_below_costs_one_read(addon_name: str, native: Counter)
     for _ in range(3):
         turn()
     native.clear()
-    found = calls_of(addon_name, turn)
+    found = calls_of(turn)
     assert native == {"solve": 1}
     assert found["read_incoming"] == found["write_positions"] == 1, found
     assert found["gather"] == 1, found

@@ -10,9 +10,9 @@ import bpy
 import numpy as np
 import pytest
 from editing import centre, edit, edited, grab, placed_object, selection
+from inside import use_threads
+from registry import WITH_HANDLES
 from rig import grid_object
-
-METHODS = ("thin_shell", "arap")
 
 
 class Hand:
@@ -98,7 +98,7 @@ def test_axis_and_number_by_keys(hand: Hand, before: np.ndarray):
     assert np.allclose(lifted(hand), (0.0, 0.0, -0.5), atol=1e-6)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
 def test_cancel_restores_every_bit_and_the_selection(room, key: str, method: str):
     obj = placed_object()
@@ -122,7 +122,7 @@ def test_cancel_restores_every_bit_and_the_selection(room, key: str, method: str
     assert selection(obj) == chosen
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_what_was_confirmed_is_what_the_properties_repeat(room, method: str):
     obj = grid_object(cells=20)
     edit(obj, centre)
@@ -172,7 +172,7 @@ def test_a_key_that_is_held_counts_once(hand: Hand, before: np.ndarray):
     assert np.allclose(lifted(hand), (0.0, 0.0, 0.5), atol=1e-6)
 
 
-def test_a_turned_view_keeps_the_motion_and_goes_on_from_there(hand: Hand, before: np.ndarray, room):
+def test_a_turned_view_keeps_the_motion_and_goes_on_from_there(hand: Hand, before: np.ndarray):
     hand.move(30, 50)
     side = hand.view.__class__(
         right=np.array((0.0, 1.0, 0.0)),
@@ -211,7 +211,7 @@ def test_a_mesh_that_changed_under_the_tool_is_left_alone(hand: Hand, room):
 
 
 def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(room, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda count: True)
+    use_threads(monkeypatch)
     obj = grid_object(cells=30)
     edit(obj, centre)
     before = edited(obj)
@@ -234,7 +234,7 @@ def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(room, monk
 
 def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(room, monkeypatch: pytest.MonkeyPatch):
     """Moved and turned, a surface that nothing holds goes as one piece, without a bind."""
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda count: True)
+    use_threads(monkeypatch)
     obj = grid_object(cells=20)
     chosen = edit(obj, centre)
     before = edited(obj)
@@ -254,7 +254,7 @@ def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(room, monkeypa
 
 
 def test_cancel_while_a_thread_binds(room, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda count: True)
+    use_threads(monkeypatch)
     obj = grid_object(cells=30)
     edit(obj, centre)
     before = edited(obj)

@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from editing import centre, edit, edited, grab, placed_object, select
 from mathutils import Matrix
+from registry import WITH_HANDLES
 from rig import apply_matrix, base_points, grid_object, make_active
 
-METHODS = ("thin_shell", "arap")
 
-
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
     obj = grid_object(cells=20)
     chosen = edit(obj, centre)
@@ -32,7 +31,7 @@ def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
     assert 0.0 < after[list(near), 2].mean() < 1.0
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize(
     "motion",
     [
@@ -80,7 +79,7 @@ def test_thin_shell_solves_the_clamped_plate_equation():
     assert np.abs(after[:, :2] - before[:, :2]).max() < 1e-6
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_only_the_part_within_reach_changes_the_answer(method: str):
     """Far from the radius there may be anything: the same shape with and without another 5,000 vertices."""
     results = []
@@ -230,7 +229,7 @@ def test_loose_vertices_just_move(chosen: tuple[int, ...], capfd: pytest.Capture
     assert "only the selection moves" in capfd.readouterr().out
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize(
     "hostile",
     [
@@ -250,7 +249,7 @@ def test_motions_beyond_numbers_are_refused_and_change_nothing(method: str, host
     assert np.array_equal(edited(obj), before)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize(
     "odd",
     [
@@ -300,7 +299,7 @@ def test_an_object_without_volume_is_refused():
         bpy.ops.sinew.grab_region(value=(0.0, 0.0, 1.0))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_vertices_without_a_place_stay_and_are_counted(method: str, capfd: pytest.CaptureFixture):
     obj = grid_object(cells=20)
     wrong = 10 * 21 + 14  # within the radius
@@ -318,7 +317,7 @@ def test_vertices_without_a_place_stay_and_are_counted(method: str, capfd: pytes
         bpy.ops.sinew.grab_region(value=(0.0, 0.0, 0.5))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_messy_meshes_still_work(method: str):
     """N-gons, a face of no area, an edge of three faces, a wire, all within reach."""
     bm = bmesh.new()

@@ -5,9 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from rig import Rig, add_armature, add_group, apply_matrix, make_active
-
-FLOAT32 = 4e-6
+from rig import FLOAT32, Rig, add_armature, add_group, apply_matrix, make_active
 
 
 def activate(obj: bpy.types.Object, group: str) -> None:

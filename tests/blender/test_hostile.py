@@ -18,6 +18,7 @@ import pytest
 from complaints import Complaints
 from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
+from inside import catch_up
 from rig import Rig, add_group, make_active, update
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
@@ -71,7 +72,7 @@ def live_with_it(plate: Rig, room, folder: Path) -> None:
     """Evaluate, move, animate, press every button that fits, save and load."""
     make_active(plate.obj)
     assert_sound(plate)
-    room("handlers.deferred").catch_up()
+    catch_up()
     assert_sound(plate)
     for control in [obj for obj in bpy.context.scene.objects if obj.type == "EMPTY"]:
         control.location.z += 0.25
@@ -93,7 +94,7 @@ def live_with_it(plate: Rig, room, folder: Path) -> None:
         (bpy.ops.sinew.deformer_remove, {}),
     ):
         press(operator, **keywords)
-        room("handlers.deferred").catch_up()
+        catch_up()
         update()
         if bpy.context.object != plate.obj:
             make_active(plate.obj)
@@ -413,11 +414,11 @@ def test_a_hundred_thousand_handles_stay_responsive(posed: Rig):
     assert np.array_equal(posed.points(), posed.rest())
 
 
-def test_hundreds_of_objects_that_claim_one_key_are_told_apart_in_time(posed: Rig, room):
+def test_hundreds_of_objects_that_claim_one_key_are_told_apart_in_time(posed: Rig):
     for _ in range(300):
         bpy.context.scene.collection.objects.link(posed.obj.copy())
     start = time.process_time()
-    room("handlers.deferred").catch_up()
+    catch_up()
     update()
     assert time.process_time() - start < 20.0
     keys = [deformer.uid for obj in bpy.data.objects for deformer in obj.sinew.deformers]

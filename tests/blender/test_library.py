@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from inside import catch_up
 from mathutils import Matrix
 from rig import Rig, evaluated_points, make_active, move_world, update
 
@@ -44,7 +45,7 @@ def test_a_linked_rig_shows_the_last_solution(library: tuple[str, np.ndarray]):
     assert "library override" in obj.sinew.deformers[0].status
 
 
-def test_an_override_can_be_posed(library: tuple[str, np.ndarray], room, tmp_path: Path):
+def test_an_override_can_be_posed(library: tuple[str, np.ndarray], tmp_path: Path):
     path, shown = library
     collection = link(path, collection=True)
     bpy.context.scene.collection.children.link(collection)
@@ -52,7 +53,7 @@ def test_an_override_can_be_posed(library: tuple[str, np.ndarray], room, tmp_pat
     collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
     update()
     obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
-    room("handlers.deferred").catch_up()
+    catch_up()
     assert obj.sinew.deformers[0].proxy.library is None
     assert np.abs(evaluated_points(obj) - shown).max() < 1e-5
     control = obj.sinew.deformers[0].handles[0].control
@@ -106,7 +107,7 @@ def test_an_animated_cage_of_another_file_moves_a_mesh_of_this_one(scene, tmp_pa
     assert np.abs(evaluated_points(target) - rest - (0.0, 0.0, 0.5)).max() < 1e-5
 
 
-def test_a_cage_and_its_mesh_can_be_linked_and_overridden(scene, room, tmp_path: Path):
+def test_a_cage_and_its_mesh_can_be_linked_and_overridden(scene, tmp_path: Path):
     target, cage = caged_ball()
     cage.location.z = 0.5
     update()
@@ -118,7 +119,7 @@ def test_a_cage_and_its_mesh_can_be_linked_and_overridden(scene, room, tmp_path:
     assert np.array_equal(evaluated_points(collection.objects["Ball"]), shown)
     collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
     update()
-    room("handlers.deferred").catch_up()
+    catch_up()
     target = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
     assert np.abs(evaluated_points(target) - shown).max() < 1e-5
     cage = target.sinew.deformers[0].cage

@@ -8,9 +8,18 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Euler, Matrix
-from rig import Rig, apply_matrix, evaluated_points, grid_object, make_active, move_world, some_motion, update
+from rig import (
+    FLOAT32,
+    Rig,
+    apply_matrix,
+    evaluated_points,
+    grid_object,
+    make_active,
+    move_world,
+    some_motion,
+    update,
+)
 
-FLOAT32 = 4e-6
 FLIP = np.array((-1.0, 1.0, 1.0))
 
 

@@ -5,9 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from rig import Rig, add_group, make_active, move_world, update
-
-FLOAT32 = 4e-6
+from rig import FLOAT32, Rig, add_group, make_active, move_world, update
 
 
 def three_deformers(plate: Rig) -> bpy.types.Object:
@@ -51,7 +49,7 @@ def test_modifiers_follow_the_list_and_others_keep_their_place(plate: Rig, room)
     assert stack(obj, room) == ["First", "C", "Between", "A", "B"]
 
 
-def test_a_move_past_the_end_does_nothing(plate: Rig, room):
+def test_a_move_past_the_end_does_nothing(plate: Rig):
     obj = three_deformers(plate)
     assert bpy.ops.sinew.deformer_move(direction="UP", index=0) == {"CANCELLED"}
     assert bpy.ops.sinew.deformer_move(direction="DOWN", index=2) == {"CANCELLED"}

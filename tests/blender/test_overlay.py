@@ -9,6 +9,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from inside import RESULT
 from mathutils import Color, Matrix
 from rig import Rig, add_group, base_points, make_active, move_world, update
 
@@ -235,7 +236,7 @@ def test_factor_and_mask_lessen_the_distortion(paint, room, plate: Rig):
     update()
     paint(plate.obj, overlay="DISTORTION", measure="STRETCH")
     measure = room("core.distortion").Measure.STRETCH
-    found = room("session.shown.result").measured(plate.obj, plate.deformer, measure)
+    found = room(RESULT).measured(plate.obj, plate.deformer, measure)
     assert np.allclose(found.values, 2.0, atol=1e-5)
 
 
@@ -360,11 +361,11 @@ def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, b
 
 def test_colours_of_handles_do_not_repaint_other_overlays(paint, overlay, bound_plate: Rig, room):
     paint(bound_plate.obj, overlay="DISTORTION")
-    source = room("session.shown.result").source
+    source = room(RESULT).source
     was = source(bound_plate.obj, bound_plate.deformer)
-    assert room("session.shown.result").same(was, source(bound_plate.obj, bound_plate.deformer))
+    assert room(RESULT).same(was, source(bound_plate.obj, bound_plate.deformer))
     bound_plate.lift(0.1)
-    assert not room("session.shown.result").same(was, source(bound_plate.obj, bound_plate.deformer))
+    assert not room(RESULT).same(was, source(bound_plate.obj, bound_plate.deformer))
 
 
 def test_select_shows_the_most_distorted_vertex(plate: Rig):
@@ -576,7 +577,7 @@ def test_no_cage_weights_while_another_method_is_bound(paint, room, bound_plate:
     """As in a window, where a thread binds the method just chosen."""
     with room("session").suspended():
         bound_plate.deformer.method = "green"
-    assert room("session.shown.result").influence(bound_plate.deformer) is None
+    assert room(RESULT).influence(bound_plate.deformer) is None
 
 
 def test_a_method_without_a_cage_has_no_cage_weights(paint, bound_plate: Rig):

@@ -25,8 +25,9 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from inside import settle
 from mathutils import Matrix
-from rig import apply_matrix, base_points, evaluated_points, make_active, update
+from rig import apply_matrix, base_points, evaluated_points, make_active
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 SEQUENCES = max(20, int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200")) // 5)  # the first ones are short
@@ -75,9 +76,7 @@ class Artist(RuleBasedStateMachine):
         if push:
             bpy.ops.ed.undo_push(message="step")
             self.depth, self.redos = min(self.depth + 1, MOST_UNDO), 0
-        update()
-        self.room("handlers.deferred").catch_up()
-        update()
+        settle()
         self.complaints.check()
         for obj in self.targets:
             if obj.mode == "OBJECT":

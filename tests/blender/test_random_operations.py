@@ -26,10 +26,12 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from inside import catch_up, settle
 from mathutils import Euler, Matrix
 from oracle import Oracle, Unsure
+from registry import WITH_HANDLES
 from rig import evaluated_points, make_active, update
-from targets import GROUPS, SHAPES, new_target
+from targets import GROUPS, SETTINGS, SHAPES, new_target
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 SEQUENCES = int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200"))
@@ -38,18 +40,10 @@ STEPS = int(os.environ.get("SINEW_RANDOM_STEPS", "50"))
 MOST_UNDO = 25  # steps we go back; Blender keeps 32
 
 PICK = st.integers(0, 5)
-METHODS = st.sampled_from(("thin_shell", "arap"))
+METHODS = st.sampled_from(WITH_HANDLES)
 SMALL = st.integers(-4, 4).map(lambda number: number / 4)
 VECTOR = st.tuples(SMALL, SMALL, SMALL)
 SHARE = st.sampled_from((0.0, 0.25, 0.5, 1.0))
-STIFFNESSES = (("bending", 0.5), ("bending", 0.0), ("stretching", 0.5), ("variation", 0.125))
-LAPLACIANS = (("laplacian", "uniform"), ("laplacian", "cotan"), ("laplacian", "cotan_voronoi"))
-PAINTED = (("bending_group", "Soft"), ("bending_group", ""), ("stretching_group", "Far"))
-ARAP = (("smoothness", 0.0), ("cells", "rims"), ("max_iterations", 3), ("rigidity_group", "Soft"))
-SETTINGS = (
-    *(("thin_shell", *setting) for setting in (*STIFFNESSES, *LAPLACIANS, *PAINTED)),
-    *(("arap", *setting) for setting in (*ARAP, ("rigidity_group", "Nobody"), ("rigidity_group", ""))),
-)
 
 
 class Artist(RuleBasedStateMachine):
@@ -140,9 +134,7 @@ class Artist(RuleBasedStateMachine):
             self.moments = self.moments[-MOST_UNDO:]
             self.moments.append({})
             self.now = len(self.moments) - 1
-        update()
-        self.room("handlers.deferred").catch_up()
-        update()
+        settle()
         self.complaints.check()
         self.compare()
         self.moments[self.now] = dict(self.oracle.last)
@@ -318,7 +310,7 @@ class Artist(RuleBasedStateMachine):
         if not self.call(bpy.ops.object.duplicate, linked=linked):
             return
         twins = (bpy.data.objects[name], bpy.context.object)
-        self.room("handlers.deferred").catch_up()
+        catch_up()
         if not self.oracle.forget_missing(twins):
             for twin in twins:
                 assert np.abs(evaluated_points(twin) - before).max() <= 1e-4 * max(1.0, np.abs(before).max())

@@ -9,8 +9,9 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from inside import ask_for_factor, calls_of, catch_up, settle, use_threads
+from registry import WITH_HANDLES
 from rig import Rig, add_group, make_active, update
-from test_event_cost import calls_of
 
 
 @pytest.fixture
@@ -58,7 +59,7 @@ def same_as_anew(plate: Rig, room) -> None:
 NEW = {"SurfaceMesh": 1, "diagnose": 1, "set_handles": 1}
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_another_region_is_one_native_call(plate: Rig, room, native: Counter, method: str):
     plate.bind(method)
     plate.lift(0.5)
@@ -77,15 +78,13 @@ def test_painting_a_stiffness_is_one_native_call(plate: Rig, room, native: Count
     plate.lift(0.5)
     native.clear()
     paint(plate, 0.1)
-    update()
-    room("handlers.deferred").catch_up()
-    update()
+    settle()
     assert native == {"rebind": 1}
     assert reused(plate, room) == ("updated", "bending")
     same_as_anew(plate, room)
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_binding_again_costs_the_native_module_nothing(plate: Rig, room, native: Counter, method: str):
     plate.bind(method)
     plate.lift(0.5)
@@ -130,16 +129,16 @@ def test_a_refused_rebind_keeps_nothing(plate: Rig, room, native: Counter, monke
 
 
 @pytest.fixture
-def heavy(room, monkeypatch: pytest.MonkeyPatch) -> None:
+def heavy(monkeypatch: pytest.MonkeyPatch) -> None:
     """Binds go to a thread, as for a heavy mesh in a window."""
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
+    use_threads(monkeypatch)
 
 
 def rebind_in_thread(plate: Rig, room) -> None:
     """A region is switched off; a thread binds what is left."""
     session, deformer = room("session"), plate.deformer
     deformer.handles[1].enabled = False
-    room("session.live.binding").ensure(session.find(deformer.uid), deformer, deformer, wait=False)
+    ask_for_factor(deformer)
     assert session.job(deformer.uid) is not None
 
 
@@ -157,7 +156,7 @@ def test_while_a_thread_binds_the_last_shape_stays(plate: Rig, room, heavy, nati
     np.testing.assert_array_equal(
         room("session").find(plate.deformer.uid).view("VIEWPORT").positions, shown.astype(np.float32)
     )
-    room("handlers.deferred").catch_up()
+    catch_up()
     assert native == {"rebind": 1}
     plate.lift(0.1)
     assert plate.points()[plate.top, 2] == pytest.approx(0.6, abs=1e-6)
@@ -173,31 +172,31 @@ def test_a_region_that_returns_while_a_thread_binds_is_bound_again(plate: Rig, r
     rebind_in_thread(plate, room)
     plate.deformer.handles[1].enabled = True
     update()
-    while room("handlers.deferred").catch_up():
+    while catch_up():
         pass
     update()
     assert not bound(plate, room).factor.is_spent
     np.testing.assert_allclose(plate.points(), shown, atol=1e-6)
 
 
-def test_a_frame_reads_the_rig_only_when_the_target_changed(plate: Rig, addon_name: str):
+def test_a_frame_reads_the_rig_only_when_the_target_changed(plate: Rig):
     """Moving a control: one solve, one write, and no look at modifiers, groups or copies."""
     plate.bind("thin_shell")
     for _ in range(2):
         plate.lift(0.1)
-    found = calls_of(addon_name, lambda: plate.lift(0.1))
+    found = calls_of(lambda: plate.lift(0.1))
     assert found["write_positions"] == found["write_shape"] == found["shape_array"] == 1, found
     looks = {"modifier_input", "tell_copies_apart", "follow_renamed_groups", "_layout", "read_incoming"}
     assert not looks & found.keys(), found
     plate.obj.update_tag()
-    found = calls_of(addon_name, update)
+    found = calls_of(update)
     assert looks <= found.keys(), found  # so that the names above are names
 
 
-def test_a_bind_captures_and_reads_the_mesh_once(plate: Rig, addon_name: str):
+def test_a_bind_captures_and_reads_the_mesh_once(plate: Rig):
     plate.bind("thin_shell")
     plate.lift(0.5)
-    found = calls_of(addon_name, lambda: bind(plate))
+    found = calls_of(lambda: bind(plate))
     for name in ("_new_mesh", "read_rest", "group_weights"):
         assert found[name] <= 1, (name, found)
     assert found["_new_mesh"] == 1

@@ -5,14 +5,8 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from inside import settle
 from rig import Rig, add_armature, make_active, update
-
-
-def catch_up(room) -> None:
-    """What a timer does in a window."""
-    update()
-    room("handlers.deferred").catch_up()
-    update()
 
 
 def edit_faces(obj: bpy.types.Object, change) -> None:
@@ -43,7 +37,7 @@ def as_made_anew(rig: Rig, method: str = "thin_shell") -> np.ndarray:
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "WEIGHT_PAINT"])
-def test_painted_weights_take_effect_without_a_rebind(plate: Rig, room, mode: str):
+def test_painted_weights_take_effect_without_a_rebind(plate: Rig, mode: str):
     plate.bind("thin_shell")
     plate.lift()
     before = plate.points()
@@ -51,7 +45,7 @@ def test_painted_weights_take_effect_without_a_rebind(plate: Rig, room, mode: st
     bpy.ops.object.mode_set(mode=mode)
     plate.obj.vertex_groups["Top"].add(plate.top.tolist(), 0.3, "REPLACE")
     plate.obj.data.update_tag()
-    catch_up(room)
+    settle()
     after = plate.points()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.abs(after - before)[plate.top].max() > 1e-3
@@ -68,7 +62,7 @@ def held(deformer) -> list[int]:
 
 
 @pytest.mark.parametrize("change", ["weights", "topology", "renders"])
-def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, room, change: str):
+def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, change: str):
     """Undo leaves an object alone where its steps agree, also one that a pause has changed since."""
     if change == "renders":
         modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
@@ -89,20 +83,20 @@ def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, room, change: str)
         modifier.render_levels = 2
         plate.obj.data.update_tag()
         bpy.ops.ed.undo_push(message="finer")
-    catch_up(room)
+    settle()
     after = len(plate.deformer.rest_in("RENDER").vertices)
     assert after == size if change == "weights" else after > size
     assert held(plate.deformer) == before
     shown = plate.points()
     bpy.ops.ed.undo()
-    catch_up(room)
+    settle()
     assert len(plate.deformer.rest_in("RENDER").vertices) == size
     bpy.ops.ed.redo()
-    catch_up(room)
+    settle()
     np.testing.assert_allclose(plate.points(), shown, atol=1e-6)
 
 
-def test_vertices_assigned_in_edit_mode_join_their_region(plate: Rig, room):
+def test_vertices_assigned_in_edit_mode_join_their_region(plate: Rig):
     plate.bind("thin_shell")
     plate.lift()
     make_active(plate.obj)
@@ -111,19 +105,19 @@ def test_vertices_assigned_in_edit_mode_join_their_region(plate: Rig, room):
     middle = [index for index, point in enumerate(plate.rest()) if abs(point[1]) < 0.05]
     plate.obj.vertex_groups["Top"].add(middle, 1.0, "REPLACE")
     plate.obj.data.update_tag()
-    catch_up(room)
+    settle()
     np.testing.assert_allclose(plate.points()[middle, 2], 1.0, atol=1e-6)
 
 
 def test_painting_a_group_of_no_region_binds_nothing(plate: Rig, room):
     plate.bind("thin_shell")
     plate.obj.vertex_groups.new(name="Other")
-    catch_up(room)
+    settle()
     session = room("session").find(plate.deformer.uid)
     bound = session.bound
     plate.obj.vertex_groups["Other"].add([0, 1], 1.0, "REPLACE")
     plate.obj.data.update_tag()
-    catch_up(room)
+    settle()
     assert session.bound is bound
 
 
@@ -137,80 +131,12 @@ def test_weights_painted_on_a_posed_mesh_keep_the_rest_shape(plate: Rig, room):
     held = np.array([vertex.co for vertex in rest.vertices])
     plate.obj.vertex_groups["Top"].add(plate.top.tolist(), 0.5, "REPLACE")
     plate.obj.data.update_tag()
-    catch_up(room)
+    settle()
     assert rest[room("ids").Keys.REST_TOKEN] != token
     np.testing.assert_array_equal(np.array([vertex.co for vertex in rest.vertices]), held)
 
 
-def test_other_faces_between_as_many_vertices_show_rest_and_say_so(plate: Rig, room):
-    """Counts alone would show a wrong shape here."""
-    plate.bind("thin_shell")
-    plate.lift()
-
-    def turn_an_edge(edit):
-        import bmesh
-
-        bmesh.ops.triangulate(edit, faces=edit.faces[:1])
-
-    edit_faces(plate.obj, turn_an_edge)
-    catch_up(room)
-    np.testing.assert_allclose(plate.points(), plate.rest(), atol=1e-6)
-    assert plate.deformer.status == "Topology changed - Rebind"
-    make_active(plate.obj)
-    bpy.ops.sinew.bind()
-    np.testing.assert_allclose(plate.points()[plate.top, 2], 1.0, atol=1e-6)
-
-
-def test_undo_of_a_topology_edit_brings_the_shape_back(plate: Rig, room):
-    plate.bind("thin_shell")
-    plate.lift()
-    before = plate.points()
-    bpy.ops.ed.undo_push(message="posed")
-    edit_faces(plate.obj, lambda edit: edit.verts.remove(edit.verts[60]))
-    catch_up(room)
-    bpy.ops.ed.undo_push(message="edited")
-    np.testing.assert_allclose(plate.points(), plate.rest(), atol=1e-6)
-    bpy.ops.ed.undo()
-    catch_up(room)
-    assert len(plate.rest()) == 121
-    np.testing.assert_allclose(plate.points(), before, atol=1e-6)
-    assert "bound in" in plate.deformer.status
-
-
-def test_automatic_rebind_follows_new_vertices(plate: Rig, room):
-    plate.bind("thin_shell")
-    plate.deformer.auto_rebind = True
-    plate.lift()
-    make_active(plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
-    catch_up(room)
-    after, rest = plate.points(), plate.rest()
-    assert len(after) == 441
-    np.testing.assert_allclose(after[rest[:, 1] > 0.85, 2], 1.0, atol=1e-6)
-    np.testing.assert_allclose(after, as_made_anew(plate), atol=1e-6)
-
-
-def test_automatic_rebind_follows_a_modifier_above(plate: Rig, room):
-    plate.bind("thin_shell")
-    plate.deformer.auto_rebind = True
-    plate.lift()
-    above = plate.obj.modifiers.new("Subdivision", "SUBSURF")
-    above.render_levels = 1
-    make_active(plate.obj)
-    bpy.ops.object.modifier_move_to_index(modifier=above.name, index=0)
-    catch_up(room)
-    assert len(plate.points()) == 441
-    assert plate.points()[:, 2].max() == pytest.approx(1.0, abs=1e-5)
-    plate.obj.modifiers.remove(plate.obj.modifiers["Subdivision"])
-    catch_up(room)
-    assert len(plate.points()) == 121
-    assert plate.points()[:, 2].max() == pytest.approx(1.0, abs=1e-5)
-
-
-def test_renamed_vertex_groups_stay_regions_masks_and_paint(plate: Rig, room):
+def test_renamed_vertex_groups_stay_regions_masks_and_paint(plate: Rig):
     plate.bind("thin_shell")
     plate.deformer.mask_group = "Top"
     plate.deformer.parameters.bending_group = "Base"
@@ -218,7 +144,7 @@ def test_renamed_vertex_groups_stay_regions_masks_and_paint(plate: Rig, room):
     before = plate.points()
     for name in ("Top", "Base"):
         plate.obj.vertex_groups[name].name = f"{name} renamed"
-    catch_up(room)
+    settle()
     plate.control.location.x += 0.0
     plate.obj.update_tag()
     np.testing.assert_allclose(plate.points(), before, atol=1e-6)

@@ -6,12 +6,13 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
+from inside import RENDER_WRITES
 
 
 @pytest.fixture
 def relay(room, monkeypatch: pytest.MonkeyPatch):
     """As in a window whose interface is not locked."""
-    found = room("session.memory.render_writes")
+    found = room(RENDER_WRITES)
     monkeypatch.setattr(found, "must_hand_over", lambda _scene: True)
     return found
 
@@ -74,6 +75,6 @@ def test_what_blender_forbids_the_main_thread_for_a_moment_is_tried_again(relay)
 
 
 def test_locked_interfaces_and_background_renders_need_no_relay(room):
-    relay = room("session.memory.render_writes")
+    relay = room(RENDER_WRITES)
     assert not relay.must_hand_over(bpy.context.scene)
     assert relay.write(bpy.context.scene, lambda: True, threading.RLock()) is True

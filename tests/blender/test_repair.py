@@ -7,9 +7,8 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from rig import Rig, add_group, base_points, grid_object, make_active, update
+from rig import FLOAT32, Rig, add_group, base_points, grid_object, make_active, update
 
-FLOAT32 = 4e-6
 NAN = float("nan")
 
 

@@ -6,10 +6,11 @@ import math
 import bpy
 import numpy as np
 import pytest
+from inside import DRAG, catch_up, use_threads
 from mathutils import Matrix
+from probe import render_points
+from registry import WITH_HANDLES
 from rig import Rig, add_armature, evaluated_points, make_active, move_world, update
-
-METHODS = ("thin_shell", "arap")
 
 
 def animate(plate: Rig) -> None:
@@ -21,27 +22,6 @@ def animate(plate: Rig) -> None:
         control.location = (0.0, -0.01 * angle, 0.01 * angle)
         control.keyframe_insert("rotation_euler", frame=frame)
         control.keyframe_insert("location", frame=frame)
-
-
-def rendered_points(obj: bpy.types.Object) -> np.ndarray:
-    """What a render's own depsgraph shows, read where a render engine reads it."""
-    seen = {}
-
-    def remember(_scene, depsgraph) -> None:
-        if depsgraph.mode == "RENDER":
-            evaluated = obj.evaluated_get(depsgraph)
-            seen["proxy"] = obj.sinew.deformers[0].proxy_render.data
-            seen["matrix"] = evaluated.matrix_world.copy()
-
-    bpy.app.handlers.frame_change_post.append(remember)
-    try:
-        render_image(size=8)
-    finally:
-        bpy.app.handlers.frame_change_post.remove(remember)
-    mesh = seen["proxy"]
-    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.vertices.foreach_get("co", flat)
-    return flat.reshape(-1, 3)[:-1].astype(float)
 
 
 def add_camera(size: float = 6.0) -> None:
@@ -88,45 +68,6 @@ def glow(obj: bpy.types.Object) -> None:
     obj.data.materials.append(material)
     bpy.context.scene.world.use_nodes = False
     bpy.context.scene.world.color = (0.0, 0.0, 0.0)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_frame_reached_by_scrubbing_equals_the_frame_reached_directly(plate: Rig, method: str):
-    plate.bind(method)
-    animate(plate)
-    scene = bpy.context.scene
-    scene.frame_set(1)
-    scene.frame_set(20)
-    direct = plate.points()
-    for frame in (3, 17, 5, 12, 1, 19, 20):
-        scene.frame_set(frame)
-    assert np.abs(direct[plate.top] - plate.rest()[plate.top]).max() > 0.5
-    assert np.array_equal(plate.points(), direct)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_dragging_to_a_pose_equals_the_frame_with_that_pose(plate: Rig, method: str):
-    plate.bind(method)
-    animate(plate)
-    bpy.context.scene.frame_set(14)
-    played, matrix = plate.points(), plate.control.matrix_basis.copy()
-    bpy.context.scene.frame_set(1)
-    plate.control.animation_data_clear()
-    for step in np.linspace(0.0, 1.0, 5):
-        plate.control.matrix_basis = Matrix.Identity(4).lerp(matrix, float(step))
-        update()
-    plate.control.matrix_basis = matrix
-    # the control's basis went through location and Euler angles in float32 once more
-    assert np.abs(plate.points() - played).max() < 1e-4
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_render_equals_viewport_to_the_last_bit(plate: Rig, method: str):
-    plate.bind(method)
-    animate(plate)
-    bpy.context.scene.frame_set(13)
-    viewport = plate.points()
-    assert np.array_equal(rendered_points(plate.obj), viewport)
 
 
 def test_render_of_another_frame_leaves_the_viewport_alone(plate: Rig):
@@ -200,7 +141,7 @@ def test_factor_can_be_keyframed(plate: Rig):
         bpy.context.scene.frame_set(frame)
         assert plate.points()[plate.top, 2] == pytest.approx(expected, abs=1e-5)
         assert plate.deformer.proxy_render is not None
-    assert rendered_points(plate.obj)[plate.top, 2] == pytest.approx(1.0, abs=1e-5)
+    assert render_points(plate.obj)[plate.top, 2] == pytest.approx(1.0, abs=1e-5)
 
 
 def test_a_parameter_can_be_keyframed(plate: Rig):
@@ -213,28 +154,6 @@ def test_a_parameter_can_be_keyframed(plate: Rig):
     smooth = plate.points()
     bpy.context.scene.frame_set(11)
     assert np.abs(plate.points() - smooth).max() > 1e-3
-
-
-def test_ten_poses_need_one_factor(plate: Rig, room):
-    plate.bind("arap")
-    state = room("session").find(plate.deformer.uid)
-    factor = state.bound.factor
-    for step in range(10):
-        plate.lift(0.05)
-        assert plate.points()[plate.top, 2].mean() == pytest.approx(0.05 * (step + 1), abs=1e-5)
-    assert room("session").find(plate.deformer.uid).bound.factor is factor
-
-
-def test_nothing_is_solved_when_nothing_changed(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
-    plate.bind().lift(0.5)
-    plate.points()
-    factor = room("session").find(plate.deformer.uid).bound.factor
-    calls = []
-    monkeypatch.setattr(factor, "solve", lambda *_args, **_options: calls.append(1))
-    for _ in range(3):
-        plate.obj.update_tag()
-        update()
-    assert not calls
 
 
 @pytest.fixture
@@ -277,14 +196,14 @@ def test_a_drag_shows_a_preview_and_settles_to_the_final_answer(dragged: Rig, ro
 
 def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
+    use_threads(monkeypatch)
     session = room("session")
     session.settle()
     update()
     work = session.find(plate.deformer.uid).work
     assert work is not None
     work.thread.join(timeout=20.0)
-    room("handlers.deferred").catch_up()
+    catch_up()
     settled = plate.points()
     assert not session.busy()
     assert not session.unsettled()
@@ -294,7 +213,7 @@ def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytes
 
 def test_a_newer_pose_drops_the_final_answer_under_way(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
+    use_threads(monkeypatch)
     session = room("session")
     session.settle()
     update()
@@ -319,7 +238,7 @@ def test_deformers_of_the_other_side_of_an_armature_stay_exact_in_playback(plate
     bpy.context.scene.frame_set(7)
     bpy.context.scene.frame_set(11)
     assert np.array_equal(evaluated_points(plate.obj), once)
-    assert np.array_equal(rendered_points(plate.obj), once)
+    assert np.array_equal(render_points(plate.obj), once)
 
 
 @pytest.fixture
@@ -328,7 +247,7 @@ def heavy_drag(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
 
     def begin(method: str) -> Rig:
         plate.bind(method)
-        monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
+        use_threads(monkeypatch)
         session = room("session").find(plate.deformer.uid)
         session.step_milliseconds = 1e9
         handlers = bpy.app.handlers.depsgraph_update_post
@@ -341,7 +260,7 @@ def heavy_drag(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
     bpy.app.handlers.depsgraph_update_post[:] = [handler]
 
 
-@pytest.mark.parametrize("method", ["thin_shell", "arap"])
+@pytest.mark.parametrize("method", WITH_HANDLES)
 def test_a_drag_over_the_budget_never_waits_and_the_shape_follows(heavy_drag, room, method: str):
     plate = heavy_drag(method)
     session = room("session").find(plate.deformer.uid)
@@ -360,7 +279,7 @@ def test_a_drag_over_the_budget_never_waits_and_the_shape_follows(heavy_drag, ro
     session.step_milliseconds = 1e9
     room("session").collect()
     assert plate.points()[plate.top, 2] == pytest.approx(1.0, abs=1e-6)
-    while room("handlers.deferred").catch_up() or room("session").unsettled():
+    while catch_up() or room("session").unsettled():
         update()
         if session.work is not None:
             session.work.thread.join(timeout=20.0)
@@ -383,7 +302,7 @@ def test_the_drag_budget_sets_how_many_steps_a_preview_takes(heavy_drag, room, m
     session.bound.factor.solve = count
     session.step_milliseconds = 0.0
     for budget, steps in ((1.0e4, 10), (1.0e-4, 1)):
-        monkeypatch.setattr(room("session.live.drag"), "budget", lambda budget=budget: budget)
+        monkeypatch.setattr(room(DRAG), "budget", lambda budget=budget: budget)
         for _ in range(3):
             plate.lift(0.1)
             session.step_milliseconds = 0.0  # so that nothing goes to a thread

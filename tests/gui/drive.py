@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender with a window: from a blank file to a rendered pose, by mouse and keyboard.
 
-Then the same way back by undo, and a bind that is cancelled.
+Then the same way back by undo, Grab Region beside Blender's own transforms, and a bind that is cancelled.
 """
 
+import bmesh
 import bpy
 import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
@@ -22,6 +23,7 @@ from driving import (
     rest,
     screenshot,
     seen,
+    select,
     session,
     shown_points,
     until,
@@ -29,7 +31,7 @@ from driving import (
     viewport,
     write,
 )
-from mathutils import Vector
+from mathutils import Quaternion, Vector
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
 HEAD = (370, 626), (600, 456)
@@ -39,6 +41,12 @@ MENU_ADD_HANDLE = (640, 736)
 METHOD = (930, 585)
 FACTOR = (975, 238), (940, 238)
 LAST = 12  # frame
+SLANTED = (0.75, 0.55, 0.2, 0.3)  # a view from the front, the right and above
+TRANSFORMS = {  # keys, and moves of the mouse in pixels
+    "move": ["G", (60, 40)],
+    "along an axis": ["G", "Y", (60, 40)],
+    "switched": ["G", "Z", (60, 40), "R", (-90, 120)],
+}
 
 
 def cow() -> bpy.types.Object:
@@ -354,6 +362,75 @@ def undo_all():
     }
 
 
+def edited() -> np.ndarray:
+    """What Edit Mode shows, float32 (n, 3), in the mesh's own space."""
+    return np.array([vertex.co for vertex in bmesh.from_edit_mesh(cow().data).verts], dtype=np.float32)
+
+
+def chosen() -> list[bool]:
+    mesh = bmesh.from_edit_mesh(cow().data)
+    return [element.select for kind in (mesh.verts, mesh.faces) for element in kind]
+
+
+def grab_region():
+    """A pose of the moment by key and number, undone; then the same events beside Blender's transforms."""
+    move(*middle())
+    press("TAB")
+    yield from rest()
+    select(cow(), lambda point: point.y > 0.75)
+    bpy.ops.ed.undo_push(message="Select")
+    before, flags, here = edited(), chosen(), (480, 300)
+    members = np.flatnonzero(flags[: len(before)])
+    world = np.array(cow().matrix_world)[:3, :3]
+    move(*here)
+    press("Y", alt=True)
+    yield
+    for step in (1, 2):
+        move(here[0] + 40 * step, here[1] + 30 * step)
+        yield
+    seen["grab_dragged"] = apart(edited(), before)
+    press("X")
+    write("0.5")
+    yield from rest()
+    press("RET")
+    yield from rest()
+    moved = (edited() - before).astype(float) @ world.T
+    seen["grab_typed"] = apart(moved[members], np.array((0.5, 0.0, 0.0)))
+    seen["grab_followed"] = int(moved.any(axis=1).sum()) - len(members)
+    last = bpy.context.window_manager.operators[-1]
+    seen["grab_last"] = [last.bl_idname, last.mode, [round(number, 5) for number in last.value]]
+    press("Z", ctrl=True)
+    yield from rest()
+    seen["grab_undone"] = apart(edited(), before)
+    view = viewport().spaces.active.region_3d
+    view.view_rotation, view.view_perspective = Quaternion(SLANTED).normalized(), "PERSP"
+    yield from rest()
+    seen["grab_beside_blender"], seen["grab_restored"] = {}, True
+    for name, (first, *steps) in TRANSFORMS.items():
+        seen["grab_beside_blender"][name] = both = []
+        for start in (press, start_grab):
+            move(*here)
+            yield
+            start(first)
+            for step in steps:
+                if isinstance(step, tuple):
+                    move(here[0] + step[0], here[1] + step[1])
+                else:
+                    press(step)
+            yield
+            both.append(edited()[members].tolist())
+            press("ESC")
+            yield
+        seen["grab_restored"] &= edited().tobytes() == before.tobytes() and chosen() == flags
+    press("TAB")
+    yield from rest()
+
+
+def start_grab(_key: str) -> None:
+    with in_view():
+        bpy.ops.sinew.grab_region("INVOKE_DEFAULT", mode="TRANSLATE", radius=0.3)
+
+
 def heavy_bind():
     """A mesh that binds in a thread: the window lives on, Esc cancels, Bind starts again."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=400, y_subdivisions=400)
@@ -395,6 +472,7 @@ def journey():
     yield from animate()
     yield from render()
     yield from undo_all()
+    yield from grab_region()
     yield from heavy_bind()
     ready, moved, undone = (view_pixels(name) for name in ("3-ready", "4-moved", "5-undone"))
     seen["pixels_moved"] = float((np.abs(moved - ready).max(axis=2) > 0.05).mean())

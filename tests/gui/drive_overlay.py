@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: each overlay on a posed cow, and the picture without them as it was.
+"""Runs inside a Blender with a window: overlays on a posed cow, and the picture without them as it was.
 
-Steps are a generator, as in ``drive.py``; observations and screenshots go to the folder named after ``--``.
+What each overlay paints is tested without a window; here it is drawn. Steps are a generator, as in
+``drive.py``; observations and screenshots go to the folder named after ``--``.
 """
 
 import sys
@@ -19,12 +20,17 @@ from driving import (
     open_tab,
     play,
     region,
+    rest,
     screenshot,
     seen,
     view_pixels,
     viewport,
 )
 from mathutils import Color, Euler, Matrix, Vector
+
+sys.path.append(str(MODELS.parent))
+
+from models.spot import read
 
 
 def overlays():
@@ -40,45 +46,27 @@ def cow() -> bpy.types.Object:
 
 
 def model() -> bpy.types.Object:
-    """Spot the cow, z up, looking along +x: 2,930 vertices."""
-    points, faces = [], []
-    for line in (MODELS / "spot.obj").read_text(encoding="ascii").splitlines():
-        word, *rest = line.split() or [""]
-        if word == "v":
-            x, y, z = map(float, rest)
-            points.append((-z, -x, y))
-        elif word == "f":
-            faces.append([int(corner.split("/")[0]) - 1 for corner in rest])
-    floor = min(point[2] for point in points)
+    """Spot the cow, 2,930 vertices, with groups: the head, a hoof, and three hooves that stay."""
+    points, faces = read()
     mesh = bpy.data.meshes.new("Spot")
-    mesh.from_pydata([(x, y, z - floor) for x, y, z in points], [], faces)
+    mesh.from_pydata(points.tolist(), [], faces.tolist())
     obj = bpy.data.objects.new("Spot", mesh)
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)
     bpy.ops.object.shade_smooth()
-    return obj
-
-
-def groups(obj: bpy.types.Object) -> None:
-    """Head (soft towards the neck), a hoof, three hooves that stay, and what the neck lets give way."""
-    flat = np.empty(len(obj.data.vertices) * 3, dtype=np.float32)
-    obj.data.vertices.foreach_get("co", flat)
-    x, y, z = flat.reshape(-1, 3).T
+    x, y, z = points.T
     right_front = (x > -0.2) & (y < 0.0)
     weights = {
-        "Head": np.clip((x + z - 1.05) / 0.35, 0.0, 1.0) * (x > 0.0),
+        "Head": np.clip((x + z - 1.05) / 0.35, 0.0, 1.0) * (x > 0.0),  # soft towards the neck
         "Hoof": 1.0 * (right_front & (z < 0.125)),
         "Hooves": 1.0 * (~right_front & (z < 0.125)),
-        "Firm": np.clip(1.3 - 0.9 * z, 0.05, 1.0),
-        "Front": np.clip(0.5 + 2.0 * (x + 0.35), 0.0, 1.0),
     }
     for name, values in weights.items():
         group = obj.vertex_groups.new(name=name)
-        for weight in np.unique(np.round(values, 2)):
-            if weight > 0.0:
-                members = np.flatnonzero(np.round(values, 2) == weight)
-                group.add(members.tolist(), float(weight), "REPLACE")
+        for weight in np.unique(np.round(values, 2))[1:]:
+            group.add(np.flatnonzero(np.round(values, 2) == weight).tolist(), float(weight), "REPLACE")
+    return obj
 
 
 def prepare() -> None:
@@ -87,7 +75,6 @@ def prepare() -> None:
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
     obj = model()
-    groups(obj)
     bpy.ops.sinew.deformer_add(method="arap")
     for kind, name in (("HANDLE", "Head"), ("HANDLE", "Hoof"), ("FIXED", "Hooves")):
         bpy.context.view_layer.objects.active = obj
@@ -131,13 +118,8 @@ def state(name: str) -> None:
     screenshot(name)
 
 
-def drawn(name: str) -> np.ndarray:
-    """The part of a screenshot that shows the mesh, (rows, columns, 3), from below."""
-    return view_pixels(name)
-
-
 def place(vertex: int) -> tuple[int, int]:
-    """Where a vertex appears in ``drawn``: column and row."""
+    """Where a vertex appears in ``view_pixels``: column and row."""
     evaluated = cow().evaluated_get(bpy.context.evaluated_depsgraph_get())
     point = evaluated.matrix_world @ evaluated.data.vertices[vertex].co
     space = viewport().spaces.active
@@ -151,18 +133,6 @@ def front_vertex(where) -> int:
     turn = viewport().spaces.active.region_3d.view_matrix
     chosen = [vertex.index for vertex in cow().data.vertices if where(*vertex.co)]
     return max(chosen, key=lambda index: (turn @ evaluated.data.vertices[index].co).z)
-
-
-LOOKS = {
-    "regions": {"overlay": "REGIONS"},
-    "weight": {"overlay": "WEIGHT"},
-    "parameter": {"overlay": "PARAMETER"},
-    "mask": {"overlay": "MASK"},
-    "stretch": {"overlay": "DISTORTION", "measure": "STRETCH"},
-    "area": {"overlay": "DISTORTION", "measure": "AREA"},
-    "angle": {"overlay": "DISTORTION", "measure": "ANGLE"},
-    "dirichlet": {"overlay": "DISTORTION", "measure": "DIRICHLET"},
-}
 
 
 def journey():
@@ -186,8 +156,6 @@ def journey():
             ("head", cow().sinew.active.handles[0].colour),
             ("hoof", cow().sinew.active.handles[1].colour),
             ("hooves", chosen.overlay_fixed),
-            ("compressed", chosen.overlay_compressed),
-            ("stretched", chosen.overlay_stretched),
         )
     }
     spots = {
@@ -198,81 +166,36 @@ def journey():
         "flank": place(front_vertex(lambda x, y, z: x < -0.4 and 0.55 < z < 0.9)),
     }
     yield
-    show(show_overlay=True, distortion_range=1.5)
-    for name, look in LOOKS.items():
-        if name == "parameter":
-            cow().sinew.active.arap.rigidity_group = "Firm"
-        elif name == "mask":
-            cow().sinew.active.arap.rigidity_group = ""
-            cow().sinew.active.mask_group = "Front"
-        show(**look)
-        yield
-        yield
-        state(name)
-        if name == "mask":
-            cow().sinew.active.mask_group = ""
-        yield
-    seen["painted_before_idle"] = overlays().gallery.painted
-    for _ in range(4):
-        viewport().tag_redraw()
-        yield
-    seen["painted_after_idle"] = overlays().gallery.painted
-    viewport().spaces.active.overlay.show_overlays = False
-    yield
-    screenshot("blender-off")
-    yield
-    show(show_overlay=False)
-    yield
-    screenshot("blender-off-too")
-    viewport().spaces.active.overlay.show_overlays = True
-    yield
-    state("off-again")
-    yield
     show(show_overlay=True, overlay="REGIONS")
-    cow().hide_set(True)
-    yield
-    screenshot("hidden")
-    yield
-    show(show_overlay=False)
-    yield
-    screenshot("hidden-off")
-    cow().hide_set(False)
-    show(show_overlay=True)
-    lone = bpy.data.objects.new("Lone", None)
-    bpy.context.scene.collection.objects.link(lone)
-    bpy.context.view_layer.objects.active = lone
-    yield
-    with in_view():
-        lone.select_set(True)
-        bpy.ops.view3d.localview(frame_selected=False)
-    yield
-    yield
-    screenshot("local-view")
-    with in_view():
-        bpy.ops.view3d.localview(frame_selected=False)
-    bpy.data.objects.remove(lone)
-    bpy.context.view_layer.objects.active = cow()
+    yield from rest()
+    state("regions")
     yield
     viewport().spaces.active.shading.show_xray = True
-    yield
-    yield
+    yield from rest()
     screenshot("x-ray")
     viewport().spaces.active.shading.show_xray = False
-    cow().modifiers.new("Subdivision", "SUBSURF")
-    yield
-    yield
-    yield
-    screenshot("subdivided")
-    cow().modifiers.remove(cow().modifiers["Subdivision"])
     yield
     with in_view():
         bpy.ops.object.mode_set(mode="EDIT")
         bpy.ops.mesh.select_all(action="DESELECT")
-    yield
-    yield
+    yield from rest()
     screenshot("edit")
     with in_view():
         bpy.ops.object.mode_set(mode="OBJECT")
+    yield
+    show(overlay="DISTORTION", measure="AREA", distortion_range=1.5)
+    yield from rest()
+    state("area")
+    yield
+    for _ in range(4):
+        viewport().tag_redraw()
+        yield
+    seen["painted_after_idle"] = overlays().gallery.painted
+    show(show_overlay=False)
+    yield
+    state("off-again")
+    yield
+    show(show_overlay=True)
     yield
     addon_utils.disable(MODULE)
     yield
@@ -284,9 +207,9 @@ def journey():
 
 def look_at(spots: dict[str, tuple[int, int]]) -> None:
     """Colours at known places, and how many pixels each overlay changed."""
-    off = drawn("off")
+    off = view_pixels("off")
     for path in OUTPUT.glob("*.png"):
-        picture = drawn(path.stem)
+        picture = view_pixels(path.stem)
         seen.setdefault("pixels", {})[path.stem] = {
             "changed": float((np.abs(picture - off).max(axis=2) > 0.02).mean()),
             **{

@@ -13,7 +13,7 @@ from mathutils import Matrix
 
 enable()
 
-from events import Expected  # noqa: E402 - needs the add-on
+from expected import Expected  # noqa: E402 - needs the add-on
 from probe import Probe  # noqa: E402
 from rig import Rig, grid_object, make_active  # noqa: E402
 

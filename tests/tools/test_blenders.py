@@ -6,10 +6,10 @@ import pytest
 from workshop import blender_matrix, environments, layers, run_tests
 from workshop.environments import REQUIREMENTS, blender, included
 from workshop.layers import LAYERS, Layer, blender_layer
-from workshop.places import PYTHON311
+from workshop.places import PYTHON311, ROOT
 from workshop.results import Outcome
 
-RELEASES = (*environments.LONG_TERM_BLENDERS, *blender_matrix.BETWEEN, "5.2.3")
+RELEASES = (*blender_matrix.BETWEEN, "5.2.3")
 
 
 @pytest.mark.parametrize("version", RELEASES)
@@ -46,6 +46,10 @@ def test_no_two_layers_share_a_user_folder() -> None:
     assert {blender_layer(version).name for version in RELEASES} == {
         f"blender-{re.match('[0-9]+.[0-9]+', version).group()}" for version in RELEASES
     }
+
+
+def test_what_the_releases_between_run_is_there() -> None:
+    assert [name for name in layers.CORE_TESTS if not (ROOT / "tests" / "blender" / name).is_file()] == []
 
 
 def test_a_failed_layer_does_not_stop_the_next(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""tests/blender in the releases between those that tests/run covers, or in those that are named.
+"""All of tests/blender in every release between the oldest and the newest, or in those that are named.
 
 Each release takes 1 GB in ``.build/venv-bpy-<version>``, which may be deleted afterwards.
 """
@@ -12,7 +12,7 @@ from . import environments
 from .layers import blender_layer
 from .run_tests import run_layers
 
-BETWEEN = ("4.3.0", "4.4.0", "5.0.1", "5.1.2")
+BETWEEN = (*environments.LONG_TERM_BLENDERS, "4.3.0", "4.4.0", "5.0.1", "5.1.2")
 
 
 def pinned() -> list[str]:

@@ -22,6 +22,7 @@ BUILD = (
     "libosd-dev",
     "libcgal-dev",  # headers alone, as Boost's
 )
+API = ("doxygen",)
 BENCHMARKS = ("valgrind",)  # counts instructions
 # Blender does not pull NumPy although its add-ons need it; without libegl1 Workbench aborts.
 BLENDER = ("blender", "python3-numpy", "libegl1", "libgl1")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The CMake trees of daily work, by preset."""
+"""Builds the library, the native tests and the Python module for daily work."""
 
 import argparse
 
@@ -7,9 +7,11 @@ from . import debian, environments
 from .places import BUILD, ROOT
 from .shell import Stamp, fingerprint, jobs, must
 
+BENCHMARK_TARGETS = ("sinew_native", "sinew_peers", "sinew_frames")
 
-def build_tree(preset: str, target: str = "all") -> None:
-    """Configures where the presets or the tools changed, then builds what changed."""
+
+def configure_tree(preset: str) -> None:
+    """Configures where the presets or the tools changed."""
     debian.install(debian.BUILD)
     environments.build().make()
     tree = BUILD / {"dev": "native"}.get(preset, preset)
@@ -17,13 +19,18 @@ def build_tree(preset: str, target: str = "all") -> None:
     if not stamp.is_fresh() or not (tree / "build.ninja").is_file():
         must(["cmake", "--preset", preset, "-Wno-dev"])
         stamp.write()
+
+
+def build_tree(preset: str, target: str = "all") -> None:
+    """Builds what changed, configured first."""
+    configure_tree(preset)
     must(["cmake", "--build", "--preset", preset, "--target", target, "-j", str(jobs())])
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/dev", description=__doc__)
     parser.add_argument(
-        "preset", nargs="?", default="dev", help="a preset of CMakePresets.json; dev when none is named"
+        "preset", nargs="?", default="dev", help="a preset of CMakePresets.json; without one, dev"
     )
     build_tree(parser.parse_args().preset)
 

@@ -104,6 +104,10 @@ def dev() -> Environment:
     return Environment("dev", PYTHON311, ("dev",))
 
 
+def api() -> Environment:
+    return Environment("api", PYTHON311, ("api",))
+
+
 def blender(version: str) -> Environment | None:
     """Blender as a Python module; None where its Python (3.13 from Blender 5.1 on) is missing."""
     major, minor = (int(part) for part in version.split(".")[:2])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Formatting, by the pinned clang-format and Ruff."""
+"""Formats C++ and Python with the pinned clang-format and Ruff."""
 
 import argparse
 from collections.abc import Iterator
@@ -9,8 +9,8 @@ from . import environments
 from .places import ROOT
 from .shell import run
 
-SOURCE_FOLDERS = ("native", "tests")
-PYTHON_FOLDERS = ("addon", "blend_samples", "tests", "tools")
+SOURCE_FOLDERS = ("benchmarks", "native", "tests")
+PYTHON_FOLDERS = ("addon", "benchmarks", "blend_samples", "tests", "tools")
 
 
 def cpp_files() -> list[Path]:
@@ -37,7 +37,7 @@ def checks(write: bool = False) -> dict[str, list[str | Path]]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/format", description=__doc__)
     parser.add_argument(
-        "--check", action="store_true", help="change nothing, fail where something would change"
+        "--check", action="store_true", help="change nothing, and fail if something would change"
     )
     write = not parser.parse_args().check
     raise SystemExit(max(run(command) for command in checks(write).values()))

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from . import debian, environments
-from .dev import build_tree
+from .dev import BENCHMARK_TARGETS, build_tree
 from .environments import Environment
 from .format import checks
 from .package import package, validate
@@ -25,7 +25,22 @@ LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
 # A line for each of hundreds of tests that passed would hide the one that did not.
 CTEST = """ctest "$@" | grep -vE "^ *Start +[0-9]+:| Passed +[0-9.]+ sec" """
 OPTIONS = ("-p", "no:cacheprovider", "-q")
-RANDOM_SEQUENCES = 50  # in each of four releases: 200 a run
+RANDOM_SEQUENCES = 50  # in each of four releases: 200 per run
+# What runs in the releases between the oldest and the newest, which run everything: the tests that pass
+# through addon/compat, where releases differ (meshes, modifier inputs, stack, animation, shape keys, bones,
+# drawing, layout, kinds of objects), files from other releases, and random sequences of everything.
+CORE_TESTS = (
+    "test_bake.py",
+    "test_cage_kinds.py",
+    "test_event_files.py",
+    "test_event_render.py",
+    "test_event_stack.py",
+    "test_handles.py",
+    "test_interface.py",
+    "test_methods.py",
+    "test_overlay.py",
+    "test_random_operations.py",
+)
 
 
 @dataclass(frozen=True)
@@ -76,6 +91,13 @@ def addon(timeout: float) -> Outcome:
     return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE})
 
 
+def benchmarks(timeout: float) -> Outcome:
+    debian.install(debian.BLENDER)
+    for target in BENCHMARK_TARGETS:
+        build_tree("dev", target)
+    return _pytest("benchmarks", timeout, {"PYTHONPATH": DEV_MODULE})
+
+
 def blender_3_4(timeout: float) -> Outcome:
     debian.install(debian.BLENDER_TESTS)
     env = install_legacy("blender-3.4")
@@ -90,12 +112,12 @@ def blender_3_4(timeout: float) -> Outcome:
     return outcome(junit, status)
 
 
-def blender_module(name: str, blender: Environment, timeout: float) -> Outcome:
-    """The same tests on the extension, in a Blender that is a Python module."""
+def blender_module(name: str, blender: Environment, tests: tuple[str, ...], timeout: float) -> Outcome:
+    """The same tests, or some of them, on the extension, in a Blender that is a Python module."""
     env = install_extension(blender.make(), name)
     junit = _junit(name)
     script = TESTS / "blender" / "run_pytest.py"
-    command = [blender.python, script, "--", *OPTIONS, f"--junitxml={junit}"]
+    command = [blender.python, script, "--", *tests, *OPTIONS, f"--junitxml={junit}"]
     return outcome(junit, run(command, env=env | _conditions(name), timeout=timeout))
 
 
@@ -110,15 +132,15 @@ def _conditions(name: str) -> dict[str, str]:
     return {key: os.environ.get(key, value) for key, value in wanted.items()}
 
 
-def blender_layer(version: str) -> Layer:
-    """That layer, named after the series of a release."""
+def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
+    """That layer, named after the series of a release; all tests where none are named."""
     name = f"blender-{version.rpartition('.')[0]}"
-    return Layer(name, 900, partial(blender_module, name, environments.blender(version)))
+    return Layer(name, 900, partial(blender_module, name, environments.blender(version), tests))
 
 
 def blender_5(timeout: float) -> Outcome:
     newest = environments.newest_blender()
-    found = blender_module("blender-5", newest, timeout)
+    found = blender_module("blender-5", newest, (), timeout)
     if newest.name != "bpy-5.2.3":
         found += Outcome(note="Blender 5.0.1 stands in: without a Python 3.13, 5.2 was not run")
     return found
@@ -205,8 +227,9 @@ LAYERS = (
     Layer("sanitizers", 1500, sanitizers),
     Layer("bindings", 420, bindings),
     Layer("addon", 120, addon),
+    Layer("benchmarks", 600, benchmarks),
     Layer("blender-3.4", 900, blender_3_4),
-    *(blender_layer(version) for version in environments.LONG_TERM_BLENDERS),
+    *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 900, blender_5),
     Layer("gui", 1200, gui),
 )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The two zips that people install.
+"""Packs the two zips that people install.
 
 ``dist/sinew-<version>.zip``         extension for Blender 4.2 and later, wheels inside
 ``dist/sinew-legacy-<version>.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in ``sinew/_native``

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds the library, its peers and their environment, then measures: tests/benchmarks/suite.py."""
+"""Builds the library, its peers and their environment, then measures: benchmarks/suite.py."""
 
 import sys
 
 from . import debian, environments
-from .dev import build_tree
+from .dev import BENCHMARK_TARGETS, build_tree
 from .places import DEV_MODULE, ROOT
 from .shell import run
 
-SUITE = ROOT / "tests" / "benchmarks" / "suite.py"
+SUITE = ROOT / "benchmarks" / "suite.py"
 ONLY_READS = {"-h", "--help", "--list", "--render"}
 
 
@@ -16,7 +16,7 @@ def main() -> None:
     words = sys.argv[1:]
     if not ONLY_READS & set(words):
         debian.install(debian.BENCHMARKS)
-        for target in ("sinew_native", "sinew_peers", "sinew_frames"):
+        for target in BENCHMARK_TARGETS:
             build_tree("dev", target)
     python = environments.dev().make().python
     sys.exit(run([python, SUITE, *words], env={"PYTHONPATH": DEV_MODULE}))

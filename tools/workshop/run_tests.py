@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All layers of the tests, or those that are named, with a summary at the end.
+"""Runs all layers of the tests, or those that are named, and prints a summary.
 
-One layer's failure does not stop the next. The last line counts all tests; the status is 1 if any failed.
+A layer that fails does not stop the next one. The last line counts all tests; the status is 1 if any failed.
 """
 
 import argparse

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Debian packages and virtual environments, by what they are wanted for."""
+"""Installs the Debian packages and virtual environments that some kind of work needs."""
 
 import argparse
 
@@ -41,9 +41,7 @@ PURPOSES = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/setup", description=__doc__)
-    parser.add_argument(
-        "what", nargs="*", metavar="WHAT", help=f"{', '.join(PURPOSES)}; all when none is named"
-    )
+    parser.add_argument("what", nargs="*", metavar="WHAT", help=f"{', '.join(PURPOSES)}; without a name, all")
     chosen = parser.parse_args().what or list(PURPOSES)
     unknown = sorted(set(chosen) - set(PURPOSES))
     if unknown:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Self-contained wheels of sinew_native.
+"""Builds self-contained wheels of sinew_native.
 
 One for Python 3.11 (Blender 3.4.1 of Debian 12 and 4.2 to 5.0) and, where a Python 3.13 exists, one for 3.13
-(Blender 5.1 and later). Each carries its own CHOLMOD, OpenBLAS, TBB and OpenSubdiv, and counts as built once
-tried.
+(Blender 5.1 and later). Each carries its own CHOLMOD, OpenBLAS, TBB and OpenSubdiv, and is only kept if it
+works.
 """
 
 import argparse

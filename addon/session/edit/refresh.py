@@ -35,7 +35,7 @@ def refresh() -> bool:
         for deformer in obj.sinew.deformers:
             if deformer.is_bound and not deformer.bake.is_baked and not shapes.is_linked(deformer.proxy):
                 changed |= _refresh(obj, deformer)
-        sessions.forget_edit(name)  # looking at it counts as an edit for Blender
+    sessions.take_edited()  # looking at a mesh counts as an edit for Blender, of every object that shares it
     for name in waiting:
         sessions.note_edit(name)
     return changed

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whole frames and binds in Debian's Blender and in the newest one, next to Blender's own deformers.
+
+The measuring is done inside Blender by blender_frame.py and handler_cost.py, which know nothing of this
+suite; here their rows get the names of the table.
+"""
+
+import contextlib
+import io
+import json
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from record import Row
+
+from . import Options, Task
+
+HERE = Path(__file__).resolve().parents[1]
+sys.path.append(str(HERE.parent / "tools"))
+
+from workshop import debian, environments, layers, shell  # noqa: E402
+
+BLENDERS = ("3.4", "5.2")
+# Row of blender_frame.py -> the work it is, and which of its times are ours and the peer's.
+FRAMES = {
+    "frame thin_shell": ("frame_thin_shell", "ours", "peer"),
+    "frame arap": ("frame_arap", "ours", "peer"),
+    "frame short arap": ("frame_arap_3", "ours", "peer"),
+    "frame cage": ("frame_cage", "ours", "peer"),
+    "drag arap": ("drag_arap", "ours", "peer"),
+    "overhead thin_shell": ("overhead_thin_shell", "around", "bare"),
+    "overhead drag arap": ("overhead_arap", "around", "bare"),
+    "bind thin_shell": ("first_thin_shell", "ours", "peer"),
+    "bind arap": ("first_arap", "ours", "peer"),
+    "reading thin_shell": ("reading_thin_shell", "reading", "bind"),
+    "reading arap": ("reading_arap", "reading", "bind"),
+    "rebind handle": ("rebind_handle", "edit", "new"),
+    "rebind stiffness": ("rebind_stiffness", "edit", "new"),
+}
+LONGEST = 120.0  # seconds, for one row
+
+
+def plan(options: Options) -> list[Task]:
+    if options.quick and not options.smallest:
+        return []
+    # Most of what a small row takes is starting Blender.
+    parts = [list(FRAMES)] if options.smallest else [[row] for row in FRAMES]
+    tasks = []
+    for version in BLENDERS:
+        keywords = {"version": version, "small": options.smallest}
+        for rows in parts:
+            works = tuple(FRAMES[row][0] for row in rows)
+            tasks.append(Task("blender", works, {**keywords, "rows": rows}))
+        tasks.append(Task("blender", ("handler_cost",), {**keywords, "rows": []}))
+    return tasks
+
+
+def measure(version: str, rows: list[str], small: bool = False) -> list[Row]:
+    """The rows of one Blender: some of blender_frame.py, or the cost of a handler where none is named."""
+    script, name = ("blender_frame.py", named) if rows else ("handler_cost.py", handler)
+    found = run_in(version, HERE / script, [*rows, *(["--small"] if small else [])])
+    return [name(entry, version) for entry in found]
+
+
+def named(entry: Row, version: str) -> Row:
+    """A row of blender_frame.py as one of the table: seconds, and the rest of it as it is."""
+    work, ours, peer = FRAMES[entry["row"]]
+    details = {key: value for key, value in entry.items() if key not in ("row", "ratio", "goal", "at_most")}
+    size = round(entry["vertices"], -5) or entry["vertices"]
+    times = {"ours": entry[f"{ours}_ms"] / 1000.0, "peer": entry[f"{peer}_ms"] / 1000.0}
+    return {**details, "work": work, "size": size, "case": version, "unit": "s", **times}
+
+
+def handler(entry: Row, version: str) -> Row:
+    case = f"{version}, {entry['deformers']} deformers, {entry['vertices']} vertices"
+    return {**entry, "work": "handler_cost", "size": entry["vertices"], "case": case}
+
+
+def run_in(version: str, script: Path, words: list[str]) -> list[Row]:
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "rows.json"
+        with contextlib.redirect_stdout(io.StringIO()):  # the same words for each row
+            blender, env = _installed(version)
+        status = shell.run([*blender(script), *words, "--json", out], env=env, timeout=LONGEST, quiet=True)
+        if not out.is_file():
+            raise SystemExit(f"{script.name} in Blender {version} left no rows (status {status})")
+        return json.loads(out.read_text(encoding="utf-8"))["rows"]
+
+
+def _installed(version: str) -> tuple[Callable[[Path], list], dict[str, object]]:
+    """How that Blender runs a script, and its environment with the packed add-on in it."""
+    name = f"benchmarks-{version}"
+    if version == "3.4":
+        debian.install(debian.BLENDER)
+        headless = ["blender", "--background", "--factory-startup", "--python"]
+        return (lambda script: [*headless, script, "--"]), layers.install_legacy(name)
+    newest = environments.newest_blender().make()
+    return (lambda script: [newest.python, script]), layers.install_extension(newest, name)

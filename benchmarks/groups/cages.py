@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closed forms of cage coordinates next to their papers' loops, and warps next to BLAS."""
+
+import numpy as np
+import sinew_peers
+from record import Row
+from timing import Work, alternate
+
+import sinew_native
+
+from . import Options, Task
+
+CAGES = {100: (14, 8), 300: (25, 13), 1000: (37, 28)}  # vertices -> meridians, parallels
+POINTS = (10_000, 100_000)
+SAMPLE = 30_000  # weights of points that the papers' loops compute: points all cost them the same
+BINDS = {
+    "mean_value_double": (sinew_native.MeanValue, "double"),
+    "mean_value": (sinew_native.MeanValue, "single"),
+    "green": (sinew_native.Green, "single"),
+}
+
+
+def plan(options: Options) -> list[Task]:
+    sizes = POINTS[:1] if options.quick else POINTS
+    return [
+        Task("cages", works, {"work": works[0], "size": size, "cage": cage, "threads": options.threads})
+        for works in (*((bind,) for bind in BINDS), ("cage_warp",))
+        for size in sizes
+        for cage in ((100,) if options.smallest else (300,) if options.quick else CAGES)
+    ]
+
+
+def bumpy_sphere(vertices: int) -> tuple[np.ndarray, np.ndarray]:
+    """A closed sphere of triangles with bumps, of about so many vertices."""
+    around, down = CAGES[vertices]
+    latitude = np.pi * np.arange(1, down)[:, None] / down
+    longitude = 2 * np.pi * np.arange(around)[None] / around
+    rings = np.stack(
+        np.broadcast_arrays(
+            np.sin(latitude) * np.cos(longitude), np.sin(latitude) * np.sin(longitude), np.cos(latitude)
+        ),
+        -1,
+    )
+    points = np.concatenate([[(0, 0, 1)], rings.reshape(-1, 3), [(0, 0, -1)]])
+    index = 1 + np.arange((down - 1) * around).reshape(down - 1, around)
+    a, b = index, np.roll(index, -1, axis=1)
+    last = np.full(around, len(points) - 1)
+    faces = [
+        np.stack([np.zeros_like(last), a[0], b[0]], -1),
+        np.stack([a[:-1], a[1:], b[1:]], -1).reshape(-1, 3),
+        np.stack([a[:-1], b[1:], b[:-1]], -1).reshape(-1, 3),
+        np.stack([last, b[-1], a[-1]], -1),
+    ]
+    bumps = np.random.default_rng(3).uniform(0.95, 1.05, (len(points), 1))
+    return points * bumps, np.concatenate(faces).astype(np.int32)
+
+
+def measure(work: str, size: int, cage: int, threads: list[int]) -> list[Row]:
+    vertices, triangles = bumpy_sphere(cage)
+    points = np.random.default_rng(0).uniform(-0.5, 0.5, (size, 3))
+    if work == "cage_warp":
+        rows = _warp(vertices, triangles, points, threads)
+    else:
+        rows = _bind(work, vertices, triangles, points, threads)
+    common = {"size": size, "case": f"{size // 1000}k, cage of {cage}", "vertices": size, "unit": "s"}
+    return [{"work": work, **common, **row} for row in rows]
+
+
+def _bind(work: str, vertices, triangles, points, threads: list[int]) -> list[Row]:
+    method, precision = BINDS[work]
+    coordinates = method(sinew_native.SurfaceMesh(vertices, triangles), precision=precision)
+    sample = points[:: max(1, len(points) * len(vertices) // SAMPLE)].copy()
+    weights = np.zeros((len(sample), len(vertices)))
+    faces = np.zeros((len(sample), len(triangles)))
+
+    def peer() -> None:
+        if method is sinew_native.Green:
+            sinew_peers.green(vertices, triangles, sample, weights, faces)
+        else:
+            sinew_peers.mean_value(vertices, triangles, sample, weights)
+
+    counts = threads[:1] if work == "mean_value_double" else threads
+    works = {
+        count: Work(
+            lambda: coordinates.bind(points), lambda count=count: sinew_native.limit_threads(count), False
+        )
+        for count in counts
+    }
+    works["peer"] = Work(peer)
+    alternate(works)
+    coordinates.bind(sample)
+    _hold_equal(coordinates.vertex_weights, weights)
+    share = len(points) / len(sample)
+    return [
+        {"threads": count, "ours": works[count].best, "peer": share * works["peer"].best} for count in counts
+    ]
+
+
+def _hold_equal(ours: np.ndarray, peers: np.ndarray) -> None:
+    """A fast wrong answer is no measurement. Weights are kept in single precision."""
+    worst = np.abs(ours - peers).max()
+    if not worst < 1e-6:
+        raise SystemExit(f"our weights and the paper's differ by {worst:.1e}")
+
+
+def _warp(vertices, triangles, points, threads: list[int]) -> list[Row]:
+    """Both from the posed cage to single positions, in arrays that stand already."""
+    coordinates = sinew_native.MeanValue(sinew_native.SurfaceMesh(vertices, triangles))
+    coordinates.bind(points)
+    posed = vertices * (1.2, 1.0, 0.8) + (0.1, 0.2, 0.3)
+    weights = coordinates.vertex_weights.astype(np.float32)
+    factors = posed.astype(np.float32)
+    ours = np.zeros((len(points), 3), np.float32)
+    peers = np.zeros_like(ours)
+    works = {
+        count: Work(
+            lambda: coordinates.warp(posed, out=ours), lambda count=count: sinew_native.limit_threads(count)
+        )
+        for count in threads
+    }
+    works["peer"] = Work(lambda: sinew_peers.sgemm(weights, factors, peers))
+    alternate(works)
+    _hold_equal(ours / 10, peers / 10)
+    return [
+        {
+            "threads": count,
+            "ours": works[count].best,
+            "ours_median": works[count].median,
+            "peer": works["peer"].best,
+        }
+        for count in threads
+    ]

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Counts the instructions of the per-frame loops with callgrind and compares them with table.json.
+
+Unlike times they do not depend on what else the machine does; they do on the compiler and on whether the
+processor has AVX2, so a table from elsewhere is not compared with (status 77). With each count comes where in
+the library the instructions are, also for the two binds, which are not compared: they are mostly BLAS, which
+differs from processor to processor.
+
+    python benchmarks/instructions/count.py [--check | --store]
+"""
+
+import argparse
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+TABLE = Path(__file__).with_name("table.json")
+FRAMES = Path(__file__).resolve().parents[2] / ".build" / "native" / "benchmarks" / "sinew_frames"
+MOST_GROWTH = 10.0  # per cent: far more than an innocent edit gives, far less than a lost trick
+LEAST_SHARE = 0.02  # of a profile: below, functions are not named
+SKIPPED = 77
+
+# Loop -> the runs whose counts are subtracted (second from first), and by what the rest is divided.
+LOOPS = {
+    "ThinShell.solve": ((("thin_shell",),), 1),
+    "AffineBasis.solve, 4 handles": ((("affine_basis",),), 1),
+    "Arap iteration": ((("arap", "5e-4", "12"), ("arap", "5e-4", "2")), 10),
+    "Arap iteration, smoothness 0": ((("arap", "0", "12"), ("arap", "0", "2")), 10),
+    "MeanValue.warp, 296 vertices": ((("mean_value",),), 1),
+    "Green.warp, 296 vertices": ((("green",),), 1),
+}
+BINDS = {
+    "ThinShell.set_handles": ((("thin_shell_bind",),), 1),
+    "Arap.set_handles": ((("arap_bind",),), 1),
+    "MeanValue.bind, 296 vertices": ((("mean_value_bind",),), 1),
+    "Green.bind, 296 vertices": ((("green_bind",),), 1),
+}
+LINE = re.compile(r"^\s*([\d,]+) \([^)]*%\)\s+\S+?:(.*?)(?:\s\[(\S+)\])?$")
+LIBRARIES = {
+    "libcholmod": "CHOLMOD",
+    "libopenblas": "BLAS",
+    "libamd": "ordering (AMD)",
+    "libmetis": "ordering (METIS)",
+    "libtbb": "oneTBB",
+}
+
+
+def about(frames: Path) -> dict[str, object]:
+    """The compiler that made the loops, and whether this processor takes their AVX2 twins."""
+    return json.loads(subprocess.run([frames, "about"], check=True, capture_output=True, text=True).stdout)
+
+
+def instructions(frames: Path, valgrind: str, words: tuple[str, ...]) -> Counter[str]:
+    """Place in the library -> instructions, within frame()."""
+    with tempfile.TemporaryDirectory() as folder:
+        out = f"{folder}/out"
+        options = [f"--callgrind-out-file={out}", "--collect-atstart=no", "--toggle-collect=frame"]
+        command = [valgrind, "--tool=callgrind", *options, frames, *words]
+        subprocess.run(command, check=True, capture_output=True)
+        listing = ["callgrind_annotate", "--threshold=100", "--auto=no", out]
+        text = subprocess.run(listing, check=True, capture_output=True, text=True).stdout
+    found: Counter[str] = Counter()
+    for line in text.splitlines():
+        match = LINE.match(line)
+        if match:
+            number, function, file = match.groups()
+            found[place(function, file or "")] += int(number.replace(",", ""))
+    return found
+
+
+def place(function: str, file: str) -> str:
+    """A name that says something: our function without its arguments, or whose library it is."""
+    for library, name in LIBRARIES.items():
+        if library in file:
+            return name
+    if "libc.so" in file or re.match(r"_*(mem|malloc|free|_int_)", function):
+        return "C library: clearing, copying, allocating"
+    names = re.findall(r"(?:sinew::|\(anonymous namespace\)::)((?:\w+::)*\w+)\(", function)
+    ours = [re.sub(r"\bImpl::", "", name) for name in names if not re.search(r"\bparallel_\w+$", name)]
+    if ours:
+        return ours[0]
+    return "Eigen" if "Eigen::" in function else "other"
+
+
+def count(frames: Path, valgrind: str, loops: dict) -> dict[str, Counter[str]]:
+    """Loop -> place -> instructions."""
+    counts = {}
+    for loop, (runs, divisor) in loops.items():
+        first, *rest = (instructions(frames, valgrind, words) for words in runs)
+        for less in rest:
+            first.subtract(less)
+        counts[loop] = Counter({name: number // divisor for name, number in first.items()})
+    return counts
+
+
+def profile(counts: Counter[str]) -> dict[str, float]:
+    """Shares of the places that matter, the largest first."""
+    total = counts.total()
+    return {
+        name: round(number / total, 3)
+        for name, number in counts.most_common()
+        if number >= LEAST_SHARE * total and name != "other"
+    }
+
+
+def compare(counts: dict[str, int], stored: dict[str, int]) -> tuple[list[str], list[str]]:
+    """One line a loop with its change in per cent, and the per-frame ones that grew too much."""
+    lines, grown = [], []
+    for loop, now in counts.items():
+        if loop not in stored:
+            lines.append(f"{loop:32}{now:>16,}  new")
+            continue
+        change = 100.0 * (now / stored[loop] - 1.0)
+        lines.append(f"{loop:32}{now:>16,}{change:>+9.2f} %")
+        if change > MOST_GROWTH and loop not in BINDS:
+            grown.append(loop)
+    return lines, grown
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--frames", type=Path, default=FRAMES)
+    parser.add_argument("--valgrind", default="valgrind")
+    parser.add_argument("--check", action="store_true", help=f"fail where a loop grew by {MOST_GROWTH:g} %%")
+    parser.add_argument("--store", action="store_true", help="make these the table")
+    options = parser.parse_args()
+
+    stored = json.loads(TABLE.read_text(encoding="utf-8")) if TABLE.is_file() else {}
+    made_by = about(options.frames)
+    same = all(stored.get(key) == value for key, value in made_by.items())
+    if options.check and not same:
+        print(f"The table was counted elsewhere: {stored.get('compiler')}, AVX2 {stored.get('avx2')}")
+        sys.exit(SKIPPED)
+    places = count(options.frames, options.valgrind, LOOPS if options.check else LOOPS | BINDS)
+    counts = {loop: found.total() for loop, found in places.items()}
+    lines, grown = compare(counts, stored.get("instructions", {}) if same else {})
+    print("\n".join(lines))
+    if options.store:
+        profiles = {loop: profile(found) for loop, found in places.items()}
+        table = made_by | {"vertices": 10_000, "instructions": counts, "profiles": profiles}
+        TABLE.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+    if options.check and grown:
+        sys.exit(f"more than {MOST_GROWTH:g} % dearer: {', '.join(grown)}")
+
+
+if __name__ == "__main__":
+    main()

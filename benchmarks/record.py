@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Storing what was measured: one file per run, with what it ran on."""
+
+import json
+import os
+import platform
+from pathlib import Path
+
+RESULTS = Path(__file__).resolve().parent / "results"
+KEY = ("work", "size", "threads", "case", "blender")  # what makes a row the same row, measured again
+
+Row = dict[str, object]
+
+
+def machine() -> dict[str, object]:
+    return {
+        "system": f"{platform.system()} {platform.machine()}",
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "memory_gib": _memory_gib(),
+        "python": platform.python_version(),
+    }
+
+
+def _processor() -> str:
+    for line in _lines("/proc/cpuinfo"):
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return platform.processor() or platform.machine()
+
+
+def _memory_gib() -> int:
+    return round(next((int(line.split()[1]) for line in _lines("/proc/meminfo")), 0) / 2**20)
+
+
+def _lines(path: str) -> list[str]:
+    file = Path(path)
+    return file.read_text(encoding="utf-8").splitlines() if file.is_file() else []
+
+
+def key(row: Row) -> tuple:
+    return tuple(row.get(name) for name in KEY)
+
+
+def load(folder: Path = RESULTS) -> tuple[list[dict[str, object]], list[Row]]:
+    """The machines of all runs, and each row as it was measured last."""
+    runs = [json.loads(file.read_text(encoding="utf-8")) for file in sorted(folder.glob("*.json"))]
+    rows = {key(row): row for run in runs for row in run["rows"]}
+    machines = [run["machine"] for run in runs]
+    return [one for k, one in enumerate(machines) if one not in machines[:k]], list(rows.values())
+
+
+def store(run: str, rows: list[Row], about: dict[str, object], folder: Path = RESULTS) -> Path:
+    """Writes results/<run>.json, one line per row, and deletes earlier runs all of whose rows it replaces."""
+    folder.mkdir(exist_ok=True)
+    lines = ",\n".join(json.dumps(row) for row in rows)
+    path = folder / f"{run}.json"
+    path.write_text(f'{{"machine": {json.dumps(about)},\n"rows": [\n{lines}\n]}}\n', encoding="utf-8")
+    replaced = {key(row) for row in rows}
+    for older in folder.glob("*.json"):
+        held = json.loads(older.read_text(encoding="utf-8"))["rows"]
+        if older.stem < run and replaced.issuperset(map(key, held)):
+            older.unlink()
+    return path

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shape that must be seen, by Blender's own data (mesh, vertex groups, matrices) and a new native object.
+
+Neither the session nor what Sinew stores takes part.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+from inside import native
+from mathutils import Matrix
+from registry import BY_ID, options_of
+from rig import Rig, apply_matrix, base_points, update
+
+Warp = Callable[[np.ndarray], np.ndarray]
+_warped: dict[tuple, np.ndarray] = {}
+
+
+def faces_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Corners per face (m,), and vertex indices face after face."""
+    counts = np.empty(len(mesh.polygons), dtype=np.int32)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_total", counts)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return counts, corners
+
+
+def members_of(obj: bpy.types.Object, group: str) -> tuple[np.ndarray, np.ndarray]:
+    """Indices and weights of a vertex group."""
+    index = obj.vertex_groups[group].index
+    found = [
+        (vertex.index, element.weight)
+        for vertex in obj.data.vertices
+        for element in vertex.groups
+        if element.group == index and element.weight > 0.0
+    ]
+    return np.array([vertex for vertex, _ in found]), np.array([weight for _, weight in found])
+
+
+def in_frame(obj: bpy.types.Object, control: bpy.types.Object) -> np.ndarray:
+    """The control's matrix in the space of the object, (4, 4)."""
+    update()
+    return np.linalg.inv(np.array(obj.matrix_world)) @ np.array(control.matrix_world, dtype=np.float64)
+
+
+class Poses(ABC):
+    """What a control at rest, moved by a motion of its object, makes of a shape. Made while it is at rest."""
+
+    def __init__(self, obj: bpy.types.Object, control: bpy.types.Object) -> None:
+        self._at_rest = in_frame(obj, control)
+
+    @abstractmethod
+    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        """With the control moved by ``pose`` (4x4, object space) from rest, (n, 3)."""
+
+    def now(
+        self, obj: bpy.types.Object, control: bpy.types.Object, incoming: np.ndarray | None = None
+    ) -> np.ndarray:
+        """With the control where it is."""
+        return self.shape(in_frame(obj, control) @ np.linalg.inv(self._at_rest), incoming)
+
+    def lifted(self, height: float) -> np.ndarray:
+        """With the control moved along z."""
+        return self.shape(Matrix.Translation((0.0, 0.0, height)))
+
+
+class Expected(Poses):
+    """What a mesh with one handle and fixed regions must show.
+
+    ``points`` (n, 3) is the rest shape where it is not the mesh itself.
+    """
+
+    def __init__(
+        self,
+        obj: bpy.types.Object,
+        control: bpy.types.Object,
+        handle: str = "Top",
+        fixed: tuple[str, ...] = ("Base",),
+        method: str = "thin_shell",
+        points: np.ndarray | None = None,
+        **options: object,
+    ) -> None:
+        super().__init__(obj, control)
+        self._regions, self._solver, row = (handle, *fixed), None, BY_ID[method]
+        self._type, self._options, self._steps = row.native, *options_of(row, options)
+        self.rebind(obj, points)
+
+    def rebind(self, obj: bpy.types.Object, points: np.ndarray | None = None) -> None:
+        """Take the mesh and its vertex groups as they are now."""
+        rest = base_points(obj) if points is None else points
+        groups = [members_of(obj, name) for name in self._regions]
+        mesh = native().SurfaceMesh(rest, faces_of(obj.data))
+        self._solver = getattr(native(), self._type)(mesh, **self._options)
+        self._solver.set_handles([group[0] for group in groups], weights=[group[1] for group in groups])
+        self._still = [np.eye(4)[:3]] * (len(groups) - 1)
+
+    @classmethod
+    def of(cls, plate: Rig, method: str = "thin_shell", **options: object) -> Expected:
+        """Of the plate and its control, after ``plate.bind``."""
+        return cls(plate.obj, plate.control, method=method, **options)
+
+    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        rows = np.array([np.array(pose)[:3], *self._still])
+        return self._solver.solve(rows, incoming=incoming, **self._steps)[0]
+
+
+class ExpectedInCage(Poses):
+    """What a cage makes of the points of an object, by coordinates that are bound anew to its rest (c, 3).
+
+    ``by_hand(obj, warp)`` moves what the object is made of. Cages carry similarities over as they are, so a
+    motion of the cage object is one of the shape. Made while the cage object is at rest, its vertices posed.
+    """
+
+    def __init__(
+        self,
+        obj: bpy.types.Object,
+        cage: bpy.types.Object,
+        cage_rest: np.ndarray,
+        method: str,
+        by_hand: Callable[[bpy.types.Object, Warp], np.ndarray],
+        **options: object,
+    ) -> None:
+        super().__init__(obj, cage)
+        self._type, self._by_hand = BY_ID[method].native, by_hand
+        self._options, _none = options_of(BY_ID[method], options)
+        self._cage_rest, self._posed = (
+            apply_matrix(self._at_rest, points) for points in (cage_rest, base_points(cage))
+        )
+        self._cage_faces = faces_of(cage.data)
+        self.rebind(obj)
+
+    def warp(self, points: np.ndarray) -> np.ndarray:
+        """Where the vertices of the cage take points, (n, 3); the same question is computed once."""
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        options = repr(sorted(self._options.items()))
+        key = (self._type, options, *(array.tobytes() for array in (self._cage_rest, self._posed, points)))
+        if key not in _warped:
+            mesh = native().SurfaceMesh(self._cage_rest, self._cage_faces)
+            coordinates = getattr(native(), self._type)(mesh, **self._options)
+            coordinates.bind(points)
+            _warped[key] = coordinates.warp(self._posed)
+        return _warped[key]
+
+    def rebind(self, obj: bpy.types.Object) -> None:
+        """Take the points as they are now."""
+        self._rest, self._warped = (self._by_hand(obj, warp) for warp in (lambda points: points, self.warp))
+
+    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        moved = apply_matrix(pose, self._warped)
+        return moved if incoming is None else incoming + moved - self._rest

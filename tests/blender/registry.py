@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rows of the add-on's registry, for tests that every row must pass: they name no method."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+
+import installed
+
+_methods = importlib.import_module(f"{installed.name()}.core.methods")
+METHODS, BY_ID, Control = _methods.METHODS, _methods.BY_ID, _methods.Control
+TAKES_MINUTES = {"finest"}  # choices that are meant for references
+
+
+def with_control(control: object) -> tuple[str, ...]:
+    """The methods that such controls steer, the default first."""
+    return tuple(method.id for method in METHODS if method.control is control)
+
+
+WITH_HANDLES = with_control(Control.HANDLES)
+WITH_CAGE = with_control(Control.CAGE)
+
+
+def options_of(row: object, others: dict[str, object]) -> tuple[dict[str, object], dict[str, object]]:
+    """Keywords of the native constructor and of its ``solve``: defaults of the row, but for ``others``."""
+    constructor, solve = {}, {}
+    for parameter in row.parameters:
+        keywords = constructor if parameter.rebinds else solve
+        keywords[parameter.id] = others.get(parameter.id, parameter.default)
+    return constructor, solve
+
+
+def other_values(parameter: object) -> Iterable[object]:
+    """What a test sets a parameter to: every choice, both ends of a switch, the end of a slider."""
+    if hasattr(parameter, "items"):
+        return [item[0] for item in parameter.items if item[0] not in TAKES_MINUTES]
+    if isinstance(parameter.default, bool):
+        return [True, False]
+    least, most = parameter.minimum, parameter.soft_maximum
+    return [most if most != parameter.default else 0.5 * (least + most)]

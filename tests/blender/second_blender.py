@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Programs that run in a second Blender of the same version, which knows the add-on or does not."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import bpy
+
+_HERE = Path(__file__).parent
+
+_PROGRAM = """
+import json, os, sys, traceback
+sys.path.insert(0, {here!r})
+{prelude}
+import bpy, addon_utils
+import numpy as np
+from rig import Rig, base_points, evaluated_points, make_active, move_world, update
+seen = {{}}
+def run():
+    if {addon!r}:
+        addon_utils.enable({addon!r}, default_set=True)
+{script}
+try:
+    run()
+finally:
+    seen["error"] = traceback.format_exc() if sys.exc_info()[0] else ""
+    open({answer!r}, "w", encoding="utf-8").write(json.dumps(seen))
+    sys.stdout.flush()
+    os._exit(0)
+"""
+
+
+def another_blender(script: str, folder: Path, addon_name: str = "", prelude: str = "") -> dict:
+    """Run ``script`` in a new Blender of this version; the dictionary ``seen`` that it fills.
+
+    ``addon_name`` enables the add-on there; without, that Blender does not know it. ``prelude`` runs first.
+    """
+    program, answer = folder / "script.py", folder / "seen.json"
+    body = textwrap.indent(textwrap.dedent(script), "    ")
+    program.write_text(
+        _PROGRAM.format(here=str(_HERE), prelude=prelude, addon=addon_name, script=body, answer=str(answer)),
+        encoding="utf-8",
+    )
+    said = run_blender([], program)
+    found = json.loads(answer.read_text(encoding="utf-8"))
+    assert not found["error"], found["error"]
+    assert "Traceback" not in said, said
+    return found
+
+
+def run_blender(arguments: list[str], program: Path, timeout: float = 120.0) -> str:
+    """A Python file in a new background process of this Blender; what it printed."""
+    if is_executable():
+        command = [bpy.app.binary_path, "-b", "--factory-startup", *arguments]
+        command += ["--python-use-system-env"] if "PYTHONPATH" in os.environ else []
+        command += ["-P", str(program)]
+    else:
+        command = [sys.executable, str(program), *arguments]
+    ended = subprocess.run(command, timeout=timeout, capture_output=True, text=True, check=False)
+    return ended.stdout + ended.stderr
+
+
+def is_executable() -> bool:
+    """Blender runs Python, not the other way round."""
+    return Path(bpy.app.binary_path).name.lower().startswith("blender")

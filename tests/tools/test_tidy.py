@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from pathlib import Path
+
+import pytest
+from workshop import shell, tidy
+
+
+@pytest.fixture
+def sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A checkout of one source with two headers, of which it includes one through the other."""
+    for module in (shell, tidy):
+        monkeypatch.setattr(module, "ROOT", tmp_path)
+    monkeypatch.setattr(tidy, "SETTINGS", (tmp_path / ".clang-tidy",))
+    native = tmp_path / "native"
+    native.mkdir()
+    (tmp_path / ".clang-tidy").write_text("Checks: '*'")
+    (native / "a.cpp").write_text('#include "native/a.h"\n#include <vector>\n')
+    (native / "a.h").write_text('#include "native/b.inl"\n')
+    (native / "b.inl").write_text('#include "native/a.h"\n')
+    (native / "c.h").write_text("")
+    tidy.included.cache_clear()
+    tidy.directly_included.cache_clear()
+    return native
+
+
+def test_includes_are_followed_to_their_end(sources: Path) -> None:
+    assert {path.name for path in tidy.included(sources / "a.cpp")} == {"a.h", "b.inl"}
+
+
+@pytest.mark.parametrize(
+    ("changed", "again"), [("a.cpp", True), ("b.inl", True), ("c.h", False), ("../.clang-tidy", True)]
+)
+def test_source_is_read_again_when_what_it_depends_on_changed(
+    sources: Path, changed: str, again: bool
+) -> None:
+    before = tidy.digest(sources / "a.cpp", "g++ -c a.cpp")
+    (sources / changed).write_text("// new\n" + (sources / changed).read_text())
+    tidy.directly_included.cache_clear()
+    tidy.included.cache_clear()
+    assert (tidy.digest(sources / "a.cpp", "g++ -c a.cpp") != before) is again
+
+
+def test_source_is_read_again_when_it_is_compiled_otherwise_but_not_elsewhere(sources: Path) -> None:
+    root = sources.parent
+    assert tidy.digest(sources / "a.cpp", "g++ -O3") != tidy.digest(sources / "a.cpp", "g++ -O2")
+    assert tidy.digest(sources / "a.cpp", f"g++ -I{root}") == tidy.digest(sources / "a.cpp", "g++ -I")

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes pages about the module `sinew_native`, by pdoc, and the C++ headers, by Doxygen, into `dist/api`."""
+
+import argparse
+import re
+import shutil
+import tempfile
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+from . import debian, environments
+from .dev import build_tree
+from .places import DEV_MODULE, DIST, ROOT, version
+from .shell import must, say
+
+PAGES = DIST / "api"
+NATIVE = ROOT / "native"
+RENDER = Path(__file__).parent / "inside" / "render_api.py"
+MODULE = "sinew_native"
+_NAME = r'class \1: __module__ = "builtins"'
+# Bindings hold no algorithms: the Python pages show what they offer.
+LEFT_OUT = ("bindings", "cmake")
+SETTINGS = {
+    "EXTRACT_ALL": "YES",
+    "EXCLUDE_SYMBOLS": "std Eigen",
+    "FILE_PATTERNS": "*.h",
+    "FULL_PATH_NAMES": "YES",
+    "GENERATE_LATEX": "NO",
+    "GENERATE_TREEVIEW": "YES",
+    "HAVE_DOT": "NO",
+    "HTML_OUTPUT": ".",
+    "JAVADOC_AUTOBRIEF": "YES",
+    "PROJECT_NAME": "Sinew",
+    "QUIET": "YES",
+    "RECURSIVE": "YES",
+    "REPEAT_BRIEF": "NO",
+    "SORT_MEMBER_DOCS": "NO",
+    "TOC_INCLUDE_HEADINGS": "0",
+    "WARN_IF_INCOMPLETE_DOC": "NO",
+    "WARN_IF_UNDOCUMENTED": "NO",
+}
+# Tables in comments are indented by three spaces. Markdown keeps the columns from five on.
+KEEP_TABLES = "sed -E 's|^( *///)   |\\1     |'"
+
+
+def rooms() -> dict[str, str]:
+    """Path of each room of the library -> the sentence in its README."""
+    readmes = sorted(NATIVE.rglob("README.md"))
+    found = {path.parent.relative_to(ROOT).as_posix(): path.read_text("utf-8").strip() for path in readmes}
+    return {room: text for room, text in found.items() if not set(LEFT_OUT) & set(room.split("/"))}
+
+
+def first_page() -> str:
+    """Markdown for Doxygen's first page: a room per row."""
+    rows = [f"| `{room}` | {text} |" for room, text in rooms().items()]
+    return "\n".join(["# The C++ library", "", "| room | what it holds |", "|---|---|", *rows, ""])
+
+
+def settings(main_page: Path, target: Path) -> str:
+    """Doxygen's configuration."""
+    values = SETTINGS | {
+        "EXCLUDE": " ".join(f'"{NATIVE / room}"' for room in LEFT_OUT),
+        "INPUT_FILTER": f'"{KEEP_TABLES}"',
+        "INPUT": f'"{NATIVE}" "{main_page}"',
+        "OUTPUT_DIRECTORY": f'"{target}"',
+        "PROJECT_NUMBER": version(),
+        "STRIP_FROM_PATH": f'"{ROOT}"',
+        "USE_MDFILE_AS_MAINPAGE": f'"{main_page}"',
+    }
+    return "".join(f"{name} = {value}\n" for name, value in sorted(values.items()))
+
+
+def one_stub(stubs: list[Path]) -> str:
+    """The type stubs of the module as one file: pdoc reads no more than that.
+
+    Names of array types stand for themselves in the pages; written out they would hide the signatures.
+    """
+    texts = [path.read_text(encoding="utf-8") for path in stubs]
+    joined = re.sub(r"^from \.\w* import (\([^)]*\)|.*)\n", "", "\n".join(texts), flags=re.M)
+    named = re.sub(r"^(\w+) = (?!Literal)\w+\[.*\]$", _NAME, joined, flags=re.M)
+    return "from __future__ import annotations\n\n" + named + _NAME.replace(r"\1", "ArrayLike") + "\n"
+
+
+def stubs() -> list[Path]:
+    """One file, or one per room; a file stands behind those that it imports from."""
+    paths = {path.stem: path for path in sorted((NATIVE / "bindings").rglob("*.pyi"))}
+    imports = {
+        name: re.findall(r"^from \.(\w+) import", path.read_text(encoding="utf-8"), re.M)
+        for name, path in paths.items()
+    }
+    return [paths[name] for name in TopologicalSorter(imports).static_order()]
+
+
+def write_python_pages(target: Path) -> None:
+    build_tree("dev", MODULE)
+    python = environments.api().make().python
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / f"{MODULE}.pyi").write_text(one_stub(stubs()), encoding="utf-8")
+        must([python, RENDER, MODULE, target], env={"PYTHONPATH": f"{folder}:{DEV_MODULE}"})
+
+
+def write_native_pages(target: Path) -> None:
+    debian.install(debian.API)
+    target.mkdir(parents=True)
+    with tempfile.TemporaryDirectory() as folder:
+        main_page, configuration = Path(folder) / "rooms.md", Path(folder) / "Doxyfile"
+        main_page.write_text(first_page(), encoding="utf-8")
+        configuration.write_text(settings(main_page, target), encoding="utf-8")
+        must(["doxygen", configuration])
+
+
+def front_page() -> str:
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<title>Sinew {version()}</title>
+<h1>Sinew {version()}</h1>
+<p><a href="python/index.html">The Python module {MODULE}</a></p>
+<p><a href="native/index.html">The C++ library</a></p>
+</html>
+"""
+
+
+def main() -> None:
+    argparse.ArgumentParser(prog="tools/api_docs", description=__doc__).parse_args()
+    shutil.rmtree(PAGES, ignore_errors=True)
+    write_python_pages(PAGES / "python")
+    write_native_pages(PAGES / "native")
+    (PAGES / "index.html").write_text(front_page(), encoding="utf-8")
+    say(f"Open {(PAGES / 'index.html').relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    main()

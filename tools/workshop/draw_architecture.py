@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renews the picture of the rooms in docs/developer from the ranks that the tests enforce."""
+
+import argparse
+import sys
+
+from .places import ROOT
+from .shell import say
+
+sys.path.insert(0, str(ROOT / "tests"))  # the tests own the ranks
+
+from architecture.picture import PICTURE, draw
+
+
+def main() -> None:
+    argparse.ArgumentParser(prog="tools/draw_architecture", description=__doc__).parse_args()
+    (ROOT / PICTURE).write_text(draw(ROOT), encoding="utf-8")
+    say(f"wrote {PICTURE}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""clang-tidy over native/: each source once, and again only when it or something it depends on has changed.
+
+A source that passed leaves an empty file in ``.build/tidy``, named by a digest of its command, of the
+settings, and of the source with all that it includes from this repository.
+"""
+
+import json
+import re
+import shlex
+import subprocess
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from pathlib import Path
+
+from . import environments
+from .dev import configure_tree
+from .places import BUILD, NATIVE_TREE, ROOT
+from .shell import fingerprint, jobs, must, say
+
+PASSED = BUILD / "tidy"
+SETTINGS = (ROOT / ".clang-tidy", environments.REQUIREMENTS / "dev.txt", Path(__file__))
+INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
+
+
+def tidy() -> bool:
+    """Whether all sources of native/ pass; says what does not."""
+    configure_tree("dev")
+    must(
+        ["cmake", "--build", "--preset", "dev", "--target", "build.ninja"], quiet=True
+    )  # may list new sources
+    PASSED.mkdir(parents=True, exist_ok=True)
+    stamps = {file: PASSED / digest(file, command) for file, command in sorted(commands().items())}
+    changed = [file for file, stamp in stamps.items() if not stamp.exists()]
+    if changed:
+        say(f"clang-tidy reads {len(changed)} of {len(stamps)} sources")
+    with ThreadPoolExecutor(jobs()) as pool:
+        for file, complaints in zip(changed, pool.map(complaints_about, changed), strict=True):
+            if complaints:
+                say(complaints)
+            else:
+                stamps[file].touch()
+    return all(stamp.exists() for stamp in stamps.values())
+
+
+def commands() -> dict[Path, str]:
+    """How the dev preset compiles each source of native/."""
+    entries = json.loads((NATIVE_TREE / "compile_commands.json").read_text(encoding="utf-8"))
+    native = ROOT / "native"
+    return {Path(e["file"]): e["command"] for e in entries if Path(e["file"]).is_relative_to(native)}
+
+
+def digest(file: Path, command: str) -> str:
+    here = command.replace(str(ROOT), "")
+    return fingerprint([*SETTINGS, file, *included(file)], *shlex.split(here))
+
+
+@cache
+def included(file: Path) -> frozenset[Path]:
+    """The files of this repository that a file includes, directly or not."""
+    found: set[Path] = set()
+    waiting = [file]
+    while waiting:
+        new = set(directly_included(waiting.pop())) - found
+        found |= new
+        waiting += new
+    return frozenset(found)
+
+
+@cache
+def directly_included(file: Path) -> tuple[Path, ...]:
+    named = (ROOT / name for name in INCLUDE.findall(file.read_text(encoding="utf-8")))
+    return tuple(path for path in named if path.is_file())
+
+
+def complaints_about(file: Path) -> str:
+    """What clang-tidy says of one source, or nothing."""
+    command = [environments.dev().bin / "clang-tidy", "--quiet", "-p", NATIVE_TREE, *compiler_headers(), file]
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace")
+    lines = done.stdout.replace(f"{ROOT}/", "")
+    return "" if done.returncode == 0 else lines or done.stderr
+
+
+@cache
+def compiler_headers() -> tuple[str, ...]:
+    """Where GCC keeps the headers that Clang has not, such as OpenMP's: looked at after all others."""
+    answer = subprocess.run(["g++", "-print-file-name=include"], check=True, capture_output=True, text=True)
+    return (f"--extra-arg=-idirafter{answer.stdout.strip()}",)
