@@ -30,6 +30,7 @@ class Operators:
     GRAB_REGION = "sinew.grab_region"
     BAKE = "sinew.bake"
     UNBAKE = "sinew.unbake"
+    CURVE_EDIT = "sinew.curve_edit"
     HELP = "sinew.help"
 
 
@@ -58,6 +59,7 @@ class Datablocks:
     PROXY_VIEWPORT = ".Sinew Viewport"
     PROXY_RENDER = ".Sinew Render"
     REST = ".Sinew Rest"
+    CURVE = ".Sinew Curve"
     MODIFIER = "Sinew"
 
 
@@ -68,6 +70,7 @@ class Keys:
     GROUP_KIND = "sinew_group_kind"
     KEEP = "sinew_keep_evaluated"
     SHAPE = "sinew_shape"
+    CURVE = "sinew_curve"
     REST_TOKEN = "sinew_token"
     REST_GROUPS = "sinew_groups"
     REST_KIND = "sinew_kind"

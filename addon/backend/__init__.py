@@ -13,10 +13,11 @@ from .native import (
     limit_memory,
     limit_threads,
 )
-from .recipes import Cage, CageReport, Handles, Progress, Recipe, Shape
+from .recipes import Base, Cage, CageReport, Handles, Progress, Recipe, Shape
 
 __all__ = (
     "Availability",
+    "Base",
     "Cage",
     "CageReport",
     "Diagnosis",

@@ -6,10 +6,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
-from ..core import frames
+from ..core.elements import Elements, Owner
 from ..core.errors import (
     BackendMissingError,
     CancelledError,
@@ -20,6 +21,7 @@ from ..core.errors import (
     SinewError,
     SolverError,
 )
+from ..core.geometry import frames
 from ..core.status import Remedy
 from .loader import Availability, load
 from .recipes import Bound, Progress, Recipe
@@ -81,7 +83,8 @@ def _translated(native) -> Iterator[None]:
     except native.Error as error:
         kind = _TRANSLATION.get(type(error).__name__, SinewError)
         remedy = Remedy.REPAIR if kind in _REPAIRABLE and error.elements else None
-        raise kind(str(error), tuple(error.elements), error.element_kind, remedy) from error
+        elements = Elements(Owner.TARGET, error.element_kind, error.elements)
+        raise kind(str(error), elements, remedy) from error
     except MemoryError as error:
         raise OutOfMemoryError("Not enough memory to bind this mesh - use fewer vertices") from error
 
@@ -103,9 +106,9 @@ class Inheritance:
     """A native method that waits to be bound, and the bound one that it takes over from."""
 
     recipe: Recipe
-    mesh: object
+    mesh: Any
     diagnosis: Diagnosis
-    made: object
+    made: Any
     former: Bound | None
 
 
@@ -144,7 +147,7 @@ class Factor:
         with _translated(self._native):
             return method.influence(vertices)
 
-    def _owned(self) -> object:
+    def _owned(self) -> Any:
         if self._method is None:
             raise CancelledError("The mesh is bound anew")
         return self._method

@@ -3,10 +3,12 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
+from ..core.elements import Elements, Owner
 from ..core.errors import CageError
 from ..core.methods import Method
 from ..core.status import Remedy
@@ -25,39 +27,56 @@ class Shape:
 
 
 @dataclass(frozen=True)
+class Base:
+    """An option: the method that another one is put around, with ``options`` of its own."""
+
+    method: Method
+    options: dict[str, object]
+
+
+def make(native, method: Method, target: object, options: dict[str, object]) -> Any:
+    """The native object of a method, and of the one inside it, for a native mesh."""
+    made = {
+        name: make(native, value.method, target, value.options) if isinstance(value, Base) else value
+        for name, value in options.items()
+    }
+    return getattr(native, method.native)(target, **made)
+
+
+@dataclass(frozen=True)
 class Bound:
     """A native method, bound, with what its bind reported."""
 
-    method: object
+    method: Any
     report: object
 
 
 @dataclass(frozen=True)
 class Handles:
-    """Regions of a surface: vertices, weights and continuity of each, as ``set_handles`` takes them."""
+    """Regions of a surface: vertices, weights and ``options`` of each, as ``set_handles`` takes them."""
 
     vertices: Sequence[np.ndarray]
     weights: Sequence[object]
-    continuity: Sequence[float] | None = None
+    options: dict[str, Sequence[object]] = field(default_factory=dict)
 
-    def make(self, native, recipe: "Recipe", mesh: object) -> object:
+    def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, without handles yet."""
-        return recipe.native_class(native)(mesh, **recipe.options)
+        return make(native, recipe.method, mesh, recipe.options)
 
-    def can_reuse(self, _recipe: "Recipe", made: object, former: object) -> bool:
+    def can_reuse(self, _recipe: "Recipe", made: Any, former: object) -> bool:
         """Whether something of a bound method serves a made one."""
         return made.can_reuse(former)
 
     def bind(
-        self, _native, _recipe: "Recipe", made: object, former: Bound | None, progress: Progress | None
+        self, _native, _recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
     ) -> object:
         """Give a made method its handles, out of a bound one if there is one; the report."""
-        words = {"weights": self.weights, "continuity": self.continuity, "progress": progress}
+        words = {"weights": self.weights, "progress": progress, **self.options}
         if former is None:
             return made.set_handles(self.vertices, **words)
         return made.rebind(former.method, self.vertices, **words)
 
-    def solve(self, method: object, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
+    def solve(self, method: Any, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
         """Positions (n, 3) and a report; ``poses`` (k, 3, 4)."""
         return method.solve(poses, **options)
 
@@ -74,18 +93,18 @@ class CageReport:
 class Cage(Shape):
     """The rest cage around a target, in the frame of the target."""
 
-    def make(self, native, recipe: "Recipe", _mesh: object) -> object:
+    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
         """The native method, with no points bound yet."""
         cage = native.SurfaceMesh(self.points, self.faces)
         with _at_fault(native, cage):
-            return recipe.native_class(native)(cage, **recipe.options)
+            return make(native, recipe.method, cage, recipe.options)
 
-    def can_reuse(self, recipe: "Recipe", made: object, former: object) -> bool:
+    def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
         """Whether the weights of a bound method are those of a made one."""
         return made.can_reuse(former, recipe.target.points)
 
     def bind(
-        self, native, recipe: "Recipe", made: object, former: Bound | None, progress: Progress | None
+        self, native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
     ) -> object:
         """Compute the weights of the target's points, or take over those of a bound method; the report."""
         points = recipe.target.points
@@ -111,14 +130,15 @@ class Cage(Shape):
 
 
 @contextmanager
-def _at_fault(native, cage: object) -> Iterator[None]:
+def _at_fault(native, cage: Any) -> Iterator[None]:
     """Says of a refused mesh that it is the cage: of the target, points alone are refused."""
     try:
         yield
     except native.InvalidMesh as error:
         inside_out = 0 < len(native.diagnose_cage(cage).inverted_faces) == cage.face_count
         remedy = Remedy.FLIP_CAGE if inside_out else Remedy.CAGE_REST
-        raise CageError(str(error), tuple(error.elements), f"cage {error.element_kind}", remedy) from error
+        elements = Elements(Owner.CONTROL, error.element_kind, error.elements)
+        raise CageError(str(error), elements, remedy) from error
 
 
 @dataclass(frozen=True)

@@ -2,13 +2,14 @@
 """The errors an artist can meet. Each says what is wrong and what to do about it."""
 
 from . import status
+from .elements import NO_ELEMENTS, Elements
 
 
 class SinewError(Exception):
     """Anything Sinew refuses to do.
 
-    ``elements`` are indices of the elements at fault (vertices, faces, ...; ``element_kind`` names which),
-    so that **Select** can show them. ``remedy`` is what a button beside the message offers.
+    ``elements`` are those at fault, so that **Select** can show them. ``remedy`` is what a button beside the
+    message offers.
     """
 
     remedy = status.Remedy.NONE
@@ -16,15 +17,17 @@ class SinewError(Exception):
     def __init__(
         self,
         message: str,
-        elements: tuple[int, ...] = (),
-        element_kind: str = "",
+        elements: Elements = NO_ELEMENTS,
         remedy: status.Remedy | None = None,
     ) -> None:
         super().__init__(message)
-        self.elements = tuple(int(element) for element in elements)
-        self.element_kind = element_kind
+        self.elements = elements
         if remedy is not None:
             self.remedy = remedy
+
+    def about(self, elements: Elements, remedy: status.Remedy) -> "SinewError":
+        """The same refusal, of other elements and with another remedy."""
+        return type(self)(str(self), elements, remedy)
 
 
 class BackendMissingError(SinewError):
@@ -42,7 +45,7 @@ class ConstraintError(SinewError):
 
 
 class CageError(SinewError):
-    """The cage cannot move the mesh. Elements are those of the cage."""
+    """The cage cannot move the mesh."""
 
 
 class OptionError(SinewError):

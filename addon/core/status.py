@@ -7,6 +7,7 @@ Texts only: nothing here is saved, everything is recomputed.
 from dataclasses import dataclass
 from enum import Enum
 
+from .elements import NO_ELEMENTS, Elements
 from .memory import remember
 
 
@@ -39,8 +40,7 @@ class Status:
 
     level: Level = Level.NONE
     text: str = ""
-    elements: tuple[int, ...] = ()
-    element_kind: str = ""
+    elements: Elements = NO_ELEMENTS
     remedy: Remedy = Remedy.NONE
 
 
@@ -72,9 +72,8 @@ def put_notes(key: str, lines: tuple[Status, ...]) -> None:
 
 def fail(key: str, error: Exception) -> None:
     """Show a refusal."""
-    elements = tuple(getattr(error, "elements", ()))
-    kind, remedy = getattr(error, "element_kind", ""), getattr(error, "remedy", Remedy.NONE)
-    _statuses[key] = Status(Level.ERROR, str(error), elements, kind, remedy)
+    elements, remedy = getattr(error, "elements", NO_ELEMENTS), getattr(error, "remedy", Remedy.NONE)
+    _statuses[key] = Status(Level.ERROR, str(error), elements, remedy)
 
 
 def clear(key: str) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from bpy.types import Mesh
 
 from ..compat import read_faces, read_positions
-from ..core import frames
+from ..core.geometry import frames
 from ..core.kinds import MESH, Kind, named
 from ..ids import Keys
 

@@ -8,6 +8,7 @@ from .bake import SINEW_OT_bake, SINEW_OT_unbake
 from .bind import SINEW_OT_bind, SINEW_OT_unbind
 from .cage import SINEW_OT_cage_add, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
 from .cancel import SINEW_OT_cancel, SINEW_OT_watch
+from .curve import SINEW_OT_curve_edit
 from .deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
 from .grab_region import SINEW_OT_grab_region
 from .handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select_handle
@@ -46,6 +47,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_repair,
         SINEW_OT_part_regions,
         SINEW_OT_select_distorted,
+        SINEW_OT_curve_edit,
         SINEW_OT_help,
     )
 )

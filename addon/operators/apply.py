@@ -5,8 +5,8 @@ from bpy.props import BoolProperty
 from bpy.types import Context, Operator
 
 from .. import session
-from ..core.errors import SinewError
 from ..ids import Operators
+from .refusing import refusing
 from .target import deformer_index, has_deformer, object_mode, target_of
 
 
@@ -32,15 +32,12 @@ class SINEW_OT_apply(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        try:
-            keep = self.keep_deformer and self.as_shape_key
-            with object_mode(context, obj):
-                before = session.apply(obj, deformer_index(obj, -1), self.as_shape_key, keep)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        keep = self.keep_deformer and self.as_shape_key
+        with object_mode(context, obj):
+            before = session.apply(obj, deformer_index(obj, -1), self.as_shape_key, keep)
         if before:
             names = ", ".join(before)
             self.report(

@@ -11,6 +11,7 @@ from .. import bake
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..properties import BAKE_TARGETS, MAX_FRAME, SinewDeformer
+from .refusing import refusing
 from .target import has_deformer, target_of
 
 CANCELLED = "The bake was cancelled - everything is as it was"
@@ -100,15 +101,13 @@ class SINEW_OT_bake(Operator):
     def invoke(self, context: Context, _event: Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
-        if self.choose_path:
-            return self._browse(context)
-        try:
-            if self.target == "ALEMBIC":
-                return self._export(context)
-            self._baking = bake.Baking(self._request(context), context.scene)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        return self._browse(context) if self.choose_path else self._begin(context)
+
+    @refusing
+    def _begin(self, context: Context) -> set[str]:
+        if self.target == "ALEMBIC":
+            return self._export(context)
+        self._baking = bake.Baking(self._request(context), context.scene)
         manager = context.window_manager
         manager.progress_begin(0, self._baking.total)
         self._timer = manager.event_timer_add(0.01, window=context.window)
@@ -142,6 +141,7 @@ class SINEW_OT_bake(Operator):
             self._baking.cancel()
             self._end_modal(context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         if self.choose_path and not bpy.app.background:  # the file browser comes back here
             return self._bake_to_choice()
@@ -156,9 +156,6 @@ class SINEW_OT_bake(Operator):
                     time.sleep(_BREATH)
                 done = baking.done
             self._finish(baking)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
         finally:
             if baking is not None:
                 baking.cancel()
@@ -274,15 +271,12 @@ class SINEW_OT_unbake(Operator):
             return False
         return True
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         chosen = _chosen(context, self.all_deformers)
         if self.all_deformers:
             chosen = [pair for pair in chosen if pair[1].bake.is_baked]
-        try:
-            said = [line for obj, deformer in chosen for line in bake.unbake(obj, deformer, self.delete_file)]
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        said = [line for obj, deformer in chosen for line in bake.unbake(obj, deformer, self.delete_file)]
         for line in said:
             self.report({"WARNING"}, line)
         return {"FINISHED"}

@@ -6,17 +6,17 @@ from bpy.types import Context, Event, Object, Operator
 
 from .. import session
 from ..core.errors import SinewError
-from ..core.methods import DEFAULT_CAGE_METHOD, METHODS, Control
+from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer
+from .refusing import refusing
 from .target import has_deformer, has_target, object_mode, target_of
-from .waiting import WaitsForBind
+from .waiting import BindingOperator
 
-_METHODS = tuple(method for method in METHODS if method.control is Control.CAGE)
 _CANCELLED = "No cage was made"
 
 
-class SINEW_OT_cage_add(WaitsForBind, Operator):
+class SINEW_OT_cage_add(BindingOperator, Operator):
     """Let a closed mesh around this one move it: edit, pose or animate it like any other mesh"""
 
     bl_idname = Operators.CAGE_ADD
@@ -34,7 +34,7 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
     )
     method: EnumProperty(
         name="Coordinates",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
+        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in session.CAGE_METHODS),
         default=DEFAULT_CAGE_METHOD,
         description="How points follow the cage. It can be changed later, and the cage stays",
     )
@@ -74,16 +74,16 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
     def poll(cls, context: Context) -> bool:
         return has_target(cls, context)
 
-    def invoke(self, context: Context, _event: Event) -> set[str]:
+    def invoke(self, context: Context, event: Event) -> set[str]:
         self._work = None
         obj = target_of(context)
         if self.source != "AUTO" or not session.may_wait(session.size(obj)):
-            return self._end(context, self._run(context, None, wait=False))
-        try:
-            self._work = session.Work(self._maker(obj))
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return super().invoke(context, event)
+        return self._begin(context)
+
+    @refusing
+    def _begin(self, context: Context) -> set[str]:
+        self._work = session.Work(self._maker(target_of(context)))
         self.begin(context)
         return {"RUNNING_MODAL"}
 
@@ -106,46 +106,29 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
         if work.error is not None:
             self.report({"ERROR"}, str(work.error))
             return {"CANCELLED"}
-        return self._end(context, self._run(context, work.result, wait=False))
+        return self.watched(context, self.run(context, wait=False, shape=work.result))
 
-    def execute(self, context: Context) -> set[str]:
-        return self._run(context, None, wait=True)
-
-    def _end(self, context: Context, result: set[str]) -> set[str]:
-        deformer = target_of(context).sinew.active
-        return result if deformer is None else self.wait_for(context, deformer.uid, result)
-
-    def _run(self, context: Context, shape: object, wait: bool) -> set[str]:
+    @refusing
+    def run(self, context: Context, wait: bool, shape: object = None) -> set[str]:
         """``shape`` of an automatic cage, where it is made already."""
         obj = target_of(context)
-        try:
-            with object_mode(context, obj):
-                if self.source == "OBJECT":
-                    cage = self._chosen(context, obj)
-                else:
-                    cage = session.add_cage_object(obj, shape or self._maker(obj)(None))
-                deformer, is_new = _deformer(obj, self.method)
-                try:
-                    session.set_cage(obj, deformer, cage)
-                except SinewError:
-                    if is_new:
-                        session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
-                    raise
-                deformer.owns_cage = self.source == "AUTO"
-                bound = self._bind(obj, deformer, wait)
-                _show(context, cage)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        if bound:
-            self.report({"INFO"}, f"{cage.name}: {deformer.status}")
+        with object_mode(context, obj):
+            if self.source == "OBJECT":
+                cage = self._chosen(context, obj)
+            else:
+                cage = session.add_cage_object(obj, shape or self._maker(obj)(None))
+            deformer, refusal = session.rig_cage(
+                obj, cage, self.method, owns_cage=self.source == "AUTO", wait=wait
+            )
+            _show(context, cage)
+        self.report_bind(refusal, f"{cage.name}: {deformer.status}")
         return {"FINISHED"}
 
     def _maker(self, obj: Object):
         symmetry = "automatic" if self.symmetric else "none"
         return session.cage_maker(
             obj,
-            _waiting(obj),
+            session.waiting_for_cage(obj),
             faces=self.faces,
             margin=self.margin,
             quads=self.quads,
@@ -163,28 +146,6 @@ class SINEW_OT_cage_add(WaitsForBind, Operator):
             raise SinewError("Select the cage and then the mesh, which becomes the active object")
         return others[0]
 
-    def _bind(self, obj: Object, deformer: SinewDeformer, wait: bool) -> bool:
-        """The cage is kept when the bind is refused; the panel then says what to do."""
-        try:
-            session.bind(obj, deformer, wait)
-        except SinewError as error:
-            self.report({"WARNING"}, str(error))
-            return False
-        return True
-
-
-def _waiting(obj: Object) -> SinewDeformer | None:
-    """The active deformer, where it waits for a cage."""
-    active = obj.sinew.active
-    waits = active is not None and active.definition.control is Control.CAGE and active.cage is None
-    return active if waits else None
-
-
-def _deformer(obj: Object, method: str) -> tuple[SinewDeformer, bool]:
-    """The active one where it waits for a cage, else a new one; whether it is new."""
-    waiting = _waiting(obj)
-    return (session.add_deformer(obj, method), True) if waiting is None else (waiting, False)
-
 
 def _show(context: Context, cage: Object) -> None:
     """The cage is selected, so Tab edits it and G moves it; the panel stays that of the mesh."""
@@ -196,7 +157,7 @@ def _show(context: Context, cage: Object) -> None:
     context.view_layer.objects.active = cage
 
 
-class _Rebinding(WaitsForBind):
+class _Rebinding(BindingOperator):
     """Does something to the cage of the active deformer, and binds it anew."""
 
     @classmethod
@@ -208,22 +169,12 @@ class _Rebinding(WaitsForBind):
             return False
         return True
 
-    def invoke(self, context: Context, _event: Event) -> set[str]:
-        result = self._run(context, wait=False)
-        return self.wait_for(context, target_of(context).sinew.active.uid, result)
-
-    def execute(self, context: Context) -> set[str]:
-        return self._run(context, wait=True)
-
-    def _run(self, context: Context, wait: bool) -> set[str]:
+    @refusing
+    def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        try:
-            self.change(obj, deformer)
-            session.bind(obj, deformer, wait)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        self.change(obj, deformer)
+        session.bind(obj, deformer, wait)
         self.report({"INFO"}, deformer.status)
         return {"FINISHED"}
 

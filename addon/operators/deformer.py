@@ -5,11 +5,11 @@ from bpy.props import EnumProperty, IntProperty
 from bpy.types import Context, Operator
 
 from .. import bake, session
-from ..core.errors import SinewError
 from ..core.methods import DEFAULT_METHOD
 from ..ids import Operators
 from ..preferences import preferences
 from ..properties import method_items
+from .refusing import refusing
 from .target import deformer_index, has_deformer, has_target, object_mode, target_of
 
 
@@ -36,12 +36,9 @@ class SINEW_OT_deformer_add(Operator):
             self.method = preferences(context).method
         return self.execute(context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
-        try:
-            session.add_deformer(target_of(context), self.method)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        session.add_deformer(target_of(context), self.method)
         return {"FINISHED"}
 
 
@@ -58,17 +55,14 @@ class SINEW_OT_deformer_remove(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        try:
-            index = deformer_index(obj, self.index)
-            deformer = obj.sinew.deformers[index]
-            with object_mode(context, obj):
-                if deformer.bake.is_baked:
-                    for line in bake.unbake(obj, deformer):
-                        self.report({"WARNING"}, line)
-                session.remove_deformer(obj, index)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        index = deformer_index(obj, self.index)
+        deformer = obj.sinew.deformers[index]
+        with object_mode(context, obj):
+            if deformer.bake.is_baked:
+                for line in bake.unbake(obj, deformer):
+                    self.report({"WARNING"}, line)
+            session.remove_deformer(obj, index)
         return {"FINISHED"}

@@ -10,17 +10,17 @@ from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
 from .. import session
-from ..core.errors import SinewError
-from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Control
-from ..core.motion import Mode, Motion
-from ..core.typed_motion import TypedMotion
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS
+from ..core.transform.motion import Mode, Motion
+from ..core.transform.typed_motion import TypedMotion
 from ..ids import Operators
 from ..preferences import preferences
 from .grabbing import Grabbing
 from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, pivot_of, typed_units, view_of
+from .refusing import refusing
 
-_METHODS = tuple(method for method in METHODS if method.control is Control.HANDLES)
+_METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
 _MODES = (
     ("TRANSLATE", "Move", "Move the selection", "NONE", 0),
     ("ROTATE", "Rotate", "Turn the selection about its centre", "NONE", 1),
@@ -118,37 +118,34 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
             return False
         return True
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = context.edit_object
-        try:
-            grab = self._grab(context, obj)
-            grab.follow(math.inf if self.unlimited else self.radius)
-            grab.show(obj, self._motion().matrix(axes_of(obj), pivot_of(context, grab.selection)))
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        grab = self._grab(context, obj)
+        grab.follow(math.inf if self.unlimited else self.radius)
+        grab.show(obj, self._motion().matrix(axes_of(obj), pivot_of(context, grab.selection)))
         self._mention(obj, grab)
         return {"FINISHED"}
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         if context.area is None or context.area.type != "VIEW_3D":
             return self.execute(context)
+        return self._begin(context, event)
+
+    @refusing
+    def _begin(self, context: Context, event: Event) -> set[str]:
         obj = context.edit_object
-        try:
-            grab = self._grab(context, obj)
-            pivot, axes = pivot_of(context, grab.selection), axes_of(obj)
-            typed = TypedMotion(
-                Mode(self.mode),
-                view_of(context, pivot),
-                axes,
-                (event.mouse_x, event.mouse_y),
-                context.space_data.overlay.grid_scale,
-                *typed_units(context.scene.unit_settings),
-            )
-            tool = Grabbing(grab, typed, pivot, axes, math.inf if self.unlimited else self.radius)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        grab = self._grab(context, obj)
+        pivot, axes = pivot_of(context, grab.selection), axes_of(obj)
+        typed = TypedMotion(
+            Mode(self.mode),
+            view_of(context, pivot),
+            axes,
+            (event.mouse_x, event.mouse_y),
+            context.space_data.overlay.grid_scale,
+            *typed_units(context.scene.unit_settings),
+        )
+        tool = Grabbing(grab, typed, pivot, axes, math.inf if self.unlimited else self.radius)
         self._mention(obj, grab)
         return self.begin(context, tool, partial(_draw_circle, tool))
 

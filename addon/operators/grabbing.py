@@ -8,7 +8,7 @@ from bpy.types import Event, Object
 
 from .. import session
 from ..core.errors import SinewError
-from ..core.typed_motion import TypedMotion, View
+from ..core.transform.typed_motion import TypedMotion, View
 from .modal.shell import Outcome
 
 CONFIRM = ("LEFTMOUSE", "RET", "NUMPAD_ENTER")

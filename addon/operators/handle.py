@@ -9,14 +9,15 @@ from .. import compat, session
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..preferences import preferences
-from ..properties import HANDLE_KINDS, SinewDeformer, SinewHandle
+from ..properties import HANDLE_KINDS, SinewHandle
+from .refusing import refusing
 from .target import handle_index, has_deformer, has_target, object_mode, target_of
-from .waiting import WaitsForBind
+from .waiting import BindingOperator
 
 _LABELS = {identifier: label for identifier, label, *_rest in HANDLE_KINDS}
 
 
-class SINEW_OT_handle_add(WaitsForBind, Operator):
+class SINEW_OT_handle_add(BindingOperator, Operator):
     """Make a region of the selected vertices in Edit Mode, else of the active vertex group.
 
     In Pose and Weight Paint Mode the active bone becomes its control, elsewhere a new empty
@@ -73,43 +74,35 @@ class SINEW_OT_handle_add(WaitsForBind, Operator):
     def poll(cls, context: Context) -> bool:
         return has_target(cls, context, mesh=True)
 
-    def invoke(self, context: Context, _event: object) -> set[str]:
-        result = self._run(context, wait=False)
-        deformer = target_of(context).sinew.active
-        return result if deformer is None else self.wait_for(context, deformer.uid, result)
-
-    def execute(self, context: Context) -> set[str]:
-        return self._run(context, wait=True)
-
-    def _run(self, context: Context, wait: bool) -> set[str]:
+    @refusing
+    def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         mode = context.mode
-        try:
-            control, bone = self._chosen_control(context, obj)
-            group = self.vertex_group or _group_at_hand(obj, bone)
-            owns_group = not group
-            if not group:
-                if obj.mode != "EDIT":
-                    raise SinewError("Name a vertex group, or select vertices in Edit Mode")
-                group = session.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
-            with object_mode(context, obj):
-                is_first = obj.sinew.active is None
-                deformer = obj.sinew.active or session.add_deformer(obj, preferences(context).method)
-                try:
-                    handle = session.add_handle(obj, deformer, self.kind, group, control, bone, owns_group)
-                except SinewError:
-                    _take_back(obj, is_first, group if owns_group else "")
-                    raise
-                self._settle(obj, deformer, handle)
-                bound = self._bind(obj, deformer, wait)
-                if handle.kind == "HANDLE" and mode not in ("POSE", "PAINT_WEIGHT"):
-                    context.view_layer.update()  # the new empty enters the view layer
-                    self._show_control(context, obj, handle)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        if bound:
-            self.report({"INFO"}, f"{handle.name}: {deformer.status}")
+        control, bone = self._chosen_control(context, obj)
+        group = self.vertex_group or _group_at_hand(obj, bone)
+        owns_group = not group
+        if not group:
+            if obj.mode != "EDIT":
+                raise SinewError("Name a vertex group, or select vertices in Edit Mode")
+            group = session.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
+        with object_mode(context, obj):
+            handle, refusal = session.rig_region(
+                obj,
+                self.kind,
+                group,
+                preferences(context).method,
+                control=control,
+                bone=bone,
+                owns_group=owns_group,
+                name=self.handle_name,
+                weight=self.weight,
+                from_rest=False if self.control_object else None,
+                wait=wait,
+            )
+            if handle.kind == "HANDLE" and mode not in ("POSE", "PAINT_WEIGHT"):
+                context.view_layer.update()  # the new empty enters the view layer
+                self._show_control(context, obj, handle)
+        self.report_bind(refusal, f"{handle.name}: {obj.sinew.active.status}")
         return {"FINISHED"}
 
     def _show_control(self, context: Context, obj: Object, handle: SinewHandle) -> None:
@@ -118,23 +111,6 @@ class SINEW_OT_handle_add(WaitsForBind, Operator):
             _select(context, obj, handle)
         except SinewError as error:
             self.report({"WARNING"}, str(error))
-
-    def _settle(self, obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
-        """What the options say of a new handle."""
-        handle.weight = self.weight
-        if self.handle_name:
-            handle.name = self.handle_name
-        if not self.control_object:
-            handle.from_rest = session.is_moved_by_control(obj, deformer, handle)
-
-    def _bind(self, obj: Object, deformer: SinewDeformer, wait: bool) -> bool:
-        """The region is kept when the bind is refused; the panel then says what to do."""
-        try:
-            session.bind(obj, deformer, wait)
-        except SinewError as error:
-            self.report({"WARNING"}, str(error))
-            return False
-        return True
 
     def _chosen_control(self, context: Context, obj: Object) -> tuple[Object | None, str]:
         if self.kind != "HANDLE":
@@ -169,14 +145,11 @@ class SINEW_OT_handle_remove(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        try:
-            index = handle_index(deformer, self.index)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        index = handle_index(deformer, self.index)
         try:
             with object_mode(context, obj):
                 session.remove_handle(obj, deformer, index)
@@ -204,31 +177,20 @@ class SINEW_OT_select_handle(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        try:
-            handle = deformer.handles[handle_index(deformer, self.index)]
-            if obj.vertex_groups.get(handle.vertex_group):
-                obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
-            if obj.mode == "EDIT":
-                _select_vertices(obj, handle, self.extend)
-            elif obj.mode != "WEIGHT_PAINT":
-                _select(context, obj, handle, self.extend)
-                if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
-                    bpy.ops.object.mode_set(mode="POSE")
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        handle = deformer.handles[handle_index(deformer, self.index)]
+        if obj.vertex_groups.get(handle.vertex_group):
+            obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
+        if obj.mode == "EDIT":
+            _select_vertices(obj, handle, self.extend)
+        elif obj.mode != "WEIGHT_PAINT":
+            _select(context, obj, handle, self.extend)
+            if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
+                bpy.ops.object.mode_set(mode="POSE")
         return {"FINISHED"}
-
-
-def _take_back(obj: Object, is_first: bool, group: str) -> None:
-    """A region that is refused leaves nothing behind: no deformer and no group made for it."""
-    if is_first:
-        session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
-    if group:
-        obj.vertex_groups.remove(obj.vertex_groups[group])
 
 
 def _group_at_hand(obj: Object, bone: str) -> str:

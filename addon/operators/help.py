@@ -9,6 +9,7 @@ from bpy.types import Context, Operator
 
 from ..core.errors import SinewError
 from ..ids import Operators
+from .refusing import refusing
 
 # (identifier, label, description): the identifier is the name of the page's file.
 PAGES = (
@@ -54,12 +55,9 @@ class SINEW_OT_help(Operator):
         _identifier, label, about = next(item for item in PAGES if item[0] == properties.page)
         return f"{label}. {about}.\nOpens the manual that came with the add-on in the web browser"
 
+    @refusing
     def execute(self, _context: Context) -> set[str]:
-        try:
-            path = manual_page(self.page)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        path = manual_page(self.page)
         if bpy.app.background:
             self.report({"INFO"}, str(path))
         else:

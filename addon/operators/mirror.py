@@ -2,18 +2,17 @@
 """Mirror handles and their weights to the other side."""
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
-from bpy.types import Context, Event, Object, Operator
+from bpy.types import Context, Operator
 
 from .. import session
-from ..core.errors import SinewError
 from ..core.sides import Side
 from ..ids import Operators
-from ..properties import SinewDeformer
+from .refusing import refusing
 from .target import handle_index, has_deformer, object_mode, target_of
-from .waiting import WaitsForBind
+from .waiting import BindingOperator
 
 
-class SINEW_OT_handle_mirror(WaitsForBind, Operator):
+class SINEW_OT_handle_mirror(BindingOperator, Operator):
     """Mirror handles across the local X of the mesh: Hand.L to Hand.R, with weights, control and pose.
 
     Finds the other side by name, or makes it. A handle without a side in its name is evened out
@@ -57,40 +56,23 @@ class SINEW_OT_handle_mirror(WaitsForBind, Operator):
             return False
         return True
 
-    def invoke(self, context: Context, _event: Event) -> set[str]:
-        uid = target_of(context).sinew.active.uid
-        return self.wait_for(context, uid, self._run(context, wait=False))
-
-    def execute(self, context: Context) -> set[str]:
-        return self._run(context, wait=True)
-
-    def _run(self, context: Context, wait: bool) -> set[str]:
+    @refusing
+    def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        try:
-            active = deformer.handles[handle_index(deformer, -1)]
-            if self.side == "ACTIVE":
-                keys, source = [active.uid], session.side_of_handle(active) or Side.LEFT
-            else:
-                source = Side.LEFT if self.side == "LEFT_TO_RIGHT" else Side.RIGHT
-                keys = session.handles_of_side(deformer, source)
-            options = session.MirrorOptions(source, self.tolerance, self.weights_only, self.painted_groups)
-            with object_mode(context, obj):
-                done = session.mirror(obj, deformer, keys, options)
-                context.view_layer.update()  # new empties enter the view layer
-                self._bind(obj, deformer, wait)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        active = deformer.handles[handle_index(deformer, -1)]
+        if self.side == "ACTIVE":
+            keys, source = [active.uid], session.side_of_handle(active) or Side.LEFT
+        else:
+            source = Side.LEFT if self.side == "LEFT_TO_RIGHT" else Side.RIGHT
+            keys = session.handles_of_side(deformer, source)
+        options = session.MirrorOptions(source, self.tolerance, self.weights_only, self.painted_groups)
+        with object_mode(context, obj):
+            done = session.mirror(obj, deformer, keys, options)
+            context.view_layer.update()  # new empties enter the view layer
+            self.report_bind(session.try_bind(obj, deformer, wait))
         self._say(done)
         return {"FINISHED"}
-
-    def _bind(self, obj: Object, deformer: SinewDeformer, wait: bool) -> None:
-        """The mirrored handles are kept when the bind is refused; the panel then says what to do."""
-        try:
-            session.bind(obj, deformer, wait)
-        except SinewError as error:
-            self.report({"WARNING"}, str(error))
 
     def _say(self, done: session.Mirrored) -> None:
         pairs = [f"{source} to {target}" for source, target in done.pairs]

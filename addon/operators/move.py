@@ -5,8 +5,8 @@ from bpy.props import EnumProperty, IntProperty
 from bpy.types import Context, Operator
 
 from .. import session
-from ..core.errors import SinewError
 from ..ids import Operators
+from .refusing import refusing
 from .target import deformer_index, handle_index, has_deformer, target_of
 
 DIRECTIONS = (
@@ -40,17 +40,14 @@ class SINEW_OT_deformer_move(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        try:
-            index = deformer_index(obj, self.index)
-            target = _neighbour(index, self.direction, len(obj.sinew.deformers))
-            if target < 0:
-                return {"CANCELLED"}
-            session.move_deformer(obj, index, target)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
+        index = deformer_index(obj, self.index)
+        target = _neighbour(index, self.direction, len(obj.sinew.deformers))
+        if target < 0:
             return {"CANCELLED"}
+        session.move_deformer(obj, index, target)
         return {"FINISHED"}
 
 
@@ -70,14 +67,11 @@ class SINEW_OT_handle_move(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        try:
-            index = handle_index(deformer, self.index)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        index = handle_index(deformer, self.index)
         target = _neighbour(index, self.direction, len(deformer.handles))
         if target < 0:
             return {"CANCELLED"}

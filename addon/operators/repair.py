@@ -7,6 +7,7 @@ from bpy.types import Context, Object, Operator
 from .. import session
 from ..core.errors import SinewError
 from ..ids import Operators
+from .refusing import refusing
 from .target import has_deformer, has_target, object_mode, target_of
 
 
@@ -66,6 +67,7 @@ class SINEW_OT_repair(Operator):
             return False
         return True
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         cures = session.Cures(
@@ -77,11 +79,7 @@ class SINEW_OT_repair(Operator):
             loose=self.loose,
             distance=self.distance,
         )
-        try:
-            mended, left = session.repair(obj, cures)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        mended, left = session.repair(obj, cures)
         self.report({"INFO"}, session.repair_summary(mended, left))
         _bind_again(self, context, obj, any(mended.values()))
         return {"FINISHED"}
@@ -111,14 +109,11 @@ class SINEW_OT_part_regions(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context, mesh=True)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        try:
-            with object_mode(context, obj):
-                parted = session.part_regions(obj, obj.sinew.active)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        with object_mode(context, obj):
+            parted = session.part_regions(obj, obj.sinew.active)
         if not parted:
             self.report({"INFO"}, "No vertex is in two regions")
             return {"CANCELLED"}

@@ -6,7 +6,8 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from .. import session
-from ..core.distortion import Measure
+from ..core.elements import Elements, Owner
+from ..core.geometry.distortion import Measure
 from ..ids import Operators
 from ..properties.scene import MEASURES
 from ..session.shown import result
@@ -48,7 +49,7 @@ class SINEW_OT_select_distorted(Operator):
         if obj.mode != "EDIT":
             context.view_layer.objects.active = obj
             bpy.ops.object.mode_set(mode="EDIT")
-        session.select_elements(obj, (found.worst,), "vertex")
+        session.select_elements(obj, Elements(Owner.TARGET, "vertex", (found.worst,)))
         label = next(label for identifier, label, *_rest in MEASURES if identifier == self.measure)
         self.report({"INFO"}, f"{label} {found.largest:.3g} at vertex {found.worst}")
         return {"FINISHED"}

@@ -3,14 +3,13 @@
 
 import bpy
 from bpy.props import IntProperty
-from bpy.types import Context, Mesh, Operator
+from bpy.types import Context, Operator
 
 from .. import session
 from ..core import status
+from ..core.errors import SinewError
 from ..ids import Operators
 from .target import has_deformer, target_of
-
-CAGE = "cage "  # before the kind of elements that are the cage's
 
 
 class SINEW_OT_select_problems(Operator):
@@ -37,18 +36,16 @@ class SINEW_OT_select_problems(Operator):
         if not lines:
             self.report({"INFO"}, "No problem to show")
             return {"CANCELLED"}
-        of_cage, kind = lines[0].element_kind.startswith(CAGE), lines[0].element_kind.removeprefix(CAGE)
-        shown = obj.sinew.active.cage if of_cage else obj
-        if shown is None or shown.name not in context.view_layer.objects:
-            self.report({"ERROR"}, "The cage is not in this view layer - nothing to select")
+        try:
+            shown = session.object_with(obj.sinew.active, lines[0].elements)
+        except SinewError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if shown.name not in context.view_layer.objects:
+            self.report({"ERROR"}, f"{shown.name} is not in this view layer - nothing to select")
             return {"CANCELLED"}
         if not session.is_mesh(shown):
             self.report({"ERROR"}, f"{shown.name} has no vertices that could be selected")
-            return {"CANCELLED"}
-        rest = obj.sinew.active.cage_rest if of_cage else None
-        if isinstance(rest, Mesh) and len(shown.data.vertices) != len(rest.vertices):
-            text = "The cage has other vertices than its rest - turn off its modifiers, then Set Rest Cage"
-            self.report({"ERROR"}, text)
             return {"CANCELLED"}
         if shown.mode != "EDIT":
             if context.object is not None and context.object.mode != "OBJECT":
@@ -56,6 +53,6 @@ class SINEW_OT_select_problems(Operator):
             shown.hide_set(False)
             context.view_layer.objects.active = shown
             bpy.ops.object.mode_set(mode="EDIT")
-        count = session.select_elements(shown, lines[0].elements, kind)
+        count = session.select_elements(shown, lines[0].elements)
         self.report({"INFO"}, f"{lines[0].text}: {count} selected")
         return {"FINISHED"}

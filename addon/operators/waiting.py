@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The modal half of operators that bind: a thread works, Blender stays responsive, Esc cancels."""
+"""Operators that bind: with a window a thread works, Blender stays responsive, and Esc cancels."""
 
 from bpy.types import Context, Event
 
 from .. import session
+from ..core.errors import SinewError
+from .target import target_of
 
 
 class WaitsForBind:
@@ -44,3 +46,25 @@ class WaitsForBind:
         session.watch(self._uid, False)
         self.end(context)
         return {"FINISHED"}
+
+
+class BindingOperator(WaitsForBind):
+    """Changes the active deformer and binds it: ``run`` does both, and without ``wait`` a thread may bind."""
+
+    def execute(self, context: Context) -> set[str]:
+        return self.run(context, wait=True)
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        return self.watched(context, self.run(context, wait=False))
+
+    def watched(self, context: Context, result: set[str]) -> set[str]:
+        """Go on while a thread binds the active deformer, else end with ``result``."""
+        deformer = target_of(context).sinew.active
+        return result if deformer is None else self.wait_for(context, deformer.uid, result)
+
+    def report_bind(self, refusal: SinewError | None, success: str = "") -> None:
+        """What was changed stays where its bind is refused, so that is a warning."""
+        if refusal is not None:
+            self.report({"WARNING"}, str(refusal))
+        elif success:
+            self.report({"INFO"}, success)

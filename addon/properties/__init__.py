@@ -4,22 +4,27 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import bake, deformer, handle, parameters, scene
+from . import bake, control, deformer, handle, parameters, scene
 from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
+from .control import SinewControl, StoredCage
 from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
 from .handle import KINDS as HANDLE_KINDS
 from .handle import SinewHandle
+from .parameters import BASE
 from .scene import SinewScene
 
 __all__ = (
     "BAKE_TARGETS",
+    "BASE",
     "HANDLE_KINDS",
     "MAX_FRAME",
+    "SinewControl",
     "SinewDeformer",
     "SinewHandle",
     "SinewObject",
     "SinewScene",
+    "StoredCage",
     "deformers_of",
     "method_items",
     "register",
@@ -30,6 +35,7 @@ _CLASSES = (
     *parameters.GROUPS.values(),
     bake.SinewBakedKey,
     bake.SinewBake,
+    control.SinewControl,
     handle.SinewHandle,
     deformer.SinewDeformer,
     deformer.SinewObject,

@@ -5,8 +5,8 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
-_OVERRIDE = {"LIBRARY_OVERRIDABLE"}
-_LIST = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
+from .setting import record, setting
+
 MAX_FRAME = 1_048_574  # as Blender's own
 _ALEMBIC = "One Alembic file of the result, for other programs; the deformer stays live"
 
@@ -33,69 +33,68 @@ class SinewBakedKey(PropertyGroup):
 class SinewBake(PropertyGroup):
     """Settings of a bake, and the record of one that was made"""
 
-    target: EnumProperty(
+    target: setting(
+        EnumProperty,
+        update=None,
         name="Target",
         items=TARGETS,
         default="PC2",
-        override=_OVERRIDE,
         description="Where the baked shapes go",
     )
-    custom_range: BoolProperty(
-        name="Custom Range",
-        override=_OVERRIDE,
-        description="Bake other frames than the scene's range",
+    custom_range: setting(
+        BoolProperty, update=None, name="Custom Range", description="Bake other frames than the scene's range"
     )
-    frame_start: IntProperty(
+    frame_start: setting(
+        IntProperty,
+        update=None,
         name="Start",
         default=1,
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        override=_OVERRIDE,
         description="First frame to bake",
     )
-    frame_end: IntProperty(
+    frame_end: setting(
+        IntProperty,
+        update=None,
         name="End",
         default=250,
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        override=_OVERRIDE,
         description="Last frame to bake",
     )
-    step: IntProperty(
+    step: setting(
+        IntProperty,
+        update=None,
         name="Step",
         default=1,
         min=1,
-        override=_OVERRIDE,
         description="Bake every so many frames; the frames between are blended",
     )
-    exact_keys: BoolProperty(
+    exact_keys: setting(
+        BoolProperty,
+        update=None,
         name="Exact",
         default=True,
-        override=_OVERRIDE,
         description="One more shape key takes the basis out, so that Blender's sum of keys gives each frame "
         "to the last bit. Off, the keys are ordinary ones for game engines, right to a millionth of the size",
     )
 
-    result: EnumProperty(
+    result: record(
+        EnumProperty,
         name="Baked To",
         items=(("NONE", "Not Baked", "The deformer is live", "NONE", 0), *TARGETS),
-        options={"HIDDEN"},
-        override=_OVERRIDE,
     )
-    first: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    last: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    filepath: StringProperty(
-        name="Cache File",
-        options={"HIDDEN"},
-        override=_OVERRIDE,
-        description="The file that the Mesh Cache modifier plays",
+    first: record(IntProperty)
+    last: record(IntProperty)
+    filepath: record(
+        StringProperty, name="Cache File", description="The file that the Mesh Cache modifier plays"
     )
-    modifier: StringProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    keys: CollectionProperty(type=SinewBakedKey, options={"HIDDEN"}, override=_LIST)
-    made_basis: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    made_action: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    show_viewport: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    show_render: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
+    modifier: record(StringProperty)
+    keys: record(CollectionProperty, type=SinewBakedKey)
+    made_basis: record(BoolProperty)
+    made_action: record(BoolProperty)
+    show_viewport: record(BoolProperty)
+    show_render: record(BoolProperty)
 
     @property
     def is_baked(self) -> bool:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import bpy
 from bpy.props import (
     BoolProperty,
-    CollectionProperty,
     EnumProperty,
     FloatProperty,
     IntProperty,
@@ -19,11 +18,10 @@ from ..core import status
 from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
 from ..ids import Keys
 from .bake import SinewBake
+from .control import SinewControl, StoredCage
 from .handle import SinewHandle
-from .parameters import GROUPS
-
-_OVERRIDE = {"LIBRARY_OVERRIDABLE"}
-_LIST = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
+from .parameters import BASE, GROUPS
+from .setting import record, reshape, setting, setting_list
 
 
 def method_items() -> tuple[tuple, ...]:
@@ -38,14 +36,10 @@ def method_items() -> tuple[tuple, ...]:
     return tuple(items)
 
 
-def _changed(deformer: "SinewDeformer", _context: Context) -> None:
-    deformer.id_data.update_tag(refresh={"OBJECT"})
-
-
 def _cage_changed(deformer: "SinewDeformer", context: Context) -> None:
     """Another cage rests where it is when it is bound."""
     deformer.cage_rest = None
-    _changed(deformer, context)
+    reshape(deformer, context)
 
 
 def _cage_smoother(deformer: "SinewDeformer") -> Modifier | None:
@@ -79,35 +73,30 @@ def _may_be_cage(deformer: "SinewDeformer", obj: Object) -> bool:
 class SinewDeformer(PropertyGroup):
     """Settings of one deformer"""
 
-    uid: StringProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    name: StringProperty(
+    uid: record(StringProperty)
+    name: setting(
+        StringProperty,
+        update=None,
         name="Name",
         default="Sinew",
-        override=_OVERRIDE,
         description="What the list calls the deformer; double-click there to rename it",
     )
-    method: EnumProperty(
+    method: setting(
+        EnumProperty,
         name="Method",
         items=method_items(),
         default=DEFAULT_METHOD,
-        update=_changed,
-        override=_OVERRIDE,
         description="How the surface follows its handles",
     )
-    cage: PointerProperty(
+    cage: setting(
+        PointerProperty,
         name="Cage",
         type=Object,
         poll=_may_be_cage,
         update=_cage_changed,
-        override=_OVERRIDE,
         description="The closed mesh around this one that moves it, as its own modifiers leave it",
     )
-    cage_rest: PointerProperty(
-        type=Mesh,
-        options={"HIDDEN"},
-        override=_OVERRIDE,
-        description="The cage at bind, in the frame of the mesh",
-    )
+    cage_rest: record(PointerProperty, type=Mesh, description="The cage at bind, in the frame of the mesh")
     cage_subdivision: IntProperty(
         name="Subdivision",
         min=0,
@@ -119,53 +108,45 @@ class SinewDeformer(PropertyGroup):
         description="Levels of the cage's Subdivision modifier, which makes it smooth; 0 for none. "
         "The cage then has other vertices: Set Rest Cage",
     )
-    owns_cage: BoolProperty(
-        description="The cage was made for this deformer, and goes with it",
-        options={"HIDDEN"},
-        override=_OVERRIDE,
-    )
-    handles: CollectionProperty(type=SinewHandle, override=_LIST)
-    active_handle: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    factor: FloatProperty(
+    owns_cage: record(BoolProperty, description="The cage was made for this deformer, and goes with it")
+    controls: setting_list(type=SinewControl)
+    active_control: record(IntProperty)
+    handles: setting_list(type=SinewHandle)
+    active_handle: record(IntProperty)
+    factor: setting(
+        FloatProperty,
         name="Factor",
         default=1.0,
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        update=_changed,
-        override=_OVERRIDE,
         description="How much of the deformation is shown",
     )
-    mask_group: StringProperty(
+    mask_group: setting(
+        StringProperty,
         name="Mask",
-        update=_changed,
-        override=_OVERRIDE,
         description="Vertex group that limits where the deformation is shown; none means the whole mesh",
     )
-    live: BoolProperty(
-        name="Live",
-        default=True,
-        update=_changed,
-        override=_OVERRIDE,
-        description="Follow the controls; off, the last shape stays",
+    live: setting(
+        BoolProperty, name="Live", default=True, description="Follow the controls; off, the last shape stays"
     )
-    auto_rebind: BoolProperty(
+    auto_rebind: setting(
+        BoolProperty,
+        update=None,
         name="Automatic Rebind",
-        override=_OVERRIDE,
         description="Bind again by itself when the mesh, or its cage, gains or loses vertices. "
         "The regions are vertex groups, so they follow; the cage rests as it is then",
     )
-    topology_changed: BoolProperty(options={"HIDDEN"}, override=_OVERRIDE)
-    proxy: PointerProperty(type=Object, options={"HIDDEN"}, override=_OVERRIDE)
-    proxy_render: PointerProperty(type=Object, options={"HIDDEN"}, override=_OVERRIDE)
-    rest: PointerProperty(type=Mesh, options={"HIDDEN"}, override=_OVERRIDE)
-    rest_render: PointerProperty(
+    topology_changed: record(BoolProperty)
+    proxy: record(PointerProperty, type=Object)
+    proxy_render: record(PointerProperty, type=Object)
+    rest: record(PointerProperty, type=Mesh)
+    rest_render: record(
+        PointerProperty,
         type=Mesh,
-        options={"HIDDEN"},
-        override=_OVERRIDE,
         description="What enters in renders, where modifiers before Sinew give other vertices there",
     )
-    bake: PointerProperty(type=SinewBake, override=_OVERRIDE)
+    bake: setting(PointerProperty, update=None, type=SinewBake)
     status: StringProperty(
         name="Status",
         description="What the deformer is doing, or what to do about it",
@@ -189,6 +170,20 @@ class SinewDeformer(PropertyGroup):
         """The parameters of the method in use, by name."""
         return getattr(self, self.definition.id)
 
+    @property
+    def methods(self) -> tuple[tuple[Method, PropertyGroup], ...]:
+        """The rows in use, each with its parameters: the method, then the one that it is put around."""
+        own = (self.definition, self.parameters)
+        if not self.definition.wraps:
+            return (own,)
+        base = BY_ID[getattr(self.parameters, BASE)]
+        return own, (base, getattr(self, base.id))
+
+    @property
+    def is_iterative(self) -> bool:
+        """A drag can show an early step."""
+        return any(method.iterative for method, _values in self.methods)
+
     def complete(self) -> None:
         """Let Blender make all settings now, so that no render thread has to: see ``deformers_of``."""
         for group in ("bake", *BY_ID):
@@ -198,6 +193,12 @@ class SinewDeformer(PropertyGroup):
     def is_bound(self) -> bool:
         """The rest shape is stored; the factor is built from it when needed."""
         return self.rest_in("VIEWPORT") is not None
+
+    @property
+    def all_controls(self) -> list[StoredCage | SinewControl]:
+        """The objects that move the deformer, by whatever method: first the cage, where there is one."""
+        cage = StoredCage(self)
+        return [*([] if cage.object is None and cage.rest is None else [cage]), *self.controls]
 
     @property
     def cage_missing(self) -> bool:
@@ -226,7 +227,7 @@ class SinewDeformer(PropertyGroup):
 
 
 for _method in METHODS:
-    SinewDeformer.__annotations__[_method.id] = PointerProperty(type=GROUPS[_method.id], override=_OVERRIDE)
+    SinewDeformer.__annotations__[_method.id] = setting(PointerProperty, update=None, type=GROUPS[_method.id])
 
 
 def deformers_of(obj: Object) -> Sequence[SinewDeformer]:
@@ -241,8 +242,8 @@ def deformers_of(obj: Object) -> Sequence[SinewDeformer]:
 class SinewObject(PropertyGroup):
     """What Sinew stores on an object"""
 
-    deformers: CollectionProperty(type=SinewDeformer, override=_LIST)
-    active_deformer: IntProperty(options={"HIDDEN"}, override=_OVERRIDE)
+    deformers: setting_list(type=SinewDeformer)
+    active_deformer: record(IntProperty)
 
     @property
     def active(self) -> SinewDeformer | None:

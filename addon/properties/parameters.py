@@ -1,51 +1,95 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One property group a method, made from its registry row."""
+"""One property group per method, made from its registry row."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
-from bpy.types import Context, PropertyGroup
+from collections.abc import Callable
 
-from ..core.methods import METHODS, Bool, Choice, Float, Int, Method, Parameter, group_property
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+from bpy.types import NodeTree, Object, PropertyGroup
 
-_OVERRIDE = {"LIBRARY_OVERRIDABLE"}
+from ..core.methods import (
+    METHODS,
+    Bool,
+    Choice,
+    Curve,
+    Float,
+    Int,
+    Method,
+    Parameter,
+    Pointer,
+    group_property,
+    wrapped,
+)
+from ..ids import Keys
+from .setting import setting
+
+BASE = "base"  # the property, and the native keyword, of the method that another one is put around
+_SUBTYPES = {"length": "DISTANCE", "angle": "ANGLE"}
 
 
-def _changed(values: PropertyGroup, _context: Context) -> None:
-    values.id_data.update_tag(refresh={"OBJECT"})
+def _holds_curve(_values: PropertyGroup, tree: NodeTree) -> bool:
+    return Keys.CURVE in tree
 
 
-def _declare(parameter: Parameter):
-    common = {
-        "name": parameter.label or parameter.id.replace("_", " ").title(),
-        "description": parameter.description,
-        "override": _OVERRIDE,
-        "update": _changed,
-        "default": parameter.default,
-    }
+def _suits(types: tuple[str, ...]) -> Callable[[PropertyGroup, Object], bool]:
+    def poll(values: PropertyGroup, obj: Object) -> bool:
+        return obj != values.id_data and (not types or obj.type in types)
+
+    return poll
+
+
+def declare(parameter: Parameter):
+    """The property of a parameter."""
+    names = {"name": parameter.label, "description": parameter.description}
+    if isinstance(parameter, Curve):
+        return setting(PointerProperty, type=NodeTree, poll=_holds_curve, **names)
+    if isinstance(parameter, Pointer):
+        return setting(PointerProperty, type=Object, poll=_suits(parameter.types), **names)
+    common = {**names, "default": parameter.default}
     if isinstance(parameter, Choice):
         items = tuple((*item, number) for number, item in enumerate(parameter.items))
-        return EnumProperty(items=items, **common)
+        return setting(EnumProperty, items=items, **common)
     if isinstance(parameter, Bool):
-        return BoolProperty(**common)
+        return setting(BoolProperty, **common)
     limits = {
         "min": parameter.minimum,
         "max": parameter.maximum,
         "soft_max": min(parameter.soft_maximum, parameter.maximum),
     }
     if isinstance(parameter, Int):
-        return IntProperty(**limits, **common)
+        return setting(IntProperty, **limits, **common)
     if isinstance(parameter, Float):
-        return FloatProperty(**limits, precision=parameter.precision, step=1, **common)
+        return setting(
+            FloatProperty,
+            **limits,
+            precision=parameter.precision,
+            step=round(100 * parameter.step),
+            subtype=_SUBTYPES.get(parameter.unit, "NONE"),
+            **common,
+        )
     raise TypeError(f"{parameter.id}: no property for {type(parameter).__name__}")
 
 
 def _group_of(method: Method) -> type:
-    annotations = {parameter.id: _declare(parameter) for parameter in method.parameters}
+    annotations = {parameter.id: declare(parameter) for parameter in method.parameters}
     for parameter in method.paintable:
-        annotations[group_property(parameter)] = StringProperty(
+        annotations[group_property(parameter)] = setting(
+            StringProperty,
             name=f"{parameter.label} Group",
             description=f"Vertex group that scales {parameter.label} per vertex; none means the whole mesh",
-            update=_changed,
-            override=_OVERRIDE,
+        )
+    if method.wraps:
+        annotations[BASE] = setting(
+            EnumProperty,
+            name="Base Method",
+            items=tuple((base.id, base.label, base.summary, "NONE", base.number) for base in wrapped(method)),
+            description="The method that moves the surface, before this one adds to it",
         )
     names = {"__annotations__": annotations, "__doc__": method.summary, "__module__": __name__}
     return type(f"SINEW_PG_{method.id}", (PropertyGroup,), names)

@@ -2,12 +2,14 @@
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
 from .blocks.baked import find_cache
-from .blocks.owners import copies, forget_owners, owners, posed_by
+from .blocks.owners import copies, forget_owners, owners
+from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh, size
+from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
 from .edit.bind import bind, unbind
-from .edit.cages import add_cage_object, cage_maker, flip_cage, set_cage, set_rest_cage
+from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, flip_cage, set_cage, set_rest_cage
 from .edit.deformers import add_deformer, remove_deformer
 from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, remove_handle
@@ -17,6 +19,7 @@ from .edit.order import move_deformer, move_handle
 from .edit.refresh import refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
+from .edit.rigging import rig_cage, rig_region, try_bind, waiting_for_cage
 from .edit.selection import group_from_selection, select_elements, select_group
 from .edit.upkeep import collect, has_pending, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
@@ -28,6 +31,7 @@ from .memory.sessions import find, forget_shapes, note_edit, suspended, unsettle
 from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
+    "CAGE_METHODS",
     "CANCELLED",
     "NOTHING_FREE",
     "Cures",
@@ -48,7 +52,9 @@ __all__ = (
     "carry_out_writes",
     "collect",
     "copies",
+    "curve_node",
     "duration",
+    "edit_curve",
     "find",
     "find_cache",
     "find_modifier",
@@ -63,6 +69,8 @@ __all__ = (
     "is_moved_by_control",
     "job",
     "label",
+    "lost_controls",
+    "marks_regions",
     "may_wait",
     "mirror",
     "move_deformer",
@@ -70,6 +78,7 @@ __all__ = (
     "must_hand_over",
     "note_edit",
     "notes",
+    "object_with",
     "owners",
     "part_regions",
     "posed_by",
@@ -79,6 +88,9 @@ __all__ = (
     "repair",
     "repair_summary",
     "require_mesh",
+    "reset_curve",
+    "rig_cage",
+    "rig_region",
     "select_elements",
     "select_group",
     "set_cage",
@@ -89,9 +101,11 @@ __all__ = (
     "summary",
     "suspended",
     "tidy",
+    "try_bind",
     "unbind",
     "unsettled",
     "unwatched",
     "update",
+    "waiting_for_cage",
     "watch",
 )

@@ -10,6 +10,8 @@ from bpy.types import Context, Menu, UILayout
 from ..ids import Menus, Operators
 from ..operators import PAGES, target_of
 from ..properties import deformers_of
+from . import control
+from .layouts import draw_move_entries, invoking
 
 
 class SINEW_MT_edit_mesh(Menu):
@@ -19,7 +21,7 @@ class SINEW_MT_edit_mesh(Menu):
     bl_label = "Sinew"
 
     def draw(self, _context: Context) -> None:
-        layout = _invoking(self.layout)
+        layout = invoking(self.layout)
         add_entry(layout, "HANDLE", "Add Handle", "ADD")
         add_entry(layout, "HANDLE", "Add Handle to Selected Object or Bone", "HOOK", control="SELECTED")
         add_entry(layout, "FIXED", "Add Fixed", "PINNED")
@@ -35,7 +37,7 @@ class SINEW_MT_object(Menu):
     bl_label = "Sinew"
 
     def draw(self, _context: Context) -> None:
-        layout = _invoking(self.layout)
+        layout = invoking(self.layout)
         for kind, name in Menus.OF_GROUPS.items():
             layout.menu(name, icon=_ADDING[kind][1])
         layout.separator()
@@ -49,7 +51,7 @@ class SINEW_MT_add_region(Menu):
     bl_label = "Add Region"
 
     def draw(self, context: Context) -> None:
-        layout = _invoking(self.layout)
+        layout = invoking(self.layout)
         obj = target_of(context)
         if obj is not None and obj.mode == "EDIT":
             add_entry(layout, "HANDLE", "Handle", "ADD")
@@ -61,36 +63,6 @@ class SINEW_MT_add_region(Menu):
             layout.menu(name, icon=_ADDING[kind][1])
 
 
-class SINEW_MT_cage(Menu):
-    """What can be done with the cage of the active deformer"""
-
-    bl_idname = Menus.CAGE
-    bl_label = "Cage"
-
-    def draw(self, _context: Context) -> None:
-        layout = _invoking(self.layout)
-        for source, text in (("AUTO", "Add Automatic Cage"), ("OBJECT", "Use Selected Object as Cage")):
-            layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
-        layout.separator()
-        layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
-        layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
-
-
-class SINEW_MT_handle(Menu):
-    """What can be done with the active handle"""
-
-    bl_idname = Menus.HANDLE
-    bl_label = "Handle"
-
-    def draw(self, _context: Context) -> None:
-        layout = _invoking(self.layout)
-        layout.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
-        layout.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
-        _draw_move(layout, Operators.HANDLE_MOVE)
-        layout.separator()
-        layout.operator(Operators.HANDLE_REMOVE, icon="REMOVE")
-
-
 class SINEW_MT_deformer(Menu):
     """What can be done with the active deformer"""
 
@@ -98,9 +70,9 @@ class SINEW_MT_deformer(Menu):
     bl_label = "Deformer"
 
     def draw(self, _context: Context) -> None:
-        layout = _invoking(self.layout)
+        layout = invoking(self.layout)
         layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="ADD")
-        _draw_move(layout, Operators.DEFORMER_MOVE)
+        draw_move_entries(layout, Operators.DEFORMER_MOVE)
         layout.separator()
         layout.operator(Operators.APPLY, icon="CHECKMARK")
         layout.operator(Operators.APPLY, text="Apply as Shape Key", icon="SHAPEKEY_DATA").as_shape_key = True
@@ -134,7 +106,7 @@ class _GroupsMenu:
     kind = ""
 
     def draw(self, context: Context) -> None:
-        layout = _invoking(self.layout)
+        layout = invoking(self.layout)
         obj = target_of(context)
         groups = [] if obj is None else [group.name for group in obj.vertex_groups]
         if not groups:
@@ -166,12 +138,6 @@ def add_entry(layout: UILayout, kind: str, text: str, icon: str, control: str = 
     settings.kind, settings.control = kind, control
 
 
-def _invoking(layout: UILayout) -> UILayout:
-    """Entries run with the mouse over the viewport, from whichever editor the menu was opened."""
-    layout.operator_context = "INVOKE_REGION_WIN"
-    return layout
-
-
 def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.GRAB_REGION, icon="VIEW_PAN")
     layout.separator()
@@ -184,15 +150,10 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
     layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
     layout.separator()
-    layout.menu(Menus.HANDLE, icon="EMPTY_AXIS")
-    layout.menu(Menus.CAGE, icon="MESH_CUBE")
+    for menu in control.MENUS:
+        layout.menu(menu.bl_idname, icon=menu.ICON)
     layout.menu(Menus.DEFORMER, icon="MODIFIER")
     layout.menu(Menus.MANUAL, icon="QUESTION")
-
-
-def _draw_move(layout: UILayout, operator: str) -> None:
-    layout.operator(operator, text="Move Up", icon="TRIA_UP").direction = "UP"
-    layout.operator(operator, text="Move Down", icon="TRIA_DOWN").direction = "DOWN"
 
 
 def _in_header(menu: Menu, context: Context) -> None:
@@ -216,8 +177,7 @@ _CLASSES = (
     *_GROUP_MENUS,
     SINEW_MT_manual,
     SINEW_MT_add_region,
-    SINEW_MT_cage,
-    SINEW_MT_handle,
+    *control.MENUS,
     SINEW_MT_deformer,
     SINEW_MT_edit_mesh,
     SINEW_MT_object,

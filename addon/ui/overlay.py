@@ -12,7 +12,7 @@ from bpy.types import Context, Depsgraph, Mesh, Object, Panel, SpaceView3D, UILa
 from bpy.utils import register_classes_factory
 
 from .. import session
-from ..core.distortion import Measure
+from ..core.geometry.distortion import Measure
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import SinewDeformer

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from bpy.types import Context, Depsgraph, Object
 
-from ..core.distortion import Measure
+from ..core.geometry.distortion import Measure
 from ..core.methods import Parameter, group_property
 from ..preferences import preferences
 from ..properties import SinewDeformer, SinewHandle
@@ -130,7 +130,7 @@ def _subject(deformer: SinewDeformer, look: Look) -> tuple:
         handle = _active(deformer)
         return () if handle is None else (handle.uid, handle.name, handle.weight)
     if look.overlay == "CAGE":
-        return result.chosen(deformer)
+        return result.selected(deformer)
     if look.overlay == "PARAMETER":
         parameter = shown_parameter(deformer, look.parameter)
         return () if parameter is None else (parameter.id, *_painted_by(deformer, parameter))

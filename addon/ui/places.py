@@ -8,6 +8,8 @@ puts its node panels into two editors.
 from bpy.types import Context, Panel
 
 from ..ids import Operators
+from ..operators import target_of
+from ..properties import SinewDeformer
 
 ROOT = "SINEW_PT_sinew"  # the panel that all others are children of
 _SUFFIX = "_properties"
@@ -32,6 +34,23 @@ class SidebarPanel:
         page = PAGES.get(type(self).__name__.removesuffix(_SUFFIX))
         if page is not None:
             self.layout.operator(Operators.HELP, text="", icon="QUESTION", emboss=False).page = page
+
+
+class ActiveDeformerPanel(SidebarPanel):
+    """Below the panel of deformers, where there is one that can be edited."""
+
+    bl_parent_id = ROOT
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return active_deformer(context) is not None
+
+
+def active_deformer(context: Context) -> SinewDeformer | None:
+    """The deformer that the panels are about."""
+    obj = target_of(context)
+    return obj.sinew.active if obj is not None and obj.library is None else None
 
 
 def in_properties(panel: type[Panel]) -> type[Panel]:

@@ -8,7 +8,6 @@ from bpy.types import Context, UILayout
 from .. import compat, session
 from ..backend import availability
 from ..core import status
-from ..core.methods import Control
 from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
@@ -123,20 +122,12 @@ def headline(deformer: SinewDeformer) -> Status:
         return main
     if main.level is Level.INFO and deformer.is_bound and known is not None and known.solve_milliseconds:
         text = f"{main.text}, solve {session.duration(known.solve_milliseconds)}"
-        return Status(main.level, text, main.elements, main.element_kind, main.remedy)
+        return Status(main.level, text, main.elements, main.remedy)
     return main
 
 
 def _lost_controls(deformer: SinewDeformer) -> tuple[Status, ...]:
-    if deformer.definition.control is Control.CAGE:
-        lost = deformer.is_bound and deformer.cage_missing
-        text = "The cage was deleted, and the last shape stays - pick another"
-        return (Status(Level.WARNING, text),) if lost else ()
-    return tuple(
-        Status(Level.WARNING, f"{handle.name} has lost its control and stays where it was - pick another")
-        for handle in deformer.handles
-        if handle.control_missing
-    )
+    return tuple(Status(Level.WARNING, text) for text in session.lost_controls(deformer))
 
 
 def _draw_progress(layout: UILayout, work: object) -> None:

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from sinew.core import distortion
-from sinew.core.distortion import COLLAPSED, Measure
+from sinew.core.geometry import distortion
+from sinew.core.geometry.distortion import COLLAPSED, Measure
 
 RANDOM = np.random.default_rng(11)
 

@@ -5,27 +5,35 @@ import numpy as np
 import pytest
 
 from sinew.core import errors, memory, status
+from sinew.core.elements import Elements, Owner
 from sinew.core.methods import BY_ID, METHODS, Control
 from sinew.core.status import Level, Status
 
 
 def test_every_error_is_a_sinew_error_and_carries_elements():
-    kinds = [value for value in vars(errors).values() if isinstance(value, type)]
+    kinds = [v for v in vars(errors).values() if isinstance(v, type) and issubclass(v, Exception)]
     assert len(kinds) > 5
     for kind in kinds:
-        error = kind("message", (np.int64(3), 5), "vertex")
+        error = kind("message", Elements(Owner.CONTROL, "vertex", (np.int64(3), 5)))
         assert isinstance(error, errors.SinewError)
-        assert error.elements == (3, 5)
-        assert error.element_kind == "vertex"
+        assert error.elements == Elements(Owner.CONTROL, "vertex", (3, 5))
+        other = error.about(Elements(Owner.TARGET, "face", (1,)), status.Remedy.REPAIR)
+        assert type(other) is kind
+        assert (str(other), other.elements.owner, other.remedy) == (
+            "message",
+            Owner.TARGET,
+            status.Remedy.REPAIR,
+        )
+        assert error.elements.owner is Owner.CONTROL, "an error that was raised stays as it was"
         assert str(error) == "message"
 
 
 def test_status_is_kept_by_key():
     status.put("a", Status(Level.INFO, "fine"))
-    status.fail("b", errors.MeshError("broken", (1, 2), "face"))
+    status.fail("b", errors.MeshError("broken", Elements(Owner.TARGET, "face", (1, 2))))
     status.put_notes("b", (Status(Level.WARNING, "and free"),))
     assert status.current("a").text == "fine"
-    assert status.current("b") == Status(Level.ERROR, "broken", (1, 2), "face")
+    assert status.current("b") == Status(Level.ERROR, "broken", Elements(Owner.TARGET, "face", (1, 2)))
     assert status.notes("b")[0].text == "and free"
     status.clear("b")
     assert status.current("b") is status.EMPTY
@@ -82,8 +90,8 @@ def test_native_refusals_become_ours(backend, method_id: str):
 def test_native_refusals_name_the_elements(backend):
     with pytest.raises(errors.ConstraintError) as refused:
         build(backend, handles=[np.arange(4), np.arange(2, 6)])
-    assert set(refused.value.elements) == {2, 3}
-    assert refused.value.element_kind == "vertex"
+    assert set(refused.value.elements.indices) == {2, 3}
+    assert refused.value.elements.kind == "vertex"
 
 
 def test_cancel(backend):

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from sinew.core import frames
 from sinew.core.errors import ConstraintError
+from sinew.core.geometry import frames
 
 RANDOM = np.random.default_rng(7)
 

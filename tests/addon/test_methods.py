@@ -8,7 +8,17 @@ from pathlib import Path
 import pytest
 
 from sinew.core import methods
-from sinew.core.methods import METHODS, Choice, Control, Family, Float, Int, group_property
+from sinew.core.methods import (
+    HANDLE_PARAMETERS,
+    METHODS,
+    Choice,
+    Control,
+    Family,
+    Float,
+    Int,
+    Moved,
+    group_property,
+)
 
 
 def test_ids_and_numbers_are_unique():
@@ -32,6 +42,9 @@ def test_a_row_is_complete(method: methods.Method):
     assert method.section
     assert method.summary
     assert not method.summary.endswith(".")
+    assert method.moves
+    assert all(isinstance(moved, Moved) for moved in method.moves)
+    assert all(isinstance(family, Family) for family in method.wraps)
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
@@ -39,7 +52,7 @@ def test_parameters_teach(method: methods.Method):
     names = [parameter.id for parameter in method.parameters]
     names += [group_property(parameter) for parameter in method.paintable]
     assert len(set(names)) == len(names)
-    for parameter in method.parameters:
+    for parameter in (*method.parameters, *method.handle_parameters):
         assert parameter.label
         assert len(parameter.description) > 10
         assert not parameter.description.endswith(".")
@@ -50,6 +63,25 @@ def test_parameters_teach(method: methods.Method):
         if isinstance(parameter, (Float, Int)):
             assert parameter.minimum <= parameter.default <= parameter.maximum
             assert parameter.default <= parameter.soft_maximum <= parameter.maximum
+
+
+def test_an_iterative_method_can_show_an_early_step():
+    """A drag asks for fewer of its ``max_iterations``."""
+    for method in METHODS:
+        solving = [parameter.id for parameter in method.parameters if not parameter.rebinds]
+        assert ("max_iterations" in solving) == method.iterative, method.id
+
+
+def test_handle_parameters_of_one_name_are_one():
+    """Each handle stores a value once, whichever method reads it."""
+    rows = {parameter for method in METHODS for parameter in method.handle_parameters}
+    assert rows == set(HANDLE_PARAMETERS)
+    assert len({parameter.id for parameter in rows}) == len(rows)
+
+
+def test_the_menu_keeps_families_together_in_the_order_of_the_tutorial():
+    families = [method.family for method in METHODS]
+    assert families == sorted(families, key=list(Family).index)
 
 
 def test_painted_parameters_rebind():
@@ -86,7 +118,7 @@ def test_the_native_class_takes_the_parameters(method: methods.Method):
     for parameter in method.paintable:
         options[parameter.id] = np.full(len(points), max(parameter.default, parameter.minimum, 0.1))
     solver = getattr(native, method.native)(mesh, **options)
-    boundary = {"continuity": [2.0]} if method.continuity else {}
+    boundary = {parameter.id: [parameter.default] for parameter in method.handle_parameters}
     solver.set_handles([np.array([0, 1])], weights=None, **boundary)
     keywords = {parameter.id: parameter.default for parameter in method.parameters if not parameter.rebinds}
     positions, report = solver.solve(np.eye(4)[None, :3], incoming=None, from_rest=[False], **keywords)

@@ -6,7 +6,7 @@ import heapq
 import numpy as np
 import pytest
 
-from sinew.core import reach
+from sinew.core.geometry import reach
 
 SIZE = 41
 

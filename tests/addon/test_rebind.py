@@ -40,13 +40,15 @@ def calls(backend, count_native) -> Counter:
 
 
 def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **options):
-    continuity = (2.0,) * len(handles) if BY_ID[method].continuity else None
-    regions = tuple(members.copy() for members in handles)
     return backend.Recipe(
         BY_ID[method],
         backend.Shape(points.copy(), faces),
         OPTIONS[method] | options,
-        backend.Handles(regions, (None,) * len(handles), continuity),
+        backend.Handles(
+            tuple(members.copy() for members in handles),
+            (None,) * len(handles),
+            {row.id: (row.default,) * len(handles) for row in BY_ID[method].handle_parameters},
+        ),
     )
 
 

@@ -11,9 +11,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sinew.core.motion import Mode, Motion
-from sinew.core.typed_motion import TypedMotion, View
-from sinew.core.typed_numbers import TypedNumbers
+from sinew.core.transform.motion import Mode, Motion
+from sinew.core.transform.typed_motion import TypedMotion, View
+from sinew.core.transform.typed_numbers import TypedNumbers
 
 X, Y, Z = np.eye(3)
 FRONT = View(right=X, up=Z, toward=-Y, pixel=0.01, centre=(400.0, 300.0))

@@ -23,6 +23,17 @@ ADDON_RANKS = {
 }
 # Large rooms have ranks inside; their __init__.py is the face, which only other rooms see.
 INNER_RANKS = {
+    "core": {
+        "elements": 0,
+        "kinds": 0,
+        "memory": 0,
+        "sides": 0,
+        "status": 1,
+        "errors": 2,
+        "methods": 3,
+        "geometry": 3,
+        "transform": 3,
+    },
     "session": {
         "memory": 0,
         "blocks": 1,

@@ -16,6 +16,7 @@ from .tree import files
 METHOD_ROOMS = {
     "SURFACE_LINEAR": ("surface/linear",),
     "SURFACE_NONLINEAR": ("surface/nonlinear",),
+    "MULTIRESOLUTION": ("multiresolution",),
     "SPACE_LINEAR": ("space/lattice", "space/cage", "space/points"),
     "SPACE_NONLINEAR": ("space/nonlinear",),
 }
@@ -26,20 +27,19 @@ class Row:
     id: str
     native: str
     family: str
-    line: int
+    place: str
 
 
 def rows(root: Path) -> list[Row]:
     """The calls of Method(...) in the registry, read without importing it."""
-    source = (root / "addon/core/methods.py").read_text(encoding="utf-8")
     found = []
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Method":
-            words = {keyword.arg: keyword.value for keyword in node.keywords}
-            values = {name: getattr(words.get(name), "value", "") for name in ("id", "native")}
-            found.append(
-                Row(values["id"], values["native"], getattr(words["family"], "attr", ""), node.lineno)
-            )
+    for path in files(root, "addon/core/methods", ".py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Method":
+                words = {keyword.arg: keyword.value for keyword in node.keywords}
+                values = {name: getattr(words.get(name), "value", "") for name in ("id", "native")}
+                place = f"{path.relative_to(root).as_posix()}:{node.lineno}"
+                found.append(Row(values["id"], values["native"], getattr(words["family"], "attr", ""), place))
     return found
 
 
@@ -54,13 +54,11 @@ def camel_case(name: str) -> str:
 
 def _doubled(found: list[Row]) -> Iterator[str]:
     ids = [row.id for row in found]
-    yield from (
-        f"addon/core/methods.py: two rows are called {name}" for name in set(ids) if ids.count(name) > 1
-    )
+    yield from (f"addon/core/methods: two rows are called {name}" for name in set(ids) if ids.count(name) > 1)
 
 
 def _row_offences(root: Path, row: Row) -> Iterator[str]:
-    place = f"addon/core/methods.py:{row.line}: {row.id}"
+    place = f"{row.place}: {row.id}"
     if row.native != camel_case(row.id):
         yield f"{place}: the native class must be {camel_case(row.id)}, the row says {row.native}"
     if row.family not in METHOD_ROOMS:

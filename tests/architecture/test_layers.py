@@ -90,6 +90,8 @@ def test_native_step_down_is_allowed(tmp_path: Path, path: str, line: str) -> No
         ("addon/bake/a.py", "from .. import ui", "of higher rank"),
         ("addon/bake/a.py", "from ..gizmos import draw", "no room that has a rank"),
         ("addon/bake/a.py", "from ... import sinew", "no room that has a rank"),
+        ("addon/core/methods/a.py", "from ..geometry import frames", "of the same rank"),
+        ("addon/core/status.py", "from .errors import SinewError", "of higher rank"),
         ("addon/session/blocks/a.py", "from ...ui import panel", "of higher rank"),
         ("addon/session/blocks/a.py", "from ..live import evaluate", "of higher rank"),
         ("addon/session/live/a.py", "from ..shown.result import shape_shown", "of the same rank"),
@@ -161,4 +163,8 @@ def test_every_room_that_exists_has_a_rank() -> None:
     }
     assert rooms - {"README", "blender_manifest", "LICENSE"} <= set(ADDON_RANKS) | {"wheels", "icons"}
     for room, ranks in INNER_RANKS.items():
-        assert {path.name for path in (ROOT / "addon" / room).glob("[!_]*") if path.is_dir()} == set(ranks)
+        inside = files(ROOT, f"addon/{room}", ".py")
+        assert {path.relative_to(ROOT / "addon" / room).parts[0].removesuffix(".py") for path in inside} == {
+            "__init__",
+            *ranks,
+        }

@@ -7,7 +7,8 @@ from .registry import camel_case, registry_offences, rows
 from .tree import ROOT, grow, listed
 
 WHOLE = {
-    "addon/core/methods.py": 'Method(id="thin_shell", native="ThinShell", family=Family.SURFACE_LINEAR)\n',
+    "addon/core/methods/surface_linear.py": 'Method(id="thin_shell", native="ThinShell", '
+    "family=Family.SURFACE_LINEAR)\n",
     "native/surface/linear/thin_shell.h": "",
     "native/surface/linear/thin_shell.cpp": "",
     "native/surface/linear/responses/affine_basis.h": "",
@@ -29,7 +30,9 @@ def test_whole_method_is_accepted(tmp_path: Path) -> None:
     assert registry_offences(grow(tmp_path, WHOLE)) == []
 
 
-@pytest.mark.parametrize("missing", [name for name in WHOLE if name != "addon/core/methods.py"])
+@pytest.mark.parametrize(
+    "missing", [name for name in WHOLE if name != "addon/core/methods/surface_linear.py"]
+)
 def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
     tree = {name: content for name, content in WHOLE.items() if name != missing}
     if Path(missing).stem in ("affine_basis", "linear_system"):
@@ -53,14 +56,18 @@ def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
         ),
         ("blend_samples/plate.py", "thin_shells = 1", "no sample"),
         (
-            "addon/core/methods.py",
-            WHOLE["addon/core/methods.py"].replace("ThinShell", "Shell"),
+            "addon/core/methods/surface_linear.py",
+            WHOLE["addon/core/methods/surface_linear.py"].replace("ThinShell", "Shell"),
             "must be ThinShell",
         ),
-        ("addon/core/methods.py", WHOLE["addon/core/methods.py"] * 2, "two rows are called thin_shell"),
         (
-            "addon/core/methods.py",
-            WHOLE["addon/core/methods.py"].replace("SURFACE_LINEAR", "SPACE_LINEAR"),
+            "addon/core/methods/surface_linear.py",
+            WHOLE["addon/core/methods/surface_linear.py"] * 2,
+            "two rows are called thin_shell",
+        ),
+        (
+            "addon/core/methods/surface_linear.py",
+            WHOLE["addon/core/methods/surface_linear.py"].replace("SURFACE_LINEAR", "SPACE_LINEAR"),
             "no thin_shell.h in native/space/lattice",
         ),
     ],

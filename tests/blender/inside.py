@@ -151,7 +151,7 @@ def dragging() -> Iterator[None]:
 MOST_PAUSES = 4  # each may cause another: an edit is looked at, a mesh bound anew, a preview made final
 
 
-def assert_at_rest() -> None:
+def assert_at_rest(seconds: float = 20.0) -> None:
     """The user does nothing any more: threads end and are collected, and evaluations cease.
 
     An evaluation that causes another, pause after pause, would keep a window busy for ever.
@@ -166,13 +166,15 @@ def assert_at_rest() -> None:
         for _ in range(MOST_PAUSES):
             caused.append([])
             update()
-            assert finish(), f"threads start again and again, for {_under_way()}"
+            assert finish(seconds), (
+                f"threads of {_under_way()} start again and again, or nobody collects them"
+            )
             if not caused[-1]:
                 break
     finally:
         bpy.app.handlers.depsgraph_update_post.remove(note)
     assert not caused[-1], f"evaluations cause each other, pause after pause: {caused}"
-    assert not _under_way(), f"nobody collects the bind of {_under_way()}"
+    assert not _under_way(), f"nobody collects what was computed for {_under_way()}"
     session = room("session")
     assert not session.unsettled(), f"a preview never becomes final: {session.unsettled()}"
 

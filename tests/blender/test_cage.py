@@ -201,12 +201,13 @@ def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected(room):
     make_active(target)
     assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name) == {"FINISHED"}
     lines = [line for line in room("core.status").notes(target.sinew.active.uid) if line.elements]
-    (note,) = (line for line in lines if line.element_kind == "cage face")
+    (note,) = (line for line in lines if line.elements.owner.name == "CONTROL")
     assert "faces of the cage cross" in note.text
     assert bpy.ops.sinew.select_problems(line=lines.index(note)) == {"FINISHED"}
     assert bpy.context.object == cage
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert set(note.elements) <= {polygon.index for polygon in cage.data.polygons if polygon.select}
+    assert note.elements.kind == "face"
+    assert set(note.elements.indices) <= {polygon.index for polygon in cage.data.polygons if polygon.select}
 
 
 def test_a_cage_inside_out_can_be_flipped():
@@ -282,7 +283,7 @@ def test_points_outside_are_said_or_refused(room, caged):
     bpy.ops.sinew.bind()
     deformer = target.sinew.active
     (note,) = (line for line in room("core.status").notes(deformer.uid) if line.elements)
-    assert note.elements == (3,)
+    assert note.elements.indices == (3,)
     deformer.method = "harmonic"
     update()
     assert deformer.status_level == "ERROR"

@@ -93,7 +93,7 @@ def test_a_cage_that_is_nowhere_after_bind_leaves_the_rest_and_comes_back(room, 
     assert_at_rest(target)
     assert deformer.status_level == "ERROR"
     assert "nowhere" in deformer.status
-    assert room("core.status").current(deformer.uid).elements == (3,)
+    assert room("core.status").current(deformer.uid).elements.indices == (3,)
     assert selected(target, "vertex") == (cage, {3})
     cage.data.vertices[3].co.x = CORNERS[3][0]
     cage.data.update()
@@ -109,7 +109,8 @@ def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
     cage.delta_location.y = float("nan")
     assert_at_rest(target)
     assert "nowhere" in deformer.status
-    assert room("core.status").current(deformer.uid).element_kind == "cage vertex"
+    elements = room("core.status").current(deformer.uid).elements
+    assert (elements.owner.name, elements.kind) == ("CONTROL", "vertex")
     cage.delta_location.y = 0.0
     assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
     assert_goes_on(target, cage)
@@ -332,7 +333,11 @@ def test_elements_that_a_modifier_of_the_cage_made_are_not_shown_wrongly(room) -
     cage.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
     deformer = surround(target, cage)
     notes = [note for note in room("core.status").notes(deformer.uid) if note.elements]
-    (line,) = (i for i, note in enumerate(notes) if note.element_kind == "cage face")
+    (line,) = (
+        i
+        for i, note in enumerate(notes)
+        if (note.elements.owner.name, note.elements.kind) == ("CONTROL", "face")
+    )
     make_active(target)
     with pytest.raises(RuntimeError, match="turn off its modifiers"):
         bpy.ops.sinew.select_problems(line=line)

@@ -19,7 +19,11 @@ class Hand:
     """A person at the mouse and keyboard, before a front view where a pixel is a centimetre."""
 
     def __init__(self, room, obj: bpy.types.Object, method: str = "thin_shell", **keywords) -> None:
-        session, grabbing, typed = room("session"), room("operators.grabbing"), room("core.typed_motion")
+        session, grabbing, typed = (
+            room("session"),
+            room("operators.grabbing"),
+            room("core.transform.typed_motion"),
+        )
         self.obj, self.x, self.y = obj, 500.0, 300.0
         self.outcomes = grabbing.Outcome
         self.view = typed.View(

@@ -164,8 +164,11 @@ def test_a_changed_topology_offers_rebind_above_everything_else(bound_plate: Rig
 
 def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig, room):
     """Also where the panel is longer than the window."""
-    core = room("core.status")
-    core.put(bound_plate.deformer.uid, core.Status(core.Level.ERROR, "Two regions share 4 vertices", (1, 2)))
+    core, elements = room("core.status"), room("core.elements")
+    vertices = elements.Elements(elements.Owner.TARGET, "vertex", (1, 2))
+    core.put(
+        bound_plate.deformer.uid, core.Status(core.Level.ERROR, "Two regions share 4 vertices", vertices)
+    )
     sheet = draw_panel(WIDE)
     assert sheet.texts().index("share") < sheet.texts().index("Handles")
     select = [settings.line for name, settings in sheet.operators() if name == "sinew.select_problems"]
@@ -173,11 +176,13 @@ def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig, room):
 
 
 def test_each_line_with_elements_selects_its_own(bound_plate: Rig, room):
-    core = room("core.status")
+    core, elements = room("core.status"), room("core.elements")
+    vertices = elements.Elements(elements.Owner.TARGET, "vertex", (1, 2))
+    face = elements.Elements(elements.Owner.TARGET, "face", (4,))
     lines = (
-        core.Status(core.Level.WARNING, "2 free parts stay at rest", (1, 2), "vertex"),
+        core.Status(core.Level.WARNING, "2 free parts stay at rest", vertices),
         core.Status(core.Level.WARNING, "nothing to select"),
-        core.Status(core.Level.WARNING, "3 faces without area", (4,), "face", core.Remedy.REPAIR),
+        core.Status(core.Level.WARNING, "3 faces without area", face, core.Remedy.REPAIR),
     )
     core.put_notes(bound_plate.deformer.uid, lines)
     sheet = draw_panel()

@@ -235,7 +235,7 @@ def test_factor_and_mask_lessen_the_distortion(paint, room, plate: Rig):
     plate.deformer.factor = 0.5
     update()
     paint(plate.obj, overlay="DISTORTION", measure="STRETCH")
-    measure = room("core.distortion").Measure.STRETCH
+    measure = room("core.geometry.distortion").Measure.STRETCH
     found = room(RESULT).measured(plate.obj, plate.deformer, measure)
     assert np.allclose(found.values, 2.0, atol=1e-5)
 

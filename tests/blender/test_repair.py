@@ -264,8 +264,8 @@ def test_notes_name_each_fault_with_elements_and_remedy(room):
     assert any("edges of three or more faces" in text for text in by_text)
     assert any("loose vert" in text for text in by_text)
     lost = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    assert set(by_text["2 vertices without a finite position"].elements) == set(lost)
-    assert by_text["1 duplicate face"].element_kind == "face"
+    assert set(by_text["2 vertices without a finite position"].elements.indices) == set(lost)
+    assert by_text["1 duplicate face"].elements.kind == "face"
     hidden = session.notes(room("backend").diagnose(points, (counts, corners)), selectable=False)
     assert [line.text for line in hidden] == [line.text for line in lines]
     assert not any(line.elements for line in hidden)
@@ -280,7 +280,7 @@ def test_not_finite_points_offer_repair(room):
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
     status = room("core.status")
     lines = [line for line in status.notes(plate.deformer.uid) if "finite" in line.text]
-    assert [(line.remedy, line.elements) for line in lines] == [(status.Remedy.REPAIR, (60,))]
+    assert [(line.remedy, line.elements.indices) for line in lines] == [(status.Remedy.REPAIR, (60,))]
     bpy.ops.sinew.repair()
     assert not any("finite" in line.text for line in status.notes(plate.deformer.uid))
 

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from inside import ask_for_factor, catch_up, use_threads
 from rig import Rig, update
 
 MISTAKE = "a mistake in the code"
@@ -10,9 +11,9 @@ the_console_shows_it = pytest.mark.filterwarnings("ignore::pytest.PytestUnhandle
 
 
 @pytest.fixture(autouse=True)
-def heavy(room, monkeypatch: pytest.MonkeyPatch) -> None:
+def heavy(monkeypatch: pytest.MonkeyPatch) -> None:
     """Work goes to a thread, as for a heavy mesh in a window."""
-    monkeypatch.setattr(room("session.live.binding"), "may_wait", lambda _count: True)
+    use_threads(monkeypatch)
 
 
 class Mistake:
@@ -26,18 +27,12 @@ class Mistake:
         raise TypeError(MISTAKE)
 
 
-def bind_in_thread(plate: Rig, room) -> None:
-    """What an evaluation of a window does with the settings as they are."""
-    session = room("session").find(plate.deformer.uid)
-    room("session.live.binding").ensure(session, plate.deformer, plate.deformer, wait=False)
-
-
 def finish(plate: Rig, room) -> None:
     """Wait for the threads; the timer of a window looks for them, and the next evaluation shows them."""
     job = room("session").job(plate.deformer.uid)
     if job is not None:
         job.thread.join()
-    room("handlers.deferred").catch_up()
+    catch_up()
     update()
 
 
@@ -49,7 +44,7 @@ def test_a_mistake_in_a_bind_is_shown_and_not_repeated(plate: Rig, room, monkeyp
     monkeypatch.setattr(module.Arap, "__init__", mistake)
     plate.deformer.method = "arap"
     for _ in range(3):
-        bind_in_thread(plate, room)
+        ask_for_factor(plate.deformer)
         finish(plate, room)
     assert MISTAKE in plate.deformer.status
     assert mistake.calls == 1
@@ -65,7 +60,7 @@ def test_after_a_mistake_bind_starts_again(plate: Rig, room, monkeypatch: pytest
     with monkeypatch.context() as patch:
         patch.setattr(module.Arap, "__init__", mistake)
         plate.deformer.method = "arap"
-        bind_in_thread(plate, room)
+        ask_for_factor(plate.deformer)
         finish(plate, room)
     room("session").bind(plate.obj, plate.deformer)
     plate.lift(0.5)
@@ -88,7 +83,7 @@ def test_a_mistake_in_a_solve_is_shown_and_not_repeated(plate: Rig, room, monkey
         work = session.find(plate.deformer.uid).work
         if work is not None:
             work.thread.join()
-        room("handlers.deferred").catch_up()
+        catch_up()
         plate.obj.update_tag()
         update()
     assert MISTAKE in plate.deformer.status
@@ -103,7 +98,7 @@ def test_a_bind_that_is_no_longer_wanted_is_dropped(plate: Rig, room):
     shown = plate.points()
     factor = room("session").find(plate.deformer.uid).bound.factor
     plate.deformer.method = "arap"
-    bind_in_thread(plate, room)
+    ask_for_factor(plate.deformer)
     assert room("session").job(plate.deformer.uid) is not None
     plate.deformer.method = "thin_shell"
     update()
@@ -118,9 +113,9 @@ def test_a_finished_bind_is_taken_in_by_the_next_evaluation(plate: Rig, room):
     """No timer of ours has to fire for it."""
     plate.bind("thin_shell")
     plate.deformer.method = "arap"
-    bind_in_thread(plate, room)
+    ask_for_factor(plate.deformer)
     room("session").job(plate.deformer.uid).thread.join()
-    bind_in_thread(plate, room)
+    ask_for_factor(plate.deformer)
     assert not room("session").busy()
     assert room("session").find(plate.deformer.uid).bound.factor.recipe.method.id == "arap"
 
@@ -129,11 +124,11 @@ def test_a_bind_of_a_deformer_that_is_gone_is_dropped(plate: Rig, room):
     """Undo takes a deformer away without a word to us."""
     plate.bind("thin_shell")
     plate.deformer.method = "arap"
-    bind_in_thread(plate, room)
+    ask_for_factor(plate.deformer)
     uid = plate.deformer.uid
     room("session").job(uid).thread.join()
     plate.obj.sinew.deformers.clear()
     room("session").forget_owners()
-    room("handlers.deferred").catch_up()
+    catch_up()
     assert room("session").job(uid) is None
     assert room("session").find(uid).bound.factor.recipe.method.id == "thin_shell"

@@ -32,7 +32,7 @@ def test_wheel_of_an_unknown_platform_is_refused() -> None:
 
 
 def test_caches_and_hidden_files_stay_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    wanted = {"__init__.py", "blender_manifest.toml", "core/methods.py"}
+    wanted = {"__init__.py", "blender_manifest.toml", "core/methods/__init__.py"}
     unwanted = {"core/__pycache__/methods.pyc", "core/.hidden/a.py", "core/a.blend1", "_native/x.so", "a.pyc"}
     for name in wanted | unwanted:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.types import Context, Event, Object, UILayout
 
 from ...core.errors import SinewError
-from ...core.typed_motion import View
+from ...core.transform.typed_motion import View
 from ...session import Work
 from .view import view_of
 

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from bpy.types import Context, Object
 
-from ...core.typed_motion import View
+from ...core.transform.typed_motion import View
 
 _UNITS = {  # metres of a unit, and how it is written
     "KILOMETERS": (1000.0, " km"),

@@ -47,15 +47,6 @@ def owners() -> list[Object]:
     return found
 
 
-def posed_by(control: Object) -> Object | None:
-    """The object that this control, one of its bones, or this cage moves."""
-    for obj in owners():
-        for deformer in obj.sinew.deformers:
-            if deformer.cage == control or any(handle.control == control for handle in deformer.handles):
-                return obj
-    return None
-
-
 def has_copies() -> bool:
     """Some object shares the shapes of another, or overrides linked ones: see ``upkeep``."""
     owners()

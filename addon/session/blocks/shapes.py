@@ -17,7 +17,7 @@ from ...ids import Datablocks, Inputs
 from ...mesh_io import replace_rest, resize_shape, shape_mesh, write_shape
 from ...properties import SinewDeformer, deformers_of
 from ..memory import render_writes, sessions
-from . import node_group, targets
+from . import node_group, references, targets
 
 _KEY_LENGTH = 16
 _REST = ("rest",)
@@ -177,7 +177,7 @@ def remove(obj: Object, deformer: SinewDeformer) -> None:
     if modifier is not None:
         obj.modifiers.remove(modifier)
     release_rest(deformer)
-    release_cage(deformer)
+    references.release_curves(deformer)
     for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):
         free_shape(proxy)
 
@@ -207,16 +207,11 @@ def hold_rest(deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> None
     a new mesh since, which no step knows, the pointer would outlive the mesh.
     """
     shown, rendered = meshes
-    deformer.rest = _put(deformer.rest, shown)
-    deformer.rest_render = _put(deformer.rest_render, rendered or bpy.data.meshes.new(Datablocks.REST))
+    deformer.rest = put_mesh(deformer.rest, shown)
+    deformer.rest_render = put_mesh(deformer.rest_render, rendered or bpy.data.meshes.new(Datablocks.REST))
 
 
-def hold_cage(deformer: SinewDeformer, mesh: Mesh) -> None:
-    """Store the rest cage as ``hold_rest`` does; ``mesh`` is used up."""
-    deformer.cage_rest = _put(deformer.cage_rest, mesh)
-
-
-def _put(held: Mesh | None, new: Mesh) -> Mesh:
+def put_mesh(held: Mesh | None, new: Mesh) -> Mesh:
     """``new`` in the place of ``held``, unless a copy of the target or a library holds that too."""
     if not isinstance(held, Mesh) or held.library is not None or held.users != 1:
         return new
@@ -228,16 +223,11 @@ def _put(held: Mesh | None, new: Mesh) -> Mesh:
 def release_rest(deformer: SinewDeformer) -> None:
     """Forget the rest meshes; a copy of the target may still hold them."""
     meshes, deformer.rest, deformer.rest_render = (deformer.rest, deformer.rest_render), None, None
-    _free_meshes(*meshes)
+    free_meshes(*meshes)
 
 
-def release_cage(deformer: SinewDeformer) -> None:
-    """Forget how the cage rested."""
-    mesh, deformer.cage_rest = deformer.cage_rest, None
-    _free_meshes(mesh)
-
-
-def _free_meshes(*meshes: Mesh | None) -> None:
+def free_meshes(*meshes: Mesh | None) -> None:
+    """Remove hidden meshes that nobody uses any more."""
     for mesh in meshes:
         if isinstance(mesh, Mesh) and mesh.library is None and mesh.users == 0:
             bpy.data.meshes.remove(mesh)

@@ -11,7 +11,7 @@ from bpy.types import ID, Curve, Object, Spline
 from ...compat import write_positions
 from ...core.errors import OptionError, SinewError
 from ...core.kinds import MESH, SURFACE, Kind, named
-from ...core.methods import Control, Method
+from ...core.methods import Method, Moved
 from ...core.status import Remedy
 from ...ids import Keys
 from ...properties import SinewDeformer
@@ -128,8 +128,8 @@ def render_resolution(data: ID) -> int:
 
 
 def require_method(obj: Object, method: Method) -> None:
-    """Only cages move what is no mesh."""
-    if not is_mesh(obj) and method.control is not Control.CAGE:
+    """Refuse an object that the method cannot move."""
+    if not is_mesh(obj) and Moved.POINTS not in method.moves:
         raise OptionError(
             f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)} object - choose a "
             "cage method, or convert it to a mesh",

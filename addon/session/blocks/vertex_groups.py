@@ -19,9 +19,16 @@ from .nodes import Builder
 def groups_in_use(settings: SinewDeformer) -> set[str]:
     """Names of the vertex groups in use."""
     wanted = {handle.vertex_group for handle in settings.handles}
-    paintable = settings.definition.paintable
-    wanted |= {getattr(settings.parameters, group_property(parameter)) for parameter in paintable}
-    return wanted - {""}
+    return (wanted | painting_groups(settings)) - {""}
+
+
+def painting_groups(settings: SinewDeformer) -> set[str]:
+    """Names of the vertex groups that scale parameters, and an empty one where none does."""
+    return {
+        getattr(values, group_property(parameter))
+        for method, values in settings.methods
+        for parameter in method.paintable
+    }
 
 
 def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
@@ -44,10 +51,9 @@ def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
             mesh[Keys.REST_GROUPS] = [group.name for group in obj.vertex_groups]
     for handle in deformer.handles:
         handle.vertex_group = renamed.get(handle.vertex_group, handle.vertex_group)
-    for parameter in deformer.definition.paintable:
-        name = group_property(parameter)
-        painted = getattr(deformer.parameters, name)
-        setattr(deformer.parameters, name, renamed.get(painted, painted))
+    for method, values in deformer.methods:
+        for name in map(group_property, method.paintable):
+            setattr(values, name, renamed.get(getattr(values, name), getattr(values, name)))
     deformer.mask_group = renamed.get(deformer.mask_group, deformer.mask_group)
     return True
 

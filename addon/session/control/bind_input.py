@@ -4,17 +4,30 @@
 from dataclasses import dataclass
 
 import numpy as np
+from bpy.types import PropertyGroup
 
-from ...backend import Recipe
+from ...backend import Base, Recipe
 from ...core.errors import OptionError
-from ...core.methods import METHODS, group_property
+from ...core.methods import METHODS, Curve, Method, Parameter, Pointer, group_property
 from ...mesh_io import RestShape
-from ...properties import SinewDeformer
+from ...properties import BASE, SinewDeformer
+from ..blocks import references
 
-_BINDING_NAMES = {  # the properties that a factor depends on, by method
-    method.id: tuple(parameter.id for parameter in method.parameters if parameter.rebinds)
-    + tuple(group_property(parameter) for parameter in method.paintable if parameter.rebinds)
-    for method in METHODS
+_Names = tuple[tuple[str, ...], tuple[Parameter, ...]]
+
+
+def _names(method: Method, rebinds: bool) -> _Names:
+    """The properties of a method with plain values, and its parameters that refer to other datablocks."""
+    chosen = [parameter for parameter in method.parameters if parameter.rebinds == rebinds]
+    referring = tuple(parameter for parameter in chosen if parameter in method.references)
+    plain = [parameter.id for parameter in chosen if parameter not in referring]
+    if rebinds and method.wraps:
+        plain.append(BASE)
+    return (*plain, *(group_property(parameter) for parameter in chosen if parameter.paintable)), referring
+
+
+_NAMES: dict[tuple[str, bool], _Names] = {
+    (method.id, rebinds): _names(method, rebinds) for method in METHODS for rebinds in (True, False)
 }
 
 
@@ -35,20 +48,31 @@ class BindInput:
     after: "BindInput | None" = None  # of a preview: what is bound next
 
 
-def option_values(settings: SinewDeformer) -> tuple:
-    """The settings that a factor depends on, to compare."""
-    values = settings.parameters
-    return tuple((name, getattr(values, name)) for name in _BINDING_NAMES[settings.definition.id])
+def option_values(settings: SinewDeformer, rebinds: bool = True) -> tuple:
+    """The settings that a factor depends on, or else a solve, to compare."""
+    found: list = []
+    for method, values in settings.methods:
+        plain, referring = _NAMES[method.id, rebinds]
+        found += [(name, getattr(values, name)) for name in plain]
+        found += [(parameter.id, references.compared(values, parameter)) for parameter in referring]
+    return tuple(found)
 
 
 def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
     """The keywords of the native constructor; a painted one is (n,)."""
-    values = settings.parameters
+    own, *bases = settings.methods
+    found = _options(*own, rest)
+    for method, values in bases:
+        found[BASE] = Base(method, _options(method, values, rest))
+    return found
+
+
+def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str, object]:
     found: dict[str, object] = {}
-    for parameter in settings.definition.parameters:
+    for parameter in method.parameters:
         if not parameter.rebinds:
             continue
-        value = getattr(values, parameter.id)
+        value = _value(values, parameter)
         group = getattr(values, group_property(parameter), "")
         if group:
             painted = rest.weights.get(group)
@@ -62,9 +86,17 @@ def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
 
 
 def solve_options(settings: SinewDeformer) -> dict[str, object]:
-    """The keywords of ``solve`` that the method takes."""
+    """The keywords of ``solve`` that the method takes, with those of a method inside it."""
     return {
-        parameter.id: getattr(settings.parameters, parameter.id)
-        for parameter in settings.definition.parameters
+        parameter.id: _value(values, parameter)
+        for method, values in reversed(settings.methods)
+        for parameter in method.parameters
         if not parameter.rebinds
     }
+
+
+def _value(values: PropertyGroup, parameter: Parameter) -> object:
+    """As the native module takes it."""
+    if isinstance(parameter, Curve | Pointer):
+        return references.value(values, parameter)
+    return getattr(values, parameter.id)

@@ -1,26 +1,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What moves a shape, by the kind of control that a method asks for: one folder per kind."""
 
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from pathlib import Path
 from typing import Protocol
 
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 
-from ...core.methods import Control, Method
+from ...core.elements import Elements, Owner
+from ...core.methods import METHODS, Control, Method
 from ...core.status import Status
 from ...mesh_io import RestShape
 from ...properties import SinewDeformer
+from ..blocks.keeper import Link, pointer_links, write_driver
+from ..blocks.owners import owners
 from ..memory.evaluation import Evaluation
 from ..memory.sessions import Bound
 from .bind_input import BindInput, option_values
-from .cage import kind as cage
-from .handles import kind as handles
+from .influence import Influence
 
 
 class ControlKind(Protocol):
-    """A kind of control. Nothing here but ``set_rest`` makes or removes datablocks."""
+    """A kind of control, as the module ``kind`` of its folder.
+
+    Only ``set_rest``, ``take_rest``, ``forget_rest`` and ``release`` make or remove datablocks: they are for
+    operators, scripts and timers.
+    """
 
     MISSING: str  # what to do where nothing moves the mesh yet
+    MARKS_REGIONS: bool  # it moves regions of a mesh that are vertex groups
+
+    @staticmethod
+    def name(method: Method) -> str:
+        """What a new deformer is called."""
 
     @staticmethod
     def is_set(settings: SinewDeformer) -> bool:
@@ -52,11 +66,60 @@ class ControlKind(Protocol):
         """Where the control is, to compare: the quick form."""
 
     @staticmethod
+    def selectable(elements: Elements, request: BindInput) -> Elements:
+        """Elements that can be selected, for those that an error of the bind names."""
+
+    @staticmethod
+    def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
+        """The control that has these elements; where they cannot be selected, the reason is raised."""
+
+    @staticmethod
+    def links(deformer: SinewDeformer) -> Iterable[Link]:
+        """The objects and bones that Blender has to evaluate for the deformer."""
+
+    @staticmethod
+    def is_stale(deformer: SinewDeformer) -> bool:
+        """The control has other vertices than at rest."""
+
+    @staticmethod
     def set_rest(obj: Object, deformer: SinewDeformer) -> None:
-        """A control that has no rest yet rests where it is. For operators."""
+        """A control that has no rest yet rests where it is."""
+
+    @staticmethod
+    def take_rest(obj: Object, deformer: SinewDeformer) -> None:
+        """The control rests as it is now."""
+
+    @staticmethod
+    def forget_rest(deformer: SinewDeformer) -> None:
+        """The control has no rest: the next bind takes it as it is then."""
+
+    @staticmethod
+    def lost(deformer: SinewDeformer) -> tuple[str, ...]:
+        """What the artist is told of controls that are gone."""
+
+    @staticmethod
+    def release(obj: Object, deformer: SinewDeformer) -> None:
+        """Remove what was made for the deformer, unless others use it."""
+
+    @staticmethod
+    def selected(deformer: SinewDeformer) -> tuple[int, ...]:
+        """The vertices of the control that are selected."""
+
+    @staticmethod
+    def influence(deformer: SinewDeformer, bound: Bound) -> Influence | None:
+        """How far the target's points go with the selected vertices; None without weights."""
 
 
-_KINDS: dict[Control, ControlKind] = {Control.HANDLES: handles, Control.CAGE: cage}
+_KINDS: dict[Control, ControlKind] = {
+    control: import_module(f".{control.name.lower()}.kind", __package__)
+    for control in Control
+    if (Path(__file__).parent / control.name.lower() / "kind.py").is_file()
+}
+
+
+def every_kind() -> Iterable[ControlKind]:
+    """All kinds, in the order of ``Control``."""
+    return _KINDS.values()
 
 
 def kind_in_use(settings: SinewDeformer) -> ControlKind:
@@ -67,6 +130,47 @@ def kind_in_use(settings: SinewDeformer) -> ControlKind:
 def kind_of_method(method: Method) -> ControlKind:
     """The kind that a method asks for."""
     return _KINDS[method.control]
+
+
+def methods_of(kind: ControlKind) -> tuple[Method, ...]:
+    """The methods that ask for a kind."""
+    return tuple(method for method in METHODS if _KINDS.get(method.control) is kind)
+
+
+def marks_regions(method: Method) -> bool:
+    """The method moves regions of a mesh that are vertex groups."""
+    return kind_of_method(method).MARKS_REGIONS
+
+
+def lost_controls(deformer: SinewDeformer) -> tuple[str, ...]:
+    """What the artist is told of controls that are gone."""
+    return kind_in_use(deformer).lost(deformer)
+
+
+def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
+    """The object whose ``elements`` they are; where they cannot be selected, the reason is raised."""
+    if elements.owner is Owner.TARGET:
+        return deformer.id_data
+    return kind_in_use(deformer).object_with(deformer, elements)
+
+
+def posed_by(control: Object) -> Object | None:
+    """The object that this control, or one of its bones, moves."""
+    for obj in owners():
+        if any(link.object == control for link in _links(obj)):
+            return obj
+    return None
+
+
+def keep_evaluated(obj: Object) -> None:
+    """Let Blender evaluate what the object follows, hidden and unlinked objects too."""
+    write_driver(obj, list(dict.fromkeys((*_links(obj), *pointer_links(obj)))))
+
+
+def _links(obj: Object) -> Iterator[Link]:
+    for kind in every_kind():
+        for deformer in obj.sinew.deformers:
+            yield from kind.links(deformer)
 
 
 def bind_key(settings: SinewDeformer, token: str) -> tuple:

@@ -9,7 +9,7 @@ from ...core import status
 from ...core.errors import ConstraintError, SinewError
 from ...core.status import Level, Status
 from ...properties import SinewDeformer
-from ..blocks import capture, keeper, shapes, targets, vertex_groups
+from ..blocks import capture, shapes, targets, vertex_groups
 from ..blocks.owners import forget_owners
 from ..control import kinds
 from ..live import binding
@@ -42,7 +42,7 @@ def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Prog
         deformer.topology_changed = False
         kind.set_rest(obj, deformer)
         shapes.ensure(obj, deformer, *sizes)
-        keeper.keep_evaluated(obj)
+        kinds.keep_evaluated(obj)
         bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
         forget_owners()
         session = sessions.open_session(deformer.uid)
@@ -72,8 +72,7 @@ def unbind(obj: Object, deformer: SinewDeformer) -> None:
     """Show the rest shape and forget where the controls rested: the next bind starts where they are."""
     _let_go(deformer)
     sessions.drop(deformer.uid)
-    for handle in deformer.handles:
-        handle.has_rest = handle.has_last_pose = False
-    shapes.release_cage(deformer)
+    for kind in kinds.every_kind():
+        kind.forget_rest(deformer)
     status.put(deformer.uid, Status(Level.INFO, "Not bound - press Bind"))
     obj.update_tag()

@@ -14,11 +14,14 @@ from ...backend import Progress, automatic_cage
 from ...core.errors import CageError, MeshError
 from ...mesh_io import read_rest
 from ...properties import SinewDeformer
-from ..blocks import capture, keeper, shapes, targets
-from ..control.cage import kind
+from ..blocks import capture, shapes, targets
+from ..control import kinds
+from ..control.cage import kind as cage_kind
 from ..live import binding
 from ..memory import sessions
 from . import hull
+
+CAGE_METHODS = kinds.methods_of(cage_kind)
 
 Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per face, vertex of each corner
 
@@ -103,7 +106,7 @@ def set_cage(obj: Object, deformer: SinewDeformer, cage: Object) -> None:
     if cage.library is None:
         cage.display_type = "WIRE"
         cage.hide_render = True
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
 
 
 def _leads_to(cage: Object, obj: Object) -> bool:
@@ -122,7 +125,7 @@ def _leads_to(cage: Object, obj: Object) -> bool:
 @sessions.suspended()
 def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
     """The cage rests as it is now, so the mesh is at rest too; see ``bind``."""
-    kind.take_rest(obj, deformer)
+    cage_kind.take_rest(obj, deformer)
     binding.abandon(deformer.uid)
 
 
@@ -141,19 +144,5 @@ def flip_cage(deformer: SinewDeformer) -> None:
     else:
         edit.to_mesh(cage.data)
         edit.free()
-    shapes.release_cage(deformer)
+    cage_kind.forget_rest(deformer)
     bpy.context.view_layer.update()
-
-
-def release_cage(deformer: SinewDeformer) -> None:
-    """Remove the cage made for a deformer, unless another deformer uses it."""
-    shapes.release_cage(deformer)
-    cage, deformer.cage = deformer.cage, None
-    if cage is None or not deformer.owns_cage or cage.library is not None or cage.sinew.deformers:
-        return
-    if any(other.cage == cage for obj in bpy.data.objects for other in obj.sinew.deformers):
-        return
-    mesh = cage.data
-    bpy.data.objects.remove(cage)
-    if mesh.users == 0:
-        bpy.data.meshes.remove(mesh)

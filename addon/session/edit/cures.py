@@ -10,7 +10,7 @@ from bmesh.types import BMesh, BMFace, BMLayerItem, BMVert
 from mathutils import Vector
 
 from ...backend import Diagnosis, diagnose
-from ...core import frames
+from ...core.geometry import frames
 
 _EXACT = 1e-7  # of the largest coordinate
 

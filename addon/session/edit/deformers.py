@@ -6,18 +6,15 @@ from bpy.types import Object
 
 from ...core import status
 from ...core.errors import SinewError
-from ...core.methods import BY_ID, Control
+from ...core.methods import BY_ID
 from ...core.status import Level, Status
 from ...preferences import preferences
 from ...properties import SinewDeformer
-from ..blocks import animation_paths, keeper, shapes, targets
+from ..blocks import animation_paths, shapes, targets
 from ..blocks.owners import forget_owners
 from ..control import kinds
 from ..live import binding
 from ..memory import sessions
-from . import cages
-from .handles import empties
-from .handles.handles import _release_group
 from .names import unique_name
 
 
@@ -30,11 +27,8 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     deformer = obj.sinew.deformers.add()
     deformer.complete()
     deformer.uid = shapes.new_key()
-    row = BY_ID[method]  # the coordinates of a cage are tried one after the other, so they are not its name
-    label = Control.CAGE.value if row.control is Control.CAGE else row.label
-    deformer.name = name or unique_name(
-        label, [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
-    )
+    taken = [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
+    deformer.name = name or unique_name(kinds.kind_of_method(BY_ID[method]).name(BY_ID[method]), taken)
     deformer.method = method
     deformer.auto_rebind = preferences(bpy.context).auto_rebind
     obj.sinew.active_deformer = len(obj.sinew.deformers) - 1
@@ -48,22 +42,22 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
 def remove_deformer(obj: Object, index: int) -> None:
     """Take a deformer off, with the controls made for it. Vertex groups that the user made stay."""
     deformer = obj.sinew.deformers[index]
-    for handle in deformer.handles:
-        empties.release(handle)
-        _release_group(obj, deformer, handle)
-    cages.release_cage(deformer)
+    for kind in kinds.every_kind():
+        kind.release(obj, deformer)
     forget_deformer(obj, index)
 
 
 def forget_deformer(obj: Object, index: int) -> None:
-    """Take a deformer off, and leave its controls and its cage."""
+    """Take a deformer off, and leave its controls."""
     deformer = obj.sinew.deformers[index]
     binding.abandon(deformer.uid)
     sessions.drop(deformer.uid)
+    for kind in kinds.every_kind():
+        kind.forget_rest(deformer)
     shapes.remove(obj, deformer)
     order = animation_paths.removed(len(obj.sinew.deformers), index)
     obj.sinew.deformers.remove(index)
     animation_paths.deformers_reordered(obj, order)
     obj.sinew.active_deformer = max(0, min(obj.sinew.active_deformer, len(obj.sinew.deformers) - 1))
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     forget_owners()

@@ -6,7 +6,8 @@ from bpy.types import Object
 from ... import compat
 from ...core.errors import SinewError
 from ...properties import SinewDeformer
-from ..blocks import animation_paths, keeper, shapes
+from ..blocks import animation_paths, shapes
+from ..control import kinds
 from ..memory import sessions
 
 
@@ -26,7 +27,7 @@ def move_deformer(obj: Object, index: int, target: int) -> None:
     obj.sinew.deformers.move(index, target)
     animation_paths.deformers_reordered(obj, order)
     obj.sinew.active_deformer = order.get(obj.sinew.active_deformer, target)
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     obj.update_tag()
 
 
@@ -63,5 +64,5 @@ def move_handle(obj: Object, deformer: SinewDeformer, index: int, target: int) -
     deformer.handles.move(index, target)
     animation_paths.handles_reordered(obj, deformer, order)
     deformer.active_handle = order.get(deformer.active_handle, target)
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     obj.update_tag()

@@ -15,7 +15,7 @@ from ...core.errors import SinewError
 from ...mesh_io import read_rest, same_topology
 from ...properties import SinewDeformer
 from ..blocks import capture, shapes, vertex_groups
-from ..control.cage import kind
+from ..control import kinds
 from ..memory import sessions
 from . import bind
 
@@ -42,13 +42,16 @@ def refresh() -> bool:
 
 
 def _is_busy(obj: Object) -> bool:
-    cages = [deformer.cage for deformer in obj.sinew.deformers if deformer.auto_rebind and deformer.cage]
-    return any(edited.mode in _BUSY_MODES for edited in (obj, *cages))
+    rebinding = [deformer for deformer in obj.sinew.deformers if deformer.auto_rebind]
+    links = [link for deformer in rebinding for link in kinds.kind_in_use(deformer).links(deformer)]
+    edited = (obj, *(link.object for link in links if link.by_shape))
+    return any(other.mode in _BUSY_MODES for other in edited)
 
 
 @sessions.suspended()
 def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
-    if deformer.auto_rebind and kind.has_other_vertices(deformer):
+    kind = kinds.kind_in_use(deformer)
+    if deformer.auto_rebind and kind.is_stale(deformer):
         with suppress(SinewError):  # the status says why
             kind.take_rest(obj, deformer)
             bind.bind(obj, deformer, wait=False)

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From the selection of Edit Mode to vertex groups, and back. Main thread only."""
 
-from collections.abc import Iterable
-
 import bmesh
 from bpy.types import Object
 
+from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, SinewError
 
 
@@ -31,18 +30,18 @@ def select_group(obj: Object, vertex_group: str) -> None:
     edit = bmesh.from_edit_mesh(obj.data)
     layer = edit.verts.layers.deform.active
     members = [] if layer is None else [v.index for v in edit.verts if v[layer].get(group.index, 0.0) > 0.0]
-    select_elements(obj, members, "vertex")
+    select_elements(obj, Elements(Owner.TARGET, "vertex", members))
 
 
-def select_elements(obj: Object, elements: Iterable[int], kind: str) -> int:
+def select_elements(obj: Object, elements: Elements) -> int:
     """Select vertices or faces by index, in Edit Mode; how many there were."""
     edit = bmesh.from_edit_mesh(obj.data)
     for vertex in edit.verts:
         vertex.select = False
     edit.select_flush(False)
-    sequence = edit.faces if kind == "face" else edit.verts
+    sequence = edit.faces if elements.kind == "face" else edit.verts
     sequence.ensure_lookup_table()
-    wanted = [index for index in elements if index < len(sequence)]
+    wanted = [index for index in elements.indices if index < len(sequence)]
     for index in wanted:
         sequence[index].select = True
     edit.select_flush(True)

@@ -10,8 +10,9 @@ import bpy
 from bpy.types import Object
 
 from ...ids import Datablocks
-from ..blocks import keeper, shapes, targets
+from ..blocks import keeper, references, shapes, targets
 from ..blocks.owners import copies, forget_owners, has_copies, owners
+from ..control import kinds
 from ..live import binding
 from ..memory import sessions
 from . import deformers
@@ -27,9 +28,10 @@ def separate(obj: Object) -> None:
             deformer.proxy = bpy.data.objects.new(Datablocks.PROXY_VIEWPORT, shared[0].data.copy())
         if shared[1] is not None:
             deformer.proxy_render = bpy.data.objects.new(Datablocks.PROXY_RENDER, shared[1].data.copy())
+        references.unshare_curves(deformer)
         if modifier is not None:
             shapes.connect(modifier, deformer)
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     obj.update_tag()
 
 
@@ -57,7 +59,7 @@ def tidy() -> None:
     for obj in owners():
         uids = exchanged.intersection(deformer.uid for deformer in obj.sinew.deformers)
         if (uids or not keeper.is_kept(obj)) and obj.library is None:
-            keeper.keep_evaluated(obj)
+            kinds.keep_evaluated(obj)
         for uid in uids:
             sessions.open_session(uid).rewire = False
 

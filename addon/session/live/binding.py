@@ -10,6 +10,7 @@ import bpy
 
 from ...backend import Factor, Inheritance, Progress, availability, build_factor
 from ...core import status
+from ...core.elements import NO_ELEMENTS, Owner
 from ...core.errors import BackendMissingError, CancelledError, SinewError
 from ...core.kinds import MESH
 from ...core.memory import remember
@@ -100,8 +101,9 @@ def ensure(
         begin = time.perf_counter()
         factor = build_factor(request.recipe, progress, inherited)
     except SinewError as error:
-        _refuse(session, deformer.uid, key, error, request)
-        raise
+        told = _told(error, request)
+        _refuse(session, deformer.uid, key, told)
+        raise told from error
     return _install(
         session, deformer.uid, request, factor, time.perf_counter() - begin, rest == deformer.rest
     )
@@ -115,6 +117,16 @@ def _begin(request: BindInput, inherited: Inheritance | None) -> Work:
     return Work(partial(build_factor, request.recipe, inherited=inherited), request)
 
 
+def _told(error: SinewError, request: BindInput | None) -> SinewError:
+    """The error of a bind, with elements that can be selected."""
+    if request is None:
+        return error
+    elements = kinds.kind_of_method(request.recipe.method).selectable(error.elements, request)
+    if request.rest.kind is not MESH and elements.owner is Owner.TARGET:
+        return error.about(NO_ELEMENTS, Remedy.NONE)  # nothing of it can be selected, or repaired
+    return error.about(elements, error.remedy)
+
+
 def _keep_job_for(uid: str, key: tuple) -> None:
     """A bind under way goes on only while it is the one wanted; a finished one is taken in at once."""
     job = _jobs.get(uid)
@@ -126,14 +138,8 @@ def _keep_job_for(uid: str, key: tuple) -> None:
         _take_in(uid)
 
 
-def _refuse(session: Session, uid: str, key: tuple, error: SinewError, request: BindInput | None) -> None:
+def _refuse(session: Session, uid: str, key: tuple, error: SinewError) -> None:
     session.bound, session.failed = None, key
-    if request is not None and error.element_kind == "handle":
-        regions_at_fault = [request.indices[row] for row in error.elements]
-        error.elements = tuple(int(vertex) for members in regions_at_fault for vertex in members)
-        error.element_kind = "vertex"
-    if request is not None and request.rest.kind is not MESH and not error.element_kind.startswith("cage"):
-        error.elements, error.remedy = (), Remedy.NONE  # nothing of it can be selected, or repaired
     status.put_notes(uid, ())
     status.fail(uid, error)
 
@@ -216,7 +222,7 @@ def cancel(uid: str) -> None:
     if stopped is None:
         return
     abandon(uid)
-    _refuse(sessions.open_session(uid), uid, stopped.subject.key, CancelledError(CANCELLED), None)
+    _refuse(sessions.open_session(uid), uid, stopped.subject.key, CancelledError(CANCELLED))
 
 
 def collect() -> list[str]:
@@ -238,7 +244,7 @@ def _take_in(uid: str) -> None:
     """A finished job becomes the factor or the refusal of its deformer; a preview starts the real bind."""
     job, session = _jobs.pop(uid), sessions.open_session(uid)
     if job.error is not None:
-        _refuse(session, uid, job.subject.key, job.error, job.subject)
+        _refuse(session, uid, job.subject.key, _told(job.error, job.subject))
         return
     _install(session, uid, job.subject, job.result, job.seconds)
     real = job.subject.after

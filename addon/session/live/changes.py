@@ -9,6 +9,7 @@ from enum import IntEnum
 
 from bpy.types import Depsgraph, DepsgraphUpdate, Object
 
+from ..blocks import references
 from ..control import kinds, placement
 from ..memory import sessions
 from ..memory.sessions import LastUpdate
@@ -43,9 +44,12 @@ class Changes:
 
     def placed(self, obj: Object, evaluated: Object) -> tuple:
         """Where the target and its controls are."""
-        placed = [placement.fingerprint(evaluated.matrix_world)]
-        for deformer in obj.sinew.deformers:
+        placed: list[object] = [placement.fingerprint(evaluated.matrix_world)]
+        for index, deformer in enumerate(obj.sinew.deformers):
             placed += kinds.kind_in_use(deformer).placed(deformer, self._depsgraph)
+            method = deformer.definition
+            if (method.references or method.wraps) and index < len(evaluated.sinew.deformers):
+                placed += references.placed(evaluated.sinew.deformers[index])
         return tuple(placed)
 
     def last_update(self, obj: Object) -> LastUpdate | None:

@@ -4,6 +4,7 @@
 import numpy as np
 
 from ...backend import Diagnosis
+from ...core.elements import NO_ELEMENTS, Elements, Owner
 from ...core.status import Level, Remedy, Status
 
 NAMES = {  # what is counted: one of it, several
@@ -22,9 +23,8 @@ def notes(diagnosis: Diagnosis, selectable: bool = True) -> tuple[Status, ...]:
     for what, elements in elements_by_defect(diagnosis).items():
         if len(elements):
             kind = "face" if what in ("degenerate", "duplicate") else "vertex"
-            shown = tuple(int(element) for element in np.unique(elements)) if selectable else ()
-            text = counted(what, len(elements))
-            lines.append(Status(Level.WARNING, text, shown, kind if shown else "", Remedy.REPAIR))
+            shown = Elements(Owner.TARGET, kind, np.unique(elements)) if selectable else NO_ELEMENTS
+            lines.append(Status(Level.WARNING, counted(what, len(elements)), shown, Remedy.REPAIR))
     return tuple(lines)
 
 

@@ -9,6 +9,7 @@ When the drag pauses, the answer that depends on the poses alone replaces the pr
 import math
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from ...core.errors import CancelledError, OptionError, SolverError, TopologyCha
 from ...core.status import Level, Status
 from ...mesh_io import shape_array, write_shape
 from ..control import kinds
-from ..control.bind_input import solve_options
+from ..control.bind_input import option_values, solve_options
 from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
@@ -35,7 +36,7 @@ class Question:
     incoming: np.ndarray | None  # float32 (n, 3), None for rest
     displacement: bool
     control: np.ndarray  # as ``Factor.solve`` takes it
-    options: dict[str, object]
+    options: dict[str, Any]
     early: bool
     final: bool
 
@@ -84,13 +85,13 @@ def _question(
     control, further = found
     options = solve_options(evaluation.settings)
     posed = (control.tobytes(), *(value.tobytes() for value in further.values()))
-    signature = (bound.key, posed, tuple(options.items()), displacement)
+    signature = (bound.key, posed, option_values(evaluation.settings, rebinds=False), displacement)
     options.update(further)
     options["incoming"] = incoming
     shown = evaluation.shown
     same = shown.signature == signature and _same(shown.incoming, incoming)
     final = evaluation.session.settle and same and evaluation.in_viewport
-    early = evaluation.preview and evaluation.settings.definition.iterative and not final
+    early = evaluation.preview and evaluation.settings.is_iterative and not final
     if early:
         options["max_iterations"] = min(evaluation.session.steps, options["max_iterations"])
         if shown.positions is not None and not shown.displacement:
@@ -158,7 +159,7 @@ def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bo
     if not binding.may_wait(len(bound.rest.points)):
         return False
     session = evaluation.session
-    iterative = evaluation.settings.definition.iterative
+    iterative = evaluation.settings.is_iterative
     dear = session.step_milliseconds > drag.budget() and (question.early or not iterative)
     return question.final or (evaluation.preview and dear)
 

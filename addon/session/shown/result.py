@@ -6,18 +6,18 @@ Computed when asked for, kept until the factor or the shape is another. Main thr
 
 from dataclasses import dataclass, field
 
-import bmesh
 import numpy as np
 from bpy.types import Object
 
 from ...compat import read_triangles
-from ...core import distortion
-from ...core.distortion import Measure, RestMetric
+from ...core.geometry import distortion
+from ...core.geometry.distortion import Measure, RestMetric
 from ...core.memory import remember
-from ...core.methods import Control
 from ...mesh_io import RestShape, group_names, group_weights
 from ...properties import SinewDeformer
 from ..blocks import targets
+from ..control import kinds
+from ..control.influence import Influence
 from ..memory import sessions
 from ..memory.sessions import Bound
 
@@ -51,15 +51,6 @@ class Distortion:
     def largest(self) -> float:
         """The ratio of the worst vertex."""
         return float(self.values[self.worst])
-
-
-@dataclass(frozen=True)
-class Influence:
-    """The sum (n,) of the weights of some cage ``vertices``; the vertices ``outside`` the cage."""
-
-    vertices: tuple[int, ...]
-    values: np.ndarray
-    outside: np.ndarray
 
 
 @dataclass
@@ -131,31 +122,17 @@ def measure(obj: Object, deformer: SinewDeformer, kind: Measure) -> Distortion |
     return kept.distortion
 
 
-def chosen(deformer: SinewDeformer) -> tuple[int, ...]:
-    """The vertices selected on the cage of the deformer, in Edit Mode or before it was left."""
-    cage = deformer.cage
-    if cage is None or cage.type != "MESH":
-        return ()
-    if cage.mode == "EDIT":
-        return tuple(vertex.index for vertex in bmesh.from_edit_mesh(cage.data).verts if vertex.select)
-    selected = np.empty(len(cage.data.vertices), dtype=bool)
-    cage.data.vertices.foreach_get("select", selected)
-    return tuple(np.flatnonzero(selected).tolist())
+def selected(deformer: SinewDeformer) -> tuple[int, ...]:
+    """The vertices selected on the control of the deformer."""
+    return kinds.kind_in_use(deformer).selected(deformer)
 
 
 def influence(deformer: SinewDeformer) -> Influence | None:
-    """How far each vertex goes with those selected on the cage; None without a bound cage.
-
-    Modifiers of the cage keep the numbers of its own vertices, or add others after them.
-    """
+    """How far each vertex goes with those selected on the control; None where it has no weights."""
     session = sessions.find(deformer.uid)
-    if session is None or session.bound is None:
-        return None
-    factor = session.bound.factor
-    if factor.is_spent or factor.recipe.method.control is not Control.CAGE:
-        return None  # a thread binds another
-    vertices = tuple(v for v in chosen(deformer) if v < len(factor.recipe.control.points))
-    return Influence(vertices, factor.influence(vertices), factor.report.outside)
+    if session is None or session.bound is None or session.bound.factor.is_spent:
+        return None  # a thread may be binding another
+    return kinds.kind_of_method(session.bound.factor.recipe.method).influence(deformer, session.bound)
 
 
 def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | None:

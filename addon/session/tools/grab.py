@@ -6,13 +6,14 @@ the native module.
 """
 
 import time
+from typing import Any
 
 import numpy as np
 from bpy.types import Object
 
 from ...backend import Factor, Handles, Progress, Recipe, Shape, build_factor
-from ...core import frames
 from ...core.errors import ConstraintError
+from ...core.geometry import frames
 from ...core.methods import Method
 from ..control.handles.poses import IDENTITY
 from ..live import binding, drag
@@ -191,7 +192,7 @@ class Grab:
         if iterations:
             self._budget = drag.affordable_steps(1000.0 * seconds / iterations)
 
-    def _options(self) -> dict[str, object]:
+    def _options(self) -> dict[str, Any]:
         return {row.id: row.default for row in self._method.parameters if not row.rebinds}
 
     def _pose(self, motion: np.ndarray) -> np.ndarray:

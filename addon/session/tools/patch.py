@@ -11,8 +11,9 @@ import bpy
 import numpy as np
 from bpy.types import Object
 
-from ...core import frames, reach
+from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, MeshError, TopologyChangedError
+from ...core.geometry import frames, reach
 from ...core.status import Remedy
 from ...mesh_io import group_weights, read_rest
 from ..memory import sessions
@@ -100,8 +101,8 @@ class Patch:
             raise ConstraintError(NOTHING_SELECTED)
         if not (selected & ~stays).any():
             if selected[shape.not_finite].any():
-                raise MeshError(NO_PLACE, tuple(shape.not_finite), "vertex", Remedy.REPAIR)
-            raise ConstraintError(ALL_FIXED, tuple(np.flatnonzero(selected)), "vertex")
+                raise MeshError(NO_PLACE, Elements(Owner.TARGET, "vertex", shape.not_finite), Remedy.REPAIR)
+            raise ConstraintError(ALL_FIXED, Elements(Owner.TARGET, "vertex", np.flatnonzero(selected)))
         self._stays = stays
         self.selected = np.flatnonzero(selected & ~stays)
 

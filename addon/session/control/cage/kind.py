@@ -5,6 +5,9 @@ The rest cage is kept as a hidden mesh in the frame of the target, so everything
 pose, in Edit Mode too.
 """
 
+from collections.abc import Iterator
+
+import bmesh
 import bpy
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
@@ -12,23 +15,34 @@ from mathutils import Matrix
 
 from ....backend import Cage, CageReport, Recipe, Shape
 from ....compat import read_positions
-from ....core import frames
+from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import CageError
+from ....core.geometry import frames
+from ....core.methods import Method
 from ....core.status import Level, Remedy, Status
 from ....ids import Datablocks, Keys
 from ....mesh_io import RestShape, read_rest
-from ....properties import SinewDeformer
+from ....properties import SinewDeformer, StoredCage
 from ...blocks import shapes
 from ...blocks.capture import evaluated_mesh
+from ...blocks.keeper import Link
 from ...blocks.vertex_groups import read_weights
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
-from .. import placement
+from .. import objects, placement
 from ..bind_input import BindInput, options
+from ..influence import Influence
 
 MISSING = "No cage yet - Add Cage takes the other selected mesh"
 
+MARKS_REGIONS = False
+
 _POSE = "cage"  # the key of its last pose among the session's poses
+
+
+def name(_method: Method) -> str:
+    """The coordinates of a cage are tried one after the other, so they are not its name."""
+    return "Cage"
 
 
 def is_set(settings: SinewDeformer) -> bool:
@@ -53,8 +67,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     if len(cage.not_finite):
         raise CageError(
             "Vertices of the cage are nowhere - move or delete them, then Set Rest Cage",
-            tuple(cage.not_finite),
-            "cage vertex",
+            Elements(Owner.CONTROL, "vertex", cage.not_finite),
             Remedy.CAGE_REST,
         )
     return BindInput(
@@ -77,12 +90,29 @@ def notes(report: CageReport, request: BindInput) -> tuple[Status, ...]:
     if count:
         one, several = request.rest.kind.nouns
         text = f"1 {one} lies outside the cage" if count == 1 else f"{count:,} {several} lie outside the cage"
-        elements = (tuple(report.outside.tolist()), "vertex") if request.on_base else ((), "")
-        found.append(Status(Level.WARNING, text, *elements))
+        elements = Elements(Owner.TARGET, "vertex", report.outside) if request.on_base else NO_ELEMENTS
+        found.append(Status(Level.WARNING, text, elements))
     if len(report.crossing):
         text = f"{len(report.crossing):,} faces of the cage cross each other"
-        found.append(Status(Level.WARNING, text, tuple(report.crossing.tolist()), "cage face"))
+        found.append(Status(Level.WARNING, text, Elements(Owner.CONTROL, "face", report.crossing)))
     return tuple(found)
+
+
+def selectable(elements: Elements, _request: BindInput) -> Elements:
+    """Those of the cage and of the target are told apart already."""
+    return elements
+
+
+def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
+    """The cage, where it has its ``elements`` still; else the reason why they cannot be selected."""
+    cage, rest = deformer.cage, deformer.cage_rest
+    if cage is None:
+        raise CageError("The cage is not in this view layer - nothing to select")
+    if isinstance(rest, Mesh) and len(cage.data.vertices) != len(rest.vertices):
+        raise CageError(
+            "The cage has other vertices than its rest - turn off its modifiers, then Set Rest Cage"
+        )
+    return cage
 
 
 def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
@@ -104,7 +134,8 @@ def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, ob
         posed = frames.transformed(relative, vertices.astype(np.float64))
     lost = np.flatnonzero(~frames.is_place(posed))
     if len(lost):
-        raise CageError("Vertices of the cage are nowhere - undo, or move them", tuple(lost), "cage vertex")
+        elements = Elements(Owner.CONTROL, "vertex", lost)
+        raise CageError("Vertices of the cage are nowhere - undo, or move them", elements)
     held[_POSE] = posed
     return posed, {}
 
@@ -124,7 +155,7 @@ def _vertices(cage: Object, depsgraph: Depsgraph) -> np.ndarray:
         return np.zeros((0, 3), dtype=np.float32) if mesh is None else read_positions(mesh)
 
 
-def has_other_vertices(deformer: SinewDeformer) -> bool:
+def is_stale(deformer: SinewDeformer) -> bool:
     """The cage gained or lost vertices since it was bound."""
     if deformer.cage_missing or not isinstance(deformer.cage_rest, Mesh):
         return False
@@ -152,4 +183,47 @@ def take_rest(obj: Object, deformer: SinewDeformer) -> None:
     mesh.name = Datablocks.REST
     mesh.materials.clear()
     mesh[Keys.REST_TOKEN] = shapes.new_key()
-    shapes.hold_cage(deformer, mesh)
+    objects.hold_rest(StoredCage(deformer), mesh)
+
+
+def forget_rest(deformer: SinewDeformer) -> None:
+    """Forget how the cage rested."""
+    objects.forget_rest((StoredCage(deformer),))
+
+
+def links(deformer: SinewDeformer) -> Iterator[Link]:
+    """The cage, with its shape."""
+    return objects.links((StoredCage(deformer),))
+
+
+def lost(deformer: SinewDeformer) -> tuple[str, ...]:
+    """The cage was deleted."""
+    is_lost = deformer.is_bound and deformer.cage_missing
+    return ("The cage was deleted, and the last shape stays - pick another",) if is_lost else ()
+
+
+def release(_obj: Object, deformer: SinewDeformer) -> None:
+    """Remove the cage made for a deformer, unless another deformer uses it."""
+    objects.release((StoredCage(deformer),))
+
+
+def selected(deformer: SinewDeformer) -> tuple[int, ...]:
+    """The vertices selected on the cage, in Edit Mode or before it was left."""
+    cage = deformer.cage
+    if cage is None or cage.type != "MESH":
+        return ()
+    if cage.mode == "EDIT":
+        return tuple(vertex.index for vertex in bmesh.from_edit_mesh(cage.data).verts if vertex.select)
+    chosen = np.empty(len(cage.data.vertices), dtype=bool)
+    cage.data.vertices.foreach_get("select", chosen)
+    return tuple(np.flatnonzero(chosen).tolist())
+
+
+def influence(deformer: SinewDeformer, bound: Bound) -> Influence:
+    """How far each vertex goes with those selected on the cage.
+
+    Modifiers of the cage keep the numbers of its own vertices, or add others after them.
+    """
+    factor = bound.factor
+    vertices = tuple(v for v in selected(deformer) if v < len(factor.recipe.control.points))
+    return Influence(vertices, factor.influence(vertices), factor.report.outside)

@@ -1,35 +1,83 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Handles move the shape: regions of the mesh that follow objects and bones, or stay. See ``kinds``."""
 
-import numpy as np
-from bpy.types import Depsgraph
+from typing import Any
 
+import numpy as np
+from bpy.types import Depsgraph, Object
+
+from ....core.elements import NO_ELEMENTS, Elements, Owner
+from ....core.errors import SinewError
+from ....core.methods import Method
 from ....core.status import Level, Status
 from ....properties import SinewDeformer
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
 from ..bind_input import BindInput
 from . import poses
+from .links import links
 from .poses import complete_rest_frames as set_rest
+from .poses import complete_rest_frames as take_rest
 from .regions import has_constraints as is_set
 from .regions import key, request
+from .release import release
 
-__all__ = ("MISSING", "is_set", "key", "notes", "placed", "pose", "request", "set_rest")
+__all__ = (
+    "MARKS_REGIONS",
+    "MISSING",
+    "forget_rest",
+    "influence",
+    "is_set",
+    "is_stale",
+    "key",
+    "links",
+    "lost",
+    "name",
+    "notes",
+    "object_with",
+    "placed",
+    "pose",
+    "release",
+    "request",
+    "selectable",
+    "selected",
+    "set_rest",
+    "take_rest",
+)
 
 MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
+MARKS_REGIONS = True
 
 
-def notes(report: object, request: BindInput) -> tuple[Status, ...]:
+def name(method: Method) -> str:
+    """Each method makes another surface of the same handles."""
+    return method.label
+
+
+def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     """Parts that nothing holds."""
     if not report.free_parts:
         return ()
     count = report.free_parts
     text = "1 free part stays at rest" if count == 1 else f"{count} free parts stay at rest"
-    elements = (tuple(report.free_vertices.tolist()), "vertex") if request.on_base else ((), "")
-    return (Status(Level.WARNING, text, *elements),)
+    elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
+    return (Status(Level.WARNING, text, elements),)
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]]:
+def selectable(elements: Elements, request: BindInput) -> Elements:
+    """The vertices of the handles that the native module names by their rows."""
+    if elements.kind != "handle":
+        return elements
+    members = [request.indices[row] for row in elements.indices]
+    return Elements(Owner.TARGET, "vertex", np.concatenate(members) if members else ())
+
+
+def object_with(_deformer: SinewDeformer, _elements: Elements) -> Object:
+    """Controls of handles have no elements."""
+    raise SinewError("The controls of handles have nothing that could be selected")
+
+
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, Any]]:
     """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape."""
     affine, from_rest = poses.gather(evaluation, bound)
     return affine, {"from_rest": from_rest}
@@ -38,3 +86,32 @@ def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, ob
 def placed(deformer: SinewDeformer, depsgraph: Depsgraph) -> list[object]:
     """Matrices of the controls."""
     return [poses.placement(handle, depsgraph) for handle in deformer.handles if handle.kind == "HANDLE"]
+
+
+def is_stale(_deformer: SinewDeformer) -> bool:
+    """Only the places of objects and bones count."""
+    return False
+
+
+def forget_rest(deformer: SinewDeformer) -> None:
+    """The next bind starts where the controls are then."""
+    for handle in deformer.handles:
+        handle.has_rest = handle.has_last_pose = False
+
+
+def lost(deformer: SinewDeformer) -> tuple[str, ...]:
+    """Handles whose control was deleted."""
+    return tuple(
+        f"{handle.name} has lost its control and stays where it was - pick another"
+        for handle in deformer.handles
+        if handle.control_missing
+    )
+
+
+def selected(_deformer: SinewDeformer) -> tuple[int, ...]:
+    """Controls of handles have no vertices."""
+    return ()
+
+
+def influence(_deformer: SinewDeformer, _bound: Bound) -> None:
+    """How far a vertex follows one handle is the outcome of a solve, not a weight."""

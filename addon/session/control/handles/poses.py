@@ -8,13 +8,13 @@ import numpy as np
 from bpy.types import Depsgraph, Object
 from mathutils import Matrix
 
-from ....core import frames
+from ....core.geometry import frames
 from ....mesh_io import read_shape
 from ....properties import SinewDeformer, SinewHandle
-from ...blocks import keeper
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
 from ..placement import fingerprint
+from .links import follow_renamed_bones
 
 IDENTITY = np.eye(4)[:3]
 
@@ -97,7 +97,7 @@ def gather(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.ndarray
             control is None
             and handle.bone
             and evaluation.in_viewport
-            and keeper.follow_renamed_bones(evaluation.obj)
+            and follow_renamed_bones(evaluation.obj)
         ):
             control = control_matrix(handle, depsgraph)
         if control is not None and not handle.has_rest and evaluation.in_viewport:

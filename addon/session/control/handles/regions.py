@@ -8,10 +8,11 @@ import numpy as np
 from bpy.types import Mesh
 
 from ....backend import Handles, Recipe, Shape
+from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.status import Remedy
 from ....mesh_io import RestShape
-from ....properties import SinewDeformer
+from ....properties import SinewDeformer, SinewHandle
 from ...blocks.vertex_groups import read_weights
 from ..bind_input import BindInput, options
 
@@ -22,11 +23,16 @@ def key(settings: SinewDeformer) -> tuple:
     """Which regions there are. Their order in the list has no meaning."""
     return tuple(
         sorted(
-            (handle.uid, handle.kind, handle.vertex_group, handle.weight, handle.continuity)
+            (handle.uid, handle.kind, handle.vertex_group, handle.weight, *_own_values(settings, handle))
             for handle in settings.handles
             if handle.enabled
         )
     )
+
+
+def _own_values(settings: SinewDeformer, handle: SinewHandle) -> tuple:
+    """What the method asks of each handle."""
+    return tuple(getattr(handle, parameter.id) for parameter in settings.definition.handle_parameters)
 
 
 def has_constraints(settings: SinewDeformer) -> bool:
@@ -42,12 +48,12 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     read_weights(rest, mesh, settings)
     method = settings.definition
     count = len(rest.points)
-    names, indices, weights, continuity = [], [], [], []
+    names, indices, weights, own = [], [], [], []
     taken = np.zeros(count, dtype=bool)
     holder = np.full(count, -1)
     labels: list[str] = []
     support: np.ndarray | None = None
-    support_continuity = 2.0
+    of_supports: list[tuple] = []
     for handle in settings.handles:
         if not handle.enabled:
             continue
@@ -63,7 +69,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             )
         if handle.kind == "SUPPORT":
             support = painted > 0.0 if support is None else support | (painted > 0.0)
-            support_continuity = min(support_continuity, handle.continuity)
+            of_supports.append(_own_values(settings, handle))
             continue
         strength = painted[members].astype(np.float64) * handle.weight
         _refuse_overlap(holder, members[strength >= 1.0], handle.name, labels)
@@ -71,14 +77,14 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         names.append(handle.uid)
         indices.append(members)
         weights.append(strength)
-        continuity.append(handle.continuity)
+        own.append(_own_values(settings, handle))
     if support is not None:
         outside = np.flatnonzero(~support & ~taken)
         if len(outside):
             names.append(_IMPLIED)
             indices.append(outside)
             weights.append(None)
-            continuity.append(support_continuity)
+            own.append(tuple(map(min, zip(*of_supports, strict=True))))  # they hold one border together
     if not names:
         raise ConstraintError(
             "Nothing holds the mesh - select vertices in Edit Mode and Add Handle or Add Fixed"
@@ -89,7 +95,11 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             method,
             Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            Handles(tuple(indices), tuple(weights), tuple(continuity) if method.continuity else None),
+            Handles(
+                tuple(indices),
+                tuple(weights),
+                {row.id: values for row, values in zip(method.handle_parameters, zip(*own, strict=True))},
+            ),
         ),
         rest=rest,
         on_base=count == base_count,
@@ -107,8 +117,7 @@ def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: lis
         vertices = "1 vertex" if len(shared) == 1 else f"{len(shared)} vertices"
         raise ConstraintError(
             f"{other} and {name} share {vertices} - take them out of one of the two groups, then Rebind",
-            tuple(shared),
-            "vertex",
+            Elements(Owner.TARGET, "vertex", shared),
             Remedy.PART_REGIONS,
         )
     holder[hard] = len(labels)

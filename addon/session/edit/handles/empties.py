@@ -8,10 +8,10 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Matrix
 
-from ....core import frames
 from ....core.errors import ConstraintError
+from ....core.geometry import frames
 from ....mesh_io import RestShape
-from ....properties import SinewHandle, deformers_of
+from ....properties import SinewHandle
 from ...control.handles import poses
 
 
@@ -60,18 +60,3 @@ def assign(
     depsgraph = bpy.context.evaluated_depsgraph_get()
     matrix = poses.control_matrix(handle, depsgraph)
     poses.capture_rest(handle, np.array(obj.matrix_world, dtype=np.float64), matrix, pose)
-
-
-def release(handle: SinewHandle) -> None:
-    """Remove the empty made for a handle, unless another handle uses it."""
-    control, handle.control = handle.control, None
-    if control is None or not handle.owns_control or control.library is not None or deformers_of(control):
-        return
-    used = any(
-        other.control == control
-        for obj in bpy.data.objects
-        for deformer in deformers_of(obj)
-        for other in deformer.handles
-    )
-    if not used:
-        bpy.data.objects.remove(control)

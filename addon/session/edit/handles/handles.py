@@ -5,14 +5,16 @@ import bpy
 import numpy as np
 from bpy.types import Mesh, Object
 
-from ....core import frames, status
+from ....core import status
 from ....core.errors import ConstraintError, SinewError
+from ....core.geometry import frames
 from ....core.status import Level, Status
 from ....mesh_io import RestShape, group_names, group_weights, read_rest
 from ....properties import SinewDeformer, SinewHandle
-from ...blocks import animation_paths, capture, keeper, shapes
+from ...blocks import animation_paths, capture, shapes
 from ...control import kinds
 from ...control.handles import poses
+from ...control.handles.release import release_control, release_group
 from ...memory import sessions
 from ..bind import unbind
 from ..names import unique_name
@@ -98,28 +100,15 @@ def _current_pose(deformer: SinewDeformer, rest: RestShape, members: np.ndarray)
 def remove_handle(obj: Object, deformer: SinewDeformer, index: int) -> None:
     """Let a region go, with the control and the group made for it."""
     handle = deformer.handles[index]
-    empties.release(handle)
-    _release_group(obj, deformer, handle)
+    release_control(handle)
+    release_group(obj, deformer, handle)
     order = animation_paths.removed(len(deformer.handles), index)
     deformer.handles.remove(index)
     animation_paths.handles_reordered(obj, deformer, order)
     deformer.active_handle = max(0, min(deformer.active_handle, len(deformer.handles) - 1))
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     obj.update_tag()
     kind = kinds.kind_in_use(deformer)
     if not kind.is_set(deformer):
         unbind(obj, deformer)
         status.put(deformer.uid, Status(Level.INFO, kind.MISSING))
-
-
-def _release_group(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
-    if not handle.owns_group:
-        return
-    shared = any(
-        other.vertex_group == handle.vertex_group and other.uid != handle.uid
-        for any_deformer in obj.sinew.deformers
-        for other in any_deformer.handles
-    )
-    group = obj.vertex_groups.get(handle.vertex_group)
-    if group is not None and not shared:
-        obj.vertex_groups.remove(group)

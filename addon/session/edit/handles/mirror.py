@@ -12,17 +12,21 @@ import bpy
 import numpy as np
 from bpy.types import Object
 
+from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError, SinewError
-from ....core.methods import group_property
+from ....core.methods import HANDLE_PARAMETERS
 from ....core.sides import Side, flip, side_of
 from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, SinewHandle
-from ...blocks import capture, keeper, shapes, vertex_groups
+from ...blocks import capture, shapes, vertex_groups
+from ...control import kinds
 from ...memory import sessions
 from . import mirror_controls
 from .mirror_weights import MirrorPlane, images
 
-_COPIED = ("kind", "weight", "continuity", "colour", "enabled", "from_rest")
+_COPIED = ("kind", "weight", "colour", "enabled", "from_rest") + tuple(
+    parameter.id for parameter in HANDLE_PARAMETERS
+)
 
 
 @dataclass(frozen=True)
@@ -99,7 +103,7 @@ def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: Mirro
             mirror_controls.give(obj, deformer, source, target, rest, reached)
     if options.painted_groups:
         _even_out_painted(obj, deformer, plane, options.source)
-    keeper.keep_evaluated(obj)
+    kinds.keep_evaluated(obj)
     obj.update_tag()
     return result
 
@@ -186,7 +190,7 @@ def _refuse_lopsided(
         ):
             message = f"{handle.name} has no counterpart {flip(_sided_name(handle))} yet - mirror all of it"
         if message and is_alone:
-            raise ConstraintError(message, tuple(members[key]), "vertex")
+            raise ConstraintError(message, Elements(Owner.TARGET, "vertex", members[key]))
         if message:
             del across[key]
     if not across:
@@ -206,8 +210,6 @@ def _add(deformer: SinewDeformer, source: SinewHandle, made: list[str]) -> str:
 
 def _even_out_painted(obj: Object, deformer: SinewDeformer, plane: MirrorPlane, source: Side) -> None:
     """The groups of parameters, and the mask."""
-    paintable = deformer.definition.paintable
-    names = {getattr(deformer.parameters, group_property(parameter)) for parameter in paintable}
-    for name in names | {deformer.mask_group}:
+    for name in vertex_groups.painting_groups(deformer) | {deformer.mask_group}:
         if name in obj.vertex_groups:
             plane.even_out(obj.vertex_groups[name], source)

@@ -10,11 +10,12 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Matrix
 
-from ....core import frames
+from ....core.geometry import frames
 from ....core.sides import flip
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...control.handles import poses
+from ...control.handles.release import release_control
 from ...memory import sessions
 from . import empties
 
@@ -40,7 +41,7 @@ def give(
     ``members``: its vertices in ``rest``. A control the user chose before stays, where it is.
     """
     if target.kind != "HANDLE":
-        empties.release(target)
+        release_control(target)
         return
     pose = _mirrored(np.vstack((_pose(obj, deformer, source), (0.0, 0.0, 0.0, 1.0))))
     frame = _mirrored(poses.rest_of(source)) if source.has_rest else None

@@ -4,6 +4,7 @@
 import numpy as np
 from bpy.types import Object
 
+from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError, SinewError
 from ....mesh_io import group_weights
 from ....properties import SinewDeformer, SinewHandle
@@ -57,6 +58,5 @@ def _masters(
             return later, earlier
     raise ConstraintError(
         f"{earlier.name} and {later.name} are the same vertices - remove one, or pick another group for it",
-        tuple(np.flatnonzero(shared)),
-        "vertex",
+        Elements(Owner.TARGET, "vertex", np.flatnonzero(shared)),
     )

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from .errors import ConstraintError
+from ..errors import ConstraintError
 
 FARTHEST = 1e18  # Blender keeps an infinite coordinate as the largest float
 

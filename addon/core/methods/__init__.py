@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The method registry: one row per method. Menus, properties, sessions and tests are made from these rows.
+
+Every module of this folder that has ``ROWS`` adds to it, so a new row or a new module is named nowhere else.
+"""
+
+from importlib import import_module
+from pkgutil import iter_modules
+
+from .schema import (
+    Bool,
+    Choice,
+    Control,
+    Curve,
+    Family,
+    Float,
+    Int,
+    Method,
+    Moved,
+    Parameter,
+    Pointer,
+    group_property,
+)
+
+__all__ = (
+    "BY_ID",
+    "DEFAULT_CAGE_METHOD",
+    "DEFAULT_METHOD",
+    "HANDLE_PARAMETERS",
+    "METHODS",
+    "Bool",
+    "Choice",
+    "Control",
+    "Curve",
+    "Family",
+    "Float",
+    "Int",
+    "Method",
+    "Moved",
+    "Parameter",
+    "Pointer",
+    "group_property",
+    "wrapped",
+)
+
+DEFAULT_METHOD = "arap"  # what Add Handle makes on a mesh without a deformer
+DEFAULT_CAGE_METHOD = "mean_value"  # what Add Cage makes
+
+
+def _place(method: Method) -> tuple:
+    """Where the menu shows a method: by family, then by the tutorial's sections."""
+    section = tuple(map(int, method.section.split(".")))
+    return list(Family).index(method.family), section, method.number
+
+
+def _rows() -> list[Method]:
+    modules = [import_module(f".{module.name}", __name__) for module in iter_modules(__path__)]
+    return [row for module in modules for row in getattr(module, "ROWS", ())]
+
+
+METHODS: tuple[Method, ...] = tuple(sorted(_rows(), key=_place))
+BY_ID: dict[str, Method] = {method.id: method for method in METHODS}
+HANDLE_PARAMETERS: tuple[Parameter, ...] = tuple(
+    {parameter.id: parameter for method in METHODS for parameter in method.handle_parameters}.values()
+)
+
+
+def wrapped(method: Method) -> tuple[Method, ...]:
+    """The methods that this one can be put around."""
+    return tuple(base for base in METHODS if base.family in method.wraps and not base.wraps)

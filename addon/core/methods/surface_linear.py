@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Linear surface methods: one sparse system per frame."""
+
+from .schema import Choice, Control, Family, Float, Method, Moved
+
+LAPLACIANS = (
+    ("uniform", "Uniform", "Counts neighbours only: for meshes so messy that angles and areas mean nothing"),
+    ("cotan", "Cotangent", "Follows the shape of the faces, not their size"),
+    (
+        "cotan_voronoi",
+        "Cotangent + Area",
+        "Follows shape and size of the faces: the least dependent on the meshing",
+    ),
+)
+
+CONTINUITY = Float(
+    "continuity",
+    2.0,
+    maximum=2.0,
+    soft_maximum=2.0,
+    precision=1,
+    step=0.1,
+    rebinds=True,
+    unit="derivatives kept",
+    label="Continuity",
+    description="How smoothly the surface leaves this region: 0 leaves a crease, 1 keeps the slope, "
+    "2 keeps the curvature",
+)
+
+
+ROWS = (
+    Method(
+        id="thin_shell",
+        number=1,
+        label="Thin Shell",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="ThinShell",
+        section="4.3",
+        paper="Botsch & Kobbelt 2004",
+        summary="Smooth and fair; best for translations and gentle bends",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        handle_parameters=(CONTINUITY,),
+        parameters=(
+            Float(
+                "stretching",
+                0.0,
+                soft_maximum=1.0,
+                paintable=True,
+                rebinds=True,
+                unit="relative weight",
+                label="Stretching",
+                description="k_s: how much the surface resists being stretched, like a rubber skin. "
+                "Raise it for a tauter, straighter transition",
+            ),
+            Float(
+                "bending",
+                1.0,
+                soft_maximum=1.0,
+                paintable=True,
+                rebinds=True,
+                unit="relative weight",
+                label="Bending",
+                description="k_b: how much the surface resists being bent, like a thin plate. "
+                "Keeps the transition smooth at the edge of a handle",
+            ),
+            Float(
+                "variation",
+                0.0,
+                soft_maximum=1.0,
+                paintable=True,
+                rebinds=True,
+                unit="relative weight",
+                label="Variation",
+                description="How much the surface resists a change of its curvature. "
+                "Gives the roundest, fairest shapes, and needs wider handles",
+            ),
+            Choice(
+                "laplacian",
+                "cotan_voronoi",
+                LAPLACIANS,
+                rebinds=True,
+                label="Laplacian",
+                description="How the mesh is measured",
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nonlinear surface methods: steps from a start to the least energy."""
+
+from .schema import Choice, Control, Family, Float, Int, Method, Moved
+
+CELLS = (
+    ("spokes", "Spokes", "Each vertex keeps the edges that meet it rigid"),
+    ("rims", "Spokes and Rims", "Also the edges opposite to it: firmer, and steadier on sharp triangles"),
+)
+
+
+ROWS = (
+    Method(
+        id="arap",
+        number=2,
+        label="As-Rigid-As-Possible",
+        family=Family.SURFACE_NONLINEAR,
+        control=Control.HANDLES,
+        native="Arap",
+        section="6",
+        paper="Sorkine & Alexa 2007, Levi & Gotsman 2015",
+        summary="Keeps details through large turns; best for limbs",
+        iterative=True,
+        moves=frozenset({Moved.MESH}),
+        parameters=(
+            Float(
+                "smoothness",
+                5e-4,
+                maximum=10.0,
+                soft_maximum=0.01,
+                precision=5,
+                rebinds=True,
+                unit="share of the rest area",
+                label="Smooth Rotations",
+                description="How much neighbouring parts turn together, as a share of the surface's size. "
+                "0 is the textbook energy, which buckles on fine meshes",
+            ),
+            Choice(
+                "cells",
+                "spokes",
+                CELLS,
+                rebinds=True,
+                label="Cells",
+                description="Which edges each vertex keeps rigid",
+            ),
+            Float(
+                "rigidity",
+                1.0,
+                minimum=0.001,
+                soft_maximum=1.0,
+                paintable=True,
+                rebinds=True,
+                unit="relative weight",
+                label="Rigidity",
+                description="How firmly a region keeps its shape. "
+                "Paint a vertex group to let soft parts give way before hard ones",
+            ),
+            Int(
+                "max_iterations",
+                40,
+                minimum=1,
+                soft_maximum=100,
+                unit="iterations",
+                label="Iterations",
+                description="The most steps a frame or a render may spend. "
+                "While you drag, fewer are taken and the rest follow when you stop",
+            ),
+            Float(
+                "tolerance",
+                1e-5,
+                maximum=1.0,
+                soft_maximum=0.001,
+                precision=6,
+                unit="share of the energy",
+                label="Tolerance",
+                description="Stop when two steps in a row lower the energy by less than this share of it",
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draw the curve of a parameter, or take its default again."""
+
+from bpy.props import BoolProperty, StringProperty
+from bpy.types import Context, Operator
+
+from .. import session
+from ..core.errors import OptionError
+from ..core.methods import Curve
+from ..ids import Operators
+from .refusing import refusing
+from .target import has_deformer, target_of
+
+
+class SINEW_OT_curve_edit(Operator):
+    """Draw this curve by its points, starting from the one in use"""
+
+    bl_idname = Operators.CURVE_EDIT
+    bl_label = "Draw Curve"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    parameter: StringProperty(name="Parameter", description="Which curve of the method, by its id")
+    reset: BoolProperty(
+        name="Reset", description="Forget what was drawn and use the default curve", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context)
+
+    @classmethod
+    def description(cls, _context: Context, properties: "SINEW_OT_curve_edit") -> str:
+        """The tooltip of what the button does."""
+        return "Forget what was drawn and use the default curve" if properties.reset else cls.__doc__
+
+    @refusing
+    def execute(self, context: Context) -> set[str]:
+        deformer = target_of(context).sinew.active
+        curves = {
+            row.id: (values, row)
+            for method, values in deformer.methods
+            for row in method.references
+            if isinstance(row, Curve)
+        }
+        if self.parameter not in curves:
+            names = ", ".join(curves) or "none"
+            raise OptionError(
+                f"{deformer.definition.label} has no curve '{self.parameter}' - its curves: {names}"
+            )
+        values, curve = curves[self.parameter]
+        if self.reset:
+            session.reset_curve(values, curve.id)
+        else:
+            session.edit_curve(values, curve)
+        return {"FINISHED"}

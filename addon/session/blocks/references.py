@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parameters whose value lies in another datablock: curves that an artist draws, and objects.
+
+A curve is kept by the one node of a node tree of its own, because no property of Blender holds one. A
+parameter without a tree has its default curve.
+"""
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+from bpy.types import CurveMapping, NodeTree, Object, PropertyGroup, ShaderNodeFloatCurve
+
+from ...core.errors import OptionError
+from ...core.geometry import frames
+from ...core.methods import METHODS, Curve, Parameter, Pointer
+from ...ids import Datablocks, Keys
+from ...properties import SinewDeformer
+
+_NODE = "ShaderNodeFloatCurve"
+
+
+def curve_node(values: PropertyGroup, parameter: Curve) -> ShaderNodeFloatCurve | None:
+    """The node whose ``mapping`` is the curve; None where the parameter has its default.
+
+    ``values``: the parameters of a method, as in ``SinewDeformer.methods``.
+    """
+    tree = getattr(values, parameter.id)
+    nodes = tree.nodes if isinstance(tree, NodeTree) else ()
+    return next((node for node in nodes if node.bl_idname == _NODE), None)
+
+
+def edit_curve(values: PropertyGroup, parameter: Curve) -> CurveMapping:
+    """A curve to draw, the default one at first. A script that changes it tags its tree for an update."""
+    node = curve_node(values, parameter)
+    if node is None:
+        tree = bpy.data.node_groups.new(Datablocks.CURVE, "ShaderNodeTree")
+        tree[Keys.CURVE] = parameter.id
+        node = tree.nodes.new(_NODE)
+        _draw(node.mapping, parameter.default)
+        setattr(values, parameter.id, tree)
+    return node.mapping
+
+
+def reset_curve(values: PropertyGroup, name: str) -> None:
+    """The default curve again, for the parameter of this name."""
+    tree = getattr(values, name)
+    setattr(values, name, None)
+    if tree is not None and tree.users == 0 and tree.library is None:
+        bpy.data.node_groups.remove(tree)
+
+
+def unshare_curves(deformer: SinewDeformer) -> None:
+    """The curves of a copied object become its own."""
+    for values, name in _drawn(deformer):
+        setattr(values, name, getattr(values, name).copy())
+
+
+def release_curves(deformer: SinewDeformer) -> None:
+    """Remove the curves that only this deformer uses."""
+    for values, name in _drawn(deformer):
+        reset_curve(values, name)
+
+
+def _drawn(deformer: SinewDeformer) -> Iterator[tuple[PropertyGroup, str]]:
+    """The curves of all methods that an artist has drawn."""
+    for method in METHODS:
+        for parameter in method.references:
+            values = getattr(deformer, method.id)
+            if isinstance(parameter, Curve) and getattr(values, parameter.id) is not None:
+                yield values, parameter.id
+
+
+def pointed(deformer: SinewDeformer) -> Iterator[Object]:
+    """The objects that parameters refer to."""
+    for values, parameter in _referring(deformer):
+        obj = getattr(values, parameter.id)
+        if isinstance(parameter, Pointer) and obj is not None:
+            yield obj
+
+
+def _referring(settings: SinewDeformer) -> Iterator[tuple[PropertyGroup, Parameter]]:
+    for method, values in settings.methods:
+        for parameter in method.references:
+            yield values, parameter
+
+
+def compared(values: PropertyGroup, parameter: Parameter) -> object:
+    """The value in a form that can be compared."""
+    if isinstance(parameter, Curve):
+        return _points(values, parameter)
+    frame = value(values, parameter)
+    return None if frame is None else frame.tobytes()
+
+
+def placed(settings: SinewDeformer) -> list[object]:
+    """What the values come from, to compare: the quick form of ``compared``, for all parameters."""
+    return [
+        _points(values, parameter) if isinstance(parameter, Curve) else _matrix(values, parameter)
+        for values, parameter in _referring(settings)
+    ]
+
+
+def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | None:
+    """As the native module takes it: see ``Curve`` and ``Pointer``."""
+    if isinstance(parameter, Curve):
+        return _samples(values, parameter)
+    obj = getattr(values, parameter.id)
+    if obj is None:
+        return None
+    target = np.array(values.id_data.matrix_world, dtype=np.float64)
+    return (frames.inverse(target, "The mesh object") @ np.array(obj.matrix_world, dtype=np.float64))[:3]
+
+
+def _matrix(values: PropertyGroup, parameter: Parameter) -> object:
+    obj = getattr(values, parameter.id)
+    return None if obj is None else obj.matrix_world.copy().freeze()
+
+
+def _draw(mapping: CurveMapping, points: tuple[tuple[float, float], ...]) -> None:
+    """Straight lines between points, of which there are two already."""
+    drawn = mapping.curves[0].points
+    for _more in points[2:]:
+        drawn.new(0.5, 0.5)
+    for point, place in zip(drawn, points, strict=True):
+        point.location, point.handle_type = place, "VECTOR"
+    mapping.update()
+
+
+def _points(values: PropertyGroup, parameter: Curve) -> tuple:
+    node = curve_node(values, parameter)
+    if node is None:
+        return parameter.default
+    mapping = node.mapping
+    drawn = tuple((*point.location, point.handle_type) for point in mapping.curves[0].points)
+    clip = (mapping.use_clip, mapping.clip_min_y, mapping.clip_max_y)
+    return (drawn, mapping.extend, clip)
+
+
+def _samples(values: PropertyGroup, parameter: Curve) -> np.ndarray:
+    steps = np.linspace(0.0, 1.0, parameter.samples)
+    node = curve_node(values, parameter)
+    if node is None:
+        return np.interp(steps, *np.transpose(parameter.default))
+    mapping = node.mapping
+    mapping.initialize()
+    found = np.array([mapping.evaluate(mapping.curves[0], step) for step in steps])
+    if not np.isfinite(found).all():
+        raise OptionError(f"{parameter.label} is not a number everywhere - draw its curve again")
+    return found

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A region or a cage in one call, with a deformer where there is none yet, and bound. Main thread only.
+
+What was made stays where it cannot be bound: the panel then says what to do. So the refusal is returned.
+"""
+
+from bpy.types import Object
+
+from ...core.errors import SinewError
+from ...core.methods import DEFAULT_CAGE_METHOD, DEFAULT_METHOD
+from ...properties import SinewDeformer, SinewHandle
+from .bind import bind
+from .cages import CAGE_METHODS, set_cage
+from .deformers import add_deformer, remove_deformer
+from .handles.bones import is_moved_by_control
+from .handles.handles import add_handle
+
+
+def rig_region(
+    obj: Object,
+    kind: str,
+    vertex_group: str,
+    method: str = DEFAULT_METHOD,
+    *,
+    control: Object | None = None,
+    bone: str = "",
+    owns_group: bool = False,
+    name: str = "",
+    weight: float = 1.0,
+    from_rest: bool | None = None,
+    wait: bool = True,
+) -> tuple[SinewHandle, SinewError | None]:
+    """A region of the active deformer, or of a new one with ``method``; and why it is not bound.
+
+    ``kind``, ``control`` and ``bone`` as ``add_handle`` takes them. Without ``from_rest``, a bone that moves
+    the mesh already moves its rest shape. What is refused before the bind leaves nothing behind.
+    """
+    is_first = obj.sinew.active is None
+    deformer = obj.sinew.active or add_deformer(obj, method)
+    try:
+        handle = add_handle(obj, deformer, kind, vertex_group, control, bone, owns_group)
+    except SinewError:
+        if is_first:
+            remove_deformer(obj, len(obj.sinew.deformers) - 1)
+        if owns_group:
+            obj.vertex_groups.remove(obj.vertex_groups[vertex_group])
+        raise
+    handle.weight = weight
+    handle.name = name or handle.name
+    handle.from_rest = is_moved_by_control(obj, deformer, handle) if from_rest is None else from_rest
+    return handle, try_bind(obj, deformer, wait)
+
+
+def rig_cage(
+    obj: Object,
+    cage: Object,
+    method: str = DEFAULT_CAGE_METHOD,
+    *,
+    owns_cage: bool = False,
+    wait: bool = True,
+) -> tuple[SinewDeformer, SinewError | None]:
+    """The deformer that follows ``cage``, a new one unless one waits for a cage; and why it is not bound."""
+    deformer = waiting_for_cage(obj)
+    is_new = deformer is None
+    deformer = deformer or add_deformer(obj, method)
+    try:
+        set_cage(obj, deformer, cage)
+    except SinewError:
+        if is_new:
+            remove_deformer(obj, len(obj.sinew.deformers) - 1)
+        raise
+    deformer.owns_cage = owns_cage
+    return deformer, try_bind(obj, deformer, wait)
+
+
+def waiting_for_cage(obj: Object) -> SinewDeformer | None:
+    """The active deformer, where it has no cage yet and needs one."""
+    active = obj.sinew.active
+    waits = active is not None and active.definition in CAGE_METHODS and active.cage is None
+    return active if waits else None
+
+
+def try_bind(obj: Object, deformer: SinewDeformer, wait: bool = True) -> SinewError | None:
+    """Bind; the reason where that is refused."""
+    try:
+        bind(obj, deformer, wait)
+    except SinewError as error:
+        return error
+    return None

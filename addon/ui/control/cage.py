@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The cage of a deformer in the panel, and its menu."""
+
+from bpy.types import Context, Menu, Object, UILayout
+
+from ... import session
+from ...ids import Menus, Operators
+from ...properties import SinewDeformer
+from ..layouts import invoking, split
+from ..text import draw_text
+
+ABOVE_PARAMETERS = True
+PANELS = ()
+
+
+class SINEW_MT_cage(Menu):
+    """What can be done with the cage of the active deformer"""
+
+    bl_idname = Menus.CAGE
+    bl_label = "Cage"
+    ICON = "MESH_CUBE"
+
+    def draw(self, _context: Context) -> None:
+        layout = invoking(self.layout)
+        for source, text in (("AUTO", "Add Automatic Cage"), ("OBJECT", "Use Selected Object as Cage")):
+            layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
+        layout.separator()
+        layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
+        layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
+
+
+MENUS = (SINEW_MT_cage,)
+
+
+def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
+    """Add a cage; what is no mesh can only be moved by one."""
+    if not session.is_mesh(obj):
+        draw_text(context, layout, f"A cage moves this {session.label(obj)} object - add one", "INFO")
+    _draw_add(layout)
+
+
+def draw(_context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
+    """The cage, or how to get one."""
+    column = split(layout.column())
+    row = column.row()
+    row.alert = deformer.is_bound and deformer.cage_missing
+    row.prop(deformer, "cage")
+    if deformer.cage is None:
+        _draw_add(layout)
+    else:
+        column.prop(deformer, "cage_subdivision")
+        layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
+
+
+def _draw_add(layout: UILayout) -> None:
+    column = layout.column(align=True)
+    column.operator(Operators.CAGE_ADD, icon="MESH_CUBE").source = "AUTO"
+    column.operator(Operators.CAGE_ADD, text="Use Selected as Cage", icon="MESH_ICOSPHERE").source = "OBJECT"

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The handles of a deformer in the panel, the panel of the active one, and its menu."""
+
+from bpy.types import Context, Menu, Object, Panel, UILayout
+
+from ... import session
+from ...ids import Menus, Operators
+from ...operators import target_of
+from ...properties import SinewDeformer
+from ..layouts import draw_move_buttons, draw_move_entries, invoking, split
+from ..places import ActiveDeformerPanel, active_deformer
+from ..text import columns, draw_text
+
+ABOVE_PARAMETERS = False
+_WIDE_MENUS = 36  # characters, from which on two menu buttons fit beside each other
+
+
+class SINEW_PT_region(ActiveDeformerPanel, Panel):
+    """Settings of the active region"""
+
+    bl_label = "Region"
+    bl_order = 10
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        deformer = active_deformer(context)
+        if deformer is None or not session.marks_regions(deformer.definition):
+            return False
+        return 0 <= deformer.active_handle < len(deformer.handles)
+
+    def draw(self, context: Context) -> None:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        handle = deformer.handles[deformer.active_handle]
+        layout = split(self.layout)
+        layout.prop(handle, "kind")
+        layout.prop_search(handle, "vertex_group", obj, "vertex_groups")
+        if handle.kind == "HANDLE":
+            control = layout.column()
+            control.alert = handle.control_missing
+            control.prop(handle, "control")
+            if handle.control is not None and handle.control.type == "ARMATURE":
+                control.prop_search(handle, "bone", handle.control.data, "bones")
+            layout.prop(handle, "from_rest")
+        layout.prop(handle, "weight", slider=True)
+        for parameter in deformer.definition.handle_parameters:
+            layout.prop(handle, parameter.id, slider=True)
+        if handle.kind == "HANDLE":
+            layout.prop(handle, "colour")
+
+
+class SINEW_MT_handle(Menu):
+    """What can be done with the active handle"""
+
+    bl_idname = Menus.HANDLE
+    bl_label = "Handle"
+    ICON = "EMPTY_AXIS"
+
+    def draw(self, _context: Context) -> None:
+        layout = invoking(self.layout)
+        layout.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
+        layout.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
+        draw_move_entries(layout, Operators.HANDLE_MOVE)
+        layout.separator()
+        layout.operator(Operators.HANDLE_REMOVE, icon="REMOVE")
+
+
+MENUS = (SINEW_MT_handle,)
+PANELS = (SINEW_PT_region,)
+
+
+def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
+    """Mark the first region."""
+    if not session.is_mesh(obj):
+        return
+    if obj.mode == "EDIT":
+        hint = "Select the vertices to move, then Add Handle; those to keep, then Add Fixed"
+    else:
+        hint = "Enter Edit Mode and select vertices, or choose a vertex group here"
+    draw_text(context, layout, hint, "INFO")
+    _draw_add_buttons(context, layout, obj)
+
+
+def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    """The list of handles, and the buttons that add some."""
+    layout.label(text="Handles")
+    row = layout.row()
+    several = len(deformer.handles) > 1
+    rows = 5 if several else 3
+    row.template_list("SINEW_UL_handles", "", deformer, "handles", deformer, "active_handle", rows=rows)
+    side = row.column(align=True)
+    side.menu(Menus.ADD_REGION, text="", icon="ADD")
+    side.operator(Operators.HANDLE_REMOVE, text="", icon="REMOVE")
+    side.separator()
+    side.menu(Menus.HANDLE, text="", icon="DOWNARROW_HLT")
+    if several:
+        draw_move_buttons(side, Operators.HANDLE_MOVE)
+    _draw_add_buttons(context, layout, obj)
+
+
+def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:
+    """In Edit Mode they take the selection, else a vertex group from a menu."""
+    column = layout.column(align=True)
+    _draw_add(column, obj, "HANDLE", "Add Handle", "ADD")
+    beside = obj.mode == "EDIT" or columns(context) >= _WIDE_MENUS
+    others = column.row(align=True) if beside else column
+    _draw_add(others, obj, "FIXED", "Add Fixed", "PINNED")
+    _draw_add(others, obj, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
+
+
+def _draw_add(layout: UILayout, obj: Object, kind: str, text: str, icon: str) -> None:
+    if obj.mode == "EDIT":
+        layout.operator(Operators.HANDLE_ADD, text=text, icon=icon).kind = kind
+    else:
+        layout.menu(Menus.OF_GROUPS[kind], text=text, icon=icon)

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the documents say of methods is what rows and headers say."""
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from workshop import describe_methods
+from workshop.places import ROOT
+
+HEADER = """/// Moves points.
+///
+///   call     repeat it when ...   cost
+///   solve()  the handles moved    O(n)
+class Base
+{
+};
+"""
+
+
+def test_every_page_says_what_rows_and_headers_say() -> None:
+    pages = [page.relative_to(ROOT).as_posix() for page in describe_methods.outdated(ROOT)]
+    assert not pages, f"run tools/describe_methods, out of date: {pages}"
+
+
+def test_every_method_of_the_tutorial_is_listed_once() -> None:
+    found = describe_methods.entries(ROOT)
+    assert len(found) == len({entry.id for entry in found}) == 58
+    there = {entry.id for entry in found if entry.link.startswith(describe_methods.PAGES)}
+    assert there == {row.id for row in describe_methods.registry(ROOT).METHODS}
+    assert all((ROOT / entry.link).is_file() for entry in found if entry.link)
+
+
+def test_a_page_keeps_its_own_words(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text(f"Before\n{describe_methods.BEGIN}\nold\n{describe_methods.END}\nAfter\n")
+    text = describe_methods._with(page, "new")
+    assert text == f"Before\n{describe_methods.BEGIN}\nnew\n{describe_methods.END}\nAfter\n"
+    page.write_text("No marks\n")
+    with pytest.raises(SystemExit, match="has no marks"):
+        describe_methods._with(page, "new")
+
+
+def test_a_class_costs_what_its_base_costs(tmp_path: Path) -> None:
+    home = tmp_path / "native"
+    home.mkdir()
+    (home / "base.h").write_text(HEADER)
+    derived = home / "derived.h"
+    derived.write_text("class Derived : public Base\n{\n};\n")
+    table = ["call     repeat it when ...   cost", "solve()  the handles moved    O(n)"]
+    assert describe_methods._costs(tmp_path, derived, "Derived") == table
+    derived.write_text("class Derived\n{\n};\n")
+    with pytest.raises(SystemExit, match="no cost table"):
+        describe_methods._costs(tmp_path, derived, "Derived")
+
+
+@pytest.mark.parametrize(("default", "words"), [(True, "on"), (False, "off"), (0.5, "0.5"), (40, "40")])
+def test_a_default_is_written_as_an_artist_reads_it(default: object, words: str) -> None:
+    assert describe_methods._default(SimpleNamespace(default=default)) == words

@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the documents say of each method, written from its row in the registry and its C++ header.
+
+Only what stands between the marks is written; a page may go on below as its author likes.
+"""
+
+import argparse
+import importlib.util
+import re
+import sys
+import tomllib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from types import ModuleType
+
+from .places import ROOT
+
+PAGES = "docs/methods"
+CATALOGUE = f"{PAGES}/catalogue.toml"
+BEGIN = "<!-- methods: written by tools/describe_methods -->"
+END = "<!-- end of methods -->"
+COST = "repeat it when"  # the second heading of a cost table in a header
+CONTROLS = {
+    "HANDLES": "handles",
+    "CAGE": "a cage",
+    "LATTICE": "a lattice",
+    "POINTS": "points",
+    "CURVES": "curves",
+}
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A line of the tables. ``link``: its page, or its header, below the root; empty while it is to come."""
+
+    id: str
+    label: str
+    group: str
+    section: str
+    paper: str
+    summary: str
+    link: str = ""
+
+
+@cache
+def registry(root: Path) -> ModuleType:
+    """The rows, which need no Blender."""
+    folder = root / "addon/core/methods"
+    spec = importlib.util.spec_from_file_location(
+        "described_methods", folder / "__init__.py", submodule_search_locations=[str(folder)]
+    )
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def entries(root: Path) -> list[Entry]:
+    """All methods, in the order of the registry's families and of the tutorial's sections."""
+    rows = registry(root).METHODS
+    found = [
+        Entry(m.id, m.label, m.family.value, m.section, m.paper, m.summary, f"{PAGES}/{m.id}.md")
+        for m in rows
+    ]
+    known = {entry.id for entry in found}
+    for words in tomllib.loads((root / CATALOGUE).read_text(encoding="utf-8"))["method"]:
+        if words["id"] not in known:
+            name = words.pop("header", "")
+            header = _header(root, name).relative_to(root).as_posix() if name else ""
+            found.append(Entry(**words, link=header))
+    groups = [family.value for family in registry(root).Family]
+    groups += [entry.group for entry in found if entry.group not in groups]
+    return sorted(found, key=lambda entry: (groups.index(entry.group), entry.section))
+
+
+def documents(root: Path) -> dict[Path, str]:
+    """Each page that has a part from here -> all its text as it should be."""
+    found = entries(root)
+    parts = {
+        root / "README.md": overview(found),
+        root / PAGES / "README.md": tables(found),
+        **{root / PAGES / f"{row.id}.md": head(root, row) for row in registry(root).METHODS},
+    }
+    return {page: _with(page, part) for page, part in parts.items()}
+
+
+def overview(found: Iterable[Entry]) -> str:
+    """One line per group: what is there, and what is to come."""
+    lines = ["| | there | to come |", "|---|---|---|"]
+    for group, members in _grouped(found):
+        there = ", ".join(f"[{entry.label}]({entry.link})" for entry in members if entry.link)
+        to_come = ", ".join(entry.label for entry in members if not entry.link)
+        lines.append(f"| {group} | {there} | {to_come} |")
+    return "\n".join(lines)
+
+
+def tables(found: Iterable[Entry]) -> str:
+    """One table per group."""
+    lines = []
+    for group, members in _grouped(found):
+        lines += [
+            "",
+            f"## {group}",
+            "",
+            "| id | section | what it does | paper | state |",
+            "|---|---|---|---|---|",
+        ]
+        for entry in members:
+            link = Path(entry.link).name if entry.link.startswith(PAGES) else f"../../{entry.link}"
+            state = f"[there]({link})" if entry.link else "to come"
+            lines.append(f"| `{entry.id}` | {entry.section} | {entry.summary} | {entry.paper} | {state} |")
+    return "\n".join(lines[1:])
+
+
+def head(root: Path, row) -> str:
+    """What a page says of a method before its own words."""
+    header = _header(root, f"{row.id}.h")
+    moved = ", and of ".join(kind.value for kind in registry(root).Moved if kind in row.moves)
+    steps = "step by step, so that a drag shows an early step" if row.iterative else "at once"
+    wraps = (
+        [("around", "a method of " + " or ".join(family.value for family in row.wraps))] if row.wraps else []
+    )
+    facts = [
+        ("id", f"`{row.id}`, in Python `sinew_native.{row.native}`"),
+        ("library", f"[{header.relative_to(root)}](../../{header.relative_to(root)})"),
+        ("tutorial", f"section {row.section}"),
+        ("paper", row.paper),
+        ("moved by", CONTROLS[row.control.name]),
+        ("moves", f"points of {moved}"),
+        *wraps,
+        ("solves", steps),
+    ]
+    lines = [f"# {row.label}", "", f"{row.summary}.", "", "| | |", "|---|---|"]
+    lines += [f"| {name} | {value} |" for name, value in facts]
+    for title, parameters in (("parameter", row.parameters), ("of each handle", row.handle_parameters)):
+        if parameters:
+            lines += ["", f"| {title} | default | unit | what it does |", "|---|---|---|---|"]
+            lines += map(_parameter, parameters)
+    return "\n".join(
+        [*lines, "", "What a call costs:", "", "```text", *_costs(root, header, row.native), "```"]
+    )
+
+
+def _parameter(parameter) -> str:
+    notes = [f"{parameter.description}."]
+    if getattr(parameter, "items", ()):
+        notes += [f"*{label}*: {about}." for _identifier, label, about in parameter.items]
+    if parameter.paintable:
+        notes.append("A vertex group may scale it.")
+    name = f"{parameter.label} (`{parameter.id}`)"
+    words = " ".join(notes).replace("|", "\\|")
+    return f"| {name} | {_default(parameter)} | {parameter.unit} | {words} |"
+
+
+def _default(parameter) -> str:
+    for identifier, label, _about in getattr(parameter, "items", ()):
+        if identifier == parameter.default:
+            return label
+    if isinstance(parameter.default, bool):
+        return "on" if parameter.default else "off"
+    return str(parameter.default)
+
+
+def _costs(root: Path, header: Path, native: str) -> list[str]:
+    """The cost table of a class, or of the class that it is derived from."""
+    text = header.read_text(encoding="utf-8")
+    lines = [line.strip() for line in text.splitlines()]
+    at = next((number for number, line in enumerate(lines) if COST in line), None)
+    if at is None:
+        base = re.search(rf"^class {native}\b[^:{{;]*:\s*public (\w+)", text, re.MULTILINE)
+        if base is None:
+            raise SystemExit(f"{header.relative_to(root)} has no cost table, and {native} no base class")
+        return _costs(root, _declaring(root, base[1]), base[1])
+    table = []
+    for line in lines[at:]:
+        if not line.startswith("///") or line == "///":
+            break
+        table.append(line.removeprefix("///").removeprefix("   "))
+    return table
+
+
+def _header(root: Path, name: str) -> Path:
+    found = list((root / "native").rglob(name))
+    if len(found) != 1:
+        raise SystemExit(f"native/ has {len(found)} headers called {name}, not one")
+    return found[0]
+
+
+def _declaring(root: Path, native: str) -> Path:
+    pattern = re.compile(rf"^class {native}\b[^;]*$", re.MULTILINE)
+    found = [
+        path for path in sorted((root / "native").rglob("*.h")) if pattern.search(path.read_text("utf-8"))
+    ]
+    if len(found) != 1:
+        raise SystemExit(f"native/ declares {native} in {len(found)} headers, not in one")
+    return found[0]
+
+
+def _grouped(found: Iterable[Entry]) -> Iterator[tuple[str, list[Entry]]]:
+    groups: dict[str, list[Entry]] = {}
+    for entry in found:
+        groups.setdefault(entry.group, []).append(entry)
+    yield from groups.items()
+
+
+def _with(page: Path, part: str) -> str:
+    """The page's text with another part between the marks; a new page has nothing else."""
+    text = page.read_text(encoding="utf-8") if page.is_file() else f"{BEGIN}\n{END}\n"
+    before, begin, rest = text.partition(BEGIN)
+    _old, end, after = rest.partition(END)
+    if not begin or not end:
+        raise SystemExit(f"{page} has no marks {BEGIN} and {END}")
+    return f"{before}{BEGIN}\n{part}\n{END}{after}"
+
+
+def outdated(root: Path) -> list[Path]:
+    """The pages that say something else than the rows and headers."""
+    return [
+        page
+        for page, text in documents(root).items()
+        if not page.is_file() or page.read_text(encoding="utf-8") != text
+    ]
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="tools/describe_methods", description=__doc__)
+    parser.add_argument(
+        "--check", action="store_true", help="change nothing, fail where something would change"
+    )
+    if parser.parse_args().check:
+        pages = outdated(ROOT)
+        for page in pages:
+            print(f"{page.relative_to(ROOT)} is out of date: run tools/describe_methods")
+        raise SystemExit(bool(pages))
+    for page, text in documents(ROOT).items():
+        page.parent.mkdir(parents=True, exist_ok=True)
+        page.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
