@@ -4,6 +4,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -144,7 +145,7 @@ class CageRecipe:
 class _Warp:
     """A posed cage in the place of poses: the warp of the rest points, as displacements of what enters."""
 
-    def __init__(self, coordinates: object, rest: np.ndarray) -> None:
+    def __init__(self, coordinates: Any, rest: np.ndarray) -> None:
         self._coordinates = coordinates
         self._rest = rest
 
@@ -167,7 +168,7 @@ class _Warp:
         return self._coordinates.influence(vertices)
 
 
-def _same(a: object, b: object) -> bool:
+def _same(a: Any, b: Any) -> bool:
     if isinstance(a, Base) and isinstance(b, Base):
         return a.method is b.method and _same(list(a.options.items()), list(b.options.items()))
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One property group per method, made from its registry row."""
 
-from functools import partial
+from collections.abc import Callable
 
 from bpy.props import (
     BoolProperty,
@@ -37,8 +37,11 @@ def _holds_curve(_values: PropertyGroup, tree: NodeTree) -> bool:
     return Keys.CURVE in tree
 
 
-def _suits(types: tuple[str, ...], values: PropertyGroup, obj: Object) -> bool:
-    return obj != values.id_data and (not types or obj.type in types)
+def _suits(types: tuple[str, ...]) -> Callable[[PropertyGroup, Object], bool]:
+    def poll(values: PropertyGroup, obj: Object) -> bool:
+        return obj != values.id_data and (not types or obj.type in types)
+
+    return poll
 
 
 def declare(parameter: Parameter):
@@ -47,7 +50,7 @@ def declare(parameter: Parameter):
     if isinstance(parameter, Curve):
         return setting(PointerProperty, type=NodeTree, poll=_holds_curve, **names)
     if isinstance(parameter, Pointer):
-        return setting(PointerProperty, type=Object, poll=partial(_suits, parameter.types), **names)
+        return setting(PointerProperty, type=Object, poll=_suits(parameter.types), **names)
     common = {**names, "default": parameter.default}
     if isinstance(parameter, Choice):
         items = tuple((*item, number) for number, item in enumerate(parameter.items))

@@ -88,7 +88,7 @@ std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vec
     std::vector<char> reversed(found.size(), 0); // `turned` has to be swapped to look outward
     for (std::size_t s = 0; s < found.size(); ++s) {
         double volume = 0.0;
-        const Vector3 origin = points[cut[found[s].faces.front()].front()[0]];
+        const Vector3& origin = points[cut[found[s].faces.front()].front()[0]];
         for (std::size_t k = 0; k < found[s].faces.size(); ++k)
             for (Triangle t : cut[found[s].faces[k]]) {
                 if (found[s].turned[k])

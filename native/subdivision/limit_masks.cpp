@@ -109,7 +109,7 @@ private:
         for (double s : around_.edge_sharpness)
             next.push_back(pass(s));
         const double next_sharpness = pass(around_.sharpness);
-        const Row now = vertex_by(around_.sharpness, around_.edge_sharpness);
+        Row now = vertex_by(around_.sharpness, around_.edge_sharpness);
         if (count == 0.0)
             return now;
         const double share = ending / count;

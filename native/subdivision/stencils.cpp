@@ -32,8 +32,9 @@ void apply_rows(const SparseRows& matrix, const T* weights, const T* points, T* 
 
 } // namespace
 
-Stencils::Stencils(SparseRows matrix) : matrix_(std::move(matrix))
+Stencils::Stencils(SparseRows&& matrix)
 {
+    matrix_.swap(matrix); // which Eigen moves, where its move constructor copies
     matrix_.makeCompressed();
     single_.assign(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros());
 }

@@ -19,7 +19,7 @@ class Stencils
 {
 public:
     Stencils() = default;
-    explicit Stencils(SparseRows matrix);
+    explicit Stencils(SparseRows&& matrix);
 
     /// (n, k) in double, as it was given.
     const SparseRows& matrix() const { return matrix_; }

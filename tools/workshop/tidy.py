@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """clang-tidy over native/: each source once, and again only when it or something it depends on has changed.
 
-A source that passed leaves an empty file in ``.build/tidy``, named by a digest of its command, of the
+A source that passed leaves an empty file beside what ccache keeps, named by a digest of its command, of the
 settings, and of the source with all that it includes from this repository.
 """
 
@@ -18,13 +18,14 @@ from .dev import configure_tree
 from .places import BUILD, NATIVE_TREE, ROOT
 from .shell import fingerprint, jobs, must, say
 
-PASSED = BUILD / "tidy"
+PASSED = BUILD / "ccache" / "tidy"
 SETTINGS = (ROOT / ".clang-tidy", environments.REQUIREMENTS / "dev.txt", Path(__file__))
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 def tidy() -> bool:
     """Whether all sources of native/ pass; says what does not."""
+    environments.dev().make()
     configure_tree("dev")
     must(
         ["cmake", "--build", "--preset", "dev", "--target", "build.ninja"], quiet=True
@@ -75,14 +76,19 @@ def directly_included(file: Path) -> tuple[Path, ...]:
 
 def complaints_about(file: Path) -> str:
     """What clang-tidy says of one source, or nothing."""
-    command = [environments.dev().bin / "clang-tidy", "--quiet", "-p", NATIVE_TREE, *compiler_headers(), file]
+    clang_tidy = environments.dev().bin / "clang-tidy"
+    command = [clang_tidy, "--quiet", "-p", NATIVE_TREE, *compiler_arguments(), file]
     done = subprocess.run(command, capture_output=True, text=True, errors="replace")
     lines = done.stdout.replace(f"{ROOT}/", "")
     return "" if done.returncode == 0 else lines or done.stderr
 
 
 @cache
-def compiler_headers() -> tuple[str, ...]:
-    """Where GCC keeps the headers that Clang has not, such as OpenMP's: looked at after all others."""
+def compiler_arguments() -> tuple[str, ...]:
+    """What Clang needs to read what GCC compiles.
+
+    GCC's own headers, after all others, for those that Clang has not, such as OpenMP's; and templates that
+    are never used stay unread, as CGAL has some that refer to members that are not there.
+    """
     answer = subprocess.run(["g++", "-print-file-name=include"], check=True, capture_output=True, text=True)
-    return (f"--extra-arg=-idirafter{answer.stdout.strip()}",)
+    return (f"--extra-arg=-idirafter{answer.stdout.strip()}", "--extra-arg=-fdelayed-template-parsing")

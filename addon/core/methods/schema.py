@@ -4,7 +4,7 @@
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 from functools import cached_property
-from typing import ClassVar
+from typing import Any, ClassVar
 
 
 class Family(Enum):
@@ -44,7 +44,7 @@ class Parameter:
     """
 
     id: str
-    default: object
+    default: Any
     _: KW_ONLY
     label: str
     description: str
@@ -66,7 +66,7 @@ class Float(Parameter):
     soft_maximum: float = 10.0
     precision: int = 3
     step: float = 0.01
-    paintable: bool = False
+    paintable: bool = False  # type: ignore[misc]  # of a row here, of the class elsewhere
 
 
 @dataclass(frozen=True, kw_only=True)

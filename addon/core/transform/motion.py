@@ -6,6 +6,8 @@ from enum import Enum
 
 import numpy as np
 
+Triple = tuple[float, float, float]
+
 
 class Mode(Enum):
     """Which motion."""
@@ -21,23 +23,24 @@ class Motion:
 
     mode: Mode = Mode.TRANSLATE
     local: bool = False
-    move: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    move: Triple = (0.0, 0.0, 0.0)
     angle: float = 0.0
-    axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
-    scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    axis: Triple = (0.0, 0.0, 1.0)
+    scale: Triple = (1.0, 1.0, 1.0)
 
     @property
     def rounded(self) -> "Motion":
         """With float32 numbers, as Blender's properties keep them: what is shown is what a repeat will do."""
 
-        def stored(values: tuple[float, ...]) -> tuple[float, ...]:
-            return tuple(np.float32(values).astype(float).tolist())
+        def stored(values: Triple) -> Triple:
+            x, y, z = np.asarray(values, np.float32).tolist()
+            return x, y, z
 
         return Motion(
             self.mode,
             self.local,
             stored(self.move),
-            stored((self.angle,))[0],
+            float(np.float32(self.angle)),
             stored(self.axis),
             stored(self.scale),
         )

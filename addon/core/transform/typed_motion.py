@@ -168,9 +168,10 @@ class TypedMotion:
         whole = [0.0 if self.mode is Mode.TRANSLATE else 1.0] * 3
         for row, value in zip(self._constraint.rows, values, strict=True):
             whole[row] = value
+        x, y, z = whole
         if self.mode is Mode.TRANSLATE:
-            return Motion(self.mode, local, move=tuple(whole))
-        return Motion(self.mode, local, scale=tuple(whole))
+            return Motion(self.mode, local, move=(x, y, z))
+        return Motion(self.mode, local, scale=(x, y, z))
 
     def header(self, length: Callable[[float], str]) -> str:
         """One line for the header; ``length`` writes a length in the scene's units."""

@@ -112,7 +112,7 @@ def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | None:
     return (frames.inverse(target, "The mesh object") @ np.array(obj.matrix_world, dtype=np.float64))[:3]
 
 
-def _matrix(values: PropertyGroup, parameter: Pointer) -> object:
+def _matrix(values: PropertyGroup, parameter: Parameter) -> object:
     obj = getattr(values, parameter.id)
     return None if obj is None else obj.matrix_world.copy().freeze()
 

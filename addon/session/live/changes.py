@@ -44,7 +44,7 @@ class Changes:
 
     def placed(self, obj: Object, evaluated: Object) -> tuple:
         """Where the target and its controls are."""
-        placed = [placement.fingerprint(evaluated.matrix_world)]
+        placed: list[object] = [placement.fingerprint(evaluated.matrix_world)]
         for index, deformer in enumerate(obj.sinew.deformers):
             placed += kinds.kind_in_use(deformer).placed(deformer, self._depsgraph)
             method = deformer.definition

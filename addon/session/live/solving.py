@@ -9,6 +9,7 @@ When the drag pauses, the answer that depends on the poses alone replaces the pr
 import math
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +36,7 @@ class Question:
     incoming: np.ndarray | None  # float32 (n, 3), None for rest
     displacement: bool
     control: np.ndarray  # as ``Factor.solve`` takes it
-    options: dict[str, object]
+    options: dict[str, Any]
     early: bool
     final: bool
 

@@ -5,6 +5,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from typing import Any
 
 from ...backend import Progress
 from ...core.errors import SinewError, UnforeseenError
@@ -18,11 +19,11 @@ class Work:
     ``subject`` says what it is about: the one who collects it compares it with what is wanted by then.
     """
 
-    def __init__(self, call: Callable[[Progress], object], subject: object = None) -> None:
+    def __init__(self, call: Callable[[Progress], object], subject: Any = None) -> None:
         self.subject = subject
         self.fraction = 0.0
         self.stage = ""
-        self.result: object = None
+        self.result: Any = None
         self.error: SinewError | None = None
         self.seconds = 0.0
         self._call = call

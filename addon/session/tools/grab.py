@@ -6,6 +6,7 @@ the native module.
 """
 
 import time
+from typing import Any
 
 import numpy as np
 from bpy.types import Object
@@ -191,7 +192,7 @@ class Grab:
         if iterations:
             self._budget = drag.affordable_steps(1000.0 * seconds / iterations)
 
-    def _options(self) -> dict[str, object]:
+    def _options(self) -> dict[str, Any]:
         return {row.id: row.default for row in self._method.parameters if not row.rebinds}
 
     def _pose(self, motion: np.ndarray) -> np.ndarray:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Handles move the shape: regions of the mesh that follow objects and bones, or stay. See ``kinds``."""
 
+from typing import Any
+
 import numpy as np
 from bpy.types import Depsgraph, Object
 
@@ -52,7 +54,7 @@ def name(method: Method) -> str:
     return method.label
 
 
-def notes(report: object, request: BindInput) -> tuple[Status, ...]:
+def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     """Parts that nothing holds."""
     if not report.free_parts:
         return ()
@@ -75,7 +77,7 @@ def object_with(_deformer: SinewDeformer, _elements: Elements) -> Object:
     raise SinewError("The controls of handles have nothing that could be selected")
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]]:
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, Any]]:
     """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape."""
     affine, from_rest = poses.gather(evaluation, bound)
     return affine, {"from_rest": from_rest}

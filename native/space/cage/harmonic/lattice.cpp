@@ -258,7 +258,7 @@ bool HarmonicLattice::holds(const Vector3& at) const
     for (int c = 0; c < 8; ++c) {
         const Node node{cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)};
         const Vector3 end(node[0], node[1], node[2]);
-        int winding = winding_[index(node)];
+        int winding = static_cast<int>(winding_[index(node)]);
         bool clear = true;
         for (std::size_t k = 0; k < triangles.size() && clear; ++k) {
             const Vector3 &p = corner(triangles[k], 0), &q = corner(triangles[k], 1),

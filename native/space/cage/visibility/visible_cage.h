@@ -63,7 +63,7 @@ struct VisibleCage::Scratch
 
         Piece() = default;
         Piece(const Piece& other) { *this = other; }
-        Piece& operator=(const Piece& other)
+        Piece& operator=(const Piece& other) // NOLINT(bugprone-unhandled-self-assignment): gives the same
         {
             size = other.size;
             for (int i = 0; i < size; ++i)

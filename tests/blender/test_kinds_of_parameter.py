@@ -1,0 +1,307 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parameters that are curves and objects, and a method around another, by rows that only this file knows.
+
+A new Blender finds them as one more module of the registry's folder. Their native classes add what they
+are given to a thin shell, so the shape tells which values arrived.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from second_blender import another_blender
+
+MODULE = """
+from .schema import Control, Curve, Family, Method, Moved, Pointer
+
+ROWS = (
+    Method(
+        id="throwaway",
+        number=999,
+        label="Throwaway",
+        family=Family.SPACE_NONLINEAR,
+        control=Control.HANDLES,
+        native="Throwaway",
+        section="1",
+        paper="none",
+        summary="Adds its parameters to the shape",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        parameters=(
+            Curve(
+                "profile",
+                ((0.0, 0.0), (1.0, 1.0)),
+                samples=3,
+                rebinds=True,
+                label="Profile",
+                description="What the constructor gets",
+            ),
+            Curve(
+                "falloff",
+                ((0.0, 0.0), (0.5, 1.0), (1.0, 0.0)),
+                samples=5,
+                label="Falloff",
+                description="What each solve gets",
+            ),
+            Pointer("frame", types=("EMPTY",), label="Frame", description="Where each solve looks"),
+        ),
+    ),
+    Method(
+        id="around",
+        number=998,
+        label="Around",
+        family=Family.MULTIRESOLUTION,
+        control=Control.HANDLES,
+        native="Around",
+        section="1",
+        paper="none",
+        summary="Moves on what another method moved",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        wraps=(Family.SURFACE_LINEAR, Family.SURFACE_NONLINEAR),
+    ),
+)
+"""
+
+SET_UP = """
+import importlib, bpy, numpy as np
+from mathutils import Matrix
+from rig import Rig, make_active, update
+
+room = lambda path: importlib.import_module(f"{addon_name}.{path}")
+native, session = room("backend").availability().module, room("session")
+
+class Throwaway:
+    built, solved = [], []
+    def __init__(self, mesh, *, profile):
+        Throwaway.built.append(profile)
+        self.shell = native.ThinShell(mesh)
+    def set_handles(self, handles, **options):
+        return self.shell.set_handles(handles, **options)
+    def solve(self, poses, *, falloff, frame, **options):
+        Throwaway.solved.append((falloff, frame))
+        positions, report = self.shell.solve(poses, **options)
+        positions[:, 0] += 0.0 if frame is None else frame[0, 3]
+        positions[:, 2] += falloff[2]
+        return positions, report
+
+class Around:
+    bases = []
+    def __init__(self, mesh, *, base):
+        Around.bases.append(type(base).__name__)
+        self.base = base
+    def set_handles(self, handles, **options):
+        return self.base.set_handles(handles, **options)
+    def solve(self, poses, **options):
+        positions, report = self.base.solve(poses, **options)
+        positions[:, 2] += 1.0
+        return positions, report
+
+native.Throwaway, native.Around = Throwaway, Around
+row = room("core.methods").BY_ID["throwaway"]
+profile, falloff, frame = row.parameters
+
+def moved():
+    return (plate.points() - plate.rest())[len(plate.rest()) // 2]
+
+def draw(curve, place):
+    tree = getattr(plate.deformer.parameters, curve.id)
+    points = tree.nodes[0].mapping.curves[0].points
+    points[1].location = place
+    tree.nodes[0].mapping.update()
+    tree.update_tag()
+    update()
+
+plate = Rig.plate().bind("throwaway")
+"""
+
+
+@pytest.fixture
+def throwaway(room, addon_name: str, tmp_path: Path) -> Iterator:
+    """Runs a script in a new Blender, after ``SET_UP``; what the script put into ``seen``."""
+    module = Path(room("core.methods").__file__).with_name("throwaway.py")
+    module.write_text(MODULE, encoding="utf-8")
+    yield lambda script: another_blender(
+        f"addon_name = {addon_name!r}\n{SET_UP}\n{textwrap.dedent(script)}", tmp_path, addon_name
+    )
+    module.unlink()
+
+
+def test_a_default_curve_is_its_points(throwaway) -> None:
+    seen = throwaway(
+        """
+        seen["profile"] = Throwaway.built[-1].tolist()
+        seen["falloff"] = Throwaway.solved[-1][0].tolist()
+        seen["frame"] = Throwaway.solved[-1][1]
+        seen["moved"] = moved().tolist()
+        seen["trees"] = len([tree for tree in bpy.data.node_groups if "sinew_curve" in tree])
+        """
+    )
+    assert seen["profile"] == [0.0, 0.5, 1.0]
+    assert seen["falloff"] == [0.0, 0.5, 1.0, 0.5, 0.0]
+    assert seen["frame"] is None
+    assert seen["moved"] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
+    assert seen["trees"] == 0
+
+
+def test_a_drawn_curve_reaches_constructor_and_solve(throwaway) -> None:
+    seen = throwaway(
+        """
+        bpy.ops.sinew.curve_edit(parameter="falloff")
+        solved = len(Throwaway.solved)
+        update()
+        seen["same"] = len(Throwaway.solved) == solved
+        draw(falloff, (0.5, 0.25))
+        seen["falloff"] = Throwaway.solved[-1][0].tolist()
+        seen["moved"] = moved().tolist()
+        built = len(Throwaway.built)
+        bpy.ops.sinew.curve_edit(parameter="profile")
+        update()
+        plate.deformer.parameters.profile.nodes[0].mapping.curves[0].points.new(0.5, 0.75)
+        draw(profile, (0.5, 0.75))
+        seen["built"] = len(Throwaway.built) - built
+        seen["profile"] = Throwaway.built[-1].tolist()
+        bpy.ops.sinew.curve_edit(parameter="falloff", reset=True)
+        update()
+        seen["reset"] = Throwaway.solved[-1][0].tolist()
+        """
+    )
+    assert seen["same"]
+    assert seen["falloff"] == pytest.approx([0.0, 0.125, 0.25, 0.125, 0.0], abs=1e-6)
+    assert seen["moved"] == pytest.approx([0.0, 0.0, 0.25], abs=1e-6)
+    assert seen["built"] >= 1
+    assert seen["profile"] == pytest.approx([0.0, 0.75, 1.0], abs=1e-6)
+    assert seen["reset"] == [0.0, 0.5, 1.0, 0.5, 0.0]
+
+
+def test_an_object_gives_its_frame_hidden_too(throwaway) -> None:
+    seen = throwaway(
+        """
+        other = bpy.data.objects.new("Other", None)
+        bpy.context.scene.collection.objects.link(other)
+        plate.obj.location = 1.0, 2.0, 3.0
+        other.location = 1.5, 2.0, 3.0
+        plate.deformer.parameters.frame = other
+        update()
+        seen["frame"] = Throwaway.solved[-1][1].tolist()
+        seen["moved"] = moved().tolist()
+        other.hide_viewport = True
+        session.tidy()
+        update()
+        other.location.x = 1.25
+        update()
+        seen["hidden"] = moved().tolist()
+        solved = len(Throwaway.solved)
+        update()
+        seen["same"] = len(Throwaway.solved) == solved
+        bpy.data.objects.remove(other)
+        update()
+        seen["gone"] = Throwaway.solved[-1][1]
+        """
+    )
+    assert np.allclose(seen["frame"], [[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0]], atol=1e-6)
+    assert seen["moved"] == pytest.approx([0.5, 0.0, 1.0], abs=1e-6)
+    assert seen["hidden"] == pytest.approx([0.25, 0.0, 1.0], abs=1e-6)
+    assert seen["same"]
+    assert seen["gone"] is None
+
+
+def test_curves_are_saved_and_belong_to_one_deformer(throwaway, tmp_path: Path) -> None:
+    seen = throwaway(
+        f"""
+        bpy.ops.sinew.curve_edit(parameter="falloff")
+        draw(falloff, (0.5, 0.25))
+        path = {str(tmp_path / "curve.blend")!r}
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+        seen["loaded"] = moved().tolist()
+        make_active(plate.obj)
+        bpy.ops.object.duplicate()
+        session.tidy()
+        update()
+        copy = bpy.context.object
+        trees = [obj.sinew.active.parameters.falloff for obj in (plate.obj, copy)]
+        seen["apart"] = trees[0] != trees[1]
+        draw(falloff, (0.5, 0.75))
+        seen["original"] = moved().tolist()
+        name, plate.name = plate.name, copy.name
+        seen["copy"] = moved().tolist()
+        plate.name = name
+        for obj in (plate.obj, copy):
+            make_active(obj)
+            bpy.ops.sinew.deformer_remove()
+        seen["left"] = [tree.name for tree in bpy.data.node_groups if "sinew_curve" in tree]
+        """
+    )
+    assert seen["loaded"] == pytest.approx([0.0, 0.0, 0.25], abs=1e-6)
+    assert seen["apart"]
+    assert seen["original"] == pytest.approx([0.0, 0.0, 0.75], abs=1e-6)
+    assert seen["copy"] == pytest.approx([0.0, 0.0, 0.25], abs=1e-6)
+    assert seen["left"] == []
+
+
+def test_a_method_is_put_around_another(throwaway) -> None:
+    seen = throwaway(
+        """
+        deformer = plate.deformer
+        deformer.method = "around"
+        items = deformer.around.bl_rna.properties["base"].enum_items
+        seen["offered"] = [item.identifier for item in items]
+        deformer.around.base = "thin_shell"
+        update()
+        seen["moved"] = moved().tolist()
+        deformer.thin_shell.laplacian = "uniform"
+        update()
+        deformer.around.base = "arap"
+        deformer.arap.max_iterations = 3
+        update()
+        seen["bases"] = Around.bases[-3:]
+        seen["iterative"] = deformer.is_iterative
+        seen["status"] = deformer.status_level
+        """
+    )
+    assert set(seen["offered"]) >= {"thin_shell", "arap"}
+    assert not set(seen["offered"]) & {"green", "around", "throwaway"}
+    assert seen["moved"] == pytest.approx([0.0, 0.0, 1.0], abs=1e-6)
+    assert seen["bases"] == ["ThinShell", "ThinShell", "Arap"]
+    assert seen["iterative"]
+    assert seen["status"] == "INFO"
+
+
+def test_the_panel_draws_each_kind(throwaway) -> None:
+    seen = throwaway(
+        """
+        drawn = []
+        class Layout:
+            def row(self, **options):
+                return self
+            def __getattr__(self, name):
+                def draw(*arguments, **options):
+                    drawn.append((name, *(argument for argument in arguments if isinstance(argument, str))))
+                    return self
+                return draw
+        draw_parameter = room("ui.parameters").draw_parameter
+        for parameter in row.parameters:
+            draw_parameter(Layout(), plate.deformer.parameters, parameter)
+        bpy.ops.sinew.curve_edit(parameter="falloff")
+        draw_parameter(Layout(), plate.deformer.parameters, falloff)
+        seen["drawn"] = drawn
+        try:
+            bpy.ops.sinew.curve_edit(parameter="frame")
+        except RuntimeError as error:
+            seen["refused"] = str(error)
+        """
+    )
+    assert seen["drawn"] == [
+        ["operator", "sinew.curve_edit"],
+        ["operator", "sinew.curve_edit"],
+        ["prop", "frame"],
+        ["label"],
+        ["operator", "sinew.curve_edit"],
+        ["template_curve_mapping", "mapping"],
+    ]
+    assert "Throwaway has no curve 'frame' - its curves: profile, falloff" in seen["refused"]
