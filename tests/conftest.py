@@ -7,7 +7,7 @@ from types import ModuleType
 
 import pytest
 
-BINDS = ("SurfaceMesh", "ThinShell", "Arap", "diagnose", "set_handles", "set_stiffness")
+BINDS = ("SurfaceMesh", "diagnose", "set_handles", "rebind")
 
 
 @pytest.fixture
@@ -24,7 +24,7 @@ def count_native(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Counter]:
 
             return call
 
-        for owner in (native, native.SurfaceMesh, native.ThinShell, native.Arap):
+        for owner in (native, native.SurfaceMesh, native.SurfaceMethod):
             for name in names or BINDS:
                 if hasattr(owner, name):
                     monkeypatch.setattr(owner, name, counted(name, getattr(owner, name)))

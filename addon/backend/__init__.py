@@ -5,6 +5,7 @@ from .loader import Availability
 from .native import (
     Diagnosis,
     Factor,
+    Inheritance,
     automatic_cage,
     availability,
     build_factor,
@@ -12,17 +13,20 @@ from .native import (
     limit_memory,
     limit_threads,
 )
-from .recipes import Base, CageRecipe, CageReport, Progress, Recipe
+from .recipes import Base, Cage, CageReport, Handles, Progress, Recipe, Shape
 
 __all__ = (
     "Availability",
     "Base",
-    "CageRecipe",
+    "Cage",
     "CageReport",
     "Diagnosis",
     "Factor",
+    "Handles",
+    "Inheritance",
     "Progress",
     "Recipe",
+    "Shape",
     "automatic_cage",
     "availability",
     "build_factor",

@@ -2,10 +2,11 @@
 """Native calls with their errors translated. No other room names a native class."""
 
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from ..core.errors import (
 from ..core.geometry import frames
 from ..core.status import Remedy
 from .loader import Availability, load
-from .recipes import CageRecipe, Progress, Recipe
+from .recipes import Bound, Progress, Recipe
 
 _limits: dict[str, int] = {}  # wanted, by the native function that sets it
 
@@ -100,17 +101,29 @@ class Diagnosis:
     non_manifold_edges: np.ndarray  # (k, 2) edges of three or more faces, by their vertices
 
 
+@dataclass(frozen=True)
+class Inheritance:
+    """A native method that waits to be bound, and the bound one that it takes over from."""
+
+    recipe: Recipe
+    mesh: Any
+    diagnosis: Diagnosis
+    made: Any
+    former: Bound | None
+
+
 class Factor:
     """A bound method: solve as often as you like, from several threads, until it is handed over."""
 
-    def __init__(self, native, solver, report, diagnosis: Diagnosis, recipe: Recipe | CageRecipe) -> None:
+    def __init__(self, native, made: Inheritance, report: object) -> None:
         self._native = native
-        self._solver = solver
+        self._mesh = made.mesh
+        self._method = made.made
         self._lock = threading.Lock()
         self._solves = 0  # under way
         self.report = report
-        self.diagnosis = diagnosis
-        self.recipe = recipe
+        self.diagnosis = made.diagnosis
+        self.recipe = made.recipe
 
     def solve(self, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
         """Positions (n, 3) float64, or the float32 ``out``, and a report.
@@ -118,13 +131,11 @@ class Factor:
         ``poses``: (k, 3, 4) of handles, (c, 3) of a cage.
         """
         with self._lock:
-            solver = self._solver
-            if solver is None:
-                raise CancelledError("The mesh is bound anew")
+            method = self._owned()
             self._solves += 1
         try:
             with _translated(self._native):
-                return solver.solve(poses, **options)
+                return self.recipe.control.solve(method, poses, **options)
         finally:
             with self._lock:
                 self._solves -= 1
@@ -132,43 +143,56 @@ class Factor:
     def influence(self, vertices: Sequence[int]) -> np.ndarray:
         """(n,) float64: how far each point goes with some vertices of the cage, 1 where all the way."""
         with self._lock:
-            solver = self._solver
-        if solver is None:
-            raise CancelledError("The mesh is bound anew")
+            method = self._owned()
         with _translated(self._native):
-            return solver.influence(vertices)
+            return method.influence(vertices)
+
+    def _owned(self) -> Any:
+        if self._method is None:
+            raise CancelledError("The mesh is bound anew")
+        return self._method
 
     @property
     def is_spent(self) -> bool:
         """It was handed over."""
-        return self._solver is None
+        return self._method is None
 
-    def hand_over(self, recipe: Recipe | CageRecipe) -> Callable[[Progress | None], "Factor"] | None:
-        """What builds the factor of ``recipe`` in any thread, out of this one, which is spent then.
+    def hand_over(self, recipe: Recipe) -> Inheritance | None:
+        """What ``build_factor`` builds the factor of another recipe from; this one is spent then.
 
-        None where a new solver has to be made, or while somebody solves.
+        None where nothing of this one would serve, or while somebody solves.
         """
-        change = self.recipe.change_to(recipe, self._solver, self.report)
-        with self._lock:
-            if change is None or self._solver is None or self._solves:
+        native, target = self._native, recipe.target
+        with _translated(native):
+            if not isinstance(self._method, recipe.native_class(native)):
                 return None
-            solver, self._solver = self._solver, None
+            if not self._mesh.is_made_of(target.points, target.faces):
+                return None
+            made = recipe.control.make(native, recipe, self._mesh)
+            with self._lock:
+                if self._method is None or self._solves:
+                    return None
+                if not recipe.control.can_reuse(recipe, made, self._method):
+                    return None
+                former, self._method = self._method, None
+        return Inheritance(recipe, self._mesh, self.diagnosis, made, Bound(former, self.report))
 
-        def rebuild(progress: Progress | None) -> Factor:
-            with _translated(self._native):
-                report = change(solver, progress)
-            return Factor(self._native, solver, report, self.diagnosis, recipe)
 
-        return rebuild
+def build_factor(
+    recipe: Recipe, progress: Progress | None = None, inherited: Inheritance | None = None
+) -> Factor:
+    """Assemble and factorise, or compute weights. Needs no bpy: any thread will do.
 
-
-def build_factor(recipe: Recipe | CageRecipe, progress: Progress | None = None) -> Factor:
-    """Assemble and factorise, or compute weights. Needs no bpy: any thread will do."""
+    ``inherited`` is what an earlier factor handed over for this recipe.
+    """
     native = _module()
     with _translated(native):
-        mesh = native.SurfaceMesh(recipe.points, recipe.faces)
-        solver, report = recipe.build(native, mesh, progress)
-        return Factor(native, solver, report, _diagnosis(mesh), recipe)
+        if inherited is None:
+            mesh = native.SurfaceMesh(recipe.target.points, recipe.target.faces)
+            made = recipe.control.make(native, recipe, mesh)
+            inherited = Inheritance(recipe, mesh, _diagnosis(mesh), made, None)
+        report = recipe.control.bind(native, recipe, inherited.made, inherited.former, progress)
+        return Factor(native, inherited, report)
 
 
 def automatic_cage(

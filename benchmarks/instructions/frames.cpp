@@ -122,7 +122,7 @@ int main(int count, char** words)
         options.affine_basis = false;
         ThinShell shell(mesh, options);
         shell.set_handles(two);
-        twice([&] { shell.solve(turned(2), out); });
+        twice([&] { shell.solve({turned(2)}, out); });
     } else if (!std::strcmp(loop, "affine_basis")) {
         ThinShell shell(mesh);
         shell.set_handles({two[0], two[1], border(1, false), border(1, true)});
@@ -135,7 +135,8 @@ int main(int count, char** words)
                 frame([&] { coordinates.bind(view(mesh.points())); });
             } else {
                 coordinates.bind(view(mesh.points()));
-                twice([&] { coordinates.warp(view(pose), out); });
+                out.resize(mesh.vertex_count(), 3);
+                twice([&] { coordinates.warp(view(pose), {}, out.data()); });
             }
         };
         if (loop[0] == 'm')
@@ -153,10 +154,10 @@ int main(int count, char** words)
         options.smoothness = std::atof(words[2]);
         Arap arap(mesh, options);
         arap.set_handles(two);
-        Arap::Request request;
+        SolveRequest request{turned(2)};
         request.max_iterations = std::atoi(words[3]);
         request.tolerance = 0.0;
-        frame([&] { arap.solve(turned(2), out, request); });
+        frame([&] { arap.solve(request, out); });
     } else {
         std::fprintf(stderr,
                      "frames about | thin_shell | affine_basis | arap SMOOTHNESS ITERATIONS | "

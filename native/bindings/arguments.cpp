@@ -62,6 +62,14 @@ std::vector<int> integers(const py::handle& object, const char* name)
     return values;
 }
 
+OptionalPoints::OptionalPoints(const py::object& object, const char* name)
+{
+    if (!object.is_none()) {
+        array = floats(object, name);
+        view.emplace(points<InvalidConstraint>(array, name));
+    }
+}
+
 std::vector<double> numbers(const py::handle& object, const char* name)
 {
     const FloatArray array = floats(object, name);
@@ -199,6 +207,18 @@ void round_into(const Points& positions, SinglePoints& out)
 void require_finite(const SinglePoints& positions)
 {
     require_finite_rows(positions.rows(), [own = positions.data()](std::size_t k) { return own[k]; });
+}
+
+const char* name_of(Reuse reuse)
+{
+    switch (reuse) {
+    case Reuse::kept:
+        return "kept";
+    case Reuse::updated:
+        return "updated";
+    default:
+        return "anew";
+    }
 }
 
 py::array_t<double> to_numpy(Points&& points)

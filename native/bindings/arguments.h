@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/core/progress.h"
+#include "native/core/report.h"
 #include "native/core/types.h"
 #include "native/mesh/regions.h"
 
@@ -43,7 +44,17 @@ PointsView points(const FloatArray& array, const char* name)
     return {array.data(), array.shape(0), 3};
 }
 
-/// One number or one a vertex.
+/// None, or an (n, 3) array that is kept alive as long as its view.
+struct OptionalPoints
+{
+    /// \throw InvalidConstraint  another shape.
+    OptionalPoints(const py::object& object, const char* name);
+
+    FloatArray array;
+    std::optional<PointsView> view;
+};
+
+/// One number, or one per vertex.
 std::vector<double> numbers(const py::handle& object, const char* name);
 
 /// (k, 3, 4) -> poses. \throw InvalidConstraint  another shape.
@@ -71,6 +82,9 @@ void round_into(const Points& positions, SinglePoints& out);
 
 /// Needs no GIL. \throw InvalidConstraint  a position is not finite.
 void require_finite(const SinglePoints& positions);
+
+/// "anew", "updated" or "kept".
+const char* name_of(Reuse reuse);
 
 /// Moves points into a NumPy array without a copy.
 py::array_t<double> to_numpy(Points&& points);

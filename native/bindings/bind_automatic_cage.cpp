@@ -53,7 +53,11 @@ void bind_automatic_cage(py::module_& module)
         .def_readonly("margin", &AutomaticCageReport::margin, "At which the target was wrapped.")
         .def_readonly("clearance", &AutomaticCageReport::clearance,
                       "Distance of the cage from the closest vertex of the target.")
-        .def_readonly("seconds", &AutomaticCageReport::seconds, "Wall clock.");
+        .def_readonly("seconds", &AutomaticCageReport::seconds, "Wall clock.")
+        .def("__repr__", [](const AutomaticCageReport& report) {
+            return "<AutomaticCageReport: " + std::to_string(report.faces) + " faces, clearance " +
+                   std::to_string(report.clearance) + ">";
+        });
 
     module.def("automatic_cage", &make_cage, py::arg("mesh"), py::arg("faces") = 300,
                py::arg("margin") = 1.0 / 60.0, py::kw_only(), py::arg("symmetry") = "automatic",
@@ -68,7 +72,7 @@ quads     join triangles into quads where either diagonal is safe.
 progress  callable (fraction, stage); return False to cancel.
 
 Returns (points (n, 3), faces (m, 3) or, with quads, (counts, indices), AutomaticCageReport).
-Cost: about 1 s at the default margin, as 1 / margin^2. Raises InvalidMesh where nothing can be enclosed.)");
+Cost: about 1 s at the default margin, as 1 / margin^2. Raises InvalidMesh where nothing can be enclosed, Cancelled.)");
 
     py::class_<CageDiagnosis>(module, "CageDiagnosis",
                               "What keeps a mesh from being a good cage, by element.")
@@ -91,7 +95,8 @@ Cost: about 1 s at the default margin, as 1 / margin^2. Raises InvalidMesh where
             "outside_points", [](const CageDiagnosis& d) { return to_numpy(d.outside_points); },
             "(k,) points outside the cage.")
         .def_readonly("component_count", &CageDiagnosis::component_count, "Connected parts with faces.")
-        .def_property_readonly("clean", [](const CageDiagnosis& d) { return summary(d) == "clean"; })
+        .def_property_readonly(
+            "clean", [](const CageDiagnosis& d) { return summary(d) == "clean"; }, "Nothing is wrong.")
         .def(
             "summary", [](const CageDiagnosis& d) { return summary(d); },
             "One line with the counts, or 'clean'.")

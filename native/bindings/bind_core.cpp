@@ -88,8 +88,13 @@ void bind_core(py::module_& module)
         }
     });
 
-    py::class_<BindReport>(module, "BindReport", "What set_handles() did.")
-        .def_readonly("handle_count", &BindReport::handle_count)
+    py::class_<BindReport>(module, "BindReport", "What set_handles() or rebind() did.")
+        .def_property_readonly(
+            "reuse", [](const BindReport& r) { return name_of(r.reuse); },
+            "What rebind() took over: 'anew' for nothing, 'updated' for a part, 'kept' for everything.")
+        .def_readonly("changed", &BindReport::changed,
+                      "What differs from the object that rebind() was given.")
+        .def_readonly("handle_count", &BindReport::handle_count, "Handles, fixed regions among them.")
         .def_readonly("constrained_vertices", &BindReport::constrained_vertices, "Vertices held exactly.")
         .def_readonly("soft_vertices", &BindReport::soft_vertices, "Vertices pulled softly.")
         .def_readonly("free_parts", &BindReport::free_parts,
@@ -100,8 +105,8 @@ void bind_core(py::module_& module)
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
                       "Faces with a triangle of (nearly) no area, solved with a floored area.")
         .def_readonly("factorizations", &BindReport::factorizations,
-                      "Numeric factorisations since the constructor.")
-        .def_readonly("analyses", &BindReport::analyses, "Symbolic factorisations since the constructor.")
+                      "Numeric factorisations so far, those taken over by rebind() among them.")
+        .def_readonly("analyses", &BindReport::analyses, "Symbolic factorisations so far, likewise.")
         .def_readonly(
             "refactored", &BindReport::refactored,
             "Share of the last numeric factorisation that had to be computed; below 1 where a bind\n"
@@ -117,7 +122,7 @@ void bind_core(py::module_& module)
     py::class_<SolveReport>(module, "SolveReport", "What solve() reached.")
         .def_readonly("iterations", &SolveReport::iterations, "Trial steps; 1 for a linear method.")
         .def_readonly("rejected", &SolveReport::rejected, "Trials that did not lower the energy.")
-        .def_readonly("energy", &SolveReport::energy, "Of the returned shape, in the method's units.")
+        .def_readonly("energy", &SolveReport::energy, "Of the returned shape, as the class defines it.")
         .def_readonly("residual", &SolveReport::residual,
                       "Linear: |A d - b| / |b|. Nonlinear: last relative decrease of the energy.")
         .def_readonly("converged", &SolveReport::converged, "The tolerance was met within the budget.")

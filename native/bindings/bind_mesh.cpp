@@ -11,35 +11,48 @@ namespace sinew::bindings {
 
 namespace {
 
-SurfaceMesh make_mesh(const py::object& point_object, const py::object& faces)
+struct Faces
 {
-    const FloatArray array = floats(point_object, "points");
-    const PointsView rest = points<InvalidMesh>(array, "points");
     std::vector<int> counts, corners;
+};
+
+/// Faces as the constructor takes them.
+Faces read_faces(const py::object& faces)
+{
     if (py::isinstance<py::tuple>(faces)) {
         const auto pair = faces.cast<py::tuple>();
         if (pair.size() != 2)
             throw InvalidMesh("faces: a tuple must be (counts, indices)");
-        counts = integers(pair[0], "faces[0]");
-        corners = integers(pair[1], "faces[1]");
-    } else {
-        const py::array shape = py::array::ensure(faces);
-        if (!shape) {
-            PyErr_Clear();
-            throw InvalidMesh(
-                "faces: give an (m, 3) or (m, 4) array, or (counts, indices) for mixed polygons");
-        }
-        if (shape.size() > 0 && shape.ndim() != 2)
-            throw InvalidMesh(
-                "faces: the array must be (m, 3) or (m, 4); for mixed polygons give (counts, indices)");
-        if (shape.size() > 0) {
-            counts.assign(shape.shape(0), static_cast<int>(shape.shape(1)));
-            corners = integers(faces, "faces");
-        }
+        return {integers(pair[0], "faces[0]"), integers(pair[1], "faces[1]")};
     }
-    Points copy = rest;
+    const py::array shape = py::array::ensure(faces);
+    if (!shape) {
+        PyErr_Clear();
+        throw InvalidMesh("faces: give an (m, 3) or (m, 4) array, or (counts, indices) for mixed polygons");
+    }
+    if (shape.size() == 0)
+        return {};
+    if (shape.ndim() != 2)
+        throw InvalidMesh(
+            "faces: the array must be (m, 3) or (m, 4); for mixed polygons give (counts, indices)");
+    return {std::vector<int>(shape.shape(0), static_cast<int>(shape.shape(1))), integers(faces, "faces")};
+}
+
+SurfaceMesh make_mesh(const py::object& point_object, const py::object& face_object)
+{
+    const FloatArray array = floats(point_object, "points");
+    Points copy = points<InvalidMesh>(array, "points");
+    Faces faces = read_faces(face_object);
     const py::gil_scoped_release unlocked;
-    return SurfaceMesh(std::move(copy), std::move(counts), std::move(corners));
+    return SurfaceMesh(std::move(copy), std::move(faces.counts), std::move(faces.corners));
+}
+
+bool is_made_of(const SurfaceMesh& mesh, const py::object& point_object, const py::object& face_object)
+{
+    const FloatArray array = floats(point_object, "points");
+    const PointsView given = points<InvalidMesh>(array, "points");
+    const Faces faces = read_faces(face_object);
+    return mesh.is_made_of(given, faces.counts, faces.corners);
 }
 
 /// Read-only (rows, columns) view of memory that `owner` keeps alive.
@@ -93,7 +106,8 @@ void bind_mesh(py::module_& module)
             "coincident_vertices", [](const Diagnosis& d) { return to_numpy(d.coincident_vertices); },
             "(k,) vertices exactly where an earlier one is.")
         .def_readonly("component_count", &Diagnosis::component_count, "Connected parts.")
-        .def_property_readonly("clean", [](const Diagnosis& d) { return summary(d) == "clean"; })
+        .def_property_readonly(
+            "clean", [](const Diagnosis& d) { return summary(d) == "clean"; }, "Nothing is unusual.")
         .def("summary", &summary, "One line with the counts, or 'clean'.")
         .def("__repr__", [](const Diagnosis& d) { return "<Diagnosis: " + summary(d) + ">"; });
 
@@ -123,13 +137,21 @@ and indices out of range; `elements` lists the culprits.)")
                                static_cast<py::ssize_t>(triangles.size()), 3, self);
             },
             "(t, 3) the triangulation that all operators use, read-only.")
-        .def_property_readonly("vertex_count", &SurfaceMesh::vertex_count)
-        .def_property_readonly("face_count", &SurfaceMesh::face_count)
-        .def_property_readonly("component_count",
-                               [](const SurfaceMesh& m) { return connected_components(m).count; })
+        .def_property_readonly("vertex_count", &SurfaceMesh::vertex_count, "Vertices, n.")
+        .def_property_readonly("face_count", &SurfaceMesh::face_count, "Faces, m.")
+        .def_property_readonly(
+            "component_count", [](const SurfaceMesh& m) { return connected_components(m).count; },
+            "Connected parts.")
         .def_property_readonly(
             "components", [](const SurfaceMesh& m) { return to_numpy(connected_components(m).labels); },
             "(n,) part of each vertex; parts are joined through faces.")
+        .def("is_made_of", &is_made_of, py::arg("points"), py::arg("faces"),
+             R"(Whether the constructor was given the same points and faces. Cost: O(n).
+
+points  (n, 3), to the last bit.
+faces   as in the constructor.
+
+Raises InvalidMesh for arrays of another shape.)")
         .def("diagnose", &diagnose, py::call_guard<py::gil_scoped_release>(),
              "Everything unusual, with element indices. O(n log n).")
         .def("__repr__", [](const SurfaceMesh& m) {

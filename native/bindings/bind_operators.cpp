@@ -61,7 +61,7 @@ void bind_operators(py::module_& module)
                "(n, 3t) sparse G^T D with D the triangle areas; divergence @ gradient = cotan L.");
     module.def("fit_rotations", &fit_rotations, py::arg("S"),
                "(k, 3, 3) -> (k, 3, 3) rotations R (det +1) that maximise trace(R^T S); exact for "
-               "reflected and rank-deficient S.");
+               "reflected and rank-deficient S. Raises InvalidOption for another shape.");
 }
 
 } // namespace sinew::bindings

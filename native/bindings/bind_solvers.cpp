@@ -72,7 +72,8 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
                 return array.ndim() == 1 ? py::object(py::cast(VectorX(x.col(0)))) : py::object(py::cast(x));
             },
             py::arg("rhs"),
-            "(n,) or (n, k) -> the solution in the same shape. Two triangular solves a column.")
+            "(n,) or (n, k) -> the solution in the same shape. Two triangular solves per column.\n"
+            "Raises InvalidConstraint for another shape.")
         .def(
             "factorize",
             [](SpdFactor& factor, const SparseMatrix& matrix) {
@@ -80,8 +81,10 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
                 const py::gil_scoped_release unlocked;
                 factor.factorize(sorted);
             },
-            py::arg("matrix"), "Other values; the symbolic part is kept while the pattern is the same.")
-        .def_property_readonly("size", &SpdFactor::size)
+            py::arg("matrix"),
+            "(n, n) other values; the symbolic part is kept while the pattern is the same.\n"
+            "Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemory.")
+        .def_property_readonly("size", &SpdFactor::size, "Rows of the matrix, n.")
         .def_property_readonly("nonzeros", &SpdFactor::nonzeros, "Entries of the factor.")
         .def_property_readonly("bytes", &SpdFactor::bytes, "Memory of the factor.")
         .def_property_readonly("factorizations", &SpdFactor::factorizations, "Numeric factorisations so far.")

@@ -140,7 +140,9 @@ edges that the mesh has not, OutOfMemory above limit_memory().)")
             },
             py::arg("points"), py::arg("out") = py::none(), R"(
 (n, 3) control points -> (m, 3) refined points, float32 for float32, else float64; written into `out`
-where one is given. One pass over the weights.)")
+where one is given. One pass over the weights.
+
+Raises InvalidConstraint for another shape.)")
         .def_property_readonly("matrix", &SubdivisionSurface::matrix,
                                "(m, n) SciPy CSR; refined points are this times the control points.")
         .def_property_readonly(
@@ -160,7 +162,9 @@ where one is given. One pass over the weights.)")
                 }
                 return to_numpy(std::move(normals));
             },
-            py::arg("refined"), "(m, 3) refined points -> (m, 3) unit normals: faces around each, by area.")
+            py::arg("refined"),
+            "(m, 3) refined points -> (m, 3) unit normals: faces around each, by area.\n"
+            "Raises InvalidConstraint for another shape.")
         .def(
             "refine_face_varying",
             [](const SubdivisionSurface& surface, const py::object& object) {
@@ -173,13 +177,15 @@ where one is given. One pass over the weights.)")
                 const Eigen::Map<const Rows> from(values.data(), values.shape(0), values.shape(1));
                 return Rows(matrix * from);
             },
-            py::arg("values"), "(q, d) values of the channel -> (p, d) refined values.")
+            py::arg("values"),
+            "(q, d) values of the channel -> (p, d) refined values. Raises InvalidConstraint for another "
+            "shape.")
         .def_property_readonly("face_varying_matrix", &SubdivisionSurface::face_varying_matrix,
                                "(p, q) SciPy CSR; refined values are this times the values, both (., d).")
         .def_property_readonly(
             "face_varying_corners",
             [](const SubdivisionSurface& s) { return to_numpy(s.face_varying_corners()); },
-            "(corners,) the refined value at each refined face corner.")
+            "(c,) the refined value at each refined face corner.")
         .def_property_readonly("vertex_count", &SubdivisionSurface::vertex_count, "Refined vertices, m.")
         .def_property_readonly("control_count", &SubdivisionSurface::control_count, "Control vertices, n.")
         .def("__repr__", [](const SubdivisionSurface& s) {

@@ -8,10 +8,16 @@ void bind_core(py::module_& module);
 void bind_mesh(py::module_& module);
 void bind_operators(py::module_& module);
 void bind_solvers(py::module_& module);
+void bind_surface(py::module_& module);
 void bind_thin_shell(py::module_& module);
 void bind_affine_basis(py::module_& module);
 void bind_arap(py::module_& module);
+void bind_space(py::module_& module);
 void bind_cage(py::module_& module);
+void bind_green(py::module_& module);
+void bind_mean_value(py::module_& module);
+void bind_harmonic(py::module_& module);
+void bind_positive_mean_value(py::module_& module);
 void bind_subdivision(py::module_& module);
 void bind_automatic_cage(py::module_& module);
 } // namespace sinew::bindings
@@ -26,10 +32,16 @@ PYBIND11_MODULE(sinew_native, module)
     bind_mesh(module);
     bind_operators(module);
     bind_solvers(module);
+    bind_surface(module);
     bind_thin_shell(module);
     bind_affine_basis(module);
     bind_arap(module);
+    bind_space(module);
     bind_cage(module);
+    bind_green(module);
+    bind_mean_value(module);
+    bind_harmonic(module);
+    bind_positive_mean_value(module);
     bind_subdivision(module);
     bind_automatic_cage(module);
 }

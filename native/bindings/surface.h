@@ -2,40 +2,20 @@
 #pragma once
 
 #include "native/bindings/arguments.h"
-#include "native/core/report.h"
+#include "native/surface/method.h"
 
+#include <memory>
 #include <utility>
 
 namespace sinew::bindings {
 
-/// The arguments that every surface method's solve() takes, read and kept alive.
-class SolveArguments
+/// The class of a surface method; what remains is its constructor, and what it alone can do.
+template <class Method>
+py::class_<Method, SurfaceMethod, std::shared_ptr<Method>>
+bind_surface_method(py::module_& module, const char* name, const char* doc)
 {
-public:
-    SolveArguments(const py::handle& poses, const py::object& incoming, const py::object& from_rest,
-                   const py::object& start)
-        : poses(bindings::poses(poses)), from_rest_(flags(from_rest, this->poses.size()))
-    {
-        if (!incoming.is_none()) {
-            incoming_ = floats(incoming, "incoming");
-            this->incoming.emplace(points<InvalidConstraint>(incoming_, "incoming"));
-        }
-        if (!start.is_none()) {
-            start_ = floats(start, "start");
-            this->start.emplace(points<InvalidConstraint>(start_, "start"));
-        }
-    }
-    SolveArguments(const SolveArguments&) = delete;
-    SolveArguments& operator=(const SolveArguments&) = delete;
-
-    const Poses poses;
-    std::optional<PointsView> incoming, start;
-    const std::vector<bool>* from_rest() const { return from_rest_ ? &*from_rest_ : nullptr; }
-
-private:
-    std::optional<std::vector<bool>> from_rest_;
-    FloatArray incoming_, start_;
-};
+    return {module, name, doc};
+}
 
 /// Runs `solve(positions)` without the GIL; the positions go out as an array, with the report.
 template <class Solve>

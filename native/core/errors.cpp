@@ -2,6 +2,7 @@
 #include "native/core/errors.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace sinew {
@@ -9,6 +10,13 @@ namespace sinew {
 Error::Error(const std::string& message, Element kind, std::vector<int> elements)
     : std::runtime_error(message), kind_(kind), elements_(std::move(elements))
 {
+}
+
+void require_at_least(double value, double least, const char* name)
+{
+    if (!(value >= least && std::isfinite(value)))
+        throw InvalidOption(std::string(name) + ": " + std::to_string(value) +
+                            " is not a finite number >= " + std::to_string(least));
 }
 
 std::string list_some(const std::vector<int>& elements, std::size_t most)

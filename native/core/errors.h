@@ -60,6 +60,9 @@ class Cancelled : public Error
     using Error::Error;
 };
 
+/// \throw InvalidOption  `value` is not a finite number of at least `least`.
+void require_at_least(double value, double least, const char* name);
+
 /// "3, 17, 20 and 4 more", for messages.
 std::string list_some(const std::vector<int>& elements, std::size_t most = 8);
 

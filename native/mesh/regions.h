@@ -19,6 +19,8 @@ struct Handle
     /// How smoothly the free surface leaves the region, 0 to 2 (C0 to C2), as far as the
     /// order of the energy allows; values between blend.
     double continuity = 2.0;
+
+    bool operator==(const Handle&) const = default;
 };
 
 /// A soft constraint pulls a vertex with stiffness weight / (1 - weight), in units of the

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <utility>
 
@@ -66,6 +67,32 @@ SurfaceMesh::SurfaceMesh(Points points, std::vector<int> counts, std::vector<int
         triangulate(points_, face(f), triangles_);
         triangle_faces_.resize(triangles_.size(), f);
     }
+}
+
+namespace {
+
+bool same_bits(const PointsView& a, const PointsView& b)
+{
+    return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+}
+
+} // namespace
+
+bool SurfaceMesh::operator==(const SurfaceMesh& other) const
+{
+    return corners_ == other.corners_ && offsets_ == other.offsets_ &&
+           same_bits(view(points_), view(other.points_));
+}
+
+bool SurfaceMesh::is_made_of(const PointsView& points, std::span<const int> counts,
+                             std::span<const int> corners) const
+{
+    if (static_cast<int>(counts.size()) != face_count() || !std::ranges::equal(corners, corners_))
+        return false;
+    for (int f = 0; f < face_count(); ++f)
+        if (counts[f] != offsets_[f + 1] - offsets_[f])
+            return false;
+    return same_bits(points, view(points_));
 }
 
 std::vector<std::array<int, 2>> SurfaceMesh::edges() const

@@ -41,6 +41,11 @@ public:
     /// The face that triangle t was cut from.
     const std::vector<int>& triangle_faces() const { return triangle_faces_; }
 
+    bool operator==(const SurfaceMesh& other) const;
+    /// Whether the constructor was given the same points, counts and corners.
+    bool is_made_of(const PointsView& points, std::span<const int> counts,
+                    std::span<const int> corners) const;
+
     /// Unique undirected edges (a < b) of the faces, without the cuts of the triangulation.
     std::vector<std::array<int, 2>> edges() const;
 

@@ -56,8 +56,13 @@ def build(backend, method_id: str = "thin_shell", **changes):
         "weights": None,
         **changes,
     }
-    progress = arguments.pop("progress", None)
-    return backend.build_factor(backend.Recipe(BY_ID[method_id], **arguments), progress)
+    recipe = backend.Recipe(
+        BY_ID[method_id],
+        backend.Shape(arguments["points"], arguments["faces"]),
+        arguments["options"],
+        backend.Handles(arguments["handles"], arguments["weights"]),
+    )
+    return backend.build_factor(recipe, arguments.get("progress"))
 
 
 def test_a_factor_solves(backend):

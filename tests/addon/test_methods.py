@@ -129,11 +129,9 @@ def test_the_native_class_takes_the_parameters(method: methods.Method):
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
 def test_the_defaults_are_those_of_the_native_class(method: methods.Method):
     """An artist and a programmer who change nothing get the same shape."""
-    stub = Path(__file__).parents[2] / "native" / "bindings" / "sinew_native.pyi"
-    classes = [
-        node for node in ast.parse(stub.read_text(encoding="utf-8")).body if isinstance(node, ast.ClassDef)
-    ]
-    (native,) = [node for node in classes if node.name == method.native]
+    stubs = (Path(__file__).parents[2] / "native" / "bindings" / "sinew_native-stubs").glob("_*.pyi")
+    parsed = [node for stub in stubs for node in ast.parse(stub.read_text(encoding="utf-8")).body]
+    (native,) = [node for node in parsed if isinstance(node, ast.ClassDef) and node.name == method.native]
     (constructor,) = [node for node in native.body if getattr(node, "name", "") == "__init__"]
     names = [argument.arg for argument in constructor.args.kwonlyargs]
     defaults = dict(zip(names, map(ast.literal_eval, constructor.args.kw_defaults), strict=True))

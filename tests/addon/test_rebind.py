@@ -27,7 +27,10 @@ OPTIONS = {
     "thin_shell": {"stretching": 0.0, "bending": 1.0, "variation": 0.0, "laplacian": "cotan"},
     "arap": {"rigidity": 1.0},
 }
-PAINTED = {"thin_shell": "bending", "arap": "rigidity"}
+NEEDS_NEW = {  # options that no factor is updated to
+    "thin_shell": {"laplacian": "uniform"},
+    "arap": {"rigidity": np.linspace(0.5, 1.0, len(POINTS))},
+}
 
 
 @pytest.fixture
@@ -39,13 +42,18 @@ def calls(backend, count_native) -> Counter:
 def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **options):
     return backend.Recipe(
         BY_ID[method],
-        points.copy(),
-        faces,
+        backend.Shape(points.copy(), faces),
         OPTIONS[method] | options,
-        tuple(members.copy() for members in handles),
-        (None,) * len(handles),
-        {row.id: (row.default,) * len(handles) for row in BY_ID[method].handle_parameters},
+        backend.Handles(
+            tuple(members.copy() for members in handles),
+            (None,) * len(handles),
+            {row.id: (row.default,) * len(handles) for row in BY_ID[method].handle_parameters},
+        ),
     )
+
+
+def rebuilt(backend, factor, wanted, progress=None):
+    return backend.build_factor(wanted, progress, factor.hand_over(wanted))
 
 
 def solved(factor, count: int) -> np.ndarray:
@@ -57,7 +65,7 @@ def solved(factor, count: int) -> np.ndarray:
 def same_as_new(backend, factor, wanted) -> None:
     """To rounding: another order of elimination is allowed."""
     new = backend.build_factor(wanted)
-    count = len(wanted.handles)
+    count = len(wanted.control.vertices)
     np.testing.assert_allclose(solved(factor, count), solved(new, count), rtol=0.0, atol=1e-6)
     assert factor.report.free_parts == new.report.free_parts
 
@@ -68,8 +76,9 @@ def test_a_handle_more_or_less_is_one_native_call(backend, calls: Counter, metho
     for handles in ((*ENDS, MIDDLE), ENDS):
         wanted = recipe(backend, method, handles)
         calls.clear()
-        held, factor = factor, factor.hand_over(wanted)(None)
-        assert calls == {"set_handles": 1}
+        held, factor = factor, rebuilt(backend, factor, wanted)
+        assert calls == {"rebind": 1}
+        assert (factor.report.reuse, factor.report.changed) == ("updated", "handles")
         assert held.is_spent
         assert not factor.is_spent
         same_as_new(backend, factor, wanted)
@@ -80,8 +89,19 @@ def test_a_painted_stiffness_is_one_native_call(backend, calls: Counter):
     wanted = recipe(backend, "thin_shell", bending=painted)
     factor = backend.build_factor(recipe(backend, "thin_shell"))
     calls.clear()
-    factor = factor.hand_over(wanted)(None)
-    assert calls == {"set_stiffness": 1}
+    factor = rebuilt(backend, factor, wanted)
+    assert calls == {"rebind": 1}
+    assert (factor.report.reuse, factor.report.changed) == ("updated", "bending")
+    same_as_new(backend, factor, wanted)
+
+
+def test_a_handle_and_a_painted_stiffness_together_are_one_native_call(backend, calls: Counter):
+    wanted = recipe(backend, "thin_shell", (*ENDS, MIDDLE), bending=np.linspace(0.5, 1.0, len(POINTS)))
+    factor = backend.build_factor(recipe(backend, "thin_shell"))
+    calls.clear()
+    factor = rebuilt(backend, factor, wanted)
+    assert calls == {"rebind": 1}
+    assert (factor.report.reuse, factor.report.changed) == ("updated", "bending, handles")
     same_as_new(backend, factor, wanted)
 
 
@@ -90,11 +110,12 @@ def test_an_equal_recipe_costs_nothing(backend, calls: Counter, method: str):
     factor = backend.build_factor(recipe(backend, method))
     before = solved(factor, 2)
     calls.clear()
-    again = factor.hand_over(recipe(backend, method))(None)
-    assert not calls
+    again = rebuilt(backend, factor, recipe(backend, method))
+    assert calls == {"rebind": 1}
+    assert (again.report.reuse, again.report.changed) == ("kept", "")
     np.testing.assert_array_equal(solved(again, 2), before)
     with pytest.raises(errors.CancelledError):
-        again.hand_over(recipe(backend, method))(lambda _fraction, _stage: False)
+        rebuilt(backend, again, recipe(backend, method), lambda _fraction, _stage: False)
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
@@ -102,13 +123,13 @@ def test_what_needs_a_new_solver_leaves_the_factor_as_it_is(backend, method: str
     factor = backend.build_factor(recipe(backend, method))
     before = solved(factor, 2)
     other = next(name for name in WITH_HANDLES if name != method)
-    painted = {PAINTED[method]: np.linspace(0.5, 1.0, len(POINTS))}
+    needs_new = NEEDS_NEW[method]
     for wanted in (
         recipe(backend, other),
         recipe(backend, method, points=POINTS + 1e-9),
         recipe(backend, method, faces=(FACES[0][1:], FACES[1][4:])),
-        recipe(backend, method, (*ENDS, MIDDLE), **painted),
-        recipe(backend, method, **({"laplacian": "uniform"} if method == "thin_shell" else painted)),
+        recipe(backend, method, (*ENDS, MIDDLE), **needs_new),
+        recipe(backend, method, **needs_new),
     ):
         assert factor.hand_over(wanted) is None
         assert not factor.is_spent
@@ -148,9 +169,9 @@ def test_refusals_are_those_of_a_new_solver(backend, method: str):
         backend.build_factor(recipe(backend, method, handles))
     held = backend.build_factor(recipe(backend, method))
     with pytest.raises(errors.ConstraintError) as again:
-        held.hand_over(recipe(backend, method, handles))(None)
+        rebuilt(backend, held, recipe(backend, method, handles))
     assert str(again.value) == str(new.value)
     assert again.value.elements == new.value.elements
     held = backend.build_factor(recipe(backend, method))
     with pytest.raises(errors.CancelledError):
-        held.hand_over(recipe(backend, method, (*ENDS, MIDDLE)))(lambda _fraction, _stage: False)
+        rebuilt(backend, held, recipe(backend, method, (*ENDS, MIDDLE)), lambda _fraction, _stage: False)

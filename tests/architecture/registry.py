@@ -72,13 +72,11 @@ def _row_offences(root: Path, row: Row) -> Iterator[str]:
         if not (root / name).is_file():
             yield f"{place}: {name} is missing"
     bindings = "".join(path.read_text(encoding="utf-8") for path in files(root, "native/bindings", ".cpp"))
-    if not re.search(rf'(class_|bind_method)<[^;]*?"{row.native}"', bindings):
+    if not re.search(rf'(class_|bind_surface_method|bind_cage_method)<[^;]*?"{row.native}"', bindings):
         yield f"{place}: native/bindings binds no class {row.native}"
-    types = root / "native/bindings/sinew_native.pyi"
-    if not types.is_file() or not re.search(
-        rf"^class {row.native}\b", types.read_text(encoding="utf-8"), re.MULTILINE
-    ):
-        yield f"{place}: native/bindings/sinew_native.pyi declares no class {row.native}"
+    types = "".join(path.read_text(encoding="utf-8") for path in files(root, "native/bindings", ".pyi"))
+    if not re.search(rf"^class {row.native}\b", types, re.MULTILINE):
+        yield f"{place}: native/bindings/sinew_native-stubs declares no class {row.native}"
     if not any(_shows(path, row.id) for path in files(root, "blend_samples", ".py")):
         yield f'{place}: no sample in blend_samples is named after it or uses "{row.id}"'
 

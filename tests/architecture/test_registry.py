@@ -15,7 +15,7 @@ WHOLE = {
     "native/surface/linear/linear_system.h": "",
     "tests/native/surface/linear/test_thin_shell.cpp": "",
     "native/bindings/bind_surface.cpp": 'py::class_<ThinShell, Holder>(module, "ThinShell");\n',
-    "native/bindings/sinew_native.pyi": "class ThinShell:\n    ...\n",
+    "native/bindings/sinew_native-stubs/_surface.pyi": "class ThinShell:\n    ...\n",
     "blend_samples/plate.py": 'pose(method="thin_shell")\n',
 }
 
@@ -49,7 +49,11 @@ def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
         ("native/surface/linear/thin_shell_terms.h", "", "neither a row"),
         ("native/surface/linear/responses/affine.cpp", "", "no header beside it"),
         ("native/bindings/bind_surface.cpp", 'py::class_<X>(m, "Shell");', "binds no class ThinShell"),
-        ("native/bindings/sinew_native.pyi", "class ThinShellReport: ...", "declares no class ThinShell"),
+        (
+            "native/bindings/sinew_native-stubs/_surface.pyi",
+            "class ThinShellReport: ...",
+            "declares no class ThinShell",
+        ),
         ("blend_samples/plate.py", "thin_shells = 1", "no sample"),
         (
             "addon/core/methods/surface_linear.py",

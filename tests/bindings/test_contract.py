@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The module is what its stub says, and says itself what it is."""
+"""The module is what its stubs say, and says itself what it is. Nothing here names a method."""
 
 import ast
 import inspect
@@ -7,14 +7,25 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import sinew_native as sn
 
-STUB = Path(__file__).resolve().parents[2] / "native" / "bindings" / "sinew_native.pyi"
-TREE = ast.parse(STUB.read_text(encoding="utf-8"))
-CLASSES = {node.name: node for node in TREE.body if isinstance(node, ast.ClassDef)}
-FUNCTIONS = {node.name: node for node in TREE.body if isinstance(node, ast.FunctionDef)}
+STUBS = Path(__file__).resolve().parents[2] / "native" / "bindings" / "sinew_native-stubs"
+TREES = {path.stem: ast.parse(path.read_text(encoding="utf-8")) for path in STUBS.glob("*.pyi")}
+NODES = [node for tree in TREES.values() for node in tree.body]
+CLASSES = {node.name: node for node in NODES if isinstance(node, ast.ClassDef)}
+FUNCTIONS = {node.name: node for node in NODES if isinstance(node, ast.FunctionDef)}
+PUBLIC = {name: value for name, value in vars(sn).items() if not name.startswith("_")}
+ERRORS = {name: v for name, v in PUBLIC.items() if inspect.isclass(v) and issubclass(v, Exception)}
+REPORTS = [name for name in CLASSES if name.endswith(("Report", "Diagnosis"))]
+
+
+def subclasses(base: type) -> list[str]:
+    """Names of the methods that can be made, not of what they have in common."""
+    made = (name for name, node in CLASSES.items() if any(m.name == "__init__" for m in members(node)))
+    return [name for name in made if issubclass(PUBLIC[name], base)]
 
 
 def members(node: ast.ClassDef) -> Iterator[ast.FunctionDef]:
@@ -26,7 +37,7 @@ def is_property(node: ast.FunctionDef) -> bool:
 
 
 def callables() -> Iterator[tuple[str, ast.FunctionDef, object]]:
-    """Every function and method of the stub with its counterpart."""
+    """Every function and method of the stubs with its counterpart."""
     for name, node in FUNCTIONS.items():
         yield name, node, getattr(sn, name, None)
     for owner, node in CLASSES.items():
@@ -40,109 +51,215 @@ def parameters(node: ast.FunctionDef) -> list[str]:
     return named + (["*"] if node.args.kwonlyargs else []) + [a.arg for a in node.args.kwonlyargs]
 
 
-def stated_parameters(function: object) -> list[str]:
-    """Of pybind11's first docstring line."""
+def defaults(node: ast.FunctionDef) -> dict[str, object]:
+    """Of the arguments that have one, by name."""
+    positional = [*node.args.posonlyargs, *node.args.args]
+    pairs = list(zip(reversed(positional), reversed(node.args.defaults), strict=False))
+    pairs += list(zip(node.args.kwonlyargs, node.args.kw_defaults, strict=True))
+    return {argument.arg: eval(ast.unparse(value)) for argument, value in pairs if value is not None}
+
+
+def signature_line(function: object) -> str:
+    """pybind11's first docstring line, between the brackets; types are taken out."""
     line = inspect.getdoc(function).splitlines()[0]
     inside = line[line.index("(") + 1 : line.rindex(")")]
-    inside = re.sub(r"\[[^\[\]]*(?:\[[^\[\]]*\])*[^\[\]]*\]", "", inside)  # type[a, b] has commas of its own
-    names = [part.split(":")[0].split("=")[0].strip() for part in inside.split(",")]
+    return re.sub(r"\[[^\[\]]*(?:\[[^\[\]]*\])*[^\[\]]*\]", "", inside)  # type[a, b] has commas of its own
+
+
+def stated_parameters(function: object) -> list[str]:
+    names = [part.split(":")[0].split("=")[0].strip() for part in signature_line(function).split(",")]
     return [name for name in names if name and name != "self"]
+
+
+def told(function: object) -> str:
+    """The docstring after the signature."""
+    text = inspect.getdoc(function)
+    return text.split("\n", 1)[1].strip() if "\n" in text else ""
 
 
 EVERY_CALLABLE = pytest.mark.parametrize(
     ("name", "node", "function"), list(callables()), ids=lambda v: v if isinstance(v, str) else ""
 )
+EVERY_CLASS = pytest.mark.parametrize("name", CLASSES)
 SHAPE = re.compile(r"\((?:[a-z]|\d[a-z])(?:_i)?,(?: ?[\w ]+,?)*\)")  # (n, 3), (k,), (3t, n)
-CALLED_BY_THEIR_NAME = {"clean", "vertex_count", "face_count", "component_count", "handle_count", "size"}
+ARRAYS = re.compile(r"\b(ArrayLike|Floats|Singles|Ints|NDArray|csc_matrix|csr_matrix)\b")
+REFUSES = re.compile(r"\b(ArrayLike|spmatrix|SurfaceMethod|SpaceMethod)\b")
 
 
-def test_stub_names_everything_public() -> None:
-    public = {name for name in vars(sn) if not name.startswith("_")}
-    assert public == CLASSES.keys() | FUNCTIONS.keys()
+def test_stubs_name_everything_public() -> None:
+    assert PUBLIC.keys() == CLASSES.keys() | FUNCTIONS.keys()
 
 
-@pytest.mark.parametrize("name", CLASSES)
-def test_stub_names_every_public_member(name: str) -> None:
+def test_the_first_stub_exports_all_others() -> None:
+    exported = {
+        alias.asname
+        for node in TREES["__init__"].body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert exported == CLASSES.keys() | FUNCTIONS.keys()
+
+
+@EVERY_CLASS
+def test_stubs_name_every_public_member(name: str) -> None:
     stated = {child.name for child in members(CLASSES[name]) if not child.name.startswith("_")}
     fields = {child.target.id for child in CLASSES[name].body if isinstance(child, ast.AnnAssign)}
-    there = {member for member in vars(getattr(sn, name)) if not member.startswith("_")}
-    if issubclass(getattr(sn, name), Exception):
+    there = {member for member in vars(PUBLIC[name]) if not member.startswith("_")}
+    if name in ERRORS:
         there = {member for member in there if member in ("elements", "element_kind")}
     assert there == stated | fields
 
 
+@EVERY_CLASS
+def test_stubs_name_the_bases(name: str) -> None:
+    bases = [base.__name__ for base in PUBLIC[name].__bases__ if base.__name__ != "pybind11_object"]
+    assert [ast.unparse(base) for base in CLASSES[name].bases] == [base for base in bases if base != "object"]
+
+
 @EVERY_CALLABLE
-def test_stub_and_module_agree_on_parameters(name: str, node: ast.FunctionDef, function: object) -> None:
+def test_stubs_and_module_agree_on_parameters(name: str, node: ast.FunctionDef, function: object) -> None:
     assert stated_parameters(function) == parameters(node)
+    assert {
+        part.split(":")[0].split("=")[0].strip()
+        for part in signature_line(function).split(",")
+        if "=" in part
+    } == (defaults(node).keys())
 
 
-def test_every_error_is_an_error() -> None:
-    for name in ("InvalidMesh", "InvalidConstraint", "InvalidOption", "FactorizationFailed", "Cancelled"):
-        error = getattr(sn, name)
-        assert issubclass(error, sn.Error)
-        assert error.__doc__
-        assert error("x").elements == []
-        assert error("x").element_kind == ""
-    assert issubclass(sn.Error, Exception)
+@pytest.mark.parametrize("name", ERRORS)
+def test_every_error_is_an_error(name: str) -> None:
+    error = ERRORS[name]
+    assert issubclass(error, sn.Error)
+    assert error.__doc__
+    assert error("x").elements == []
+    assert error("x").element_kind == ""
 
 
 def test_version_is_three_numbers() -> None:
     assert re.fullmatch(r"\d+\.\d+\.\d+", sn.__version__)
 
 
+@EVERY_CLASS
+def test_every_class_tells_what_it_is(name: str) -> None:
+    assert len(inspect.getdoc(PUBLIC[name]) or "") > 15
+
+
 @EVERY_CALLABLE
 def test_every_function_tells_what_it_does(name: str, node: ast.FunctionDef, function: object) -> None:
-    text = inspect.getdoc(function)
-    told = text.split("\n", 1)[1].strip() if "\n" in text else ""
-    assert len(told) > 15, f"{name} has no docstring"
+    assert len(told(function)) > 15, f"{name} has no docstring"
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "SurfaceMesh.__init__",
-        "ThinShell.__init__",
-        "ThinShell.set_handles",
-        "ThinShell.solve",
-        "Arap.__init__",
-        "Arap.set_handles",
-        "Arap.solve",
-        "Arap.energy",
-        "AffineBasis.solve",
-        "SpdFactor.__init__",
-        "SpdFactor.solve",
-        "laplacian",
-        "mass",
-        "laplacian_power",
-        "gradient",
-        "divergence",
-        "fit_rotations",
-    ],
-)
-def test_docstrings_give_shapes(name: str) -> None:
-    function = sn
-    for part in name.split("."):
-        function = getattr(function, part)
-    assert SHAPE.search(inspect.getdoc(function).split("\n", 1)[1])
+@EVERY_CALLABLE
+def test_docstrings_give_shapes(name: str, node: ast.FunctionDef, function: object) -> None:
+    """Wherever an array goes in or comes out."""
+    if ARRAYS.search(ast.unparse(node.args) + ast.unparse(node.returns)):
+        assert SHAPE.search(told(function)), f"{name} gives no shape"
 
 
-@pytest.mark.parametrize(
-    "name", ["ThinShell.set_handles", "ThinShell.solve", "Arap.set_handles", "Arap.solve"]
-)
-def test_docstrings_give_errors(name: str) -> None:
-    owner, method = name.split(".")
-    assert "Raises" in inspect.getdoc(getattr(getattr(sn, owner), method))
+@EVERY_CALLABLE
+def test_docstrings_give_errors(name: str, node: ast.FunctionDef, function: object) -> None:
+    """Wherever an array or another method goes in, it may be refused; with progress, cancelled."""
+    if REFUSES.search(ast.unparse(node.args)):
+        assert "Raises" in told(function), f"{name} does not say what it refuses"
+    if "progress" in parameters(node):
+        assert "Cancelled" in told(function)
 
 
-@pytest.mark.parametrize("name", CLASSES)
+@EVERY_CLASS
 def test_every_property_tells_what_it_is(name: str) -> None:
     for child in members(CLASSES[name]):
-        if is_property(child) and child.name not in CALLED_BY_THEIR_NAME:
-            assert getattr(sn, name).__dict__[child.name].__doc__, f"{name}.{child.name}"
+        if is_property(child):
+            text = vars(PUBLIC[name])[child.name].__doc__
+            assert text, f"{name}.{child.name}"
+            assert not ARRAYS.search(ast.unparse(child.returns)) or SHAPE.search(text), f"{name}.{child.name}"
 
 
-def test_surface_methods_take_the_same_keywords() -> None:
-    common = {"poses", "incoming", "from_rest", "start", "max_iterations", "progress"}
-    for method in (sn.ThinShell, sn.Arap):
-        assert common <= set(stated_parameters(method.solve))
-        assert {"handles", "weights", "progress"} <= set(stated_parameters(method.set_handles))
+@pytest.mark.parametrize("name", REPORTS)
+def test_every_report_has_a_repr(name: str) -> None:
+    assert "__repr__" in vars(PUBLIC[name])
+
+
+@pytest.mark.parametrize("name", [*subclasses(sn.SurfaceMethod), *subclasses(sn.SpaceMethod)])
+def test_a_method_is_its_constructor_and_its_own_words(name: str) -> None:
+    """What all methods of a level can do is bound once: signatures cannot drift apart."""
+    level = sn.SurfaceMethod if issubclass(PUBLIC[name], sn.SurfaceMethod) else sn.SpaceMethod
+    common = {member for member in vars(level) if not member.startswith("_")}
+    assert not common & vars(PUBLIC[name]).keys()
+    assert all(inspect.getattr_static(PUBLIC[name], member) is vars(level)[member] for member in common)
+
+
+CUBE = sn.SurfaceMesh(
+    [[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)],
+    [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]],
+)
+
+
+@pytest.mark.parametrize("name", subclasses(sn.SurfaceMethod))
+def test_surface_methods_agree_on_shapes_and_refusals(name: str) -> None:
+    method = PUBLIC[name](CUBE)
+    assert method.rest.vertex_count == 8
+    report = method.set_handles([[0, 1], [6, 7]])
+    assert (report.reuse, report.changed, report.handle_count) == ("anew", "", 2)
+    poses = np.stack([np.eye(4)[:3]] * 2)
+    out = np.empty((8, 3), dtype=np.float32)
+    positions, solved = method.solve(poses, incoming=CUBE.points, from_rest=[True, False], start=CUBE.points)
+    assert (positions.shape, positions.dtype, solved.converged) == ((8, 3), np.float64, True)
+    assert method.solve(poses, out=out)[0] is out
+    for wrong in (
+        {"poses": poses[:1]},
+        {"poses": poses, "incoming": CUBE.points[1:]},
+        {"poses": poses, "start": [[0.0]]},
+    ):
+        with pytest.raises(sn.InvalidConstraint):
+            method.solve(**wrong)
+    for wrong in ({"max_iterations": -1}, {"tolerance": np.nan}):
+        with pytest.raises(sn.InvalidOption):
+            method.solve(poses, **wrong)
+    with pytest.raises(sn.InvalidConstraint) as refused:
+        method.set_handles([[0, 1], [1, 2]])
+    assert (refused.value.elements, refused.value.element_kind) == ([1], "vertex")
+    with pytest.raises(sn.Cancelled):
+        method.set_handles([[0]], progress=lambda _share, _stage: False)
+    again = PUBLIC[name](CUBE)
+    assert again.can_reuse(method)
+    assert again.rebind(method, [[0, 1], [6, 7]]).reuse == "kept"
+    assert not PUBLIC[name](CUBE).can_reuse(method), "it has no handles any more"
+    assert not again.can_reuse(object())
+
+
+@pytest.mark.parametrize("name", subclasses(sn.SpaceMethod))
+def test_space_methods_agree_on_shapes_and_refusals(name: str) -> None:
+    method, points = PUBLIC[name](CUBE), np.random.default_rng(1).uniform(0.2, 0.8, (20, 3))
+    with pytest.raises(sn.InvalidConstraint):
+        method.warp(CUBE.points)
+    report = method.bind(points)
+    assert (report.reuse, report.changed, report.point_count) == ("anew", "", 20)
+    entering, out = points + [1.0, 2.0, 3.0], np.empty((20, 3), dtype=np.float32)
+    np.testing.assert_array_equal(method.warp(CUBE.points), points)
+    np.testing.assert_array_equal(method.warp(CUBE.points, incoming=entering), entering)
+    moved = CUBE.points * 1.1
+    np.testing.assert_allclose(
+        method.warp(moved, incoming=entering) - entering, method.warp(moved) - points, atol=1e-15
+    )
+    assert method.warp(moved, out, incoming=entering) is out
+    np.testing.assert_array_equal(out, method.warp(moved, incoming=entering).astype(np.float32))
+    for wrong in ({"cage_points": moved[1:]}, {"cage_points": moved, "incoming": points[1:]}):
+        with pytest.raises(sn.InvalidConstraint):
+            method.warp(**wrong)
+    entering[3] = np.nan
+    with pytest.raises(sn.InvalidConstraint) as refused:
+        method.warp(moved, incoming=entering)
+    assert (refused.value.elements, refused.value.element_kind) == ([3], "vertex")
+    again, before = PUBLIC[name](CUBE), method.warp(moved)
+    assert again.can_reuse(method, points)
+    assert not again.can_reuse(method, points[1:])
+    assert not again.can_reuse(object(), points)
+    with pytest.raises(sn.Cancelled):
+        again.rebind(method, points, lambda _share, _stage: False)
+    assert again.rebind(method, points).reuse == "kept"
+    np.testing.assert_array_equal(again.warp(moved), before)
+    with pytest.raises(sn.InvalidConstraint):
+        method.warp(moved)
+    report = method.rebind(again, points[1:])
+    assert (report.reuse, report.changed) == ("anew", "points")
+    np.testing.assert_array_equal(again.warp(moved), before)

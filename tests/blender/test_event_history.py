@@ -13,6 +13,7 @@ from expected import Expected, Poses
 from inside import bind_in_thread, finish, room
 from mathutils import Matrix
 from probe import render_points
+from registry import METHODS
 from rig import Rig, add_group, close, make_active, move_world, push, update
 from rigs import HandleRig
 
@@ -193,7 +194,7 @@ OPERATORS = {
 BEFORE_THE_PRESS = {"unbake": bake_keys}  # of the pose, not of the rest shape
 
 
-def posed(plate: Rig, name: str = "") -> Expected:
+def pose(plate: Rig, name: str = "") -> Expected:
     """Bound and lifted by a half, with an undo step of its own."""
     plate.bind()
     expected = Expected.of(plate)
@@ -212,7 +213,7 @@ def posed(plate: Rig, name: str = "") -> Expected:
 @pytest.mark.parametrize("name", OPERATORS)
 def test_undo_and_redo_of(plate: Rig, name: str):
     case = OPERATORS[name]
-    expected = posed(plate, name)
+    expected = pose(plate, name)
     before, shape_before = structure(plate), case.before(plate, expected)
     assert close(plate.points(), shape_before)
     case.press()
@@ -236,6 +237,8 @@ def test_every_operator_has_its_undo_tested():
     names = set(dir(bpy.ops.sinew)) - {"curve_edit"}  # test_kinds_of_parameter.py: no method has a curve yet
     options = {name: getattr(getattr(bpy.types, f"SINEW_OT_{name}"), "bl_options", ()) for name in names}
     with_undo = {name for name in names if "UNDO" in options[name]}
+    if not any(row.references for row in METHODS):
+        names, with_undo = names - {"curve_edit"}, with_undo - {"curve_edit"}  # no row has a curve yet
     assert with_undo == set(OPERATORS) | set(IN_EDIT_MODE)
     assert names - with_undo <= {"cancel", "help", "watch"}
 
@@ -255,7 +258,7 @@ def test_undo_and_redo_of_what_enters_edit_mode(plate: Rig, name: str):
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
     bpy.ops.object.mode_set(mode="OBJECT")
-    expected = posed(plate)
+    expected = pose(plate)
     IN_EDIT_MODE[name]()
     assert plate.obj.mode == "EDIT"
     bpy.ops.ed.undo()
@@ -269,7 +272,7 @@ def test_undo_and_redo_of_what_enters_edit_mode(plate: Rig, name: str):
 
 def test_undo_and_redo_of_grab_region_on_a_target(plate: Rig):
     """It edits the mesh itself, which the deformer follows as it follows any edit."""
-    expected = posed(plate)
+    expected = pose(plate)
     at_rest = plate.rest()
     bpy.ops.object.mode_set(mode="EDIT")
     edit = bmesh.from_edit_mesh(plate.obj.data)
@@ -304,7 +307,7 @@ SETTINGS = {
 @pytest.mark.parametrize("name", SETTINGS)
 def test_undo_and_redo_of_a_setting(plate: Rig, name: str):
     change, share = SETTINGS[name]
-    expected = posed(plate)
+    expected = pose(plate)
     whole = expected.shape(LIFT)
     change(plate.deformer)
     push(name)
@@ -320,9 +323,74 @@ def test_undo_and_redo_of_a_setting(plate: Rig, name: str):
     assert close(plate.points(), shown)
 
 
+def set_factor(rig: HandleRig, expected: Poses) -> np.ndarray:
+    rig.deformer.factor = 0.5
+    push("factor")
+    return 0.5 * rig.rest() + 0.5 * expected.lifted(0.5)
+
+
+def stop_live(rig: HandleRig, expected: Poses) -> np.ndarray:
+    rig.deformer.live = False
+    push("live")
+    return expected.lifted(0.5)
+
+
+def press_bind(_rig: HandleRig, expected: Poses) -> np.ndarray:
+    run("bind")
+    return expected.lifted(0.5)
+
+
+def press_unbind(rig: HandleRig, _expected: Poses) -> np.ndarray:
+    run("unbind")
+    return rig.rest()
+
+
+def remove_deformer(rig: HandleRig, _expected: Poses) -> np.ndarray:
+    run("deformer_remove")
+    return rig.rest()
+
+
+def move_on(rig: HandleRig, expected: Poses) -> np.ndarray:
+    rig.lift(0.25)
+    push("moved")
+    return expected.lifted(0.75)
+
+
+def change_topology(rig: HandleRig, _expected: Poses) -> np.ndarray:
+    rig.change_topology()
+    push("topology")
+    return rig.rest()
+
+
+ON_EVERY_RIG = (set_factor, stop_live, press_bind, press_unbind, remove_deformer, move_on, change_topology)
+
+
+@pytest.mark.parametrize("change", ON_EVERY_RIG, ids=lambda change: change.__name__)
+def test_undo_and_redo_on_every_rig(posed: tuple[HandleRig, Poses], change: Callable):
+    rig, expected = posed
+    whole = expected.lifted(0.5)
+    make_active(rig.obj)
+    push("posed")
+    shape = change(rig, expected)
+    assert rig.shows(shape)
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        while rig.obj.mode != "OBJECT" or len(rig.rest()) != len(whole):  # steps in Edit Mode
+            bpy.ops.ed.undo()
+        assert rig.shows(whole)
+        bpy.ops.ed.redo()
+        while len(rig.rest()) != len(shape):
+            bpy.ops.ed.redo()
+        assert rig.shows(shape)
+    bpy.ops.ed.undo()
+    assert rig.shows(whole)
+    rig.lift(0.25)  # and it lives on
+    assert rig.shows(expected.lifted(0.75))
+
+
 def test_undo_and_redo_of_weights(plate: Rig):
     """A soft handle gives way: the library solves with the weight itself."""
-    expected = posed(plate)
+    expected = pose(plate)
     plate.deformer.handles[0].weight = 0.25
     push("weight")
     plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 0.25, "REPLACE")

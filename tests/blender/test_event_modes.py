@@ -8,8 +8,9 @@ import bpy
 import numpy as np
 import pytest
 from expected import Expected
-from inside import catch_up
+from inside import catch_up, settle
 from rig import Rig, close, make_active, update
+from rigs import RIGS, HandleRig
 
 
 def enter(plate: Rig, mode: str) -> None:
@@ -17,69 +18,68 @@ def enter(plate: Rig, mode: str) -> None:
     bpy.ops.object.mode_set(mode=mode)
 
 
-def leave(room=None) -> None:
+def leave() -> None:
     """Back to Object Mode, and the pause after it in which a window's timer works."""
     bpy.ops.object.mode_set(mode="OBJECT")
-    update()
-    if room is not None:
-        catch_up()
-        update()
+    settle()
 
 
-@pytest.fixture
-def posed(plate: Rig) -> tuple[Rig, Expected]:
-    """Lifted by a half."""
-    plate.bind()
-    expected = Expected.of(plate)
-    plate.lift(0.5)
-    assert close(plate.points(), expected.lifted(0.5))
-    return plate, expected
+MODES = [("handles", mode) for mode in ("EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT")]
+MODES += [("cage", "EDIT"), ("cage", "SCULPT"), ("curve in a cage", "EDIT")]
 
 
-@pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT"])
-def test_controls_move_the_mesh_in_every_mode(posed: tuple[Rig, Expected], room, mode: str):
+@pytest.fixture(params=MODES, ids=" ".join)
+def rig_and_mode(request: pytest.FixtureRequest) -> tuple[HandleRig, str]:
+    """A rig, and a mode that its target may be in."""
+    kind, mode = request.param
+    return RIGS[kind].new(), mode
+
+
+def test_controls_move_the_target_in_every_mode(rig_and_mode: tuple[HandleRig, str]):
     """During the mode where Blender evaluates modifiers in it, and afterwards."""
-    plate, expected = posed
-    enter(plate, mode)
-    assert plate.obj.mode == mode
-    plate.lift(0.25)
+    rig, mode = rig_and_mode
+    expected = rig.start()
+    rig.lift(0.5)
+    enter(rig, mode)
+    assert rig.obj.mode == mode
+    rig.lift(0.25)
     if mode != "EDIT":
-        assert close(plate.points(), expected.lifted(0.75))
+        assert rig.shows(expected.lifted(0.75))
     catch_up()
-    leave(room)
-    assert close(plate.points(), expected.lifted(0.75))
-    assert plate.deformer.status_level == "INFO"
-    enter(plate, mode)
-    leave(room)
-    assert close(plate.points(), expected.lifted(0.75))
+    leave()
+    assert rig.shows(expected.lifted(0.75))
+    assert rig.deformer.status_level == "INFO"
+    enter(rig, mode)
+    leave()
+    assert rig.shows(expected.lifted(0.75))
 
 
-@pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "WEIGHT_PAINT"])
-def test_frames_change_in_every_mode(plate: Rig, room, mode: str):
-    plate.bind()
-    expected = Expected.of(plate)
+def test_frames_change_in_every_mode(rig_and_mode: tuple[HandleRig, str]):
+    rig, mode = rig_and_mode
+    expected = rig.start()
     for frame, height in ((1, 0.0), (11, 1.0)):
-        plate.control.location.z = height
-        plate.control.keyframe_insert("location", frame=frame)
-    enter(plate, mode)
+        rig.control.location.z = height
+        rig.control.keyframe_insert("location", frame=frame)
+    enter(rig, mode)
     for frame in (11, 1, 11):
         bpy.context.scene.frame_set(frame)
-    leave(room)
-    assert close(plate.points(), expected.lifted(1.0))
+    leave()
+    assert rig.shows(expected.lifted(1.0))
 
 
-@pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "WEIGHT_PAINT"])
-def test_saved_in_a_mode_and_opened(posed: tuple[Rig, Expected], tmp_path, room, mode: str):
-    plate, expected = posed
-    enter(plate, mode)
+def test_saved_in_a_mode_and_opened(rig_and_mode: tuple[HandleRig, str], tmp_path):
+    rig, mode = rig_and_mode
+    expected = rig.start()
+    rig.lift(0.5)
+    enter(rig, mode)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "rig.blend"))
-    if plate.obj.mode != "OBJECT":
-        make_active(plate.obj)
-        leave(room)
-    assert close(plate.points(), expected.lifted(0.5))
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75))
+    if rig.obj.mode != "OBJECT":
+        make_active(rig.obj)
+        leave()
+    assert rig.shows(expected.lifted(0.5))
+    rig.lift(0.25)
+    assert rig.shows(expected.lifted(0.75))
 
 
 # --- Edit Mode
@@ -92,9 +92,9 @@ def edit_vertices(plate: Rig, change: Callable[[bmesh.types.BMVert], None]) -> N
     bmesh.update_edit_mesh(plate.obj.data)
 
 
-def test_vertices_moved_in_edit_mode_move_on_top_of_the_pose(posed: tuple[Rig, Expected], room):
+def test_vertices_moved_in_edit_mode_move_on_top_of_the_pose(posed_plate: tuple[Rig, Expected]):
     """The rest shape stays that of the bind; what enters is followed."""
-    plate, expected = posed
+    plate, expected = posed_plate
     bump = np.zeros_like(plate.rest())
     bump[60:64, 2] = 0.1
 
@@ -103,7 +103,7 @@ def test_vertices_moved_in_edit_mode_move_on_top_of_the_pose(posed: tuple[Rig, E
 
     enter(plate, "EDIT")
     edit_vertices(plate, raise_some)
-    leave(room)
+    leave()
     incoming = plate.rest()
     assert np.abs(incoming[60:64, 2] - 0.1).max() < 1e-6
     shape = expected.lifted(0.5) + bump
@@ -168,11 +168,11 @@ EDITS = (subdivide, extrude, cut_a_hole, reverse, triangulate, add_a_part, delet
 
 
 @pytest.mark.parametrize("change", EDITS, ids=lambda change: change.__name__)
-def test_topology_changed_in_edit_mode_and_rebound(posed: tuple[Rig, Expected], room, change):
-    plate, expected = posed
+def test_topology_changed_in_edit_mode_and_rebound(posed_plate: tuple[Rig, Expected], change):
+    plate, expected = posed_plate
     enter(plate, "EDIT")
     change(plate)
-    leave(room)
+    leave()
     assert close(plate.points(), plate.rest())
     assert plate.deformer.status == "Topology changed - Rebind"
     make_active(plate.obj)
@@ -185,12 +185,12 @@ def test_topology_changed_in_edit_mode_and_rebound(posed: tuple[Rig, Expected], 
 
 
 @pytest.mark.parametrize("change", EDITS, ids=lambda change: change.__name__)
-def test_topology_changed_in_edit_mode_and_rebound_by_itself(posed: tuple[Rig, Expected], room, change):
-    plate, expected = posed
+def test_topology_changed_in_edit_mode_and_rebound_by_itself(posed_plate: tuple[Rig, Expected], change):
+    plate, expected = posed_plate
     plate.deformer.auto_rebind = True
     enter(plate, "EDIT")
     change(plate)
-    leave(room)
+    leave()
     expected.rebind(plate.obj)
     assert close(plate.points(), expected.lifted(0.5))
     assert plate.deformer.status_level == "INFO"
@@ -200,10 +200,10 @@ def test_topology_changed_in_edit_mode_and_rebound_by_itself(posed: tuple[Rig, E
 
 @pytest.mark.parametrize("automatic", [False, True])
 def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(
-    posed: tuple[Rig, Expected], tmp_path, automatic: bool
+    posed_plate: tuple[Rig, Expected], tmp_path, automatic: bool
 ):
     """No timer had time to look: Blender in the background never has one."""
-    plate, expected = posed
+    plate, expected = posed_plate
     plate.deformer.auto_rebind = automatic
     enter(plate, "EDIT")
     reverse(plate)
@@ -214,16 +214,16 @@ def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(
     assert close(plate.points(), expected.lifted(0.5) if automatic else plate.rest())
 
 
-def test_topology_changed_and_changed_back(posed: tuple[Rig, Expected], room):
+def test_topology_changed_and_changed_back(posed_plate: tuple[Rig, Expected]):
     """By undo of the edit, Blender's own way back; no rebind is needed."""
-    plate, expected = posed
+    plate, expected = posed_plate
     update()
     bpy.ops.ed.undo_push(message="posed")
     enter(plate, "EDIT")
     bpy.ops.ed.undo_push(message="Edit Mode")
     subdivide(plate)
     bpy.ops.ed.undo_push(message="subdivided")
-    leave(room)
+    leave()
     bpy.ops.ed.undo_push(message="Object Mode")
     assert plate.deformer.status == "Topology changed - Rebind"
     for _ in range(3):
@@ -234,8 +234,8 @@ def test_topology_changed_and_changed_back(posed: tuple[Rig, Expected], room):
     assert plate.deformer.status_level == "INFO"
 
 
-def test_edit_mode_of_two_targets_at_once(posed: tuple[Rig, Expected], room):
-    plate, expected = posed
+def test_edit_mode_of_two_targets_at_once(posed_plate: tuple[Rig, Expected]):
+    plate, expected = posed_plate
     make_active(plate.obj)
     plate.control.select_set(True)
     bpy.ops.object.duplicate()
@@ -246,7 +246,7 @@ def test_edit_mode_of_two_targets_at_once(posed: tuple[Rig, Expected], room):
     bpy.ops.object.mode_set(mode="EDIT")
     assert plate.obj.mode == other.mode == "EDIT"
     plate.lift(0.25)
-    leave(room)
+    leave()
     assert close(plate.points(), expected.lifted(0.75))
     twin = Rig.__new__(Rig)
     twin.name = other.name
@@ -256,23 +256,23 @@ def test_edit_mode_of_two_targets_at_once(posed: tuple[Rig, Expected], room):
 # --- Sculpt Mode
 
 
-def test_sculpt_mode_with_deforming_modifiers_only(posed: tuple[Rig, Expected], room):
+def test_sculpt_mode_with_deforming_modifiers_only(posed_plate: tuple[Rig, Expected]):
     """Blender then leaves modifiers of nodes out: the pose comes back with Object Mode."""
-    plate, expected = posed
+    plate, expected = posed_plate
     enter(plate, "SCULPT")
     bpy.context.scene.tool_settings.sculpt.use_deform_only = True
     plate.obj.update_tag()
     update()
     plate.lift(0.25)
     catch_up()
-    leave(room)
+    leave()
     assert close(plate.points(), expected.lifted(0.75))
     assert plate.deformer.status_level == "INFO"
 
 
-def test_dynamic_topology(posed: tuple[Rig, Expected], room):
+def test_dynamic_topology(posed_plate: tuple[Rig, Expected]):
     """Blender switches modifiers off; what comes back is another mesh, or the old one."""
-    plate, expected = posed
+    plate, expected = posed_plate
     enter(plate, "SCULPT")
     if "FINISHED" not in bpy.ops.sculpt.dynamic_topology_toggle():
         pytest.skip("this Blender asks before it starts dynamic topology")
@@ -280,7 +280,7 @@ def test_dynamic_topology(posed: tuple[Rig, Expected], room):
     plate.lift(0.25)
     catch_up()
     bpy.ops.sculpt.dynamic_topology_toggle()
-    leave(room)
+    leave()
     if close(plate.points(), plate.rest()):  # its vertices are in another order
         assert plate.deformer.status == "Topology changed - Rebind"
         make_active(plate.obj)
@@ -289,9 +289,9 @@ def test_dynamic_topology(posed: tuple[Rig, Expected], room):
     assert close(plate.points(), expected.lifted(0.75))
 
 
-def test_sculpted_vertices_move_on_top_of_the_pose(posed: tuple[Rig, Expected], room):
+def test_sculpted_vertices_move_on_top_of_the_pose(posed_plate: tuple[Rig, Expected]):
     """A stroke needs a window; it ends as this edit does, in the mesh."""
-    plate, expected = posed
+    plate, expected = posed_plate
     enter(plate, "SCULPT")
     bump = np.zeros_like(plate.rest())
     bump[60:64, 2] = 0.1
@@ -299,12 +299,12 @@ def test_sculpted_vertices_move_on_top_of_the_pose(posed: tuple[Rig, Expected], 
     plate.obj.data.vertices.foreach_set("co", flat)
     plate.obj.data.update()
     update()
-    leave(room)
+    leave()
     assert close(plate.points(), expected.lifted(0.5) + bump)
 
 
 @pytest.mark.parametrize("below", [False, True])
-def test_multires(plate: Rig, room, below: bool):
+def test_multires(plate: Rig, below: bool):
     """Levels above the deformer smooth its result; below, the deformer works on the fine mesh."""
     obj = plate.obj
     make_active(obj)
@@ -327,7 +327,7 @@ def test_multires(plate: Rig, room, below: bool):
     before = plate.points()
     enter(plate, "SCULPT")
     plate.lift(0.0)
-    leave(room)
+    leave()
     assert close(plate.points(), before)
 
 
@@ -347,21 +347,21 @@ def paint(plate: Rig, group: str, weight: float) -> None:
     update()
 
 
-def test_painted_weights_are_live(posed: tuple[Rig, Expected], room):
+def test_painted_weights_are_live(posed_plate: tuple[Rig, Expected]):
     """Each stroke takes effect when it ends; the mode need not be left."""
-    plate, expected = posed
+    plate, expected = posed_plate
     enter(plate, "WEIGHT_PAINT")
     for weight in (0.5, 0.1, 1.0):
         paint(plate, "Top", weight)
         catch_up()
         expected.rebind(plate.obj)
         assert close(plate.points(), expected.lifted(0.5))
-    leave(room)
+    leave()
     assert close(plate.points(), expected.lifted(0.5))
 
 
-def test_operators_of_weight_paint_are_live(posed: tuple[Rig, Expected], room):
-    plate, expected = posed
+def test_operators_of_weight_paint_are_live(posed_plate: tuple[Rig, Expected]):
+    plate, expected = posed_plate
     plate.obj.vertex_groups.active = plate.obj.vertex_groups["Top"]
     enter(plate, "WEIGHT_PAINT")
     hard = plate.points()
@@ -382,11 +382,11 @@ def test_operators_of_weight_paint_are_live(posed: tuple[Rig, Expected], room):
             assert "share 22 vertices" in plate.deformer.status
             assert close(shown, plate.rest())
     assert np.abs(plate.points() - hard).max() > 1e-3
-    leave(room)
+    leave()
 
 
-def test_a_region_painted_wider_or_emptied(posed: tuple[Rig, Expected]):
-    plate, expected = posed
+def test_a_region_painted_wider_or_emptied(posed_plate: tuple[Rig, Expected]):
+    plate, expected = posed_plate
     enter(plate, "WEIGHT_PAINT")
     plate.obj.vertex_groups["Top"].add([60], 1.0, "REPLACE")
     plate.obj.data.update()

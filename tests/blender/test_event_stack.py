@@ -6,7 +6,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 import pytest
-from expected import Expected
+from expected import Expected, Poses
 from inside import settle
 from probe import render_points
 from rig import (
@@ -21,18 +21,9 @@ from rig import (
     make_active,
     update,
 )
+from rigs import HandleRig
 
 BEND = 0.7
-
-
-@pytest.fixture
-def posed(plate: Rig) -> tuple[Rig, Expected]:
-    """Lifted by a half."""
-    plate.bind()
-    expected = Expected.of(plate)
-    plate.lift(0.5)
-    assert close(plate.points(), expected.lifted(0.5))
-    return plate, expected
 
 
 def lattice_modifier(obj: bpy.types.Object) -> bpy.types.Modifier:
@@ -66,9 +57,9 @@ def to_the_end(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
     bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=len(obj.modifiers) - 1)
 
 
-def test_a_deforming_modifier_below_above_moved_and_removed(posed: tuple[Rig, Expected]):
+def test_a_deforming_modifier_below_above_moved_and_removed(posed_plate: tuple[Rig, Expected]):
     """Before ours in the stack its result is what we deform; after ours it works on our result."""
-    plate, expected = posed
+    plate, expected = posed_plate
     obj = plate.obj
     twist = lattice_modifier(obj)
     after = by_blender(expected.lifted(0.5), lattice_modifier)
@@ -129,8 +120,8 @@ def solidify(obj: bpy.types.Object) -> bpy.types.Modifier:
 
 
 @pytest.mark.parametrize("add", [subdivision, array, solidify], ids=lambda add: add.__name__)
-def test_a_constructive_modifier_after_ours_added_applied_and_removed(posed: tuple[Rig, Expected], add):
-    plate, expected = posed
+def test_a_constructive_modifier_after_ours_added_applied_and_removed(posed_plate: tuple[Rig, Expected], add):
+    plate, expected = posed_plate
     modifier = add(plate.obj)
     for height in (0.5, 0.75):
         plate.lift(height - 0.5)
@@ -143,9 +134,9 @@ def test_a_constructive_modifier_after_ours_added_applied_and_removed(posed: tup
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-def test_a_constructive_modifier_after_ours_applied(posed: tuple[Rig, Expected], automatic: bool):
+def test_a_constructive_modifier_after_ours_applied(posed_plate: tuple[Rig, Expected], automatic: bool):
     """Blender applies it to the mesh, without the pose: the deformer has another mesh before it then."""
-    plate, expected = posed
+    plate, expected = posed_plate
     plate.deformer.auto_rebind = automatic
     subdivision(plate.obj)
     plate.points()
@@ -165,9 +156,9 @@ def test_a_constructive_modifier_after_ours_applied(posed: tuple[Rig, Expected],
 
 @pytest.mark.parametrize("add", [subdivision, array], ids=lambda add: add.__name__)
 @pytest.mark.parametrize("automatic", [False, True])
-def test_a_constructive_modifier_put_before_ours(posed: tuple[Rig, Expected], add, automatic: bool):
+def test_a_constructive_modifier_put_before_ours(posed_plate: tuple[Rig, Expected], add, automatic: bool):
     """Other vertices enter: rest and a word about it, right after Rebind or by itself, right when it goes."""
-    plate, expected = posed
+    plate, expected = posed_plate
     obj = plate.obj
     plate.deformer.auto_rebind = automatic
     to_the_top(obj, add(obj))
@@ -230,24 +221,24 @@ def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, show
     assert close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=in_render))
 
 
-def test_ours_muted_and_shown(posed: tuple[Rig, Expected]):
-    plate, expected = posed
-    modifier = plate.obj.modifiers[0]
+def test_ours_muted_and_shown(posed: tuple[HandleRig, Poses]):
+    rig, expected = posed
+    modifier = rig.obj.modifiers[0]
     modifier.show_viewport = False
-    assert close(plate.points(), plate.rest())
-    plate.lift(0.25)
-    assert close(plate.points(), plate.rest())
-    assert close(render_points(plate.obj), expected.lifted(0.75))
+    assert rig.shows(rig.rest())
+    rig.lift(0.25)
+    assert rig.shows(rig.rest())
+    assert close(render_points(rig.obj), expected.lifted(0.75), rig.tolerance)
     modifier.show_viewport = True
-    assert close(plate.points(), expected.lifted(0.75))
+    assert rig.shows(expected.lifted(0.75))
     modifier.show_render = False
-    assert close(render_points(plate.obj), plate.rest())
-    assert close(plate.points(), expected.lifted(0.75))
+    assert close(render_points(rig.obj), rig.rest(), rig.tolerance)
+    assert rig.shows(expected.lifted(0.75))
 
 
-def test_ours_applied_by_blenders_own_button(posed: tuple[Rig, Expected]):
+def test_ours_applied_by_blenders_own_button(posed_plate: tuple[Rig, Expected]):
     """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
-    plate, expected = posed
+    plate, expected = posed_plate
     make_active(plate.obj)
     bpy.ops.object.modifier_apply(modifier=plate.obj.modifiers[0].name)
     settle()
@@ -261,35 +252,36 @@ def test_ours_applied_by_blenders_own_button(posed: tuple[Rig, Expected]):
     assert close(plate.points(), expected.lifted(0.5))
 
 
-def test_ours_removed_by_blenders_own_button_and_bound_again(posed: tuple[Rig, Expected]):
-    plate, expected = posed
-    make_active(plate.obj)
-    bpy.ops.object.modifier_remove(modifier=plate.obj.modifiers[0].name)
+def test_ours_removed_by_blenders_own_button_and_bound_again(posed: tuple[HandleRig, Poses]):
+    rig, expected = posed
+    make_active(rig.obj)
+    bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
     settle()
-    assert close(plate.points(), plate.rest())
-    assert plate.deformer.status_level in ("ERROR", "WARNING")
+    assert rig.shows(rig.rest())
+    assert rig.deformer.status_level in ("ERROR", "WARNING")
     bpy.ops.sinew.bind()
-    assert close(plate.points(), expected.lifted(0.5))
-    assert len(plate.obj.modifiers) == 1
+    assert rig.shows(expected.lifted(0.5))
+    assert len(rig.obj.modifiers) == 1
 
 
-def test_ours_copied_by_blenders_own_button(posed: tuple[Rig, Expected]):
+@pytest.mark.parametrize("rig", ["handles", "cage"], indirect=True)
+def test_ours_copied_by_blenders_own_button(posed: tuple[HandleRig, Poses]):
     """Two modifiers show one shape: the pose is seen once, not twice."""
-    plate, expected = posed
-    make_active(plate.obj)
-    bpy.ops.object.modifier_copy(modifier=plate.obj.modifiers[0].name)
+    rig, expected = posed
+    make_active(rig.obj)
+    bpy.ops.object.modifier_copy(modifier=rig.obj.modifiers[0].name)
     for height in (0.5, 0.75, 1.0):
         settle()
-        assert close(plate.points(), expected.lifted(height))
-        plate.lift(0.25)
-    bpy.ops.object.modifier_remove(modifier=plate.obj.modifiers[0].name)
+        assert rig.shows(expected.lifted(height))
+        rig.lift(0.25)
+    bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
     settle()
-    assert close(plate.points(), expected.lifted(1.25))
+    assert rig.shows(expected.lifted(1.25))
 
 
-def test_modifiers_copied_to_another_object(posed: tuple[Rig, Expected]):
+def test_modifiers_copied_to_another_object(posed_plate: tuple[Rig, Expected]):
     """It shows the shape as a mirror does; the rig stays one."""
-    plate, expected = posed
+    plate, expected = posed_plate
     other = grid_object("Other")
     make_active(plate.obj)
     other.select_set(True)
@@ -304,8 +296,8 @@ def test_modifiers_copied_to_another_object(posed: tuple[Rig, Expected]):
     assert close(plate.points(), expected.lifted(1.0))
 
 
-def test_all_modifiers_applied_by_converting_to_a_mesh(posed: tuple[Rig, Expected]):
-    plate, expected = posed
+def test_all_modifiers_applied_by_converting_to_a_mesh(posed_plate: tuple[Rig, Expected]):
+    plate, expected = posed_plate
     subdivision(plate.obj)
     smooth = by_blender(expected.lifted(0.5), subdivision)
     make_active(plate.obj)
@@ -382,8 +374,8 @@ def test_a_modifier_between_two_of_ours_comes_and_goes(plate: Rig):
     assert close(plate.points(), straight, 2 * FLOAT32)
 
 
-def test_shape_keys_added_blended_and_removed(posed: tuple[Rig, Expected]):
-    plate, expected = posed
+def test_shape_keys_added_blended_and_removed(posed_plate: tuple[Rig, Expected]):
+    plate, expected = posed_plate
     obj = plate.obj
     obj.shape_key_add(name="Basis")
     wave = obj.shape_key_add(name="Wave")
@@ -400,9 +392,9 @@ def test_shape_keys_added_blended_and_removed(posed: tuple[Rig, Expected]):
     assert close(plate.points(), expected.lifted(0.5))
 
 
-def test_an_armature_added_before_a_living_deformer(posed: tuple[Rig, Expected]):
+def test_an_armature_added_before_a_living_deformer(posed_plate: tuple[Rig, Expected]):
     """The skin comes after the pose: the deformer then works on what the bones give it."""
-    plate, expected = posed
+    plate, expected = posed_plate
     armature = add_armature(plate.obj)
     to_the_top(plate.obj, plate.obj.modifiers["Armature"])
     bone = armature.pose.bones["high"]

@@ -20,7 +20,7 @@ SHAPE = 12  # bytes a vertex, of a shape array
 def native(room, count_native) -> Counter:
     """How often the native module was asked for something."""
     module = room("backend").availability().module
-    return count_native(module, "SurfaceMesh", "diagnose", "set_handles", "set_stiffness", "solve")
+    return count_native(module, "SurfaceMesh", "diagnose", "set_handles", "rebind", "solve")
 
 
 def peak_of(action: Callable[[], object]) -> int:

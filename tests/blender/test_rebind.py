@@ -24,6 +24,12 @@ def bound(plate: Rig, room):
     return room("session").find(plate.deformer.uid).bound
 
 
+def reused(plate: Rig, room) -> tuple[str, str]:
+    """What the last bind took over, and what differed."""
+    report = bound(plate, room).factor.report
+    return report.reuse, report.changed
+
+
 def bind(plate: Rig) -> None:
     make_active(plate.obj)
     bpy.ops.sinew.bind()
@@ -59,7 +65,8 @@ def test_another_region_is_one_native_call(plate: Rig, room, native: Counter, me
     plate.lift(0.5)
     native.clear()
     add_middle(plate)
-    assert native == {"set_handles": 1}
+    assert native == {"rebind": 1}
+    assert reused(plate, room) == ("updated", "handles")
     same_as_anew(plate, room)
 
 
@@ -72,18 +79,20 @@ def test_painting_a_stiffness_is_one_native_call(plate: Rig, room, native: Count
     native.clear()
     paint(plate, 0.1)
     settle()
-    assert native == {"set_stiffness": 1}
+    assert native == {"rebind": 1}
+    assert reused(plate, room) == ("updated", "bending")
     same_as_anew(plate, room)
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
-def test_binding_again_costs_the_native_module_nothing(plate: Rig, native: Counter, method: str):
+def test_binding_again_costs_the_native_module_nothing(plate: Rig, room, native: Counter, method: str):
     plate.bind(method)
     plate.lift(0.5)
     shown = plate.points()
     native.clear()
     bind(plate)
-    assert not native
+    assert native == {"rebind": 1}
+    assert reused(plate, room) == ("kept", "")
     np.testing.assert_array_equal(plate.points(), shown)
 
 
@@ -94,7 +103,7 @@ def test_another_rest_shape_needs_a_new_solver(plate: Rig, room, native: Counter
     plate.obj.data.update_tag()
     native.clear()
     bind(plate)
-    assert native == {**NEW, "ThinShell": 1}
+    assert native == NEW
     assert not old.factor.is_spent
     assert bound(plate, room) is not old
 
@@ -109,14 +118,14 @@ def test_a_refused_rebind_keeps_nothing(plate: Rig, room, native: Counter, monke
         raise module.FactorizationFailed("refused here")
 
     with monkeypatch.context() as patch:
-        patch.setattr(shell, "set_handles", refuse)
+        patch.setattr(shell, "rebind", refuse)
         add_middle(plate)
     assert plate.deformer.status == "refused here"
     assert bound(plate, room) is None
     np.testing.assert_allclose(plate.points(), plate.rest(), atol=1e-6)
     native.clear()
     bind(plate)
-    assert native == {**NEW, "ThinShell": 1}
+    assert native == NEW
 
 
 @pytest.fixture
@@ -148,7 +157,7 @@ def test_while_a_thread_binds_the_last_shape_stays(plate: Rig, room, heavy, nati
         room("session").find(plate.deformer.uid).view("VIEWPORT").positions, shown.astype(np.float32)
     )
     catch_up()
-    assert native == {"set_handles": 1}
+    assert native == {"rebind": 1}
     plate.lift(0.1)
     assert plate.points()[plate.top, 2] == pytest.approx(0.6, abs=1e-6)
     same_as_anew(plate, room)

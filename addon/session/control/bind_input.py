@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from bpy.types import PropertyGroup
 
-from ...backend import Base, CageRecipe, Recipe
+from ...backend import Base, Recipe
 from ...core.errors import OptionError
 from ...core.methods import METHODS, Curve, Method, Parameter, Pointer, group_property
 from ...mesh_io import RestShape
@@ -39,7 +39,7 @@ class BindInput:
     """
 
     key: tuple
-    recipe: Recipe | CageRecipe
+    recipe: Recipe
     rest: RestShape
     on_base: bool  # the vertices that enter are those of the base mesh
     control: str

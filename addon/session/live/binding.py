@@ -8,7 +8,7 @@ from functools import partial
 
 import bpy
 
-from ...backend import Factor, Progress, availability, build_factor
+from ...backend import Factor, Inheritance, Progress, availability, build_factor
 from ...core import status
 from ...core.elements import NO_ELEMENTS, Owner
 from ...core.errors import BackendMissingError, CancelledError, SinewError
@@ -94,14 +94,12 @@ def ensure(
         if rest == deformer.rest:
             abandon(deformer.uid)
         session.drop_work()  # its answer would be one of the old factor
-        build = None if session.bound is None else session.bound.factor.hand_over(request.recipe)
+        inherited = None if session.bound is None else session.bound.factor.hand_over(request.recipe)
         if not wait and may_wait(len(request.rest.points)):
-            _jobs[deformer.uid] = _begin(request) if build is None else Work(build, request)
+            _jobs[deformer.uid] = _begin(request, inherited)
             return None
-        if build is None:
-            build = partial(build_factor, request.recipe)
         begin = time.perf_counter()
-        factor = build(progress)
+        factor = build_factor(request.recipe, progress, inherited)
     except SinewError as error:
         told = _told(error, request)
         _refuse(session, deformer.uid, key, told)
@@ -111,12 +109,12 @@ def ensure(
     )
 
 
-def _begin(request: BindInput) -> Work:
+def _begin(request: BindInput, inherited: Inheritance | None) -> Work:
     """A thread that builds a factor; where a quick one is worth showing, that one first."""
     preview = request.recipe.preview()
-    if preview is not None:
+    if preview is not None and inherited is None:
         return Work(partial(build_factor, preview), replace(request, recipe=preview, after=request))
-    return Work(partial(build_factor, request.recipe), request)
+    return Work(partial(build_factor, request.recipe, inherited=inherited), request)
 
 
 def _told(error: SinewError, request: BindInput | None) -> SinewError:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from bpy.types import Object
 
-from ...backend import Factor, Progress, Recipe, build_factor
+from ...backend import Factor, Handles, Progress, Recipe, Shape, build_factor
 from ...core.errors import ConstraintError
 from ...core.geometry import frames
 from ...core.methods import Method
@@ -123,8 +123,8 @@ class Grab:
     def _bind(self, region: Region, progress: Progress | None) -> Factor:
         options = {row.id: row.default for row in self._method.parameters if row.rebinds}
         handles = [places for places in (region.handle, region.fixed) if len(places)]
-        weights = [None] * len(handles)
-        recipe = Recipe(self._method, region.rest, region.faces, options, handles, weights)
+        target = Shape(region.rest, region.faces)
+        recipe = Recipe(self._method, target, options, Handles(handles, [None] * len(handles)))
         return build_factor(recipe, progress)
 
     # How it moves

@@ -5,6 +5,12 @@
 
 namespace sinew {
 
+/// What becomes of points outside the cage, where a method has no weights.
+enum class CageOutside {
+    refuse,    ///< bind() names them
+    mean_value ///< they get the weights of MeanValue; a warp jumps where the cage is crossed
+};
+
 /// A closed control mesh around, within or beside the points that it moves.
 ///
 /// Faces of any size and any number of parts. Coordinates are written on the triangles that SurfaceMesh

@@ -39,9 +39,9 @@ Vector3 stretched_normal(const Vector3& u, const Vector3& v, Vector3 to_u, Vecto
 } // namespace
 
 Green::Green(Cage cage, const GreenOptions& options)
-    : CageCoordinates(std::move(cage), options.weights), geometry_(this->cage()), outside_(options.outside)
+    : CageCoordinates(std::move(cage), options.weights), geometry_(this->cage()), options_(options)
 {
-    if (outside_ != GreenOutside::face)
+    if (options.outside != GreenOutside::face)
         return;
     const std::vector<int>& faces = this->cage().rest().triangle_faces();
     const int count = geometry_.tables().triangle_count;
@@ -51,6 +51,14 @@ Green::Green(Cage cage, const GreenOptions& options)
     if (exit_ < 0)
         throw InvalidOption("exit face " + std::to_string(options.exit_face) +
                             " is no face of the cage that has an area");
+}
+
+std::vector<std::string> Green::changed_settings(const SpaceMethod& former) const
+{
+    const GreenOptions& other = static_cast<const Green&>(former).options_;
+    return names_of({{"outside", options_.outside != other.outside},
+                     {"exit_face", options_.exit_face != other.exit_face}},
+                    CageCoordinates::changed_settings(former));
 }
 
 int Green::columns() const { return cage().vertex_count() + static_cast<int>(cage().triangles().size()); }
@@ -99,7 +107,7 @@ struct Green::Told
     }
 };
 
-void Green::evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
     const CageTables tables = geometry_.tables();
     const int vertices = cage().vertex_count(), count = static_cast<int>(block.rows());

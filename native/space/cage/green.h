@@ -60,10 +60,11 @@ public:
 
 protected:
     void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     int columns() const override;
     /// The vertices, then s n' of each triangle times the cage's size: weights have no unit.
     void controls(PointsView vertices, Points& controls) const override;
-    bool reaches_outside() const override { return outside_ != GreenOutside::refuse; }
+    bool reaches_outside() const override { return options_.outside != GreenOutside::refuse; }
 
 private:
     struct Told;
@@ -75,7 +76,7 @@ private:
     Vector3 moved_in(const Vector3& x) const;
 
     CageGeometry geometry_;
-    GreenOutside outside_;
+    GreenOptions options_;
     int exit_ = -1; ///< of the geometry's triangles
 };
 

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 namespace sinew {
@@ -53,7 +54,7 @@ int level_for(int triangles, HarmonicQuality quality)
 } // namespace
 
 Harmonic::Harmonic(Cage cage, const HarmonicOptions& options)
-    : CageCoordinates(std::move(cage), options.weights), quality_(options.quality), solver_(options.solver),
+    : CageCoordinates(std::move(cage), options.weights), options_(options), solver_(options.solver),
       surface_(this->cage()), outside_(this->cage(), options.outside), data_(harmonic_data(this->cage()))
 {
     if (solver_ == HarmonicSolver::automatic)
@@ -75,6 +76,25 @@ Harmonic::~Harmonic() = default;
 double Harmonic::residual_rms() const { return boundary_ ? boundary_->residual_rms() : 0.0; }
 double Harmonic::residual_max() const { return boundary_ ? boundary_->residual_max() : 0.0; }
 
+std::vector<std::string> Harmonic::changed_settings(const SpaceMethod& former) const
+{
+    const HarmonicOptions& other = static_cast<const Harmonic&>(former).options_;
+    return names_of({{"quality", options_.quality != other.quality},
+                     {"outside", options_.outside != other.outside},
+                     {"solver", options_.solver != other.solver}},
+                    CageCoordinates::changed_settings(former));
+}
+
+void Harmonic::swap_weights(SpaceMethod& other)
+{
+    CageCoordinates::swap_weights(other);
+    auto& others = static_cast<Harmonic&>(other);
+    std::swap(boundary_, others.boundary_);
+    std::swap(coarser_, others.coarser_);
+    std::swap(unknowns_, others.unknowns_);
+    std::swap(error_, others.error_);
+}
+
 double Harmonic::prepare(PointsView points, const Progress& progress)
 {
     const double share = solver_ == HarmonicSolver::lattice ? 0.9 : 0.6;
@@ -87,7 +107,7 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
         return share;
     }
     within.tick(0.0, "cutting the lattice");
-    const HarmonicGrid grid(cage(), budget(quality_).cells);
+    const HarmonicGrid grid(cage(), budget(options_.quality).cells);
     const int step = static_cast<int>(points.rows()) / checked_points + 1;
     grid_ = std::make_unique<HarmonicGrid::Weights>(grid.evaluate(points, step, within));
     unknowns_ = grid.node_count();
@@ -98,7 +118,7 @@ double Harmonic::prepare(PointsView points, const Progress& progress)
 void Harmonic::solve_boundary(PointsView points, const Progress& progress)
 {
     if (!boundary_) {
-        const int level = level_for(static_cast<int>(cage().triangles().size()), quality_);
+        const int level = level_for(static_cast<int>(cage().triangles().size()), options_.quality);
         const auto within = [&](double from, double part) {
             return Progress([&progress, from, part](double fraction, const char* stage) {
                 progress.tick(from + part * fraction, stage);
@@ -249,6 +269,6 @@ void Harmonic::mend_near(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> ro
     }
 }
 
-void Harmonic::finish(CageReport& report) const { report.error = error_; }
+void Harmonic::finish(SpaceReport& report) const { report.error = error_; }
 
 } // namespace sinew

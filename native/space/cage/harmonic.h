@@ -70,8 +70,10 @@ protected:
     /// \throw InvalidMesh  boundary: faces without area, or that touch one another; named.
     double prepare(PointsView points, const Progress& progress) override;
     void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
+    void swap_weights(SpaceMethod& other) override;
     bool reaches_outside() const override { return outside_.reaches(); }
-    void finish(CageReport& report) const override;
+    void finish(SpaceReport& report) const override;
     void release() override { grid_.reset(); }
 
 private:
@@ -82,8 +84,8 @@ private:
     void mend(PointsView block, const std::vector<int>& inside, RowMatrix& rows) const;
     void mend_near(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
 
-    HarmonicQuality quality_;
-    HarmonicSolver solver_;
+    HarmonicOptions options_;
+    HarmonicSolver solver_; ///< never automatic
     CageSurface surface_;
     OutsideWeights outside_;
     std::vector<HarmonicData> data_;

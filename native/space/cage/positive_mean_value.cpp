@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/space/cage/visibility/visible_cage.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -11,7 +12,7 @@
 namespace sinew {
 
 PositiveMeanValue::PositiveMeanValue(Cage cage, const PositiveMeanValueOptions& options)
-    : CageCoordinates(std::move(cage), options.weights), surface_(this->cage()),
+    : CageCoordinates(std::move(cage), options.weights), options_(options), surface_(this->cage()),
       outside_(this->cage(), options.outside)
 {
     if (options.directions < 8 || options.directions > 1 << 20 || options.directions % 2 != 0)
@@ -22,8 +23,16 @@ PositiveMeanValue::PositiveMeanValue(Cage cage, const PositiveMeanValueOptions& 
 
 PositiveMeanValue::~PositiveMeanValue() = default;
 
-void PositiveMeanValue::evaluate(int /*first*/, PointsView block, RowMatrix& rows,
-                                 std::vector<char>& outside) const
+std::vector<std::string> PositiveMeanValue::changed_settings(const SpaceMethod& former) const
+{
+    const PositiveMeanValueOptions& other = static_cast<const PositiveMeanValue&>(former).options_;
+    return names_of({{"exact", options_.exact != other.exact},
+                     {"directions", options_.directions != other.directions},
+                     {"outside", options_.outside != other.outside}},
+                    CageCoordinates::changed_settings(former));
+}
+
+void PositiveMeanValue::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
     rows.setZero(block.rows(), columns());
     outside.assign(static_cast<std::size_t>(block.rows()), 0);

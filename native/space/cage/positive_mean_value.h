@@ -47,9 +47,11 @@ public:
 
 protected:
     void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     bool reaches_outside() const override { return outside_.reaches(); }
 
 private:
+    PositiveMeanValueOptions options_;
     std::unique_ptr<VisibleCage> visible_;
     CageSurface surface_;
     OutsideWeights outside_;

@@ -9,9 +9,9 @@
 #include "native/solvers/sparse_columns.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
+#include <string>
 #include <utility>
 
 namespace sinew {
@@ -64,27 +64,24 @@ struct Frame
 /// What a bind makes. Replaced as a whole, so a bind that fails changes nothing.
 struct Binding
 {
-    std::vector<Handle> handles;
-    Coefficients k;
-    Regions regions;
     std::vector<Constraint> constraints;
     std::vector<double> soft_stiffness;
     ConstrainedQuadratic system; ///< of A, soft terms on its diagonal
     std::unique_ptr<AffineBasis> basis;
     std::unique_ptr<Pool<Frame>> frames = std::make_unique<Pool<Frame>>();
+    int factorizations = 0;
 
     bool is_soft(std::size_t row) const { return row >= constraints.size() - soft_stiffness.size(); }
     double stiffness(std::size_t row) const
     {
         return soft_stiffness[row + soft_stiffness.size() - constraints.size()];
     }
-    /// See ThinShell::respond(); n vertices.
-    LinearResponse respond(int n, const MatrixX& values) const;
+    LinearResponse respond(int n, const MatrixX& constraint_values) const;
 };
 
-LinearResponse Binding::respond(int n, const MatrixX& values) const
+LinearResponse Binding::respond(int n, const MatrixX& constraint_values) const
 {
-    const auto columns = values.cols();
+    const auto columns = constraint_values.cols();
     LinearResponse response;
     RowMatrix& x = response.displacement;
     x = RowMatrix::Zero(n, columns);
@@ -94,7 +91,7 @@ LinearResponse Binding::respond(int n, const MatrixX& values) const
     MatrixX soft_energy = MatrixX::Zero(columns, columns);
     for (std::size_t row = 0; row < constraints.size(); ++row) {
         const int vertex = constraints[row].vertex;
-        const auto target = values.row(row);
+        const auto target = constraint_values.row(row);
         if (is_soft(row)) {
             pull->row(vertex) += stiffness(row) * target;
             soft_energy += stiffness(row) * target.transpose() * target;
@@ -121,17 +118,14 @@ LinearResponse Binding::respond(int n, const MatrixX& values) const
 
 struct ThinShell::Impl
 {
-    SurfaceMesh rest;
+    const SurfaceMesh& rest;
     ThinShellOptions options;
-    Components parts;
+    Coefficients k;
     Binding bound;
-    int factorizations = 0;
 
     Impl(const SurfaceMesh& mesh, const ThinShellOptions& given)
-        : rest(mesh), options(given), parts(connected_components(rest))
+        : rest(mesh), options(given), k(coefficients(given.stretching, given.bending, given.variation))
     {
-        bound.k = coefficients(given.stretching, given.bending, given.variation);
-        bound.regions = Regions({}, parts);
     }
 
     Coefficients coefficients(const Stiffness& stretching, const Stiffness& bending,
@@ -148,15 +142,14 @@ struct ThinShell::Impl
     }
 
     /// The floor under triangle areas that the highest order present needs.
-    static double least_area(const Coefficients& k)
+    double least_area() const
     {
         return least_area_for_order(!k.variation.empty() ? 3 : !k.bending.empty() ? 2 : 1);
     }
 
     /// A of the header, without soft terms.
     /// Eigen's matrices are copied where others move: they change hands by swap.
-    std::shared_ptr<SparseMatrix> assemble(const Regions& regions, const Coefficients& k,
-                                           const TriangleMetric& metric) const
+    std::shared_ptr<SparseMatrix> assemble(const Regions& regions, const TriangleMetric& metric) const
     {
         const int n = rest.vertex_count();
         const auto laplacian = [&](const ElementScale& scale) {
@@ -192,121 +185,136 @@ struct ThinShell::Impl
         return sum;
     }
 
-    static void add_soft_terms(Binding& next, SparseMatrix& A)
+    static void add_soft_terms(const Regions& regions, Binding& next, SparseMatrix& A)
     {
-        if (next.regions.soft().empty())
+        if (regions.soft().empty())
             return;
         const VectorX diagonal = A.diagonal();
         const double mean = diagonal.mean() > 0 ? diagonal.mean() : 1.0;
-        for (const SoftConstraint& s : next.regions.soft()) {
+        for (const SoftConstraint& s : regions.soft()) {
             const double unit = diagonal[s.vertex] > 0 ? diagonal[s.vertex] : mean; // loose vertices
             next.soft_stiffness.push_back(s.stiffness() * unit);
         }
         for (std::size_t k = 0; k < next.soft_stiffness.size(); ++k) {
-            const int v = next.regions.soft()[k].vertex;
+            const int v = regions.soft()[k].vertex;
             A.coeffRef(v, v) += next.soft_stiffness[k];
         }
         A.makeCompressed();
     }
 
-    /// Binds `next`, whose handles and coefficients are set. The factor moves over, so that its
-    /// symbolic part serves again where the pattern is the same; it moves back where anything throws.
-    BindReport bind(Binding next, const Progress& progress)
+    /// The factor moves over to what is bound next, so that its symbolic part serves again where the pattern
+    /// is the same.
+    void bind(const Regions& regions, BindReport& report, const Progress& progress)
     {
-        const auto start = std::chrono::steady_clock::now();
-        progress.tick(0.0, "assembling the energy");
-        next.regions = Regions(next.handles, parts);
-        next.constraints = next.regions.constraints();
-        int degenerate = 0;
+        Binding next;
+        next.constraints = regions.constraints();
         std::shared_ptr<SparseMatrix> A;
         {
-            const TriangleMetric metric = triangle_metric(rest, least_area(next.k));
-            degenerate = degenerate_face_count(rest, metric);
-            A = assemble(next.regions, next.k, metric);
+            const TriangleMetric metric = triangle_metric(rest, least_area());
+            report.degenerate_faces = degenerate_face_count(rest, metric);
+            A = assemble(regions, metric);
         }
-        add_soft_terms(next, *A);
+        add_soft_terms(regions, next, *A);
+        std::vector<bool> free(rest.vertex_count());
+        for (int v = 0; v < rest.vertex_count(); ++v)
+            free[v] = regions.is_free(v);
 
         progress.tick(0.2, "factorising");
         next.system = std::move(bound.system);
         const ConstrainedQuadratic::Problem before = next.system.problem();
         try {
-            factorize(next, std::move(A));
+            next.system.factorize(std::move(A), free);
             progress.tick(0.7, "computing the basis");
-            if (options.affine_basis && next.regions.handle_count() <= most_basis_handles)
+            if (options.affine_basis && regions.handle_count() <= most_basis_handles) {
+                const MatrixX columns = AffineBasis::columns(rest.points(), regions);
                 next.basis =
-                    std::make_unique<AffineBasis>(rest.points(), next.regions, [&](const MatrixX& values) {
-                        return next.respond(rest.vertex_count(), values);
-                    });
+                    std::make_unique<AffineBasis>(rest.points(), next.respond(rest.vertex_count(), columns));
+            }
             progress.tick(1.0, "bound");
         } catch (const std::exception&) {
             next.system.restore(before);
             bound.system = std::move(next.system);
             throw;
         }
+        next.factorizations = bound.factorizations + 1;
+        report.factorizations = next.factorizations;
+        report.analyses = next.system.factor().analyses();
+        report.refactored = next.system.factor().share();
+        report.factor_bytes = next.system.factor().bytes();
         bound = std::move(next);
-
-        BindReport report = bound.regions.report();
-        report.degenerate_faces = degenerate;
-        report.factorizations = factorizations;
-        report.analyses = bound.system.factor().analyses();
-        report.refactored = bound.system.factor().share();
-        report.factor_bytes = bound.system.factor().bytes();
-        report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        return report;
-    }
-
-    void factorize(Binding& next, std::shared_ptr<const SparseMatrix> A)
-    {
-        std::vector<bool> free(rest.vertex_count());
-        for (int v = 0; v < rest.vertex_count(); ++v)
-            free[v] = next.regions.is_free(v);
-        next.system.factorize(std::move(A), free);
-        ++factorizations;
     }
 };
 
 ThinShell::ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options)
-    : impl_(std::make_unique<Impl>(rest, options))
+    : SurfaceMethod(rest), impl_(std::make_unique<Impl>(this->rest(), options))
 {
 }
 
 ThinShell::~ThinShell() = default;
 ThinShell::ThinShell(ThinShell&&) noexcept = default;
 
-BindReport ThinShell::set_handles(const std::vector<Handle>& handles, const Progress& progress)
+void ThinShell::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
-    Binding next;
-    next.handles = handles;
-    next.k = impl_->bound.k;
-    return impl_->bind(std::move(next), progress);
+    impl_->bind(regions, report, progress);
 }
 
 BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness& bending,
                                     const Stiffness& variation, const Progress& progress)
 {
-    Binding next;
-    next.handles = impl_->bound.handles;
-    next.k = impl_->coefficients(stretching, bending, variation);
-    return impl_->bind(std::move(next), progress);
+    struct Exchange ///< of the stiffnesses; undoes itself
+    {
+        Impl& own;
+        ThinShellOptions options;
+        Coefficients k;
+        bool done = false;
+
+        void swap()
+        {
+            std::swap(own.options, options);
+            std::swap(own.k, k);
+        }
+        ~Exchange()
+        {
+            if (!done)
+                swap();
+        }
+    } exchange{*impl_, impl_->options, impl_->coefficients(stretching, bending, variation)};
+    exchange.options.stretching = stretching;
+    exchange.options.bending = bending;
+    exchange.options.variation = variation;
+    exchange.swap();
+    const BindReport report = set_handles(handles(), progress);
+    exchange.done = true;
+    return report;
+}
+
+std::vector<std::string> ThinShell::changed_options(const SurfaceMethod& former) const
+{
+    const ThinShellOptions &own = impl_->options,
+                           &other = static_cast<const ThinShell&>(former).impl_->options;
+    return names_of({{"stretching", own.stretching != other.stretching},
+                     {"bending", own.bending != other.bending},
+                     {"variation", own.variation != other.variation},
+                     {"laplacian", own.laplacian != other.laplacian},
+                     {"affine_basis", own.affine_basis != other.affine_basis}});
+}
+
+bool ThinShell::updates(const std::string& option) const { return option != "laplacian"; }
+
+void ThinShell::swap_binding(SurfaceMethod& other)
+{
+    std::swap(impl_->bound, static_cast<ThinShell&>(other).impl_->bound);
 }
 
 LinearResponse ThinShell::respond(const MatrixX& constraints) const
 {
     return impl_->bound.respond(rest().vertex_count(), constraints);
 }
-
-SolveReport ThinShell::solve(const Poses& poses, Points& positions, const std::optional<PointsView>& incoming,
-                             const std::vector<bool>* from_rest) const
+SolveReport ThinShell::deform(const SolveRequest& request, const Targets& targets, Points& positions) const
 {
     const Binding& bound = impl_->bound;
-    const Targets targets{poses, view(rest().points()), incoming, from_rest};
-    targets.check(bound.regions.handle_count());
-    if (!bound.system.problem().matrix) { // no set_handles yet: nothing is held
-        positions = targets.base();
-        return SolveReport{.converged = true};
-    }
-    if (bound.basis && !incoming)
-        return bound.basis->solve(poses, positions);
+    if (bound.basis && !request.incoming)
+        return bound.basis->solve(request.poses, positions);
 
     const PointsView base = targets.base();
     const int n = rest().vertex_count();
@@ -357,8 +365,6 @@ SolveReport ThinShell::solve(const Poses& poses, Points& positions, const std::o
     return report;
 }
 
-const SurfaceMesh& ThinShell::rest() const { return impl_->rest; }
-const Regions& ThinShell::regions() const { return impl_->bound.regions; }
 const AffineBasis* ThinShell::affine_basis() const { return impl_->bound.basis.get(); }
 
 } // namespace sinew

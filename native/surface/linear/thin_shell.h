@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/core/progress.h"
-#include "native/core/report.h"
-#include "native/mesh/regions.h"
-#include "native/mesh/surface_mesh.h"
 #include "native/operators/laplacian.h"
 #include "native/surface/linear/responses/affine_basis.h"
+#include "native/surface/method.h"
 
 #include <memory>
-#include <optional>
+#include <string>
 #include <vector>
 
 namespace sinew {
@@ -61,43 +58,33 @@ struct ThinShellOptions
 ///   solve()         the handles moved             O(n k) with the basis, else one solve of x, y, z
 ///
 /// Linear: fair for translations and gentle bends; details do not rotate with the surface.
-class ThinShell
+class ThinShell final : public SurfaceMethod
 {
 public:
     /// \throw InvalidOption  a stiffness negative, not finite, of a length other than 1 or n, or
     ///                       all three zero.
     explicit ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options = {});
-    ~ThinShell();
+    ~ThinShell() override;
     ThinShell(ThinShell&&) noexcept;
 
-    /// Leaves the object as it was if it throws.
-    /// \throw InvalidConstraint    see Regions.
-    /// \throw FactorizationFailed  the system is singular.
-    /// \throw Cancelled            by `progress`.
-    BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {});
-
-    /// Other k_s, k_b, k_v under the same handles.
+    /// Other k_s, k_b, k_v under the same handles. Leaves the object as it was if it throws.
     /// \throw InvalidOption, FactorizationFailed, Cancelled  as above.
     BindReport set_stiffness(const Stiffness& stretching, const Stiffness& bending,
                              const Stiffness& variation, const Progress& progress = {});
 
-    /// \param poses       (k) affine maps from each handle's rest frame, object space.
-    /// \param[out] positions  (n, 3) deformed points: incoming + d.
-    /// \param incoming    (n, 3) what entered this frame; none for rest.
-    /// \param from_rest   (k) which handles aim from rest; null for none.
-    /// \throw InvalidConstraint  see Targets::check.
-    SolveReport solve(const Poses& poses, Points& positions, const std::optional<PointsView>& incoming = {},
-                      const std::vector<bool>* from_rest = nullptr) const;
-
-    const SurfaceMesh& rest() const;
-    const Regions& regions() const;
-
-    /// The answer to m columns of constraint values, all solved together.
+    /// The answer to m columns of constraint values, all solved together. Handles are set.
     /// \param constraints  (c, m) one row for each of regions().constraints().
     LinearResponse respond(const MatrixX& constraints) const;
 
     /// Null where the basis was not wanted or does not fit.
     const AffineBasis* affine_basis() const;
+
+protected:
+    void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
+    SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
+    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
+    bool updates(const std::string& option) const override;
+    void swap_binding(SurfaceMethod& other) override;
 
 private:
     struct Impl;

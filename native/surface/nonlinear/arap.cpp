@@ -10,10 +10,11 @@
 #include "native/surface/nonlinear/arap/energy.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <string>
+#include <utility>
 
 namespace sinew {
 
@@ -24,13 +25,6 @@ constexpr double most_weight = 1e4;   ///< of the mean: keeps the factor well co
 constexpr double least_rigidity = 1e-3; ///< of the largest painted one
 /// F below this share of sum w |p|^2 is rounding: rigid poses would iterate on it.
 constexpr double rounding_floor = 1e-14;
-
-void require_range(double value, double least, const char* name)
-{
-    if (!(value >= least && std::isfinite(value)))
-        throw InvalidOption(std::string(name) + ": " + std::to_string(value) +
-                            " is not a finite number >= " + std::to_string(least));
-}
 
 std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
@@ -63,10 +57,10 @@ struct RestGraph
 
     /// With rims, w_ij is the sum of the corners' raised cotangents, so that L is exactly the Hessian bound
     /// of the rims' energy.
-    RestGraph(const SurfaceMesh& mesh, const ArapOptions& options)
+    RestGraph(const SurfaceMesh& mesh, const ArapOptions& options, const std::vector<double>& rigidity)
     {
         const TriangleMetric metric = triangle_metric(mesh);
-        cells.rigidity = painted_rigidity(options.rigidity, mesh.vertex_count());
+        cells.rigidity = rigidity;
         cells.smoothing = options.smoothness * std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
 
         SparseMatrix L = laplacian_matrix(mesh, Discretization::cotan);
@@ -116,17 +110,24 @@ struct RestGraph
     }
 };
 
+/// What a solve works in.
+struct Workspace
+{
+    ArapWorkspace fine;
+    std::vector<ArapWorkspace> levels;
+    Points incoming;
+};
+
 /// What a bind makes.
 struct Binding
 {
     ArapGraph graph;
     Points node_rest; ///< rest points by node
     ArapCascade cascade;
-    int handle_count;
+    mutable Pool<Workspace> workspaces;
 
     Binding(const RestGraph& mesh, const Points& rest, const Regions& regions, const Progress& progress)
-        : graph(mesh.held_by(regions), mesh.cells, rest), node_rest(rest.rows(), 3),
-          handle_count(regions.handle_count())
+        : graph(mesh.held_by(regions), mesh.cells, rest), node_rest(rest.rows(), 3)
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
@@ -150,143 +151,115 @@ struct Binding
 
 struct Arap::Impl
 {
-    SurfaceMesh rest;
     ArapOptions options;
-    Components parts;
-    int degenerate_faces;
+    std::vector<double> rigidity;       ///< one per vertex
+    std::optional<RestGraph> assembled; ///< from the first bind on
+    int degenerate_faces = 0;           ///< found then
     int factorizations = 0;
-    RestGraph rest_graph;
-    std::unique_ptr<const Binding> bound; ///< null before any handle: nothing moves
-
-    Impl(const SurfaceMesh& mesh, const ArapOptions& given)
-        : rest(mesh), options(checked(given)), parts(connected_components(rest)),
-          degenerate_faces(degenerate_face_count(rest)), rest_graph(rest, options)
-    {
-    }
-
-    static const ArapOptions& checked(const ArapOptions& options)
-    {
-        require_range(options.smoothness, 0.0, "smoothness");
-        require_range(options.tolerance, 0.0, "tolerance");
-        require_range(options.max_iterations, 1, "max_iterations");
-        return options;
-    }
-
-    /// What a solve works in.
-    struct Workspace
-    {
-        ArapWorkspace fine;
-        std::vector<ArapWorkspace> levels;
-        Points incoming;
-    };
-    mutable Pool<Workspace> workspaces;
-
-    void require_same_size(const PointsView& points, const char* name) const
-    {
-        if (points.rows() != rest.vertex_count())
-            throw InvalidConstraint(std::string(name) + ": " + std::to_string(points.rows()) +
-                                    " points given for a rest shape of " +
-                                    std::to_string(rest.vertex_count()));
-        if (!points.allFinite())
-            throw InvalidConstraint(std::string(name) + ": NaN or infinite coordinates");
-    }
+    std::unique_ptr<const Binding> bound; ///< null before any handle
 };
 
-Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options) : impl_(std::make_unique<Impl>(rest, options))
+Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
+    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
 {
+    require_at_least(options.smoothness, 0.0, "smoothness");
+    require_at_least(options.tolerance, 0.0, "tolerance");
+    require_at_least(options.max_iterations, 1, "max_iterations");
+    impl_->options = options;
+    impl_->rigidity = painted_rigidity(options.rigidity, rest.vertex_count());
 }
 
 Arap::~Arap() = default;
 Arap::Arap(Arap&&) noexcept = default;
 
-BindReport Arap::set_handles(const std::vector<Handle>& handles, const Progress& progress)
+void Arap::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
-    const auto start = std::chrono::steady_clock::now();
     Impl& self = *impl_;
-    progress.tick(0.0, "assembling the energy");
-    const Regions regions(handles, self.parts);
+    if (!self.assembled) {
+        self.assembled.emplace(rest(), self.options, self.rigidity);
+        self.degenerate_faces = degenerate_face_count(rest());
+    }
     progress.tick(0.2, "factorising");
-    auto bound = std::make_unique<const Binding>(self.rest_graph, self.rest.points(), regions, progress);
+    auto next = std::make_unique<const Binding>(*self.assembled, rest().points(), regions, progress);
     progress.tick(1.0, "bound");
 
-    self.bound = std::move(bound);
-    self.workspaces.clear();
+    self.bound = std::move(next);
     self.factorizations += self.bound->graph.is_smooth() ? 2 : 1;
-
-    BindReport report = regions.report();
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
     report.factor_bytes = self.bound->graph.factor_bytes();
     for (const ArapLevel& level : self.bound->cascade.levels())
         report.factor_bytes += level.graph.factor_bytes();
-    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return report;
 }
 
-SolveReport Arap::solve(const Poses& poses, Points& positions, const Request& request,
-                        const Progress& progress) const
+std::vector<std::string> Arap::changed_options(const SurfaceMethod& former) const
 {
-    const Impl& self = *impl_;
-    const Targets given{poses, view(self.rest.points()), request.incoming, request.from_rest};
-    given.check(self.bound ? self.bound->handle_count : 0);
-    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(self.options.max_iterations),
-                         .tolerance = request.tolerance.value_or(self.options.tolerance)};
-    require_range(options.max_iterations, 0, "max_iterations");
-    require_range(options.tolerance, 0.0, "tolerance");
-    if (request.start)
-        self.require_same_size(*request.start, "start");
+    const ArapOptions &own = impl_->options, &other = static_cast<const Arap&>(former).impl_->options;
+    return names_of({{"smoothness", own.smoothness != other.smoothness},
+                     {"cells", own.cells != other.cells},
+                     {"rigidity", own.rigidity != other.rigidity}});
+}
 
-    if (!self.bound) {
-        positions = given.base();
-        return SolveReport{.converged = true};
-    }
+bool Arap::updates(const std::string&) const { return false; }
 
-    const Binding& bound = *self.bound;
+void Arap::swap_binding(SurfaceMethod& other)
+{
+    Impl& others = *static_cast<Arap&>(other).impl_;
+    std::swap(impl_->assembled, others.assembled);
+    std::swap(impl_->degenerate_faces, others.degenerate_faces);
+    std::swap(impl_->factorizations, others.factorizations);
+    std::swap(impl_->bound, others.bound);
+}
+
+SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Points& positions) const
+{
+    const Binding& bound = *impl_->bound;
     const ArapGraph& graph = bound.graph;
-    const auto work = self.workspaces.take([] { return std::make_unique<Impl::Workspace>(); });
+    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
+                         .tolerance = request.tolerance.value_or(impl_->options.tolerance)};
+
+    const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
     ArapWorkspace& fine = work->fine;
-    Targets targets{poses, view(bound.node_rest), {}, request.from_rest};
-    if (request.incoming) {
-        bound.to_nodes(*request.incoming, graph.size(), work->incoming);
+    Targets targets{given.poses, view(bound.node_rest), {}, given.from_rest};
+    if (given.incoming) {
+        bound.to_nodes(*given.incoming, graph.size(), work->incoming);
         targets.incoming.emplace(view(work->incoming));
     }
     fine.goals.set(graph, targets);
-    SolveReport report{.converged = true};
     if (graph.free_count() == 0) {
         bound.to_vertices(view(fine.goals.targets), positions);
-    } else {
-        ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
-        options.floor =
-            rounding_floor * (request.incoming ? graph.scale(targets.base()) : graph.rest_scale());
-        if (request.start) {
-            bound.to_nodes(*request.start, graph.free_count(), fine.x);
-            if (graph.is_smooth()) // else the first evaluation does
-                problem.fit_rotations(fine.x);
-        } else {
-            bound.cascade.start(problem, graph, targets, work->levels);
-            problem.positions_for_rotations(fine.x);
-        }
-        report = minimize(problem, fine.x, options, progress, &fine.descent);
-        report.energy *= graph.energy_factor();
-        bound.to_vertices(problem.place(fine.x), positions);
+        return {.converged = true};
     }
+    ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
+    options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
+    if (request.start) {
+        bound.to_nodes(*request.start, graph.free_count(), fine.x);
+        if (graph.is_smooth()) // else the first evaluation does
+            problem.fit_rotations(fine.x);
+    } else {
+        bound.cascade.start(problem, graph, targets, work->levels);
+        problem.positions_for_rotations(fine.x);
+    }
+    SolveReport report = minimize(problem, fine.x, options, request.progress, &fine.descent);
+    report.energy *= graph.energy_factor();
+    bound.to_vertices(problem.place(fine.x), positions);
     return report;
 }
 
 double Arap::energy(const PointsView& positions) const
 {
-    const Impl& self = *impl_;
-    self.require_same_size(positions, "positions");
-    if (!self.bound)
+    require_same_size(positions, "positions");
+    if (!impl_->bound)
         return 0.0;
-    const ArapGraph& graph = self.bound->graph;
+    const Binding& bound = *impl_->bound;
+    const ArapGraph& graph = bound.graph;
     const std::vector<GraphPull>& soft = graph.nodes().pulls();
     Points all;
-    self.bound->to_nodes(positions, graph.size(), all);
+    bound.to_nodes(positions, graph.size(), all);
     Points pulls(soft.size(), 3); // already where they would go: no energy
     for (std::size_t k = 0; k < soft.size(); ++k)
         pulls.row(k) = all.row(soft[k].node);
-    ArapProblem problem(graph, view(self.bound->node_rest), all, pulls);
+    ArapProblem problem(graph, view(bound.node_rest), all, pulls);
     const Points x = problem.free_rows(view(all));
     Points gradient;
     problem.fit_rotations(x);
@@ -299,7 +272,5 @@ double Arap::energy(const PointsView& positions) const
     }
     return energy * graph.energy_factor();
 }
-
-const SurfaceMesh& Arap::rest() const { return impl_->rest; }
 
 } // namespace sinew

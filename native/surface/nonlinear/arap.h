@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/core/progress.h"
-#include "native/core/report.h"
-#include "native/mesh/regions.h"
-#include "native/mesh/surface_mesh.h"
+#include "native/surface/method.h"
 
 #include <memory>
-#include <optional>
+#include <string>
 #include <vector>
 
 namespace sinew {
@@ -48,53 +45,30 @@ struct ArapOptions
 /// with an energy test; all rotations move together by one linear solve before the fit.
 ///
 ///   call           repeat it when ...            cost
-///   constructor    rest shape or faces changed   weights, O(n)
-///   set_handles()  another set of handles        two factorisations and the cascade's
-///   solve()        the handles moved             some 5-9 iterations' worth for the start, then an
+///   constructor    rest shape or faces changed   O(n)
+///   set_handles()  another set of handles        two factorisations and the cascade's; the first one,
+///   weights solve()        the handles moved             some 5-9 iterations' worth for the start, then an
 ///                                                iteration: two solves of x, y, z and n rotation fits
-class Arap
+class Arap final : public SurfaceMethod
 {
 public:
     /// \throw InvalidOption  a number negative or not finite, max_iterations < 1, or rigidity of
     ///                       a length other than 1 or n, or zero everywhere.
     explicit Arap(const SurfaceMesh& rest, const ArapOptions& options = {});
-    ~Arap();
+    ~Arap() override;
     Arap(Arap&&) noexcept;
-
-    /// Leaves the object as it was if it throws.
-    /// \throw InvalidConstraint    see Regions.
-    /// \throw FactorizationFailed  a system is singular.
-    /// \throw Cancelled            by `progress`.
-    BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {});
-
-    struct Request
-    {
-        std::optional<PointsView> incoming{};         ///< (n, 3), none for rest
-        const std::vector<bool>* from_rest = nullptr; ///< (k), null for none
-        /// (n, 3) warm start while a control is dragged; the result then depends on it.
-        std::optional<PointsView> start{};
-        std::optional<int> max_iterations{};
-        std::optional<double> tolerance{};
-    };
-
-    /// \param poses           (k) affine maps from each handle's rest frame, object space.
-    /// \param[out] positions  (n, 3) deformed points.
-    /// \throw InvalidConstraint  see Targets::check; `start` of another size or not finite.
-    /// \throw InvalidOption      the request's max_iterations < 0 or tolerance < 0.
-    /// \throw Cancelled          by `progress`.
-    SolveReport solve(const Poses& poses, Points& positions, const Request& request,
-                      const Progress& progress = {}) const;
-    SolveReport solve(const Poses& poses, Points& positions) const
-    {
-        return solve(poses, positions, Request{});
-    }
-
-    const SurfaceMesh& rest() const;
 
     /// E of given (n, 3) points over the parts that have a handle, without soft pulls, the
     /// rotations fitted to the points (with smoothness: settled, to 1e-9 of E).
     /// \throw InvalidConstraint  another number of points, or one not finite.
     double energy(const PointsView& positions) const;
+
+protected:
+    void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
+    SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
+    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
+    bool updates(const std::string& option) const override;
+    void swap_binding(SurfaceMethod& other) override;
 
 private:
     struct Impl;

@@ -13,7 +13,7 @@ import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 from mathutils import Matrix
 
-from ....backend import CageRecipe, CageReport
+from ....backend import Cage, CageReport, Recipe, Shape
 from ....compat import read_positions
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import CageError
@@ -72,13 +72,11 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         )
     return BindInput(
         key=key,
-        recipe=CageRecipe(
+        recipe=Recipe(
             settings.definition,
-            rest.points,
-            (rest.counts, rest.corners),
+            Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            cage.points,
-            (cage.counts, cage.corners),
+            Cage(cage.points, (cage.counts, cage.corners)),
         ),
         rest=rest,
         on_base=len(rest.points) == base_count,
@@ -122,7 +120,7 @@ def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, ob
     held, cage = evaluation.session.poses, evaluation.deformer.cage
     if evaluation.deformer.cage_missing:
         return (held[_POSE], {}) if _POSE in held else None
-    vertices, expected = _vertices(cage, evaluation.depsgraph), len(bound.factor.recipe.cage_points)
+    vertices, expected = _vertices(cage, evaluation.depsgraph), len(bound.factor.recipe.control.points)
     if len(vertices) != expected:
         raise CageError(
             f"The cage has {len(vertices):,} vertices, at bind it had {expected:,} - Set Rest Cage takes it "
@@ -227,5 +225,5 @@ def influence(deformer: SinewDeformer, bound: Bound) -> Influence:
     Modifiers of the cage keep the numbers of its own vertices, or add others after them.
     """
     factor = bound.factor
-    vertices = tuple(v for v in selected(deformer) if v < len(factor.recipe.cage_points))
+    vertices = tuple(v for v in selected(deformer) if v < len(factor.recipe.control.points))
     return Influence(vertices, factor.influence(vertices), factor.report.outside)

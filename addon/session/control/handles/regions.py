@@ -7,7 +7,7 @@ No bpy calls but reads.
 import numpy as np
 from bpy.types import Mesh
 
-from ....backend import Recipe
+from ....backend import Handles, Recipe, Shape
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.status import Remedy
@@ -93,12 +93,13 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         key=key,
         recipe=Recipe(
             method,
-            rest.points,
-            (rest.counts, rest.corners),
+            Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            tuple(indices),
-            tuple(weights),
-            {row.id: values for row, values in zip(method.handle_parameters, zip(*own, strict=True))},
+            Handles(
+                tuple(indices),
+                tuple(weights),
+                {row.id: values for row, values in zip(method.handle_parameters, zip(*own, strict=True))},
+            ),
         ),
         rest=rest,
         on_base=count == base_count,

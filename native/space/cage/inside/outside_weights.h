@@ -10,12 +10,6 @@
 
 namespace sinew {
 
-/// What becomes of points outside the cage, where a method has no weights.
-enum class CageOutside {
-    refuse,    ///< bind() names them
-    mean_value ///< they get the weights of MeanValue; a warp jumps where the cage is crossed
-};
-
 /// The weights of points outside.
 class OutsideWeights
 {

@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 namespace sinew {
@@ -18,8 +17,14 @@ namespace {
 
 constexpr int eight = 8; ///< vertices a block
 
-/// x, y, z, 1 of a rest point in the four columns of its handle.
-MatrixX affine_columns(const Points& rest, const Regions& regions)
+double trace_form(const MatrixX& form, const MatrixX& P)
+{
+    return std::max(0.0, (P.transpose() * form * P).trace());
+}
+
+} // namespace
+
+MatrixX AffineBasis::columns(const Points& rest, const Regions& regions)
 {
     const std::vector<Constraint> constraints = regions.constraints();
     MatrixX columns = MatrixX::Zero(constraints.size(), 4 * regions.handle_count());
@@ -31,21 +36,10 @@ MatrixX affine_columns(const Points& rest, const Regions& regions)
     return columns;
 }
 
-double trace_form(const MatrixX& form, const MatrixX& P)
+AffineBasis::AffineBasis(const Points& rest, const LinearResponse& response)
+    : vertex_count_(static_cast<int>(rest.rows())), columns_(static_cast<int>(response.displacement.cols())),
+      energy_(response.energy), residual_(response.residual), load_(response.load)
 {
-    return std::max(0.0, (P.transpose() * form * P).trace());
-}
-
-} // namespace
-
-AffineBasis::AffineBasis(const Points& rest, const Regions& regions, const Respond& respond)
-    : vertex_count_(static_cast<int>(rest.rows())), columns_(4 * regions.handle_count())
-{
-    LinearResponse response = respond(affine_columns(rest, regions));
-    energy_ = std::move(response.energy);
-    residual_ = std::move(response.residual);
-    load_ = std::move(response.load);
-
     const int rows = 3 + columns_;
     blocks_.resize(static_cast<std::size_t>((vertex_count_ + eight - 1) / eight) * eight * rows);
     parallel_for(vertex_count_, [&](int i) {

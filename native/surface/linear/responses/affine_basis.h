@@ -5,7 +5,6 @@
 #include "native/core/types.h"
 #include "native/mesh/regions.h"
 
-#include <functional>
 #include <vector>
 
 namespace sinew {
@@ -19,9 +18,6 @@ struct LinearResponse
     MatrixX residual;       ///< (m, m) of A d - b on the unknowns
     MatrixX load;           ///< (m, m) of b, the right-hand side
 };
-
-/// How a linear method answers m columns of constraint values, one row for each of Regions::constraints().
-using Respond = std::function<LinearResponse(const MatrixX& constraints)>;
 
 /// Precomputed answer of a linear surface method to affine handle motion.
 ///
@@ -42,14 +38,18 @@ using Respond = std::function<LinearResponse(const MatrixX& constraints)>;
 class AffineBasis
 {
 public:
-    /// \param rest     (n, 3) rest points.
-    /// \param regions  the handles that `respond` answers.
-    AffineBasis(const Points& rest, const Regions& regions, const Respond& respond);
+    /// (c, 4k) one row for each of regions.constraints(): x, y, z, 1 of the rest point in the four columns of
+    /// its handle.
+    static MatrixX columns(const Points& rest, const Regions& regions);
+
+    /// \param rest      (n, 3)
+    /// \param response  of the surface to columns().
+    AffineBasis(const Points& rest, const LinearResponse& response);
 
     /// (n, 4k), four columns a handle: the answers to x, y, z and 1 on it. Put together anew each time.
     RowMatrix matrix() const;
 
-    /// The same shape and report as the method's own solve from rest.
+    /// The same shape and report as the method's solve() from rest.
     /// \throw InvalidConstraint  the number of poses is not k, or one is not finite.
     SolveReport solve(const Poses& poses, Points& positions) const;
 

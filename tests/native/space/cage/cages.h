@@ -2,9 +2,24 @@
 #pragma once
 
 #include "native/space/cage/cage.h"
+#include "native/space/method.h"
 #include "tests/native/shapes.h"
+#include "tests/native/space/contract.h"
 
 #include <cmath>
+
+namespace sinew {
+
+/// Where a posed control takes the bound points.
+inline Points warped_by(const SpaceMethod& method, PointsView control,
+                        const std::optional<PointsView>& incoming = {})
+{
+    Points out(method.points().rows(), 3);
+    method.warp(control, incoming, out.data());
+    return out;
+}
+
+} // namespace sinew
 
 /// Cages and points that the tests of cage coordinates share.
 namespace sinew::shapes {
@@ -117,6 +132,13 @@ inline Points in_ball(int count, double radius, std::uint64_t seed = 1)
             points.row(i++) = p.transpose();
     }
     return points;
+}
+
+/// One set of options of a cage method.
+template <class Method, class Options>
+SpaceVariant variant(const std::string& name, const SurfaceMesh& cage, const Options& options)
+{
+    return {name, [cage, options] { return std::make_shared<Method>(Cage(cage), options); }};
 }
 
 } // namespace sinew::cages

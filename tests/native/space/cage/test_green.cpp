@@ -18,18 +18,39 @@ GreenOptions doubles(GreenOutside outside = GreenOutside::nearest, int exit_face
     return {{WeightPrecision::double_precision, 0.0}, outside, exit_face};
 }
 
-Points warped(const Green& green, const Points& pose)
-{
-    Points result;
-    green.warp(view(pose), result);
-    return result;
-}
+Points warped(const Green& green, const Points& pose) { return warped_by(green, view(pose)); }
 
 Points posed(const SurfaceMesh& cage, const Pose& pose) { return shapes::transformed(cage.points(), pose); }
 
 const Vector3 x0(0.1, 0.2, 0.3);
 
+SpaceTraits traits()
+{
+    const SurfaceMesh cage = shapes::u_prism();
+    return {.name = "Green",
+            .variants = {cages::variant<Green>("nearest", cage, doubles())},
+            .control = cage.points(),
+            .points = shapes::points_around(cage, 600, 1.0),
+            .similarity = 1e-11,
+            .follow = 3.0, // normals turn with the faces at the vertex
+            .other = [cage] { return std::make_shared<Green>(Cage(cage), doubles(GreenOutside::face, 1)); }};
+}
+
+SpaceTraits refusing()
+{
+    SpaceTraits chosen = traits();
+    const SurfaceMesh cage = shapes::u_prism();
+    chosen.name = "refusing";
+    chosen.variants = {cages::variant<Green>("refusing", cage, doubles(GreenOutside::refuse))};
+    chosen.points = cages::inside_u_prism(600, 1e-3);
+    chosen.outside = Vector3(1.5, 2, 0.5);
+    chosen.refuses_outside = true;
+    return chosen;
+}
+
 } // namespace
+
+INSTANTIATE_TEST_SUITE_P(Green, SpaceContract, testing::Values(traits(), refusing()));
 
 TEST(Green, has_the_known_coordinates_in_the_octahedron)
 {
@@ -83,7 +104,7 @@ TEST(Green, phi_sums_to_one_inside)
     const SurfaceMesh cage = shapes::u_prism();
     const Points points = shapes::points_around(cage, 300, 1.0);
     Green green(Cage(cage), doubles());
-    const CageReport report = green.bind(view(points));
+    const SpaceReport report = green.bind(view(points));
     const RowMatrix W = green.weights().dense();
     // with the continuation, outside too
     EXPECT_LT((W.leftCols(cage.vertex_count()).rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-13);
@@ -171,8 +192,7 @@ TEST(Green, takes_points_on_faces_for_inside)
             points.row(static_cast<Eigen::Index>(i)) = on[i].transpose();
         Green green{Cage(mesh), doubles(GreenOutside::refuse)};
         EXPECT_TRUE(green.bind(view(points)).outside.empty());
-        Points warped;
-        green.warp(view(mesh.points()), warped);
+        Points warped = warped_by(green, view(mesh.points()));
         EXPECT_LT((warped - points).cwiseAbs().maxCoeff(), 1e-11); // moved in by 1e-12 of the cage's size
     }
 }
@@ -189,7 +209,7 @@ TEST(Green, refuses_points_outside_if_asked)
         EXPECT_EQ(error.elements(), (std::vector<int>{1, 2}));
     }
     Points none;
-    EXPECT_THROW(green.warp(view(shapes::cube().points()), none), InvalidConstraint)
+    EXPECT_THROW(green.warp(view(shapes::cube().points()), {}, none.data()), InvalidConstraint)
         << "a refused bind binds nothing";
 }
 

@@ -80,7 +80,22 @@ std::vector<int> named(Bind&& bind, Error::Element kind)
     return {};
 }
 
+SpaceTraits traits()
+{
+    const SurfaceMesh u = cages::u_prism();
+    return {.name = "Harmonic",
+            .variants = {cages::variant<Harmonic>("boundary", u, exact())},
+            .control = u.points(),
+            .points = cages::inside_u_prism(600, 1e-3),
+            .affine = 2e-10,
+            .outside = Vector3(1.5, 2, 0.5),
+            .refuses_outside = true,
+            .other = [u] { return std::make_shared<Harmonic>(Cage(u), exact(HarmonicQuality::medium)); }};
+}
+
 } // namespace
+
+INSTANTIATE_TEST_SUITE_P(Harmonic, SpaceContract, testing::Values(traits()));
 
 TEST(Harmonic, has_the_known_weights_in_the_octahedron)
 {
@@ -255,24 +270,6 @@ TEST(Harmonic, reports_an_error_that_shrinks_with_quality)
     EXPECT_GT(difference, 0.02 * fast_error);
 }
 
-TEST(Harmonic, takes_rest_to_rest_and_reproduces_affine_maps)
-{
-    const SurfaceMesh u = cages::u_prism();
-    const Points x = cages::inside_u_prism(200, 0.01);
-    Harmonic harmonic(Cage(u), exact());
-    harmonic.bind(view(x));
-    Points warped;
-    harmonic.warp(view(u.points()), warped);
-    EXPECT_LT(shapes::distance(warped, x), 1e-9);
-    shapes::Random random(7);
-    for (int k = 0; k < 5; ++k) {
-        const Pose pose = shapes::affine(random.matrix(), random.vector());
-        const Points posed = shapes::transformed(u.points(), pose);
-        harmonic.warp(view(posed), warped);
-        EXPECT_LT(shapes::distance(warped, shapes::transformed(x, pose)), 1e-9);
-    }
-}
-
 TEST(Harmonic, has_no_extremum_inside)
 {
     const Points x = cages::inside_u_prism(500, 0.05);
@@ -396,16 +393,6 @@ TEST(Harmonic, is_refused_above_the_memory_limit)
     EXPECT_THROW(harmonic.bind(view(x)), OutOfMemory);
     limit_memory(0);
     EXPECT_NO_THROW(harmonic.bind(view(x)));
-}
-
-TEST(Harmonic, gives_the_same_bits_on_one_thread)
-{
-    const Points x = cages::inside_u_prism(2000, 1e-3);
-    const RowMatrix many = weights(cages::u_prism(), x);
-    limit_threads(1);
-    const RowMatrix one = weights(cages::u_prism(), x);
-    limit_threads(0);
-    EXPECT_EQ(many, one);
 }
 
 TEST(Harmonic, does_not_depend_on_units_or_place)

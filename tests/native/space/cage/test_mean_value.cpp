@@ -59,7 +59,21 @@ Eigen::VectorXd on_the_sphere(const SurfaceMesh& cage, const Vector3& x)
     return result;
 }
 
+SpaceTraits traits()
+{
+    const SurfaceMesh cage = shapes::u_prism();
+    return {.name = "MeanValue",
+            .variants = {cages::variant<MeanValue>("double", cage, doubles)},
+            .control = cage.points(),
+            .points = shapes::points_around(cage, 600, 1.3),
+            .similarity = 1e-11,
+            .affine = 1e-11,
+            .other = [cage] { return std::make_shared<MeanValue>(Cage(cage)); }};
+}
+
 } // namespace
+
+INSTANTIATE_TEST_SUITE_P(MeanValue, SpaceContract, testing::Values(traits()));
 
 TEST(MeanValue, has_the_known_weights_in_the_octahedron)
 {
@@ -179,7 +193,7 @@ TEST(MeanValue, tells_which_points_lie_outside)
     const SurfaceMesh cage = shapes::u_prism();
     const Points points = shapes::points_around(cage, 500, 1.3);
     MeanValue coordinates(Cage(cage), doubles);
-    const CageReport report = coordinates.bind(view(points));
+    const SpaceReport report = coordinates.bind(view(points));
     std::vector<int> expected;
     for (int i = 0; i < 500; ++i) {
         const Vector3 p = points.row(i);

@@ -78,7 +78,23 @@ Eigen::RowVectorXd by_rays(const SurfaceMesh& cage, const Vector3& x, int count)
     return sum / sum.sum();
 }
 
+SpaceTraits traits()
+{
+    const SurfaceMesh u = cages::u_prism();
+    return {.name = "PositiveMeanValue",
+            .variants = {cages::variant<PositiveMeanValue>("exact", u, exact()),
+                         cages::variant<PositiveMeanValue>("rays", u, rays(1024))},
+            .control = u.points(),
+            .points = cages::inside_u_prism(600, 1e-3),
+            .affine = 2e-10,
+            .outside = Vector3(1.5, 2, 0.5),
+            .refuses_outside = true,
+            .other = [u] { return std::make_shared<PositiveMeanValue>(Cage(u), rays(512)); }};
+}
+
 } // namespace
+
+INSTANTIATE_TEST_SUITE_P(PositiveMeanValue, SpaceContract, testing::Values(traits()));
 
 TEST(PositiveMeanValue, equals_mean_values_in_convex_cages)
 {
@@ -175,24 +191,6 @@ TEST(PositiveMeanValue, preview_errs_less_with_more_rays)
     EXPECT_LT(largest(many - w), largest(few - w) / 3);
 }
 
-TEST(PositiveMeanValue, takes_rest_to_rest_and_reproduces_affine_maps)
-{
-    const SurfaceMesh u = cages::u_prism();
-    const Points x = cages::inside_u_prism(100, 0.01);
-    for (const auto& options : {exact(), rays(1024)}) {
-        PositiveMeanValue coordinates(Cage(u), options);
-        coordinates.bind(view(x));
-        Points warped;
-        coordinates.warp(view(u.points()), warped);
-        EXPECT_LT(shapes::distance(warped, x), 1e-9);
-        shapes::Random random(7);
-        const Pose pose = shapes::affine(random.matrix(), random.vector());
-        const Points posed = shapes::transformed(u.points(), pose);
-        coordinates.warp(view(posed), warped);
-        EXPECT_LT(shapes::distance(warped, shapes::transformed(x, pose)), 1e-9);
-    }
-}
-
 TEST(PositiveMeanValue, names_points_outside_or_falls_back_on_mean_values)
 {
     Points x(3, 3);
@@ -236,28 +234,6 @@ TEST(PositiveMeanValue, takes_faces_without_area)
     const SurfaceMesh flat = shapes::moved(shapes::cube(), points);
     const Points x = Points::Constant(1, 3, .25);
     expect_barycentric(weights(flat, x), flat, x);
-}
-
-TEST(PositiveMeanValue, stays_as_it_was_when_a_bind_is_cancelled)
-{
-    PositiveMeanValue coordinates(Cage(cages::u_prism()), exact());
-    const Points first = cages::inside_u_prism(10, .1), second = cages::inside_u_prism(6000, .1);
-    coordinates.bind(view(first));
-    const RowMatrix before = coordinates.weights().dense();
-    int ticks = 0;
-    EXPECT_THROW(coordinates.bind(view(second), Progress([&](double, const char*) { return ++ticks < 2; })),
-                 Cancelled);
-    EXPECT_EQ(coordinates.weights().dense(), before);
-}
-
-TEST(PositiveMeanValue, gives_the_same_bits_on_one_thread)
-{
-    const Points x = cages::inside_u_prism(2000, 1e-3);
-    const RowMatrix many = weights(cages::u_prism(), x);
-    limit_threads(1);
-    const RowMatrix one = weights(cages::u_prism(), x);
-    limit_threads(0);
-    EXPECT_EQ(many, one);
 }
 
 } // namespace sinew

@@ -89,8 +89,7 @@ TEST(PointWeights, any_number_of_threads_gives_the_same_bits)
             limit_threads(threads);
             Green green(Cage(cage), {{single, threshold}, GreenOutside::nearest, -1});
             green.bind(view(points));
-            Points out;
-            green.warp(view(pose), out);
+            Points out = warped_by(green, view(pose));
             warps.push_back(out);
         }
     limit_threads(0);
@@ -104,7 +103,7 @@ TEST(PointWeights, those_kept_make_up_for_those_dropped)
     const Points points = shapes::points_around(cage, 300, 0.9);
     MeanValue full(Cage(cage), {both, 0.0}), thin(Cage(cage), {both, 1e-2});
     full.bind(view(points));
-    const CageReport report = thin.bind(view(points));
+    const SpaceReport report = thin.bind(view(points));
     const RowMatrix W = full.weights().dense(), V = thin.weights().dense();
     EXPECT_LT(report.weight_bytes, full.weights().bytes());
     EXPECT_GT((V.array() == 0.0).count(), V.size() / 4);
@@ -123,8 +122,8 @@ TEST(PointWeights, those_kept_make_up_for_those_dropped)
     shapes::Random random(6);
     for (Eigen::Index v = 0; v < pose.rows(); ++v)
         pose.row(v) += 0.2 * random.vector().normalized().transpose();
-    full.warp(view(pose), exact);
-    thin.warp(view(pose), ours);
+    exact = warped_by(full, view(pose));
+    ours = warped_by(thin, view(pose));
     EXPECT_LE(shapes::distance(ours, exact), report.dropped * 0.2 * (1 + 1e-9)) << "the bound that is told";
 }
 
@@ -133,12 +132,10 @@ TEST(PointWeights, thin_green_coordinates_keep_translations_and_are_off_by_what_
     const SurfaceMesh cage = shapes::bumpy_sphere(2);
     const Points points = shapes::points_around(cage, 300, 1.3); // some outside
     Green thin(Cage(cage), {{both, 1e-3}, GreenOutside::nearest, -1});
-    const CageReport report = thin.bind(view(points));
+    const SpaceReport report = thin.bind(view(points));
     const auto warped = [&](const Pose& pose) {
         const Points moved = shapes::transformed(cage.points(), pose);
-        Points out;
-        thin.warp(view(moved), out);
-        return out;
+        return warped_by(thin, view(moved));
     };
     EXPECT_LT(
         shapes::distance(warped(shapes::shift(1, 2, 3)), shapes::transformed(points, shapes::shift(1, 2, 3))),

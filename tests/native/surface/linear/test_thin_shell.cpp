@@ -5,12 +5,14 @@
 #include "native/surface/linear/responses/affine_basis.h"
 #include "tests/native/allocations.h"
 #include "tests/native/shapes.h"
+#include "tests/native/surface/contract.h"
 #include "tests/native/surface/linear/dense_shell.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <thread>
+#include <memory>
+#include <string>
 
 namespace sinew {
 
@@ -34,7 +36,7 @@ const std::vector<ThinShellOptions> orders{stiffness(1, 0, 0), stiffness(0, 1, 0
 Points solve(const ThinShell& shell, const Poses& poses)
 {
     Points positions;
-    shell.solve(poses, positions);
+    shell.solve({poses}, positions);
     return positions;
 }
 
@@ -48,37 +50,51 @@ Points bound_and_solved(const SurfaceMesh& mesh, const ThinShellOptions& options
 
 const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {-1, 0.5, 2})};
 
+auto maker(const ThinShellOptions& options)
+{
+    return [options](const SurfaceMesh& mesh) { return std::make_shared<ThinShell>(mesh, options); };
+}
+
+SurfaceTraits traits()
+{
+    std::vector<SurfaceVariant> variants{{"default", maker({})}};
+    for (std::size_t order = 0; order < orders.size(); ++order)
+        for (Discretization kind : every)
+            for (bool basis : {true, false}) {
+                ThinShellOptions options = orders[order];
+                options.laplacian = kind;
+                options.affine_basis = basis;
+                variants.push_back({"stiffness " + std::to_string(order) + ", laplacian " +
+                                        std::to_string(static_cast<int>(kind)) + (basis ? ", basis" : ""),
+                                    maker(options)});
+            }
+    const auto drag = [](double t) {
+        const double angle = 2 * shapes::pi * t;
+        return Poses{shapes::still(), shapes::turn({0, 1, 0}, 60 * std::sin(angle), {9, 4, 0},
+                                                   {2 * std::cos(angle) - 2, std::sin(angle), 0})};
+    };
+    // A fair surface overshoots its boundary by less than its own size: a step moves it by twice the
+    // handle's.
+    return {.name = "ThinShell",
+            .variants = variants,
+            .mesh = shapes::hill(8, 8),
+            .large = shapes::hill(10, 9),
+            .depth = 1.5,
+            .bent = bent,
+            .drag = drag,
+            .drag_steps = 48,
+            .follow = 2.0,
+            .slack = 0.0,
+            .translation = solved,
+            .similar = solved,
+            .updates = "stretching",
+            .updated = maker({.stretching = {0.7}}),
+            .other = maker({.laplacian = Discretization::uniform})};
+}
+
 } // namespace
 
-TEST(ThinShell, rest_in_rest_out)
-{
-    for (const ThinShellOptions& options : orders)
-        for (bool basis : {true, false}) {
-            ThinShellOptions chosen = options;
-            chosen.affine_basis = basis;
-            const SurfaceMesh mesh = shapes::hill(8, 8);
-            // Displacements of exactly zero: nothing may move, not by a bit.
-            EXPECT_EQ(
-                bound_and_solved(mesh, chosen, shapes::ends(mesh, 1.5), {shapes::still(), shapes::still()}),
-                mesh.points());
-        }
-}
-
-TEST(ThinShell, translating_all_handles_translates_everything)
-{
-    const SurfaceMesh mesh = shapes::hill(9, 7);
-    const Vector3 move(3, -2, 5);
-    for (const ThinShellOptions& options : orders)
-        for (Discretization kind : every) {
-            ThinShellOptions chosen = options;
-            chosen.laplacian = kind;
-            std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-            handles[1].weights.assign(handles[1].vertices.size(), 0.4);
-            const Poses poses(2, shapes::shift(move.x(), move.y(), move.z()));
-            const Points expected = mesh.points().rowwise() + move.transpose();
-            EXPECT_LT(shapes::distance(bound_and_solved(mesh, chosen, handles, poses), expected), solved);
-        }
-}
+INSTANTIATE_TEST_SUITE_P(ThinShell, SurfaceContract, testing::Values(traits()));
 
 TEST(ThinShell, any_affine_motion_of_a_framed_plane_is_exact)
 {
@@ -116,7 +132,7 @@ TEST(ThinShell, solves_as_dense_matrices_built_from_angles_do)
                 ThinShell shell(mesh, chosen);
                 shell.set_handles(handles);
                 Points positions;
-                const SolveReport report = shell.solve(bent, positions);
+                const SolveReport report = shell.solve({bent}, positions);
                 EXPECT_LT(shapes::distance(positions, expected), solved);
                 EXPECT_NEAR(report.energy, energy, solved * energy);
                 EXPECT_LT(report.residual, 1e-8);
@@ -208,37 +224,6 @@ TEST(ThinShell, is_linear_in_the_poses)
     EXPECT_LT(shapes::distance(solve(shell, sum), together), 1e-9);
 }
 
-TEST(ThinShell, turns_with_the_coordinate_system)
-{
-    // The surface and the poses seen from elsewhere: x' = R x + t.
-    const SurfaceMesh mesh = shapes::hill(8, 7);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    const Pose view = shapes::turn({1, 2, 3}, 70, {0, 0, 0}, {5, -1, 2});
-    const Matrix3 R = view.leftCols<3>();
-    Poses seen;
-    for (const Pose& pose : bent) {
-        const Matrix3 A = R * pose.leftCols<3>() * R.transpose();
-        seen.push_back(shapes::affine(A, R * pose.col(3) + view.col(3) - A * view.col(3)));
-    }
-    const Points elsewhere =
-        bound_and_solved(shapes::moved(mesh, shapes::transformed(mesh.points(), view)), {}, handles, seen);
-    EXPECT_LT(
-        shapes::distance(elsewhere, shapes::transformed(bound_and_solved(mesh, {}, handles, bent), view)),
-        solved);
-}
-
-TEST(ThinShell, ten_solves_take_one_factorisation)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 7);
-    for (bool basis : {true, false}) {
-        ThinShell shell(mesh, {.affine_basis = basis});
-        EXPECT_EQ(shell.set_handles(shapes::ends(mesh, 1.5)).factorizations, 1);
-        for (int k = 0; k < 10; ++k)
-            solve(shell, {shapes::still(), shapes::shift(0, 0, k)});
-        EXPECT_EQ(shell.set_handles(shapes::ends(mesh, 2.5)).factorizations, 2);
-    }
-}
-
 TEST(ThinShell, solves_after_the_first_allocate_nothing_in_proportion_to_the_mesh)
 {
     if (!allocations::counted())
@@ -254,11 +239,11 @@ TEST(ThinShell, solves_after_the_first_allocate_nothing_in_proportion_to_the_mes
             Points positions;
             const allocations::Count count(a_number_a_vertex);
             shell.set_handles(handles);
-            shell.solve(poses, positions);
+            shell.solve({poses}, positions);
             const int first = count.so_far();
             EXPECT_GT(first, 0);
             for (int k = 0; k < 3; ++k)
-                shell.solve(poses, positions);
+                shell.solve({poses}, positions);
             EXPECT_EQ(count.so_far(), first);
         }
 }
@@ -272,52 +257,6 @@ TEST(ThinShell, another_stiffness_gives_what_a_new_object_gives)
     solve(shell, bent);
     EXPECT_EQ(shell.set_stiffness({2.0}, {0.5}, {0.0}).factorizations, 2);
     EXPECT_EQ(solve(shell, bent), bound_and_solved(mesh, stiffness(2, 0.5, 0), handles, bent));
-}
-
-TEST(ThinShell, solves_from_several_threads_give_the_same_bits)
-{
-    const SurfaceMesh mesh = shapes::hill(10, 9);
-    for (bool basis : {true, false}) {
-        ThinShell shell(mesh, {.affine_basis = basis});
-        shell.set_handles(shapes::ends(mesh, 1.5));
-        const Points alone = solve(shell, bent);
-        std::vector<int> wrong(3, 0);
-        std::vector<std::thread> threads;
-        for (int& count : wrong)
-            threads.emplace_back([&] {
-                for (int k = 0; k < 20; ++k)
-                    count += solve(shell, bent) != alone;
-            });
-        for (std::thread& thread : threads)
-            thread.join();
-        EXPECT_EQ(wrong, std::vector<int>(3, 0));
-    }
-}
-
-TEST(ThinShell, a_dragged_handle_moves_the_surface_without_jumps_and_back_again)
-{
-    const SurfaceMesh mesh = shapes::hill(10, 9);
-    ThinShell shell(mesh);
-    shell.set_handles(shapes::ends(mesh, 1.5));
-    const int steps = 48;
-    const auto at = [&](int k) {
-        const double angle = 2 * shapes::pi * k / steps;
-        return Poses{shapes::still(), shapes::turn({0, 1, 0}, 60 * std::sin(angle), {9, 4, 0},
-                                                   {2 * std::cos(angle) - 2, std::sin(angle), 0})};
-    };
-    const Points first = solve(shell, at(0));
-    Points before = first;
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    for (int k = 1; k <= steps; ++k) {
-        const Points now = solve(shell, at(k % steps));
-        double handle_step = 0.0;
-        for (int v : handles[1].vertices)
-            handle_step = std::max(handle_step, (now.row(v) - before.row(v)).norm());
-        // A fair surface overshoots its boundary by less than its own size.
-        EXPECT_LT(shapes::distance(now, before), 2 * handle_step) << "step " << k;
-        before = now;
-    }
-    EXPECT_EQ(before, first); // the same poses, the same bits
 }
 
 TEST(ThinShell, refuses_stiffnesses_that_mean_nothing)
@@ -348,26 +287,6 @@ TEST(ThinShell, refuses_stiffnesses_that_mean_nothing)
         EXPECT_EQ(error.elements(), (std::vector{3, 5}));
         EXPECT_EQ(error.element_kind(), Error::Element::vertex);
     }
-}
-
-TEST(ThinShell, refuses_poses_that_do_not_fit)
-{
-    const SurfaceMesh mesh = shapes::hill(6, 6);
-    ThinShell shell(mesh);
-    shell.set_handles(shapes::ends(mesh, 1.5));
-    Points out;
-    EXPECT_THROW(shell.solve({shapes::still()}, out), InvalidConstraint);
-    EXPECT_THROW(shell.solve(Poses(3, shapes::still()), out), InvalidConstraint);
-    Poses bad(2, shapes::still());
-    bad[1](0, 0) = nan;
-    EXPECT_THROW(shell.solve(bad, out), InvalidConstraint);
-    const Points other = Points::Zero(3, 3);
-    EXPECT_THROW(shell.solve(bent, out, view(other)), InvalidConstraint);
-    Points broken = mesh.points();
-    broken(4, 1) = nan;
-    EXPECT_THROW(shell.solve(bent, out, view(broken)), InvalidConstraint);
-    const std::vector<bool> flags(3, true);
-    EXPECT_THROW(shell.solve(bent, out, {}, &flags), InvalidConstraint);
 }
 
 } // namespace sinew

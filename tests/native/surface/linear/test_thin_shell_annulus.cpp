@@ -60,7 +60,7 @@ double height(int cells, int depth, const ThinShellOptions& options, double cont
     ThinShell shell(ring.mesh, options);
     shell.set_handles(ring.handles);
     Points positions;
-    shell.solve({shapes::shift(0, 0, 1), shapes::still()}, positions);
+    shell.solve({{shapes::shift(0, 0, 1), shapes::still()}}, positions);
     double mean = 0.0;
     for (int m : ring.middle)
         mean += positions(m, 2) / static_cast<double>(ring.middle.size());

@@ -39,7 +39,7 @@ std::vector<Handle> with(std::vector<Handle> handles, const std::vector<int>& ve
 Points solve(const ThinShell& shell, const Poses& poses)
 {
     Points positions;
-    shell.solve(poses, positions);
+    shell.solve({poses}, positions);
     return positions;
 }
 

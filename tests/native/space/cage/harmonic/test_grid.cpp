@@ -101,7 +101,23 @@ Points in_cube(int count, double depth = 0)
 /// time is that of the nodes and the vertices.
 SurfaceMesh bumpy(int level = 2) { return shapes::bumpy_sphere(level, 0.01); }
 
+SpaceTraits traits()
+{
+    const SurfaceMesh cage = bumpy(1);
+    return {
+        .name = "HarmonicGrid",
+        .variants = {cages::variant<Harmonic>("lattice", cage, lattice())},
+        .control = cage.points(),
+        .points = cages::in_ball(200, 0.5),
+        .affine = 3e-12,
+        .outside = Vector3(3, 0, 0),
+        .refuses_outside = true,
+        .other = [cage] { return std::make_shared<Harmonic>(Cage(cage), lattice(HarmonicQuality::medium)); }};
+}
+
 } // namespace
+
+INSTANTIATE_TEST_SUITE_P(HarmonicGrid, SpaceContract, testing::Values(traits()));
 
 TEST(HarmonicGrid, sums_to_trilinear_functions_in_a_box_of_squares)
 {
@@ -268,19 +284,6 @@ TEST(HarmonicGrid, reports_an_error_that_shrinks_with_quality)
     EXPECT_EQ(fast.residual_max(), 0);
 }
 
-TEST(HarmonicGrid, reproduces_affine_maps)
-{
-    const SurfaceMesh cage = bumpy();
-    const Points x = cages::in_ball(200, 0.9);
-    Harmonic harmonic(Cage(cage), lattice());
-    harmonic.bind(view(x));
-    shapes::Random random(7);
-    const Pose pose = shapes::affine(random.matrix(), random.vector());
-    Points warped;
-    harmonic.warp(view(shapes::transformed(cage.points(), pose)), warped);
-    EXPECT_LT(shapes::distance(warped, shapes::transformed(x, pose)), 1e-11);
-}
-
 TEST(HarmonicGrid, names_points_outside_or_falls_back_on_mean_values)
 {
     const SurfaceMesh cage = box({1, 1, 1}, Vector3::Ones(), false);
@@ -318,28 +321,6 @@ TEST(HarmonicGrid, tells_inside_from_outside_as_the_winding_number_does)
         if (std::abs(surface.winding(x.row(i).transpose()) - 1) > 0.5)
             expected.push_back(i);
     EXPECT_EQ(outside, expected);
-}
-
-TEST(HarmonicGrid, stays_as_it_was_when_a_bind_is_cancelled)
-{
-    const SurfaceMesh cage = bumpy(1);
-    const Points first = cages::in_ball(10, 0.5), second = cages::in_ball(20, 0.5);
-    Harmonic harmonic(Cage(cage), lattice());
-    double last = 0;
-    int all = 0;
-    harmonic.bind(view(first), Progress([&](double fraction, const char*) {
-                      ++all;
-                      EXPECT_GE(fraction, last);
-                      last = fraction;
-                      return true;
-                  }));
-    EXPECT_EQ(last, 1);
-    const RowMatrix before = harmonic.weights().dense();
-    for (int ticks : {1, 2, 3, all - 1}) {
-        const Progress few([&](double, const char*) { return --ticks > 0; });
-        EXPECT_THROW(harmonic.bind(view(second), few), Cancelled);
-        EXPECT_EQ(harmonic.weights().dense(), before);
-    }
 }
 
 TEST(HarmonicGrid, is_refused_above_the_memory_limit)

@@ -61,8 +61,8 @@ TEST(AffineBasis, gives_what_the_full_solve_gives)
             for (int seed = 0; seed < 5; ++seed) {
                 const Poses poses = random_poses(3, seed);
                 Points quick, full;
-                const SolveReport a = pair.with.solve(poses, quick);
-                const SolveReport c = pair.without.solve(poses, full);
+                const SolveReport a = pair.with.solve({poses}, quick);
+                const SolveReport c = pair.without.solve({poses}, full);
                 EXPECT_LT(shapes::distance(quick, full), 1e-10 * shapes::size(full)); // as methods.md asks
                 EXPECT_NEAR(a.energy, c.energy, 1e-9 * c.energy);
             }
@@ -127,13 +127,12 @@ TEST(AffineBasis, is_left_out_where_handles_are_many)
     EXPECT_EQ(pair.with.affine_basis(), nullptr);
     const Poses poses = random_poses(17, 1);
     Points a, b;
-    pair.with.solve(poses, a);
-    pair.without.solve(poses, b);
+    pair.with.solve({poses}, a);
+    pair.without.solve({poses}, b);
     EXPECT_EQ(a, b);
     // It can still be built by hand.
-    const AffineBasis basis(mesh.points(), pair.with.regions(),
-                            [&](const MatrixX& values) { return pair.with.respond(values); });
-    basis.solve(poses, a);
+    const MatrixX columns = AffineBasis::columns(mesh.points(), pair.with.regions());
+    AffineBasis(mesh.points(), pair.with.respond(columns)).solve(poses, a);
     EXPECT_LT(shapes::distance(a, b), 1e-10 * shapes::size(b));
 }
 
@@ -145,8 +144,8 @@ TEST(AffineBasis, follows_another_stiffness)
     pair.without.set_stiffness({5.0}, {0.1}, {0.0});
     const Poses poses = random_poses(2, 3);
     Points a, b;
-    pair.with.solve(poses, a);
-    pair.without.solve(poses, b);
+    pair.with.solve({poses}, a);
+    pair.without.solve({poses}, b);
     EXPECT_LT(shapes::distance(a, b), 1e-10 * shapes::size(b));
 }
 

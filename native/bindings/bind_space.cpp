@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/bindings/arguments.h"
+#include "native/space/method.h"
+
+#include <memory>
+
+namespace sinew::bindings {
+
+namespace {
+
+SpaceReport bind_points(SpaceMethod& method, const py::object& rest, const py::object& callback)
+{
+    const FloatArray array = floats(rest, "points");
+    const PointsView view = points<InvalidConstraint>(array, "points");
+    const Progress ticks = progress(callback);
+    const py::gil_scoped_release unlocked;
+    return method.bind(view, ticks);
+}
+
+SpaceReport rebind(SpaceMethod& method, SpaceMethod& former, const py::object& rest,
+                   const py::object& callback)
+{
+    const FloatArray array = floats(rest, "points");
+    const PointsView view = points<InvalidConstraint>(array, "points");
+    const Progress ticks = progress(callback);
+    const py::gil_scoped_release unlocked;
+    return method.rebind(former, view, ticks);
+}
+
+bool can_reuse(const SpaceMethod& method, const py::object& former, const py::object& rest)
+{
+    const FloatArray array = floats(rest, "points");
+    const PointsView view = points<InvalidConstraint>(array, "points");
+    return py::isinstance<SpaceMethod>(former) && method.can_reuse(former.cast<const SpaceMethod&>(), view);
+}
+
+py::object warp(const SpaceMethod& method, const py::object& control, const py::object& out,
+                const py::object& incoming)
+{
+    const FloatArray array = floats(control, "cage_points");
+    const PointsView view = points<InvalidConstraint>(array, "cage_points");
+    const OptionalPoints entering(incoming, "incoming");
+    if (!out.is_none()) {
+        SinglePoints single = singles(out, "out", method.points().rows());
+        const py::gil_scoped_release unlocked;
+        method.warp(view, entering.view, single.data());
+        require_finite(single);
+        return out;
+    }
+    Points positions(method.points().rows(), 3);
+    {
+        const py::gil_scoped_release unlocked;
+        method.warp(view, entering.view, positions.data());
+    }
+    return to_numpy(std::move(positions));
+}
+
+} // namespace
+
+void bind_space(py::module_& module)
+{
+    py::class_<SpaceReport>(module, "CageReport", "What bind() or rebind() of a space method did.")
+        .def_property_readonly(
+            "reuse", [](const SpaceReport& report) { return name_of(report.reuse); },
+            "What rebind() took over: 'anew' for nothing, or 'kept' for everything.")
+        .def_readonly("changed", &SpaceReport::changed,
+                      "What differs from the object that rebind() was given.")
+        .def_readonly("point_count", &SpaceReport::point_count, "Points bound.")
+        .def_property_readonly(
+            "outside", [](const SpaceReport& report) { return to_numpy(report.outside); },
+            "(k,) points outside the cage.")
+        .def_readonly(
+            "dropped", &SpaceReport::dropped,
+            "What the threshold changed in the weights of a point, at most: times the longest move of "
+            "a cage vertex, a bound of how far a warped point is off.")
+        .def_readonly("error", &SpaceReport::error,
+                      "Estimate of the largest error of a weight; 0 where the form is closed.")
+        .def_readonly("weight_bytes", &SpaceReport::weight_bytes, "Memory of the weights.")
+        .def_readonly("seconds", &SpaceReport::seconds, "Wall clock of the call.")
+        .def("__repr__", [](const SpaceReport& report) {
+            return "<CageReport: " + std::to_string(report.point_count) + " points, " +
+                   std::to_string(report.outside.size()) + " outside>";
+        });
+
+    py::class_<SpaceMethod, std::shared_ptr<SpaceMethod>>(
+        module, "SpaceMethod", "What every deformation of the space around points can do.")
+        .def("bind", &bind_points, py::arg("points"), py::arg("progress") = py::none(),
+             R"(Compute the weights of points -> CageReport.
+
+points    (n, 3) rest points, in the frame of the cage.
+progress  None or callable(fraction, stage); returning False cancels.
+
+Raises InvalidConstraint (points not finite, or where the method has no weights), OutOfMemory or Cancelled;
+the object then stays as it was.)")
+        .def("rebind", &rebind, py::arg("former"), py::arg("points"), py::arg("progress") = py::none(),
+             R"(As bind(), taking over the weights of another object where they are the same -> CageReport.
+
+former    SpaceMethod. Where can_reuse(former, points), no points are bound to it afterwards; elsewhere it
+          stays as it was. Nobody may warp with it meanwhile.
+points    (n, 3); this and progress as in bind().
+
+Raises InvalidConstraint, OutOfMemory or Cancelled; both objects then stay as they were.)")
+        .def("can_reuse", &can_reuse, py::arg("former"), py::arg("points"),
+             R"(Whether rebind() would take over the weights of another method. Cost: O(n), to compare.
+
+points  (n, 3) rest points. Raises InvalidConstraint for another shape.)")
+        .def("warp", &warp, py::arg("cage_points"), py::arg("out") = py::none(), py::kw_only(),
+             py::arg("incoming") = py::none(),
+             R"(Where the posed control takes the bound points -> (n, 3).
+
+cage_points  (c, 3) the posed control: of a cage its vertices.
+out          None, or a writable C-contiguous (n, 3) float32 array to write into, which is returned.
+incoming     (n, 3) what entered this frame: the displacements are added to it; None for the bound points.
+
+The control at rest gives these points back to the last bit.
+
+Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or before bind().)");
+}
+
+} // namespace sinew::bindings

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/bindings/surface.h"
+
+#include <pybind11/stl.h>
+
+namespace sinew::bindings {
+
+namespace {
+
+BindReport set_handles(SurfaceMethod& method, const py::object& regions, const py::object& weights,
+                       const py::object& continuity, const py::object& callback)
+{
+    const std::vector<Handle> checked = handles(regions, weights, continuity);
+    const Progress ticks = progress(callback);
+    const py::gil_scoped_release unlocked;
+    return method.set_handles(checked, ticks);
+}
+
+BindReport rebind(SurfaceMethod& method, SurfaceMethod& former, const py::object& regions,
+                  const py::object& weights, const py::object& continuity, const py::object& callback)
+{
+    const std::vector<Handle> checked = handles(regions, weights, continuity);
+    const Progress ticks = progress(callback);
+    const py::gil_scoped_release unlocked;
+    return method.rebind(former, checked, ticks);
+}
+
+bool can_reuse(const SurfaceMethod& method, const py::object& former)
+{
+    if (!py::isinstance<SurfaceMethod>(former))
+        return false;
+    const auto& other = former.cast<const SurfaceMethod&>();
+    const py::gil_scoped_release unlocked;
+    return method.can_reuse(other);
+}
+
+py::tuple solve(const SurfaceMethod& method, const py::object& poses, const py::object& incoming,
+                const py::object& from_rest, const py::object& start, std::optional<int> max_iterations,
+                std::optional<double> tolerance, const py::object& callback, const py::object& out)
+{
+    Poses maps = bindings::poses(poses);
+    std::optional<std::vector<bool>> aims = flags(from_rest, maps.size());
+    const OptionalPoints entering(incoming, "incoming"), first(start, "start");
+    const SolveRequest request{std::move(maps), entering.view, std::move(aims),   first.view,
+                               max_iterations,  tolerance,     progress(callback)};
+    return solved(out, method.rest().vertex_count(),
+                  [&](Points& positions) { return method.solve(request, positions); });
+}
+
+} // namespace
+
+void bind_surface(py::module_& module)
+{
+    py::class_<SurfaceMethod, std::shared_ptr<SurfaceMethod>>(
+        module, "SurfaceMethod", "What every deformation of a surface by handles on it can do.")
+        .def("set_handles", &set_handles, py::arg("handles"), py::arg("weights") = py::none(),
+             py::arg("continuity") = py::none(), py::arg("progress") = py::none(),
+             R"(Factorise for these handles -> BindReport. Cost: see the class.
+
+handles     sequence of (h_i,) vertex index arrays, one per handle; a fixed region is a handle too.
+weights     None, or one entry per handle: None, a number or (h_i,) numbers in [0, 1]. 1 holds exactly,
+            less pulls with stiffness w / (1 - w) of the vertex's own, 0 lets go.
+continuity  None (2), a number, or one per handle, in [0, 2]: C0 to C2 at the region's border, as far
+            as the order of the method allows. C1 needs regions two rings deep, C2 three.
+progress    None or callable(fraction, stage); returning False cancels.
+
+Raises InvalidConstraint, FactorizationFailed or Cancelled; the object then stays as it was.)")
+        .def("rebind", &rebind, py::arg("former"), py::arg("handles"), py::arg("weights") = py::none(),
+             py::arg("continuity") = py::none(), py::arg("progress") = py::none(),
+             R"(As set_handles(), taking over what still holds from another object -> BindReport.
+
+former   SurfaceMethod. Where can_reuse(former), it has no handles afterwards; elsewhere it stays as it was.
+         Nobody may solve with it meanwhile.
+handles  (h_i,) vertex indices each; this and the others as in set_handles().
+
+The report's `reuse` and `changed` tell what was taken over and what differs.
+Raises InvalidConstraint, FactorizationFailed or Cancelled; both objects then stay as they were.)")
+        .def("can_reuse", &can_reuse, py::arg("former"),
+             "Whether rebind() would take anything over from another method. Cost: O(n), to compare.")
+        .def("solve", &solve, py::arg("poses"), py::kw_only(), py::arg("incoming") = py::none(),
+             py::arg("from_rest") = py::none(), py::arg("start") = py::none(),
+             py::arg("max_iterations") = py::none(), py::arg("tolerance") = py::none(),
+             py::arg("progress") = py::none(), py::arg("out") = py::none(),
+             R"(Deform -> (positions (n, 3), SolveReport). No factorisation; safe from several threads.
+
+poses           (k, 3, 4) affine map of each handle from its rest frame, object space.
+incoming        (n, 3) what entered this frame; None for rest. Handle targets are pose * incoming.
+from_rest       None, a flag, or (k,) flags: handles whose targets are pose * rest.
+start           None: the result depends on the poses alone. (n, 3): warm start while dragging.
+max_iterations  other budget for this call; 0 gives the start itself.
+tolerance       other tolerance for this call.
+progress        None or callable(fraction, stage); returning False cancels.
+out             None, or a float32 array (n, 3) to write into and return; half written after an error.
+
+A linear method needs no start, max_iterations, tolerance and progress, and accepts them.
+Raises InvalidConstraint for a wrong count, shape or non-finite number, InvalidOption or Cancelled. A spent
+budget is in the report, not an error.)")
+        .def_property_readonly("rest", &SurfaceMethod::rest, "SurfaceMesh, the rest shape.");
+}
+
+} // namespace sinew::bindings

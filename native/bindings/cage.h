@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/bindings/arguments.h"
+#include "native/bindings/choices.h"
+#include "native/space/cage/cage.h"
+#include "native/space/cage/cage_coordinates.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace sinew::bindings {
+
+inline PointWeightOptions weight_options(const std::string& precision, double threshold)
+{
+    return {choose<WeightPrecision>(precision, "precision",
+                                    {{"single", WeightPrecision::single_precision},
+                                     {"double", WeightPrecision::double_precision}}),
+            threshold};
+}
+
+inline CageOutside cage_outside(const std::string& outside)
+{
+    return choose<CageOutside>(outside, "outside",
+                               {{"error", CageOutside::refuse}, {"mean_value", CageOutside::mean_value}});
+}
+
+/// The class of a cage method, whose constructor takes the words that all have and then its own; what remains
+/// is what it alone can do.
+/// \param options  makes the method's options of the weights' options and the method's own words.
+/// \param words    their documentation.
+/// \param own      py::arg(...) = default of each of them.
+template <class Method, class Options, class... Own, class... Words>
+py::class_<Method, CageCoordinates, std::shared_ptr<Method>>
+bind_cage_method(py::module_& module, const char* name, const char* doc,
+                 Options (*options)(const PointWeightOptions&, Own...), const std::string& words,
+                 Words&&... own)
+{
+    py::class_<Method, CageCoordinates, std::shared_ptr<Method>> result(module, name, doc);
+    const std::string text = R"(
+cage        SurfaceMesh, the closed rest cage, faces outwards.
+precision   of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
+threshold   weights of a smaller magnitude are dropped, the others changed so that their sum stays,
+            and stored sparsely; 0 keeps all, densely.
+)" + words + R"(
+Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)";
+    result.def(py::init([options](const SurfaceMesh& cage, const std::string& precision, double threshold,
+                                  Own... values) {
+                   const Options chosen = options(weight_options(precision, threshold), values...);
+                   const py::gil_scoped_release unlocked;
+                   return std::make_shared<Method>(Cage(cage), chosen);
+               }),
+               py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0,
+               std::forward<Words>(own)..., text.c_str());
+    return result;
+}
+
+} // namespace sinew::bindings

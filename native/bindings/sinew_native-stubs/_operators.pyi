@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from typing import Literal
+
+from numpy.typing import ArrayLike
+from scipy.sparse import csc_matrix
+
+from ._mesh import SurfaceMesh
+from ._types import Floats
+
+Discretization = Literal["uniform", "cotan", "cotan_voronoi"]
+
+def laplacian(mesh: SurfaceMesh, discretization: Discretization = "cotan_voronoi") -> csc_matrix: ...
+def mass(mesh: SurfaceMesh, discretization: Discretization = "cotan_voronoi") -> Floats: ...
+def laplacian_power(
+    mesh: SurfaceMesh, order: int, discretization: Discretization = "cotan_voronoi"
+) -> csc_matrix: ...
+def gradient(mesh: SurfaceMesh) -> csc_matrix: ...
+def divergence(mesh: SurfaceMesh) -> csc_matrix: ...
+def fit_rotations(S: ArrayLike) -> Floats: ...

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from collections.abc import Sequence
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from ._core import BindReport, SolveReport
+from ._mesh import SurfaceMesh
+from ._operators import Discretization
+from ._types import Floats, Progress, Singles, Weights
+
+class SurfaceMethod:
+    def set_handles(
+        self,
+        handles: Sequence[ArrayLike],
+        weights: Weights | None = None,
+        continuity: ArrayLike | None = None,
+        progress: Progress | None = None,
+    ) -> BindReport: ...
+    def rebind(
+        self,
+        former: SurfaceMethod,
+        handles: Sequence[ArrayLike],
+        weights: Weights | None = None,
+        continuity: ArrayLike | None = None,
+        progress: Progress | None = None,
+    ) -> BindReport: ...
+    def can_reuse(self, former: object) -> bool: ...
+    def solve(
+        self,
+        poses: ArrayLike,
+        *,
+        incoming: ArrayLike | None = None,
+        from_rest: bool | Sequence[bool] | None = None,
+        start: ArrayLike | None = None,
+        max_iterations: int | None = None,
+        tolerance: float | None = None,
+        progress: Progress | None = None,
+        out: Singles | None = None,
+    ) -> tuple[Floats | Singles, SolveReport]: ...
+    @property
+    def rest(self) -> SurfaceMesh: ...
+
+class ThinShell(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        stretching: ArrayLike = 0.0,
+        bending: ArrayLike = 1.0,
+        variation: ArrayLike = 0.0,
+        laplacian: Discretization = "cotan_voronoi",
+        affine_basis: bool = True,
+    ) -> None: ...
+    def set_stiffness(
+        self,
+        stretching: ArrayLike,
+        bending: ArrayLike,
+        variation: ArrayLike = 0.0,
+        progress: Progress | None = None,
+    ) -> BindReport: ...
+
+class AffineBasis:
+    def __init__(self, thin_shell: ThinShell) -> None: ...
+    @property
+    def matrix(self) -> Floats: ...
+    def solve(self, poses: ArrayLike) -> tuple[Floats, SolveReport]: ...
+
+class Arap(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        smoothness: float = 5e-4,
+        cells: Literal["spokes", "rims"] = "spokes",
+        rigidity: ArrayLike = 1.0,
+        max_iterations: int = 40,
+        tolerance: float = 1e-5,
+    ) -> None: ...
+    def energy(self, positions: ArrayLike) -> float: ...

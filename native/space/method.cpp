@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/method.h"
+
+#include "native/core/errors.h"
+
+#include <chrono>
+#include <cstring>
+#include <typeinfo>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+std::vector<int> not_finite(const PointsView& points)
+{
+    std::vector<int> bad;
+    for (int i = 0; i < points.rows(); ++i)
+        if (!points.row(i).allFinite())
+            bad.push_back(i);
+    return bad;
+}
+
+} // namespace
+
+SpaceReport SpaceMethod::bind(PointsView points, const Progress& progress)
+{
+    const auto begin = std::chrono::steady_clock::now();
+    if (const std::vector<int> bad = not_finite(points); !bad.empty())
+        throw InvalidConstraint("points " + list_some(bad) + " are not finite", Error::Element::vertex, bad);
+    SpaceReport report;
+    report.point_count = static_cast<int>(points.rows());
+    compute(points, report, progress);
+    points_ = points;
+    bound_ = true;
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    report_ = report;
+    return report;
+}
+
+std::vector<std::string> SpaceMethod::differences(const SpaceMethod& former, const PointsView& points) const
+{
+    if (typeid(*this) != typeid(former))
+        return {"method"};
+    std::vector<std::string> changed = changed_settings(former);
+    const bool same_points =
+        former.bound_ && points.rows() == former.points_.rows() &&
+        std::memcmp(points.data(), former.points_.data(), sizeof(double) * points.size()) == 0;
+    if (!same_points)
+        changed.emplace_back("points");
+    return changed;
+}
+
+bool SpaceMethod::can_reuse(const SpaceMethod& former, const PointsView& points) const
+{
+    return differences(former, points).empty();
+}
+
+SpaceReport SpaceMethod::rebind(SpaceMethod& former, PointsView points, const Progress& progress)
+{
+    const std::vector<std::string> changed = differences(former, points);
+    if (!changed.empty()) {
+        SpaceReport report = bind(points, progress);
+        report.changed = in_a_row(changed);
+        return report;
+    }
+    progress.tick(1.0, "taking over the weights");
+    if (&former != this) {
+        swap_all(former);
+        former.bound_ = false;
+    }
+    SpaceReport report = report_;
+    report.reuse = Reuse::kept;
+    return report;
+}
+
+void SpaceMethod::swap_all(SpaceMethod& other)
+{
+    swap_weights(other);
+    std::swap(points_, other.points_);
+    std::swap(report_, other.report_);
+    std::swap(bound_, other.bound_);
+}
+
+void SpaceMethod::warp(PointsView control, const std::optional<PointsView>& incoming, PositionsOut out) const
+{
+    if (!bound_)
+        throw InvalidConstraint(std::string("no points are bound to the ") + control_name() +
+                                ": call bind() first");
+    if (incoming) {
+        if (incoming->rows() != points_.rows())
+            throw InvalidConstraint("incoming: " + std::to_string(incoming->rows()) + " points given for " +
+                                    std::to_string(points_.rows()) + " bound ones");
+        if (!incoming->allFinite()) {
+            const std::vector<int> bad = not_finite(*incoming);
+            throw InvalidConstraint("incoming: NaN or infinite coordinates at vertices " + list_some(bad),
+                                    Error::Element::vertex, bad);
+        }
+    }
+    displace(control, incoming ? *incoming : view(points_), out);
+}
+
+} // namespace sinew

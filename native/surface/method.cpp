@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/surface/method.h"
+
+#include "native/core/errors.h"
+
+#include <algorithm>
+#include <chrono>
+#include <typeinfo>
+#include <utility>
+
+namespace sinew {
+
+SurfaceMethod::SurfaceMethod(const SurfaceMesh& rest)
+    : rest_(std::make_shared<const SurfaceMesh>(rest)), parts_(connected_components(*rest_)),
+      regions_({}, parts_)
+{
+}
+
+BindReport SurfaceMethod::set_handles(const std::vector<Handle>& handles, const Progress& progress)
+{
+    const auto start = std::chrono::steady_clock::now();
+    progress.tick(0.0, "assembling the energy");
+    Regions regions(handles, parts_);
+    std::vector<Handle> kept = handles;
+    BindReport report = regions.report();
+    bind(regions, report, progress);
+    report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report_ = report;
+    regions_ = std::move(regions);
+    handles_ = std::move(kept);
+    bound_ = true;
+    return report;
+}
+
+SurfaceMethod::Comparison SurfaceMethod::compare(const SurfaceMethod& former) const
+{
+    if (typeid(*this) != typeid(former))
+        return {{"method"}, false};
+    if (!(*rest_ == *former.rest_))
+        return {{"rest shape"}, false};
+    const std::vector<std::string> changed = changed_options(former);
+    return {changed, former.bound_ && std::ranges::all_of(changed, [this](const std::string& option) {
+                         return updates(option);
+                     })};
+}
+
+bool SurfaceMethod::can_reuse(const SurfaceMethod& former) const { return compare(former).reusable; }
+
+BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
+                                 const Progress& progress)
+{
+    auto [changed, reusable] = compare(former);
+    if (!former.bound_ || handles != former.handles_)
+        changed.emplace_back("handles");
+    struct Exchange
+    {
+        SurfaceMethod &own, *other;
+        ~Exchange()
+        {
+            if (other)
+                own.swap_all(*other);
+        }
+    } undone{*this, reusable ? &former : nullptr};
+    if (reusable)
+        swap_all(former);
+    BindReport report;
+    if (reusable && changed.empty()) {
+        progress.tick(1.0, "taking over the factor");
+        report = report_;
+        report.reuse = Reuse::kept;
+    } else {
+        report = set_handles(handles, progress);
+        report.reuse = reusable ? Reuse::updated : Reuse::anew;
+    }
+    report.changed = in_a_row(changed);
+    undone.other = nullptr;
+    if (reusable && &former != this) {
+        former.bound_ = false;
+        former.handles_.clear();
+        former.regions_ = Regions({}, former.parts_);
+    }
+    return report;
+}
+
+void SurfaceMethod::swap_all(SurfaceMethod& other)
+{
+    if (this == &other)
+        return;
+    swap_binding(other);
+    std::swap(regions_, other.regions_);
+    std::swap(handles_, other.handles_);
+    std::swap(report_, other.report_);
+    std::swap(bound_, other.bound_);
+}
+
+SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions) const
+{
+    const Targets targets{request.poses, view(rest_->points()), request.incoming,
+                          request.from_rest ? &*request.from_rest : nullptr};
+    targets.check(regions_.handle_count());
+    if (request.start)
+        require_same_size(*request.start, "start");
+    require_at_least(request.max_iterations.value_or(0), 0, "max_iterations");
+    require_at_least(request.tolerance.value_or(0.0), 0.0, "tolerance");
+    if (!bound_) { // nothing is held
+        positions = targets.base();
+        return SolveReport{.converged = true};
+    }
+    return deform(request, targets, positions);
+}
+
+void SurfaceMethod::require_same_size(const PointsView& points, const char* name) const
+{
+    if (points.rows() != rest_->vertex_count())
+        throw InvalidConstraint(std::string(name) + ": " + std::to_string(points.rows()) +
+                                " points given for a rest shape of " + std::to_string(rest_->vertex_count()));
+    if (!points.allFinite())
+        throw InvalidConstraint(std::string(name) + ": NaN or infinite coordinates");
+}
+
+} // namespace sinew
