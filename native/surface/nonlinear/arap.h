@@ -46,8 +46,8 @@ struct ArapOptions
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)
-///   set_handles()  another set of handles        two factorisations and the cascade's; the first one,
-///   weights solve()        the handles moved             some 5-9 iterations' worth for the start, then an
+///   set_handles()  another set of handles        two factorisations, the cascade's, once weights
+///   solve()        the handles moved             some 5-9 iterations' worth for the start, then an
 ///                                                iteration: two solves of x, y, z and n rotation fits
 class Arap final : public SurfaceMethod
 {
