@@ -41,7 +41,7 @@ Points random_points(int count)
 TEST(Stencils, give_what_the_matrix_gives)
 {
     const SparseRows matrix = random_matrix(20'011, 300);
-    const Stencils stencils(matrix);
+    const Stencils stencils{SparseRows(matrix)};
     const Points points = random_points(300);
     Points found(matrix.rows(), 3);
     stencils.apply(points.data(), found.data());
@@ -57,7 +57,7 @@ TEST(Stencils, give_what_the_matrix_gives)
 TEST(Stencils, do_not_depend_on_threads_or_instructions)
 {
     const SparseRows matrix = random_matrix(20'011, 300);
-    const Stencils stencils(matrix);
+    const Stencils stencils{SparseRows(matrix)};
     const Points points = random_points(300);
     Points one(matrix.rows(), 3), many(matrix.rows(), 3), wide = Points::Zero(matrix.rows(), 3);
     limit_threads(1);
