@@ -115,7 +115,7 @@ class Inheritance:
 class Factor:
     """A bound method: solve as often as you like, from several threads, until it is handed over."""
 
-    def __init__(self, native, made: Inheritance, report: object) -> None:
+    def __init__(self, native, made: Inheritance, report: Any) -> None:
         self._native = native
         self._mesh = made.mesh
         self._method = made.made

@@ -118,7 +118,7 @@ class Cage(Shape):
 
     def solve(
         self,
-        method: object,
+        method: Any,
         vertices: np.ndarray,
         *,
         incoming: np.ndarray | None = None,
