@@ -7,8 +7,8 @@ from bpy.types import Context, Operator
 
 from .. import session
 from ..core import status
-from ..core.errors import SinewError
 from ..ids import Operators
+from .refusing import refusing
 from .target import has_deformer, target_of
 
 
@@ -27,6 +27,7 @@ class SINEW_OT_select_problems(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
+    @refusing
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         uid = obj.sinew.active.uid
@@ -36,11 +37,7 @@ class SINEW_OT_select_problems(Operator):
         if not lines:
             self.report({"INFO"}, "No problem to show")
             return {"CANCELLED"}
-        try:
-            shown = session.object_with(obj.sinew.active, lines[0].elements)
-        except SinewError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        shown = session.object_with(obj.sinew.active, lines[0].elements)
         if shown.name not in context.view_layer.objects:
             self.report({"ERROR"}, f"{shown.name} is not in this view layer - nothing to select")
             return {"CANCELLED"}

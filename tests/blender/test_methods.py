@@ -3,6 +3,7 @@
 
 import bpy
 import numpy as np
+import pytest
 from rig import Rig, make_active
 
 
@@ -18,6 +19,28 @@ def test_operators_and_session_functions_give_the_same(room, plate: Rig):
     session.bind(obj, deformer)
     plate.lift(0.3)
     assert np.array_equal(plate.points(), by_operator)
+
+
+def test_one_call_rigs_a_region_and_binds_it(room, plate: Rig):
+    """As Add Handle does. A refused bind leaves the region, an unknown group leaves nothing."""
+    session, errors, obj = room("session"), room("core.errors"), plate.obj
+    with pytest.raises(errors.SinewError):
+        session.rig_region(obj, "HANDLE", "Nowhere", "arap")
+    assert obj.sinew.active is None
+    plate.bind("arap").lift(0.3)
+    by_operator = plate.points()
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_remove()
+    for kind, group in (("HANDLE", "Top"), ("FIXED", "Base")):
+        handle, refusal = session.rig_region(obj, kind, group, "arap")
+        assert handle.kind == kind
+        assert refusal is None
+    plate.lift(0.3)
+    assert np.array_equal(plate.points(), by_operator)
+    _handle, refusal = session.rig_region(obj, "FIXED", "Top")
+    assert isinstance(refusal, errors.ConstraintError)
+    assert len(plate.deformer.handles) == 3
+    assert plate.deformer.status_level == "ERROR"
 
 
 def test_register_and_unregister_leave_no_trace(addon):
