@@ -282,12 +282,13 @@ def test_a_deformer_row_mutes_its_modifier_in_viewport_and_render(bound_plate: R
 
 
 def panels(space: str) -> dict[str, type]:
-    found = {
-        cls.__name__: cls for cls in bpy.types.Panel.__subclasses__() if cls.__name__.startswith("SINEW_PT")
-    }
-    return {
-        name: cls for name, cls in found.items() if cls.bl_space_type == space and hasattr(bpy.types, name)
-    }
+    """Those that are registered now: classes of an add-on that was reloaded may still be in memory."""
+    found = {cls.__name__: cls for cls in bpy.types.Panel.__subclasses__() if _is_ours(cls)}
+    return {name: cls for name, cls in found.items() if cls.bl_space_type == space}
+
+
+def _is_ours(cls: type) -> bool:
+    return cls.__name__.startswith("SINEW_PT") and getattr(bpy.types, cls.__name__, None) is cls
 
 
 def test_the_modifiers_tab_has_every_panel_of_the_sidebar(bound_plate: Rig):
