@@ -98,6 +98,8 @@ def benchmarks(timeout: float) -> Outcome:
     debian.install(debian.BLENDER)
     for target in BENCHMARK_TARGETS:
         build_tree("dev", target)
+    package()  # here, so that no row waits for wheels
+    environments.newest_blender().make()
     return _pytest("benchmarks", timeout, {"PYTHONPATH": DEV_MODULE})
 
 
