@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import bmesh
 import bpy
 import numpy as np
@@ -416,6 +418,9 @@ def test_rays_are_shown_until_the_exact_weights_are_there(room, caged, monkeypat
     target, cage = target_and_cage(caged)
     binding, deformer = room(BINDING), target.sinew.active
     monkeypatch.setattr(binding, "may_wait", lambda _count: True)
+    may_begin, build = threading.Event(), binding.build_factor
+    monkeypatch.setattr(binding, "build_factor", lambda *found: may_begin.wait(20.0) and build(*found))
+    may_begin.set()
     cage.data.vertices[0].co = (-1.6, -0.7, -1.3)
     with room("session").suspended():
         deformer.method = "positive_mean_value"
@@ -424,12 +429,14 @@ def test_rays_are_shown_until_the_exact_weights_are_there(room, caged, monkeypat
     shapes = []
     for is_preview in (True, False):
         binding.job(deformer.uid).thread.join(timeout=20.0)
+        may_begin.clear()  # so that the exact weights are still under way below
         assert binding.collect() == [deformer.uid]
         assert session.bound.is_preview is is_preview
         target.update_tag(refresh={"OBJECT"})
         if is_preview:  # what came in between stopped the exact weights: they are asked for anew
             assert binding.ensure(session, deformer, deformer, wait=False) is session.bound
             binding.abandon(deformer.uid)
+            may_begin.set()
             assert binding.ensure(session, deformer, deformer, wait=False) is None
             binding.job(deformer.uid).thread.join(timeout=20.0)
             assert binding.collect() == [deformer.uid]

