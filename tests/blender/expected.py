@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from inside import native
 from mathutils import Matrix
-from registry import BY_ID, options_of
+from registry import BY_ID, METHODS, options_of
 from rig import Rig, apply_matrix, base_points, update
 
 Warp = Callable[[np.ndarray], np.ndarray]
@@ -45,6 +45,14 @@ def in_frame(obj: bpy.types.Object, control: bpy.types.Object) -> np.ndarray:
     """The control's matrix in the space of the object, (4, 4)."""
     update()
     return np.linalg.inv(np.array(obj.matrix_world)) @ np.array(control.matrix_world, dtype=np.float64)
+
+
+def new_native(row: object, target: object, options: dict[str, object]) -> object:
+    """The native object of a row; one around another gets the first that it can be put around."""
+    if row.wraps:
+        base = next(other for other in METHODS if other.family in row.wraps and not other.wraps)
+        options = options | {"base": new_native(base, target, options_of(base, {})[0])}
+    return getattr(native(), row.native)(target, **options)
 
 
 class Poses(ABC):
@@ -85,8 +93,8 @@ class Expected(Poses):
         **options: object,
     ) -> None:
         super().__init__(obj, control)
-        self._regions, self._solver, row = (handle, *fixed), None, BY_ID[method]
-        self._type, self._options, self._steps = row.native, *options_of(row, options)
+        self._regions, self._solver, self._row = (handle, *fixed), None, BY_ID[method]
+        self._options, self._steps = options_of(self._row, options)
         self.rebind(obj, points)
 
     def rebind(self, obj: bpy.types.Object, points: np.ndarray | None = None) -> None:
@@ -94,7 +102,7 @@ class Expected(Poses):
         rest = base_points(obj) if points is None else points
         groups = [members_of(obj, name) for name in self._regions]
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
-        self._solver = getattr(native(), self._type)(mesh, **self._options)
+        self._solver = new_native(self._row, mesh, self._options)
         self._solver.set_handles([group[0] for group in groups], weights=[group[1] for group in groups])
         self._still = [np.eye(4)[:3]] * (len(groups) - 1)
 
@@ -125,8 +133,8 @@ class ExpectedInCage(Poses):
         **options: object,
     ) -> None:
         super().__init__(obj, cage)
-        self._type, self._by_hand = BY_ID[method].native, by_hand
-        self._options, _none = options_of(BY_ID[method], options)
+        self._row, self._by_hand = BY_ID[method], by_hand
+        self._options, _none = options_of(self._row, options)
         self._cage_rest, self._posed = (
             apply_matrix(self._at_rest, points) for points in (cage_rest, base_points(cage))
         )
@@ -137,10 +145,10 @@ class ExpectedInCage(Poses):
         """Where the vertices of the cage take points, (n, 3); the same question is computed once."""
         points = np.ascontiguousarray(points, dtype=np.float64)
         options = repr(sorted(self._options.items()))
-        key = (self._type, options, *(array.tobytes() for array in (self._cage_rest, self._posed, points)))
+        key = (self._row.id, options, *(array.tobytes() for array in (self._cage_rest, self._posed, points)))
         if key not in _warped:
             mesh = native().SurfaceMesh(self._cage_rest, self._cage_faces)
-            coordinates = getattr(native(), self._type)(mesh, **self._options)
+            coordinates = new_native(self._row, mesh, self._options)
             coordinates.bind(points)
             _warped[key] = coordinates.warp(self._posed)
         return _warped[key]

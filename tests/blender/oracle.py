@@ -17,6 +17,7 @@ from functools import partial
 
 import bpy
 import numpy as np
+from expected import new_native
 from registry import BY_ID
 from rig import base_points
 
@@ -169,7 +170,7 @@ class Oracle:
         steps = {
             parameter.id: options.pop(parameter.id) for parameter in row.parameters if not parameter.rebinds
         }
-        solver = getattr(self.native, row.native)(self.native.SurfaceMesh(rest, faces), **options)
+        solver = new_native(row, self.native.SurfaceMesh(rest, faces), options)
         solver.set_handles([region.members for region in regions], weights=[r.strength for r in regions])
         incoming = None if np.array_equal(before, rest) else before
         moved, _report = solver.solve(poses, incoming=incoming, from_rest=flags, **steps)

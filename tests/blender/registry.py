@@ -7,6 +7,7 @@ import importlib
 from collections.abc import Iterable
 
 import installed
+import numpy as np
 
 _methods = importlib.import_module(f"{installed.name()}.core.methods")
 METHODS, BY_ID, Control = _methods.METHODS, _methods.BY_ID, _methods.Control
@@ -27,15 +28,28 @@ def options_of(row: object, others: dict[str, object]) -> tuple[dict[str, object
     constructor, solve = {}, {}
     for parameter in row.parameters:
         keywords = constructor if parameter.rebinds else solve
-        keywords[parameter.id] = others.get(parameter.id, parameter.default)
+        keywords[parameter.id] = others.get(parameter.id, _given(parameter))
     return constructor, solve
 
 
+def _given(parameter: object) -> object:
+    """The default as the native module takes it: a curve by its values at even steps."""
+    if not hasattr(parameter, "samples"):
+        return parameter.default
+    x, y = np.transpose(parameter.default)
+    return np.interp(np.linspace(0.0, 1.0, parameter.samples), x, y)
+
+
 def other_values(parameter: object) -> Iterable[object]:
-    """What a test sets a parameter to: every choice, both ends of a switch, the end of a slider."""
+    """What a test sets a parameter to: every choice, both ends of a switch, the end of a slider.
+
+    Nothing for one whose value lies in another datablock: a test of its own draws or picks that.
+    """
     if hasattr(parameter, "items"):
         return [item[0] for item in parameter.items if item[0] not in TAKES_MINUTES]
     if isinstance(parameter.default, bool):
         return [True, False]
+    if not hasattr(parameter, "minimum"):
+        return []
     least, most = parameter.minimum, parameter.soft_maximum
     return [most if most != parameter.default else 0.5 * (least + most)]

@@ -87,6 +87,10 @@ def values_of(parameter) -> tuple:
     """What a sequence sets a parameter to."""
     if hasattr(parameter, "items"):
         return tuple(item[0] for item in parameter.items)
+    if isinstance(parameter.default, bool):
+        return (True, False)
+    if not hasattr(parameter, "minimum"):
+        return ()
     if not parameter.rebinds:  # how far a solve goes: a loose end is no answer to compare with
         return (3,) if isinstance(parameter.default, int) else ()
     return (parameter.minimum, 0.5 * parameter.soft_maximum)
