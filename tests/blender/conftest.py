@@ -4,14 +4,14 @@
 import importlib
 import os
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import ModuleType
 
 import bpy
 import inside
 import installed
 import pytest
-from expected import Expected, Poses
-from rig import Rig, close
+from rig import Rig
 from rigs import RIGS, HandleRig
 
 # isort: split
@@ -83,12 +83,16 @@ def rig(request: pytest.FixtureRequest) -> HandleRig:
 
 
 @pytest.fixture
-def posed(rig: HandleRig) -> tuple[HandleRig, Poses]:
-    """Bound and lifted by a half; what to see of it."""
-    expected = rig.start()
-    rig.lift(0.5)
-    assert rig.shows(expected.lifted(0.5))
-    return rig, expected
+def posed(rig: HandleRig, tmp_path: Path) -> HandleRig:
+    """Bound and lifted by a half, with a folder of its own."""
+    return lifted(rig, tmp_path)
+
+
+def lifted(rig: HandleRig, folder: Path) -> HandleRig:
+    rig.folder = folder
+    rig.start().lift(0.5)
+    assert rig.is_right()
+    return rig
 
 
 @pytest.fixture
@@ -98,12 +102,9 @@ def plate() -> Rig:
 
 
 @pytest.fixture
-def posed_plate(plate: Rig) -> tuple[Rig, Expected]:
-    """The plate, bound and lifted by a half; what to see of it."""
-    expected = Expected.of(plate.bind())
-    plate.lift(0.5)
-    assert close(plate.points(), expected.lifted(0.5))
-    return plate, expected
+def posed_plate(tmp_path: Path) -> HandleRig:
+    """The plate, as ``posed``."""
+    return lifted(HandleRig.new(), tmp_path)
 
 
 @pytest.fixture

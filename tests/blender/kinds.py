@@ -10,15 +10,16 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Vector
-from rig import make_active, update
+from rig import evaluated_points as shown
+from rig import make_active, new_object, update
 
 TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
 HANDLES = ("AUTO", "VECTOR", "ALIGNED", "FREE")
 Warp = Callable[[np.ndarray], np.ndarray]
 
 
-def linked(obj: bpy.types.Object) -> bpy.types.Object:
-    bpy.context.scene.collection.objects.link(obj)
+def linked(name: str, data: bpy.types.ID) -> bpy.types.Object:
+    obj = new_object(name, data)
     make_active(obj)
     return obj
 
@@ -26,7 +27,7 @@ def linked(obj: bpy.types.Object) -> bpy.types.Object:
 def curve_object(name: str = "Curve") -> bpy.types.Object:
     data = bpy.data.curves.new(name, "CURVE")
     data.dimensions = "3D"
-    return linked(bpy.data.objects.new(name, data))
+    return linked(name, data)
 
 
 def add_bezier(obj: bpy.types.Object, count: int = 5, z: float = 0.0) -> None:
@@ -90,7 +91,7 @@ def text(fill: str = "FULL") -> bpy.types.Object:
     data.extrude = 0.05 if fill == "FULL" else 0.0
     if fill == "NONE":
         data.fill_mode = "NONE"
-    return linked(bpy.data.objects.new("Text", data))
+    return linked("Text", data)
 
 
 def outline() -> bpy.types.Object:
@@ -118,22 +119,6 @@ MAKERS = {
     maker.__name__: maker for maker in (bezier, poly, nurbs, mixed, bevelled, text, outline, hair, cloud)
 }
 CURVES = ("bezier", "poly", "nurbs", "mixed")
-
-
-def shown(obj: bpy.types.Object) -> np.ndarray:
-    """What Blender shows, object space, (n, 3): vertices, places along a curve, or the points themselves."""
-    update()
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    if obj.type in ("CURVES", "POINTCLOUD"):
-        positions = evaluated.data.attributes["position"].data
-        flat = np.empty(len(positions) * 3, dtype=np.float32)
-        positions.foreach_get("vector", flat)
-        return flat.reshape(-1, 3).astype(float)
-    mesh = evaluated.to_mesh()
-    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.vertices.foreach_get("co", flat)
-    evaluated.to_mesh_clear()
-    return flat.reshape(-1, 3).astype(float)
 
 
 def moved_by_hand(obj: bpy.types.Object, warp: Warp) -> np.ndarray:
@@ -213,9 +198,7 @@ def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object
     mesh = bpy.data.meshes.new("Cage")
     faces = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
     mesh.from_pydata([tuple(middle + reach * np.array(corner)) for corner in corners], [], faces)
-    cage = bpy.data.objects.new("Cage", mesh)
-    bpy.context.scene.collection.objects.link(cage)
-    return cage
+    return new_object("Cage", mesh)
 
 
 def bind(obj: bpy.types.Object, method: str = "mean_value", cage: bpy.types.Object | None = None):

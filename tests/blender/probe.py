@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from rig import coordinates, points_of
 
 
 class Probe(bpy.types.RenderEngine):
@@ -32,17 +33,7 @@ _SHAPES = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD")
 
 
 def _points(obj: bpy.types.Object) -> np.ndarray:
-    if obj.type in ("CURVES", "POINTCLOUD"):
-        positions = obj.data.attributes["position"].data
-        flat = np.empty(len(positions) * 3, dtype=np.float32)
-        positions.foreach_get("vector", flat)
-        return flat.reshape(-1, 3).astype(float)
-    mesh = obj.data if obj.type == "MESH" else obj.to_mesh()
-    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.vertices.foreach_get("co", flat)
-    if mesh != obj.data:
-        obj.to_mesh_clear()
-    return flat.reshape(-1, 3).astype(float)
+    return coordinates(obj.data.vertices) if obj.type == "MESH" else points_of(obj)
 
 
 def _size(scene: bpy.types.Scene) -> tuple[int, int]:

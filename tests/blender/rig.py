@@ -4,10 +4,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from pathlib import Path
 
+import bmesh
 import bpy
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 FLOAT32 = 4e-6  # a few roundings of coordinates near 1
 MATRIX = 1e-5  # a pose that went through location, rotation and scale in float32
@@ -29,22 +32,41 @@ def push(message: str) -> None:
     bpy.ops.ed.undo_push(message=message)
 
 
+def coordinates(elements: bpy.types.bpy_prop_collection, name: str = "co") -> np.ndarray:
+    """A vector of each element, (n, 3)."""
+    flat = np.empty(len(elements) * 3, dtype=np.float32)
+    elements.foreach_get(name, flat)
+    return flat.reshape(-1, 3).astype(float)
+
+
+def points_of(evaluated: bpy.types.Object) -> np.ndarray:
+    """Vertices, places along a curve, or the points themselves, object space, (n, 3)."""
+    if evaluated.type in ("CURVES", "POINTCLOUD"):
+        return coordinates(evaluated.data.attributes["position"].data, "vector")
+    points = coordinates(evaluated.to_mesh().vertices)
+    evaluated.to_mesh_clear()
+    return points
+
+
 def evaluated_points(obj: bpy.types.Object) -> np.ndarray:
     """What Blender shows, object space, (n, 3)."""
     update()
-    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
-    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.vertices.foreach_get("co", flat)
-    evaluated.to_mesh_clear()
-    return flat.reshape(-1, 3).astype(float)
+    return points_of(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+
+
+def instances_of(name: str) -> list[tuple[np.ndarray, np.ndarray]]:
+    """World matrix and points (object space) of each instance of the object."""
+    update()
+    return [
+        (np.array(instance.matrix_world), points_of(instance.object))
+        for instance in bpy.context.evaluated_depsgraph_get().object_instances
+        if instance.is_instance and instance.object.name == name
+    ]
 
 
 def base_points(obj: bpy.types.Object) -> np.ndarray:
     """The mesh without modifiers, (n, 3)."""
-    flat = np.empty(len(obj.data.vertices) * 3, dtype=np.float32)
-    obj.data.vertices.foreach_get("co", flat)
-    return flat.reshape(-1, 3).astype(float)
+    return coordinates(obj.data.vertices)
 
 
 def apply_matrix(matrix: Matrix, points: np.ndarray) -> np.ndarray:
@@ -65,8 +87,7 @@ def grid_object(name: str = "Plate", cells: int = 10) -> bpy.types.Object:
         for i in range(cells)
     ]
     mesh.from_pydata(points, [], faces)
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = new_object(name, mesh)
     make_active(obj)
     return obj
 
@@ -86,17 +107,31 @@ def add_group(obj: bpy.types.Object, name: str, where) -> np.ndarray:
     return np.array(members)
 
 
-def add_armature(obj: bpy.types.Object, split: float = 0.0) -> bpy.types.Object:
-    """Two bones along y that carry the halves of the mesh below and above ``split``."""
-    data = bpy.data.armatures.new("Rig")
-    armature = bpy.data.objects.new("Rig", data)
-    bpy.context.scene.collection.objects.link(armature)
+def new_object(name: str, data: bpy.types.ID | None = None) -> bpy.types.Object:
+    """In the scene; an empty where it has no data."""
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def new_armature(**bones: tuple[tuple[float, float, float], tuple[float, float, float]]) -> bpy.types.Object:
+    """The armature ``Rig`` with bones by name: head and tail."""
+    armature = new_object("Rig", bpy.data.armatures.new("Rig"))
     make_active(armature)
     bpy.ops.object.mode_set(mode="EDIT")
-    for name, head, tail in (("low", -1.0, split), ("high", split, 1.0)):
-        bone = data.edit_bones.new(name)
-        bone.head, bone.tail = (0.0, head, 0.0), (0.0, tail, 0.0)
+    for name, (head, tail) in bones.items():
+        bone = armature.data.edit_bones.new(name)
+        bone.head, bone.tail = head, tail
     bpy.ops.object.mode_set(mode="OBJECT")
+    for bone in armature.pose.bones:
+        bone.rotation_mode = "XYZ"
+    return armature
+
+
+def add_armature(obj: bpy.types.Object, split: float = 0.0) -> bpy.types.Object:
+    """Two bones along y that carry the halves of the mesh below and above ``split``."""
+    middle = (0.0, split, 0.0)
+    armature = new_armature(low=((0.0, -1.0, 0.0), middle), high=(middle, (0.0, 1.0, 0.0)))
     add_group(obj, "low", lambda point: point[1] <= split)
     add_group(obj, "high", lambda point: point[1] > split)
     modifier = obj.modifiers.new("Armature", "ARMATURE")
@@ -163,6 +198,74 @@ def move_world(control: bpy.types.Object, motion: Matrix) -> None:
     update()
     control.matrix_world = motion @ control.matrix_world
     update()
+
+
+def key(control: bpy.types.Object, keys: dict[int, dict[str, object]], linear: bool = False) -> None:
+    """Properties by frame, as ``{1: {"location": (0, 0, 1)}}``; ``linear`` goes on beyond them, too."""
+    for frame, values in keys.items():
+        for name, value in values.items():
+            setattr(control, name, value)
+            control.keyframe_insert(name, frame=frame)
+    for curve in curves_of(control.id_data) if linear else ():
+        curve.extrapolation = "LINEAR"
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+
+
+def key_heights(control: bpy.types.Object, heights: dict[int, float], linear: bool = False) -> None:
+    """Along its own z, from where it is in x and y."""
+    x, y, _z = control.location
+    key(control, {frame: {"location": (x, y, height)} for frame, height in heights.items()}, linear)
+
+
+def curves_of(datablock: bpy.types.ID) -> list[bpy.types.FCurve]:
+    """The F-curves of its action, in any version."""
+    action = datablock.animation_data.action
+    if hasattr(action, "fcurves"):
+        return list(action.fcurves)
+    return [
+        curve
+        for layer in action.layers
+        for strip in layer.strips
+        for bag in strip.channelbags
+        for curve in bag.fcurves
+    ]
+
+
+def change_in_edit_mode(obj: bpy.types.Object, change: Callable[[bmesh.types.BMesh], object]) -> None:
+    """As a user does; the object is in Object Mode before and after."""
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bmesh.from_edit_mesh(obj.data)
+    for part in (edit.verts, edit.edges, edit.faces):
+        part.ensure_lookup_table()
+    change(edit)
+    if edit.is_valid:  # an operator may have made another one
+        bmesh.update_edit_mesh(obj.data)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def select(edit: bmesh.types.BMesh, where: Callable[[Vector], bool]) -> list[int]:
+    """Select the vertices for which ``where(point)`` and no others; their indices."""
+    for vertex in edit.verts:
+        vertex.select = bool(where(vertex.co))
+    edit.select_flush_mode()
+    return [vertex.index for vertex in edit.verts if vertex.select]
+
+
+def save(path: Path | str, **options: bool) -> str:
+    """The file's path."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), **options)
+    return str(path)
+
+
+def load(path: Path | str) -> None:
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+
+
+def new_file() -> None:
+    """Empty, as the tests begin."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 
 
 def some_motion() -> Matrix:

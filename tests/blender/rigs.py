@@ -9,13 +9,30 @@ import numpy as np
 from cages import ball
 from expected import Expected, ExpectedInCage, Poses
 from mathutils import Matrix
+from probe import render_points
 from registry import BY_ID, WITH_CAGE, WITH_HANDLES, Control
-from rig import FLOAT32, Rig, base_points, close, grid_object, make_active, move_world
+from rig import (
+    FLOAT32,
+    Rig,
+    add_group,
+    base_points,
+    close,
+    evaluated_points,
+    grid_object,
+    make_active,
+    move_world,
+    new_object,
+    points_of,
+)
 
 
 class HandleRig(Rig):
-    """A plate whose far edge is a handle and whose near edge is fixed."""
+    """A plate whose far edge is a handle and whose near edge is fixed.
 
+    ``poses`` is what to see of it, once it is bound, and ``height`` how far its control was lifted since.
+    """
+
+    height = 0.0
     methods = WITH_HANDLES
     tolerance = FLOAT32
     goes_on = (
@@ -41,9 +58,7 @@ class HandleRig(Rig):
     @staticmethod
     def another_control(obj: bpy.types.Object) -> bpy.types.Object:
         """One that was not the control of anything."""
-        control = bpy.data.objects.new("Another", None)
-        bpy.context.scene.collection.objects.link(control)
-        return control
+        return new_object("Another")
 
     @staticmethod
     def control_is_missing(obj: bpy.types.Object) -> bool:
@@ -54,17 +69,12 @@ class HandleRig(Rig):
         """Move the control of any object along the world's z."""
         move_world(cls.control_of(obj), Matrix.Translation((0.0, 0.0, height)))
 
-    @staticmethod
-    def shown(obj: bpy.types.Object) -> np.ndarray:
-        """What Blender shows of any object of this kind, (n, 3)."""
-        return kinds.shown(obj)
+    def lift(self, height: float = 1.0) -> None:
+        super().lift(height)
+        self.height += height
 
-    def points_in(self, layer: bpy.types.ViewLayer, obj: bpy.types.Object | None = None) -> np.ndarray:
-        """What a view layer, of any scene, shows of the rig or of another object, (n, 3)."""
-        evaluated = (obj or self.obj).evaluated_get(layer.depsgraph)
-        points = np.array([vertex.co[:] for vertex in evaluated.to_mesh().vertices])
-        evaluated.to_mesh_clear()
-        return points
+    def lift_to(self, height: float) -> None:
+        self.lift(height - self.height)
 
     @staticmethod
     def unmoved(obj: bpy.types.Object) -> np.ndarray:
@@ -73,7 +83,44 @@ class HandleRig(Rig):
 
     def shows(self, shape: np.ndarray, obj: bpy.types.Object | None = None, tolerance: float = 0.0) -> bool:
         """That is what Blender shows of the rig, or of another object of its kind."""
-        return close(self.shown(obj or self.obj), shape, max(tolerance, self.tolerance))
+        return close(evaluated_points(obj or self.obj), shape, max(tolerance, self.tolerance))
+
+    def shows_in(
+        self,
+        scene: bpy.types.Scene | bpy.types.ViewLayer,
+        shape: np.ndarray,
+        obj: bpy.types.Object | None = None,
+        tolerance: float = 0.0,
+    ) -> bool:
+        """So does any view layer, or the first one of any scene."""
+        layer = scene.view_layers[0] if isinstance(scene, bpy.types.Scene) else scene
+        found = points_of((obj or self.obj).evaluated_get(layer.depsgraph))
+        return close(found, shape, max(tolerance, self.tolerance))
+
+    def renders(self, shape: np.ndarray, tolerance: float = 0.0) -> bool:
+        """So does a render of this frame."""
+        return close(render_points(self.obj), shape, max(tolerance, self.tolerance))
+
+    def at(self, height: float) -> np.ndarray:
+        """What to see with the control at a height."""
+        return self.poses.lifted(height)
+
+    def now(self, obj: bpy.types.Object | None = None, incoming: np.ndarray | None = None) -> np.ndarray:
+        """What to see of it, or of a copy, with its control where it is."""
+        obj = obj or self.obj
+        return self.poses.now(obj, self.control_of(obj), incoming)
+
+    def is_right(self, tolerance: float = 0.0) -> bool:
+        """It shows the pose of its control."""
+        return self.shows(self.at(self.height), tolerance=tolerance)
+
+    def is_at_rest(self) -> bool:
+        return self.shows(self.rest())
+
+    def press(self, operator: str, **keywords: object) -> None:
+        """A button of ours, with the target active."""
+        make_active(self.obj)
+        assert getattr(bpy.ops.sinew, operator)(**keywords) == {"FINISHED"}
 
     @property
     def held(self) -> np.ndarray:
@@ -95,10 +142,11 @@ class HandleRig(Rig):
         """What to see at each pose of the control. Made while it is at rest."""
         return Expected.of(self, method or self.methods[0], **options)
 
-    def start(self, method: str | None = None) -> Poses:
-        """Bind, by the operators; what to expect of it."""
+    def start(self, method: str | None = None) -> HandleRig:
+        """Bind, by the operators."""
         self.bind(method or self.methods[0])
-        return self.expected(method)
+        self.poses, self.height = self.expected(method), 0.0
+        return self
 
     def change_topology(self) -> None:
         """In Edit Mode, as a user does: four faces from one."""
@@ -122,6 +170,8 @@ class CageRig(HandleRig):
 
     def __init__(self, obj: bpy.types.Object) -> None:
         self.name = obj.name
+        self.top = add_group(obj, "Top", lambda point: point[1] > 0.3)
+        self.base = add_group(obj, "Base", lambda point: point[1] < -0.3)
 
     @classmethod
     def new(cls, name: str = "Ball") -> CageRig:
@@ -189,10 +239,7 @@ class CurveRig(CageRig):
     def new(cls, name: str = "Curve") -> CurveRig:
         obj = kinds.bezier()
         obj.name = name
-        return cls(obj)
-
-    def points(self) -> np.ndarray:
-        return self.shown(self.obj)
+        return cls.called(name)
 
     @staticmethod
     def unmoved(obj: bpy.types.Object) -> np.ndarray:

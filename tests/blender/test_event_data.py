@@ -1,275 +1,340 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Copies, deletions, new names, new orders, orphans, instances, shared meshes."""
 
-import bmesh
+from __future__ import annotations
+
 import bpy
 import numpy as np
 import pytest
+from events import (
+    ALL,
+    MESHES,
+    REBIND,
+    REGIONS,
+    Event,
+    Table,
+    bind_restores,
+    duplicate,
+    every,
+    is_over,
+    keeps_its_shape,
+    lives_on,
+    says_rebind,
+)
 from expected import Expected
-from inside import settle
+from inside import OWNERS, catch_up, room, settle
 from mathutils import Matrix
-from probe import render_points
 from rig import (
     MATRIX,
     Rig,
     add_group,
-    base_points,
+    change_in_edit_mode,
     close,
     evaluated_points,
     grid_object,
+    instances_of,
+    key_heights,
+    load,
     make_active,
     move_world,
+    new_armature,
+    new_object,
+    save,
     update,
 )
 from rigs import HandleRig
 
-
-def lift(control: bpy.types.Object, height: float) -> None:
-    move_world(control, Matrix.Translation((0.0, 0.0, height)))
+EVENTS = Table()
+EDITS = Table()  # each once with Automatic Rebind and once without
 
 
 # --- copies
 
 
-def select_rig(rig: HandleRig) -> None:
-    """The mesh, which is active, and its control."""
+@EVENTS.on(ALL)
+def duplicated_with_its_control(rig: HandleRig) -> None:
+    """On a mesh of its own and on the same one: each moves by itself, also after another frame."""
+    copies = [duplicate(rig, linked) for linked in (False, True)]
+    rig.lift_of(copies[0], 0.25)
+    rig.lift_of(copies[1], 0.1)
+    rig.lift(-0.25)
+    for frame in (1, 4):
+        bpy.context.scene.frame_set(frame)
+        assert rig.shows(rig.at(0.75), copies[0])
+        assert rig.shows(rig.at(0.6), copies[1])
+        assert rig.is_right()
+
+
+@EVENTS.on(REGIONS)
+def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
+    """The copy is known as one until the pause, and takes its shape along to the other control."""
     make_active(rig.obj)
-    rig.control.select_set(True)
-
-
-@pytest.mark.parametrize("linked", [False, True])
-def test_duplicating_mesh_and_control_makes_a_rig_of_its_own(posed, linked: bool):
-    rig, expected = posed
-    select_rig(rig)
-    bpy.ops.object.duplicate(linked=linked)
+    bpy.ops.object.duplicate()
     copy = bpy.context.object
-    settle()
-    control = rig.control_of(copy)
-    assert control not in (None, rig.control)
-    for mover, heights in ((control, (0.5, 0.75)), (rig.control, (0.25, 0.75))):
-        lift(mover, heights[1] - 0.5 if mover == control else heights[0] - 0.5)
-    assert rig.shows(expected.lifted(0.75), copy)
-    assert rig.shows(expected.lifted(0.25))
-    bpy.context.scene.frame_set(4)
-    assert rig.shows(expected.lifted(0.75), copy)
-    assert rig.shows(expected.lifted(0.25))
+    assert room(OWNERS).has_copies()
+    assert catch_up() is False
+    assert not room(OWNERS).has_copies()
+    assert copy.sinew.deformers[0].proxy != rig.deformer.proxy
+    rig.set_control(copy, rig.another_control(copy))
+    assert rig.shows(rig.at(0.5), copy)
+    rig.lift_of(copy, 0.25)
+    assert np.abs(evaluated_points(copy)[rig.top, 2] - 0.75).max() < MATRIX
 
 
-def test_a_copy_of_a_copy_and_ten_more(posed):
-    rig, expected = posed
-    rigs = [rig.obj]
+@EVENTS.on(ALL)
+def copied_ten_times(rig: HandleRig) -> None:
+    copies = [rig.obj]
     for _ in range(10):
-        make_active(rigs[-1])
-        rig.control_of(rigs[-1]).select_set(True)
+        make_active(copies[-1])
+        rig.control_of(copies[-1]).select_set(True)
         bpy.ops.object.duplicate()
-        rigs.append(bpy.context.object)
+        copies.append(bpy.context.object)
     settle()
-    for number, obj in enumerate(rigs):
-        lift(rig.control_of(obj), 0.01 * number)
-    for number, obj in enumerate(rigs):
-        assert rig.shows(expected.lifted(0.5 + 0.01 * number), obj)
-    proxies = {obj.sinew.deformers[0].proxy for obj in rigs}
-    assert len(proxies) == len(rigs)
+    for number, obj in enumerate(copies):
+        rig.lift_of(obj, 0.01 * number)
+    for number, obj in enumerate(copies):
+        assert rig.shows(rig.at(0.5 + 0.01 * number), obj)
+    assert len({obj.sinew.deformers[0].proxy for obj in copies}) == len(copies)
 
 
-def test_a_copy_by_a_script_and_the_original_deleted_before_the_copy_has_shapes(
-    posed,
-):
-    rig, expected = posed
-    copy, control = rig.obj.copy(), rig.control
+@EVENTS.on(ALL, then=is_over)
+def copied_by_a_script_and_deleted_before_the_copy_has_shapes(rig: HandleRig) -> None:
+    copy = rig.obj.copy()
     bpy.context.scene.collection.objects.link(copy)
     bpy.data.objects.remove(rig.obj)  # the parent of the control, which jumps
     settle()
-    assert rig.shows(expected.now(copy, control), copy)
-    lift(control, 0.25)
-    assert rig.shows(expected.now(copy, control), copy)
+    for _ in range(2):
+        assert rig.shows(rig.now(copy), copy)
+        rig.lift_of(copy, 0.25)
 
 
-def test_copy_and_paste(posed):
+@EVENTS.on(ALL)
+def copied_and_pasted(rig: HandleRig) -> None:
     """Through a file of Blender's own."""
-    rig, expected = posed
-    select_rig(rig)
+    make_active(rig.obj)
+    rig.control.select_set(True)
     bpy.ops.view3d.copybuffer()
     bpy.ops.view3d.pastebuffer(autoselect=True)
     settle()
     copy = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != rig.obj)
-    lift(rig.control_of(copy), 0.25)
-    assert rig.shows(expected.lifted(0.75), copy)
-    assert rig.shows(expected.lifted(0.5))
+    rig.lift_of(copy, 0.25)
+    assert rig.shows(rig.at(0.75), copy)
 
 
-def test_deleting_a_copy_leaves_the_original_alone(posed):
-    rig, expected = posed
-    make_active(rig.obj)
-    bpy.ops.object.duplicate()
-    settle()
+@EVENTS.on(ALL)
+def a_copy_deleted(rig: HandleRig) -> None:
+    duplicate(rig, control=False)
     bpy.ops.object.delete()
     bpy.ops.outliner.orphans_purge(do_recursive=True)
-    rig.lift(0.25)
-    assert rig.shows(expected.lifted(0.75))
 
 
 # --- deletions
 
 
-def test_deleting_the_target_leaves_only_orphans_that_a_purge_takes(posed):
-    rig, _expected = posed
-    select_rig(rig)
+@EVENTS.on(ALL, then=is_over)
+def the_target_deleted(rig: HandleRig) -> None:
+    """It leaves only orphans, which a purge takes."""
+    name = rig.name
+    make_active(rig.obj)
+    rig.control.select_set(True)
     bpy.ops.object.delete()
     update()
+    assert name not in bpy.data.objects
     bpy.ops.outliner.orphans_purge(do_recursive=True)
     for kind in ("objects", "meshes", "curves", "node_groups"):
         assert not getattr(bpy.data, kind), kind
 
 
-@pytest.mark.parametrize("by_user", [False, True])
-def test_deleting_the_control_leaves_the_last_shape(posed, by_user: bool):
-    rig, expected = posed
-    if by_user:
-        make_active(rig.control)
-        bpy.ops.object.delete()
-        make_active(rig.obj)
-    else:
-        bpy.data.objects.remove(rig.control)
-    assert rig.shows(expected.lifted(0.5))
+@EVENTS.on(ALL, then=keeps_its_shape)
+def the_control_deleted(rig: HandleRig) -> None:
+    """By a user; and that of a copy by a script."""
+    copy = duplicate(rig)
+    bpy.data.objects.remove(rig.control_of(copy))
+    make_active(rig.control)
+    bpy.ops.object.delete()
+    make_active(rig.obj)
+    for frame in (1, 4):
+        bpy.context.scene.frame_set(frame)
+        for obj in (rig.obj, copy):
+            assert rig.shows(rig.at(0.5), obj)
+            assert rig.control_is_missing(obj)
+
+
+@EVENTS.on(REGIONS, then=is_over)
+def the_control_deleted_saved_and_replaced(rig: HandleRig) -> None:
+    """The region stays where it was, and the new control moves it from there."""
+    move_world(rig.control, Matrix.Translation((0.1, 0.0, 0.0)) @ Matrix.Rotation(0.3, 4, "X"))
+    before = rig.points()
+    bpy.data.objects.remove(rig.control)
+    assert rig.shows(before)
+    load(save(rig.folder / "rig.blend"))
+    assert rig.shows(before, tolerance=MATRIX)
     assert rig.control_is_missing(rig.obj)
-    bpy.context.scene.frame_set(7)
-    assert rig.shows(expected.lifted(0.5))
-
-
-def test_deleting_one_of_two_targets_of_one_control(posed):
-    rig, expected = posed
-    make_active(rig.obj)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
-    settle()
-    bpy.data.objects.remove(rig.obj)
+    control = rig.another_control(rig.obj)
+    control.location = (3.0, 2.0, 1.0)
     update()
-    control = rig.control_of(copy)
-    assert rig.shows(expected.now(copy, control), copy, MATRIX)
-    lift(control, 0.25)
-    assert rig.shows(expected.now(copy, control), copy, MATRIX)
+    rig.set_control(rig.obj, control)
+    assert rig.shows(before, tolerance=MATRIX)
+    assert not rig.control_is_missing(rig.obj)
+    control.location.z += 0.5
+    assert close(rig.points()[rig.top], before[rig.top] + (0.0, 0.0, 0.5), MATRIX)
 
 
-@pytest.mark.parametrize("which", ["proxy", "proxy_render"])
-@pytest.mark.parametrize("what", ["object", "mesh"])
-def test_deleting_a_hidden_shape_shows_rest_at_worst_and_bind_restores_it(posed, which: str, what: str):
-    """By hand in the outliner's Blender File view. Removing the mesh of an object removes the object."""
-    rig, expected = posed
-    shape = getattr(rig.deformer, which)
-    if what == "object":
-        bpy.data.objects.remove(shape)
-    else:
-        bpy.data.meshes.remove(shape.data)
-    rig.obj.update_tag()
-    shown = rig.points()
-    assert close(shown, expected.lifted(0.5), rig.tolerance) or close(shown, rig.rest(), rig.tolerance)
-    if close(shown, rig.rest(), rig.tolerance):
-        assert rig.deformer.status_level == "ERROR"
-    make_active(rig.obj)
-    bpy.ops.sinew.bind()
-    assert len(rig.obj.modifiers) == 1
-    assert rig.shows(expected.lifted(0.5))
-    rig.lift(0.25)
-    assert rig.shows(expected.lifted(0.75))
-    assert close(render_points(rig.obj), expected.lifted(0.75), rig.tolerance)
+@pytest.mark.parametrize("factor", [1.0, 0.0])
+def test_the_pose_of_a_soft_region_without_control_is_saved(posed_plate: HandleRig, factor: float):
+    """The saved shape does not tell it: soft vertices give way, and Factor 0 shows rest."""
+    plate = posed_plate
+    plate.deformer.handles[0].weight = 0.5
+    before = plate.points()
+    bpy.data.objects.remove(plate.control)
+    assert close(plate.points(), before, 1e-6)
+    plate.deformer.factor = factor
+    update()
+    load(save(plate.folder / "lost.blend"))
+    plate.deformer.factor = 1.0
+    assert close(plate.points(), before, 1e-6)
 
 
-def test_deleting_the_rest_mesh_unbinds_and_bind_restores_it(posed):
-    rig, expected = posed
+@EVENTS.on(ALL, then=is_over)
+def one_of_two_targets_of_a_control_deleted(rig: HandleRig) -> None:
+    copy = duplicate(rig, control=False)
+    bpy.data.objects.remove(rig.obj)
+    for _ in range(2):
+        assert rig.shows(rig.now(copy), copy, MATRIX)
+        rig.lift_of(copy, 0.25)
+
+
+@EVENTS.on(ALL)
+def its_hidden_shapes_deleted(rig: HandleRig) -> None:
+    """By hand in the outliner's Blender File view: rest and an error at worst, and Bind restores them."""
+    for which in ("proxy", "proxy_render"):
+        for remove in (
+            lambda shape: bpy.data.objects.remove(shape),
+            lambda shape: bpy.data.meshes.remove(shape.data),  # removes the object, too
+        ):
+            remove(getattr(rig.deformer, which))
+            rig.obj.update_tag()
+            assert rig.is_right() or (rig.is_at_rest() and rig.deformer.status_level == "ERROR")
+            rig.press("bind")
+            assert len(rig.obj.modifiers) == 1
+            lives_on(rig)
+
+
+@EVENTS.on(ALL, then=is_over)
+def its_deformer_removed(rig: HandleRig) -> None:
+    """Nothing of ours is left behind, and what is the user's stays."""
+    groups, objects = list(rig.obj.vertex_groups.keys()), set(bpy.data.objects.keys())
+    rig.press("deformer_remove")
+    assert not [mesh.name for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")]
+    gone = {name for name in objects if name.startswith(".Sinew")}
+    if rig.obj.vertex_groups and rig.goes_on:
+        gone.add("Plate Top")  # an empty that was made for the handle
+    assert set(bpy.data.objects.keys()) == objects - gone
+    assert list(rig.obj.vertex_groups.keys()) == groups  # these were the user's
+    assert len(rig.obj.modifiers) == 0
+    assert rig.obj.animation_data is None or len(rig.obj.animation_data.drivers) == 0
+    assert rig.is_at_rest()
+
+
+@EVENTS.on(ALL, then=bind_restores)
+def unbound_with_its_control_active(rig: HandleRig) -> None:
+    """Operators find the target from there."""
+    make_active(rig.control)
+    assert bpy.ops.sinew.unbind() == {"FINISHED"}
+
+
+@EVENTS.on(ALL, then=bind_restores)
+def its_rest_mesh_deleted(rig: HandleRig) -> None:
     bpy.data.meshes.remove(rig.deformer.rest)
     rig.obj.update_tag()
-    assert rig.shows(rig.rest())
-    assert rig.deformer.status_level in ("ERROR", "WARNING")
-    assert "Bind" in rig.deformer.status or "bind" in rig.deformer.status
-    make_active(rig.obj)
-    bpy.ops.sinew.bind()
-    assert rig.shows(expected.lifted(0.5))
 
 
-def test_deleting_the_node_group_shows_rest_and_bind_restores_it(posed):
-    rig, expected = posed
+@EVENTS.on(ALL)
+def its_node_group_deleted(rig: HandleRig) -> None:
     bpy.data.node_groups.remove(rig.obj.modifiers[0].node_group)
     rig.obj.update_tag()
-    assert rig.shows(rig.rest())
-    make_active(rig.obj)
-    bpy.ops.sinew.bind()
+    assert rig.is_at_rest()
+    rig.press("bind")
     assert len([modifier for modifier in rig.obj.modifiers if modifier.node_group]) == 1
-    assert rig.shows(expected.lifted(0.5))
 
 
-def test_deleting_a_vertex_group_keeps_the_bound_shape_and_says_so_at_bind(posed_plate: tuple[Rig, Expected]):
-    plate, expected = posed_plate
-    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Base"])
-    assert close(plate.points(), expected.lifted(0.5))
-    make_active(plate.obj)
+@EVENTS.on(REGIONS)
+def a_vertex_group_deleted(rig: HandleRig) -> None:
+    """The bound shape stays, Bind says which group is gone."""
+    rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Base"])
+    assert rig.is_right()
     with pytest.raises(RuntimeError, match="'Base' is not on the mesh"):
-        bpy.ops.sinew.bind()
-    assert close(plate.points(), plate.rest())
-    add_group(plate.obj, "Base", lambda point: point[1] < -0.75)
-    bpy.ops.sinew.bind()
-    assert close(plate.points(), expected.lifted(0.5))
+        rig.press("bind")
+    assert rig.is_at_rest()
+    add_group(rig.obj, "Base", lambda point: point[1] < -0.75)
+    rig.press("bind")
 
 
-def test_clearing_the_animation_of_the_target_loses_no_hidden_control(posed):
-    """The driver that keeps controls evaluated lives there; it comes back."""
-    rig, expected = posed
+@EVENTS.on(MESHES)
+def the_group_of_its_mask_deleted(rig: HandleRig) -> None:
+    """As in any modifier whose group is gone, all vertices count again."""
+    add_group(rig.obj, "Left", lambda point: point[0] < 0.0)
+    rig.deformer.mask_group = "Left"
+    assert not rig.is_right()
+    rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Left"])
+    rig.obj.update_tag()
+    assert rig.is_right()
+
+
+@EVENTS.on(ALL)
+def its_animation_cleared(rig: HandleRig) -> None:
+    """The driver that keeps hidden controls evaluated lives there; it comes back."""
     rig.obj.animation_data_clear()
     settle()
-    control = rig.control
-    for frame, height in ((1, 0.0), (11, 1.0)):
-        control.location.z = height
-        control.keyframe_insert("location", frame=frame)
+    moves_though_hidden(rig, rig.control)
+
+
+@EVENTS.on(REGIONS)
+def its_control_exchanged(rig: HandleRig) -> None:
+    """The new one is kept evaluated, too."""
+    rig.lift_to(0.0)
+    control = rig.another_control(rig.obj)
+    rig.set_control(rig.obj, control)
+    settle()
+    moves_though_hidden(rig, control)
+
+
+def moves_though_hidden(rig: HandleRig, control: bpy.types.Object) -> None:
+    key_heights(control, {1: 0.0, 11: 1.0})
     bpy.context.scene.frame_set(1)
     settle()
     control.hide_viewport = True
-    bpy.context.scene.frame_set(11)
-    settle()
-    bpy.context.scene.frame_set(1)
-    bpy.context.scene.frame_set(11)
-    assert rig.shows(expected.lifted(1.0))
+    for frame, height in ((11, 1.0), (1, 0.0), (11, 1.0)):
+        bpy.context.scene.frame_set(frame)
+        settle()
+        assert rig.shows(rig.at(height), tolerance=MATRIX)
+    control.animation_data_clear()
+    rig.height = 1.0
 
 
 # --- new names, new orders
 
 
-def test_everything_renamed(posed):
-    rig, expected = posed
+@EVENTS.on(ALL)
+def everything_renamed(rig: HandleRig) -> None:
     deformer = rig.deformer
-    for number, datablock in enumerate(
-        (
-            rig.obj,
-            rig.obj.data,
-            rig.control,
-            deformer.proxy,
-            deformer.proxy.data,
-            deformer.proxy_render,
-            deformer.rest,
-            rig.obj.modifiers[0],
-            rig.obj.modifiers[0].node_group,
-            deformer,
-            *deformer.handles,
-            bpy.context.scene,
-            bpy.context.view_layer,
-        )
-    ):
+    renamed = [rig.obj, rig.obj.data, rig.control, deformer.proxy, deformer.proxy.data, deformer.proxy_render]
+    renamed += [deformer.rest, rig.obj.modifiers[0], rig.obj.modifiers[0].node_group, deformer]
+    renamed += [*deformer.handles, bpy.context.scene, bpy.context.view_layer]
+    for number, datablock in enumerate(renamed):
         datablock.name = f"Anything {number}"
     rig.name = "Anything 0"
     rig.lift(0.25)
-    assert rig.shows(expected.lifted(0.75))
-    make_active(rig.obj)
-    bpy.ops.sinew.bind()
+    assert rig.is_right()
+    rig.press("bind")
     assert len(rig.obj.modifiers) == 1
     assert len([group for group in bpy.data.node_groups if group.users]) == 1
-    rig.lift(0.25)
-    assert rig.shows(expected.lifted(1.0))
 
 
-def test_names_exchanged(posed):
-    """Two rigs take each other's names: names tell nothing."""
-    rig, expected = posed
-    other = type(rig).new("Other")
-    also_expected = other.start()
+@EVENTS.on(ALL)
+def names_exchanged_with_another_rig(rig: HandleRig) -> None:
+    """Names tell nothing."""
+    other = type(rig).new("Other").start()
     other.lift(0.25)
     first, second, name = rig.obj, other.obj, rig.name
     for pair in ((first, second), (first.sinew.deformers[0].proxy, second.sinew.deformers[0].proxy)):
@@ -277,195 +342,175 @@ def test_names_exchanged(posed):
         pair[0].name = "Between"
         pair[1].name = one
         pair[0].name = two
-    rig.lift_of(first, 0.25)
     assert (first.name, second.name) == ("Other", name)
-    assert rig.shows(expected.lifted(0.75), first)
-    assert rig.shows(also_expected.lifted(0.25), second)
+    rig.name, other.name = "Other", name
+    rig.lift(0.25)
+    assert rig.is_right()
+    lives_on(other)
 
 
-def test_vertex_groups_renamed(posed_plate: tuple[Rig, Expected]):
-    """The regions, the mask and a later bind follow."""
-    plate, expected = posed_plate
-    plate.deformer.mask_group = "Top"
-    masked = plate.rest()
-    masked[plate.top] = expected.lifted(0.5)[plate.top]
-    assert close(plate.points(), masked)
-    plate.obj.vertex_groups["Top"].name = "Head"
-    plate.obj.vertex_groups["Base"].name = "Feet"
-    plate.obj.update_tag()
-    assert close(plate.points(), masked)
-    plate.deformer.mask_group = ""
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75))
-    make_active(plate.obj)
-    bpy.ops.sinew.bind()
-    assert [handle.vertex_group for handle in plate.deformer.handles] == ["Head", "Feet"]
-    assert close(plate.points(), expected.lifted(0.75))
+def masked(rig: HandleRig) -> np.ndarray:
+    """What to see where the mask is the group at the top."""
+    found = rig.rest()
+    found[rig.top] = rig.at(rig.height)[rig.top]
+    return found
 
 
-def test_vertex_groups_in_another_order(posed_plate: tuple[Rig, Expected]):
-    plate, expected = posed_plate
-    add_group(plate.obj, "A", lambda point: point[0] > 0.0)
-    make_active(plate.obj)
-    plate.obj.vertex_groups.active_index = 2
+@EVENTS.on(MESHES)
+def vertex_groups_renamed(rig: HandleRig) -> None:
+    """The mask follows, the regions of handles and painted parameters, and a later bind."""
+    rig.deformer.mask_group = "Top"
+    if rig.deformer.handles:
+        rig.deformer.parameters.bending_group = "Base"
+    before = rig.points()
+    rig.obj.vertex_groups["Top"].name = "Head"
+    rig.obj.vertex_groups["Base"].name = "Feet"
+    for _ in range(2):
+        rig.obj.update_tag()
+        assert rig.shows(before)
+        rig.press("bind")
+    assert rig.deformer.mask_group == "Head"
+    if rig.deformer.handles:
+        assert [handle.vertex_group for handle in rig.deformer.handles] == ["Head", "Feet"]
+        assert rig.deformer.parameters.bending_group == "Feet"
+        rig.deformer.parameters.bending_group = ""
+    assert rig.shows(masked(rig))
+    rig.deformer.mask_group = ""
+
+
+@EVENTS.on(MESHES)
+def vertex_groups_in_another_order(rig: HandleRig) -> None:
+    add_group(rig.obj, "A", lambda point: point[0] > 0.0)
+    make_active(rig.obj)
+    rig.obj.vertex_groups.active_index = 2
     bpy.ops.object.vertex_group_move(direction="UP")
     bpy.ops.object.vertex_group_sort(sort_type="NAME")
-    assert [group.name for group in plate.obj.vertex_groups] == ["A", "Base", "Top"]
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75))
-    bpy.ops.sinew.bind()
-    assert close(plate.points(), expected.lifted(0.75))
-    plate.deformer.mask_group = "Top"
-    shown = plate.rest()
-    shown[plate.top] = expected.lifted(0.75)[plate.top]
-    assert close(plate.points(), shown)
+    assert [group.name for group in rig.obj.vertex_groups] == ["A", "Base", "Top"]
+    for _ in range(2):
+        rig.lift(0.25)
+        assert rig.is_right()
+        rig.press("bind")
+    rig.deformer.mask_group = "Top"
+    assert rig.shows(masked(rig))
+    rig.deformer.mask_group = ""
 
 
-def bone_rig(plate: Rig) -> tuple[bpy.types.Object, Expected]:
-    """The handle on the bone ``arm``, which stands in the middle of the region."""
-    data = bpy.data.armatures.new("Rig")
-    armature = bpy.data.objects.new("Rig", data)
-    bpy.context.scene.collection.objects.link(armature)
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for name, y in (("arm", 0.9), ("other", -0.9)):
-        bone = data.edit_bones.new(name)
-        bone.head, bone.tail = (0.0, y, 0.0), (0.0, y, 0.5)
-    bpy.ops.object.mode_set(mode="OBJECT")
+def test_a_bone_renamed_exchanged_and_deleted(plate: Rig):
+    """Blender renames it in constraints and drivers, too; another goes on from there."""
+    armature = new_armature(
+        **{name: ((0.0, y, 0.0), (0.0, y, 0.5)) for name, y in (("arm", 0.9), ("other", -0.9))}
+    )
     plate.bind(control_object="Rig", bone="arm")
-    return armature, Expected(plate.obj, plate.obj)
-
-
-def test_a_bone_renamed_is_still_the_control(plate: Rig):
-    """Blender renames the bone in constraints and drivers, too."""
-    armature, expected = bone_rig(plate)
-    armature.pose.bones["arm"].location = (0.0, 0.5, 0.0)  # the bone points along z
+    expected = Expected(plate.obj, plate.obj)
+    bones, handle = armature.pose.bones, plate.deformer.handles[0]
+    bones["arm"].location.y = 0.5  # the bones point along z
     assert close(plate.points(), expected.lifted(0.5))
     armature.data.bones["arm"].name = "elbow"
-    armature.pose.bones["elbow"].location = (0.0, 0.75, 0.0)
+    bones["elbow"].location.y = 0.75
     assert close(plate.points(), expected.lifted(0.75))
-    assert not plate.deformer.handles[0].control_missing
-
-
-def test_a_bone_picked_again_goes_on_from_where_the_region_was(plate: Rig):
-    armature, expected = bone_rig(plate)
-    armature.pose.bones["arm"].location = (0.0, 0.5, 0.0)
-    assert close(plate.points(), expected.lifted(0.5))
-    plate.deformer.handles[0].bone = "other"
-    assert close(plate.points(), expected.lifted(0.5))
-    armature.pose.bones["other"].location = (0.0, 0.25, 0.0)
+    assert not handle.control_missing
+    handle.bone = "other"
+    settle()
     assert close(plate.points(), expected.lifted(0.75))
-
-
-def test_deleting_the_bone_leaves_the_region_where_it_was(plate: Rig):
-    armature, expected = bone_rig(plate)
-    armature.pose.bones["arm"].location = (0.0, 0.5, 0.0)
-    assert close(plate.points(), expected.lifted(0.5))
+    bones["other"].location.y = 0.25
+    assert close(plate.points(), expected.lifted(1.0))
     make_active(armature)
     bpy.ops.object.mode_set(mode="EDIT")
-    armature.data.edit_bones.remove(armature.data.edit_bones["arm"])
+    armature.data.edit_bones.remove(armature.data.edit_bones["other"])
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert close(plate.points(), expected.lifted(0.5), MATRIX)
+    assert close(plate.points(), expected.lifted(1.0), MATRIX)
     assert plate.deformer.handles[0].control_missing
 
 
-def test_handles_and_deformers_in_another_order(posed_plate: tuple[Rig, Expected]):
-    plate, expected = posed_plate
-    plate.deformer.handles.move(0, 1)
-    assert [handle.name for handle in plate.deformer.handles] == ["Base", "Top"]
-    assert close(plate.points(), expected.lifted(0.5))
-    lift(plate.deformer.handles[1].control, 0.25)
-    assert close(plate.points(), expected.lifted(0.75))
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_add(method="thin_shell")
-    plate.obj.sinew.deformers.move(0, 1)
-    lift(plate.obj.sinew.deformers[1].handles[1].control, 0.25)
-    assert close(plate.points(), expected.lifted(1.0))
+@EVENTS.on(REGIONS, then=is_over)
+def handles_and_deformers_in_another_order(rig: HandleRig) -> None:
+    deformers = rig.obj.sinew.deformers
+    deformers[0].handles.move(0, 1)
+    assert [handle.name for handle in deformers[0].handles] == ["Base", "Top"]
+    assert rig.is_right()
+    control = deformers[0].handles[1].control
+    for height in (0.75, 1.0):
+        move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
+        assert rig.shows(rig.at(height))
+        if height == 0.75:
+            rig.press("deformer_add", method="thin_shell")
+            deformers.move(0, 1)
 
 
 # --- joined and separated
 
 
-@pytest.mark.parametrize("automatic", [False, True])
-def test_another_mesh_joined_to_the_target(posed_plate: tuple[Rig, Expected], automatic: bool):
-    plate, expected = posed_plate
-    plate.deformer.auto_rebind = automatic
+@EDITS.on(MESHES)
+def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
+    count = len(rig.rest())
     other = grid_object("Other", cells=2)
-    other.location.z = 3.0
-    update()
-    make_active(plate.obj)
+    other.location = (0.0, 0.0, 0.1)
+    other.scale = (0.2, 0.2, 0.2)
+    make_active(rig.obj)
     other.select_set(True)
     bpy.ops.object.join()
-    settle()
-    assert len(plate.rest()) == 121 + 9
-    if not automatic:
-        assert close(plate.points(), plate.rest())
-        assert plate.deformer.status == "Topology changed - Rebind"
-        bpy.ops.sinew.bind()
-    expected.rebind(plate.obj)
-    assert close(plate.points(), expected.lifted(0.5))
+    assert len(rig.rest()) == count + 9
 
 
-def test_the_target_joined_to_another_mesh(posed_plate: tuple[Rig, Expected], room):
+@EVENTS.on(MESHES, then=is_over)
+def the_target_joined_to_another_mesh(rig: HandleRig) -> None:
     """It is gone, as anything joined; the other one lives on without a deformer."""
-    plate, _expected = posed_plate
+    count = len(rig.rest())
     other = grid_object("Other", cells=2)
-    plate.obj.select_set(True)
+    rig.obj.select_set(True)
     bpy.ops.object.join()
     settle()
-    assert plate.name not in bpy.data.objects
-    assert len(evaluated_points(other)) == 121 + 9
+    assert rig.name not in bpy.data.objects
+    assert len(evaluated_points(other)) == count + 9
     assert room("session").owners() == []
 
 
-def test_a_part_separated_from_the_target(posed_plate: tuple[Rig, Expected]):
+@EVENTS.on(MESHES, then=is_over)
+def a_part_separated_from_the_target(rig: HandleRig) -> None:
     """Blender gives the part the modifiers and our settings as well: two rigs on two meshes."""
-    plate, expected = posed_plate
-    make_active(plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    edit = bmesh.from_edit_mesh(plate.obj.data)
-    for face in edit.faces:
-        face.select_set(face.calc_center_median().x > 0.5)
-    bmesh.update_edit_mesh(plate.obj.data)
-    bpy.ops.mesh.separate(type="SELECTED")
-    bpy.ops.object.mode_set(mode="OBJECT")
+
+    def separate(edit) -> None:
+        for face in edit.faces:
+            face.select_set(face.calc_center_median().x > 0.4)
+        bpy.ops.mesh.separate(type="SELECTED")
+
+    change_in_edit_mode(rig.obj, separate)
     settle()
-    part = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != plate.obj)
-    control = plate.control
-    for obj in (plate.obj, part):
-        assert close(evaluated_points(obj), base_points(obj))
-        assert obj.sinew.deformers[0].status == "Topology changed - Rebind"
+    control = rig.control
+    part = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != rig.obj)
+    for obj in (rig.obj, part):
+        assert rig.shows(rig.unmoved(obj), obj)
+        assert obj.sinew.deformers[0].status == REBIND
         make_active(obj)
         bpy.ops.sinew.bind()
-    assert plate.deformer.proxy != part.sinew.deformers[0].proxy
-    lift(control, 0.25)
-    for obj in (plate.obj, part):
-        expected.rebind(obj)
-        assert close(evaluated_points(obj), expected.now(obj, control))
-        assert obj.sinew.deformers[0].handles[0].control == control
+    assert rig.deformer.proxy != part.sinew.deformers[0].proxy
+    rig.lift(0.25)
+    for obj in (rig.obj, part):
+        rig.poses.rebind(obj)
+        assert rig.shows(rig.now(obj), obj)
+        assert rig.control_of(obj) == control
 
 
 # --- orphans
 
 
-def test_a_purge_takes_nothing_of_a_living_rig(posed, tmp_path):
-    rig, expected = posed
+@EVENTS.on(ALL)
+def orphans_purged(rig: HandleRig) -> None:
+    """Nothing of a living rig goes, nor does a file lack it."""
     for _ in range(2):
         bpy.ops.outliner.orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
         rig.lift(0.1)
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
-    assert rig.shows(expected.lifted(0.7))
-    assert close(render_points(rig.obj), expected.lifted(0.7), rig.tolerance)
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "rig.blend"))
-    assert rig.shows(expected.lifted(0.7))
+        assert rig.is_right()
+    load(save(rig.folder / "rig.blend"))
 
 
-def test_a_purge_after_a_rebind_of_another_size_leaves_no_old_shape(posed):
-    rig, _expected = posed
+@EVENTS.on(ALL)
+def orphans_purged_after_a_rebind_of_another_size(rig: HandleRig) -> None:
+    """No shape of the old size is left."""
     rig.change_topology()
-    make_active(rig.obj)
-    bpy.ops.sinew.bind()
+    settle()
+    says_rebind(rig)
     bpy.ops.outliner.orphans_purge(do_recursive=True)
     assert len([mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")]) == rig.hidden_meshes
 
@@ -473,114 +518,115 @@ def test_a_purge_after_a_rebind_of_another_size_leaves_no_old_shape(posed):
 # --- instances and shared meshes
 
 
-def instanced(name: str) -> list[tuple[np.ndarray, np.ndarray]]:
-    """World matrix and points (object space) of each instance of the object."""
-    update()
-    found = []
-    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
-        if instance.is_instance and instance.object.name == name:
-            mesh = instance.object.to_mesh()
-            points = np.array([vertex.co[:] for vertex in mesh.vertices])
-            instance.object.to_mesh_clear()
-            found.append((np.array(instance.matrix_world), points))
-    return found
-
-
-def test_instances_of_a_collection_show_the_pose(posed):
-    rig, expected = posed
+def collection_of(*objects: bpy.types.Object) -> bpy.types.Collection:
+    """In no scene."""
     collection = bpy.data.collections.new("Asset")
-    collection.objects.link(rig.obj)
+    for obj in objects:
+        collection.objects.link(obj)
+    return collection
+
+
+def add_instance(collection: bpy.types.Collection, x: float = 0.0) -> None:
+    instance = new_object("Instance")
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    instance.location.x = x
+
+
+@EVENTS.on(ALL)
+def put_into_a_collection_with_instances(rig: HandleRig) -> None:
+    collection = collection_of(rig.obj)
     for x in (3.0, 6.0):
-        instance = bpy.data.objects.new("Instance", None)
-        instance.instance_type, instance.instance_collection = "COLLECTION", collection
-        instance.location.x = x
-        bpy.context.scene.collection.objects.link(instance)
+        add_instance(collection, x)
     rig.lift(0.25)
-    found = instanced(rig.name)
-    assert sorted(matrix[0, 3] for matrix, _ in found) == [3.0, 6.0]
+    found = instances_of(rig.name)
+    assert sorted(matrix[0, 3] for matrix, _points in found) == [3.0, 6.0]
     for _matrix, points in found:
-        assert close(points, expected.lifted(0.75), rig.tolerance)
+        assert close(points, rig.at(0.75), rig.tolerance)
 
 
-def test_instances_on_vertices_show_the_pose(posed):
-    rig, expected = posed
+@EVENTS.on(ALL, then=is_over)
+def instanced_on_vertices(rig: HandleRig) -> None:
     parent = grid_object("Field", cells=1)
     parent.instance_type = "VERTS"
     rig.obj.parent = parent
     update()
     rig.lift(0.25)
-    found = instanced(rig.name)
+    found = instances_of(rig.name)
     assert len(found) == 4
     for _matrix, points in found:
-        assert close(points, expected.lifted(0.75), rig.tolerance)
+        assert close(points, rig.at(0.75), rig.tolerance)
 
 
-def test_a_rig_that_only_an_instance_shows(posed_plate: tuple[Rig, Expected]):
+@EVENTS.on(REGIONS, then=is_over)
+def shown_by_an_instance_alone(rig: HandleRig) -> None:
     """Target and control are in no scene but the one that the instance gives them."""
-    plate, expected = posed_plate
-    collection = bpy.data.collections.new("Asset")
-    control = plate.control
-    for obj in (plate.obj, control):
-        collection.objects.link(obj)
+    control = rig.control
+    collection = collection_of(rig.obj, control)
+    for obj in (rig.obj, control):
         bpy.context.scene.collection.objects.unlink(obj)
-    instance = bpy.data.objects.new("Instance", None)
-    instance.instance_type, instance.instance_collection = "COLLECTION", collection
-    bpy.context.scene.collection.objects.link(instance)
+    add_instance(collection)
     update()
     control.matrix_basis = Matrix.Translation((0.0, 0.0, 0.75))
-    ((_matrix, points),) = instanced(plate.name)
-    assert close(points, expected.lifted(0.75))
+    ((_matrix, points),) = instances_of(rig.name)
+    assert close(points, rig.at(0.75))
 
 
-def test_objects_that_share_a_mesh(posed_plate: tuple[Rig, Expected]):
-    """One is deformed, one is not; and an edit of the mesh reaches both."""
-    plate, expected = posed_plate
-    twin = bpy.data.objects.new("Twin", plate.obj.data)
-    bpy.context.scene.collection.objects.link(twin)
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75))
-    assert close(evaluated_points(twin), base_points(twin))
-    vertex = 60
-    assert vertex not in plate.top
-    twin.data.vertices[vertex].co.z += 0.1
-    twin.data.update()
-    shown = expected.lifted(0.75)
-    shown[vertex, 2] += 0.1
-    assert close(plate.points(), shown)
-    assert evaluated_points(twin)[vertex, 2] == pytest.approx(0.1)
+def raise_one_vertex(mesh: bpy.types.Mesh) -> None:
+    """One that no handle holds."""
+    mesh.vertices[len(mesh.vertices) // 2].co.z += 0.1
+    mesh.update()
 
 
-def test_make_single_user(posed):
+@EVENTS.on(MESHES, then=is_over)
+def its_mesh_shared_with_an_object_without_deformer(rig: HandleRig) -> None:
+    """An edit of the mesh reaches both, on top of the pose."""
+    twin = new_object("Twin", rig.obj.data)
+    rig.lift(0.25)
+    assert rig.is_right()
+    assert close(evaluated_points(twin), rig.rest())
+    before = rig.rest()
+    raise_one_vertex(twin.data)
+    assert np.abs(rig.rest() - before).max() > 0.09
+    assert rig.shows(rig.at(0.75) + rig.rest() - before)
+    assert close(evaluated_points(twin), rig.rest())
+
+
+@EVENTS.on(ALL)
+def made_single_user(rig: HandleRig) -> None:
     """Two rigs on one mesh; then each has its own, and the topology of one changes."""
-    rig, expected = posed
-    select_rig(rig)
-    bpy.ops.object.duplicate(linked=True)
-    copy = bpy.context.object
-    settle()
-    assert copy.data == rig.obj.data
-    lift(rig.control_of(copy), 0.25)
+    copy = duplicate(rig, linked=True)
+    rig.lift_of(copy, 0.25)
     make_active(copy)
     bpy.ops.object.make_single_user(type="SELECTED_OBJECTS", object=True, obdata=True)
     assert copy.data != rig.obj.data
-    assert rig.shows(expected.lifted(0.75), copy)
+    assert rig.shows(rig.at(0.75), copy)
     type(rig).called(copy.name).change_topology()
     assert rig.shows(rig.unmoved(copy), copy)
-    assert rig.shows(expected.lifted(0.5))
 
 
-def test_another_mesh_put_into_the_target(posed_plate: tuple[Rig, Expected]):
-    """Of the same size: its own shape is followed. Of another size: rest, until it is bound again."""
-    plate, expected = posed_plate
-    same = plate.obj.data.copy()
-    same.vertices[60].co.z += 0.1
-    old, plate.obj.data = plate.obj.data, same
-    shown = expected.lifted(0.5)
-    shown[60, 2] += 0.1
-    assert close(plate.points(), shown)
-    other = grid_object("Other", cells=5)
-    plate.obj.data = other.data
-    assert close(plate.points(), plate.rest())
-    assert plate.deformer.status == "Topology changed - Rebind"
-    plate.obj.data = old
-    assert close(plate.points(), expected.lifted(0.5))
-    assert plate.deformer.status_level == "INFO"
+@EVENTS.on(MESHES)
+def another_mesh_put_in(rig: HandleRig) -> None:
+    """Of the same size: its own shape is followed. Of another size: rest, until it is bound or gone again."""
+    before, old, same = rig.rest(), rig.obj.data, rig.obj.data.copy()
+    raise_one_vertex(same)
+    rig.obj.data = same
+    assert rig.shows(rig.at(0.5) + rig.rest() - before)
+    rig.obj.data = grid_object("Other", cells=5).data
+    assert rig.is_at_rest()
+    assert rig.deformer.status == REBIND
+    rig.obj.data = old
+    assert rig.is_right()
+
+
+# --- each of them
+
+
+@every(EVENTS)
+def test_a_rig_lives_through(posed: HandleRig, event: Event):
+    event.run(posed)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+@every(EDITS)
+def test_other_vertices_are_noticed(posed: HandleRig, event: Event, automatic: bool):
+    event.edit(posed, automatic)

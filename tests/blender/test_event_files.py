@@ -1,64 +1,69 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Save, load, recover, new, append, link, override, make local; the add-on off, on, upgraded, missing.
-
-On a rig of each kind; what needs another Blender takes all of them there at once.
-"""
+"""Save, load, recover, new, append, link, override, make local; the add-on off, on, upgraded, missing."""
 
 from __future__ import annotations
 
 import importlib
+import shutil
 import sys
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import addon_utils
 import bpy
 import numpy as np
-import pytest
-from expected import Poses
+from events import ALL, REGIONS, Event, Table, every, is_over, lives_on
 from inside import room, settle
-from rig import MATRIX, close, grid_object, make_active, update
+from rig import (
+    MATRIX,
+    add_armature,
+    close,
+    evaluated_points,
+    grid_object,
+    instances_of,
+    key,
+    key_heights,
+    load,
+    make_active,
+    new_file,
+    new_object,
+    save,
+    update,
+)
 from rigs import RIGS, HandleRig
 from second_blender import another_blender
 
-Posed = tuple[HandleRig, Poses]
+EVENTS = Table()  # to a rig in the file rig.blend
+ASSETS = Table()  # to a file that is empty, beside library.blend with a rig in the collection Asset
 
 
-def save(path: Path, **options: bool) -> str:
-    bpy.ops.wm.save_as_mainfile(filepath=str(path), **options)
-    return str(path)
-
-
-def load(path: str) -> None:
-    bpy.ops.wm.open_mainfile(filepath=path)
-
-
-def lives_on(rig: HandleRig, expected: Poses, height: float, obj=None, tolerance: float = 0.0) -> None:
-    """The control stands at a height; it shows, and so does the next move."""
-    obj = obj or rig.obj
-    assert rig.shows(expected.lifted(height), obj, tolerance)
+def goes_on(rig: HandleRig, obj: bpy.types.Object, height: float, tolerance: float = 0.0) -> None:
+    """An object with such a rig shows its control at a height, and follows the next move."""
+    assert rig.shows(rig.at(height), obj, tolerance)
     rig.lift_of(obj, 0.25)
-    assert rig.shows(expected.lifted(height + 0.25), obj, tolerance)
+    assert rig.shows(rig.at(height + 0.25), obj, tolerance)
     assert obj.sinew.deformers[0].status_level == "INFO", obj.sinew.deformers[0].status
 
 
-# --- save, load, revert, recover, new: what happens to a saved rig, and at which height its control is then
+# --- save, load, revert, recover, new
 
 
-def saved_again(rig: HandleRig, folder: Path) -> float:
+@EVENTS.on(ALL)
+def saved_again(rig: HandleRig) -> None:
     for options in ({}, {"copy": True}, {"compress": True}):
-        save(folder / "again.blend", **options)
-        update()
-    bpy.ops.wm.save_mainfile(filepath=str(folder / "rig.blend"))
-    return 0.5
+        save(rig.folder / "again.blend", **options)
+        assert rig.is_right()
+    bpy.ops.wm.save_mainfile(filepath=str(rig.folder / "rig.blend"))
 
 
-def loaded(rig: HandleRig, folder: Path) -> float:
-    load(str(folder / "rig.blend"))
-    return 0.5
+@EVENTS.on(ALL)
+def loaded(rig: HandleRig) -> None:
+    load(rig.folder / "rig.blend")
 
 
-def reverted(rig: HandleRig, folder: Path) -> float:
+@EVENTS.on(ALL)
+def reverted(rig: HandleRig) -> None:
     """What was not saved is taken back."""
     before = rig.points()
     rig.lift(0.4)
@@ -66,77 +71,118 @@ def reverted(rig: HandleRig, folder: Path) -> float:
     assert not close(rig.points(), before)
     bpy.ops.wm.revert_mainfile()
     assert rig.deformer.method == rig.methods[0]
-    return 0.5
+    rig.height = 0.5
 
 
-def autosave_recovered(rig: HandleRig, folder: Path) -> float:
+@EVENTS.on(ALL)
+def recovered_from_an_autosave(rig: HandleRig) -> None:
     """Blender writes an autosave by a timer, which needs a window: a copy saved here stands for it."""
-    rig.lift(0.25)
-    autosave = save(folder / "1234_autosave.blend", copy=True)
+    autosave = save(rig.folder / "1234_autosave.blend", copy=True)
     rig.lift(1.0)
     bpy.ops.wm.recover_auto_save(filepath=autosave)
-    return 0.75
+    rig.height = 0.5
 
 
-def last_session_recovered(rig: HandleRig, folder: Path) -> float:
-    """``quit.blend`` lies in the folder for temporary files, and opens with its own path forgotten."""
-    rig.lift(0.25)
-    paths = bpy.context.preferences.filepaths
-    before, paths.temporary_directory = paths.temporary_directory, str(folder)
+@EVENTS.on(ALL)
+def recovered_from_an_autosave_without_our_save_handler(rig: HandleRig) -> None:
+    """An autosave runs no handler, so copies in it still share their shapes, and their control."""
+    make_active(rig.obj)
+    bpy.ops.object.duplicate()
+    copy, handlers = bpy.context.object.name, list(bpy.app.handlers.save_pre)
+    bpy.app.handlers.save_pre.clear()
     try:
-        save(folder / "quit.blend", copy=True)
+        autosave = save(rig.folder / "1234_autosave.blend", copy=True)
+    finally:
+        bpy.app.handlers.save_pre.extend(handlers)
+    bpy.ops.wm.recover_auto_save(filepath=autosave)
+    settle()
+    rig.lift(0.25)
+    assert rig.shows(rig.at(0.75), bpy.data.objects[copy])
+
+
+@EVENTS.on(ALL)
+def its_copy_saved_before_a_pause(rig: HandleRig) -> None:
+    """Our save handler tells them apart."""
+    make_active(rig.obj)
+    bpy.ops.object.duplicate()
+    save(rig.folder / "copy.blend")
+    assert bpy.context.object.sinew.deformers[0].proxy != rig.deformer.proxy
+
+
+@EVENTS.on(ALL)
+def recovered_from_the_last_session(rig: HandleRig) -> None:
+    """``quit.blend`` lies in the folder for temporary files, and opens with its own path forgotten."""
+    paths = bpy.context.preferences.filepaths
+    before, paths.temporary_directory = paths.temporary_directory, str(rig.folder)
+    try:
+        save(rig.folder / "quit.blend", copy=True)
         rig.lift(1.0)
         bpy.ops.wm.recover_last_session()
     finally:
         bpy.context.preferences.filepaths.temporary_directory = before
-    return 0.75
+    rig.height = 0.5
 
 
-def loaded_after_another_file(rig: HandleRig, folder: Path) -> float:
+@EVENTS.on(ALL)
+def loaded_after_another_file(rig: HandleRig) -> None:
     """Both files know the deformer by the same key, and hold different poses of different shapes."""
     rig.change_topology()
-    make_active(rig.obj)
-    bpy.ops.sinew.bind()
+    rig.press("bind")
     fine = rig.points()
-    other = save(folder / "other.blend")
+    other = save(rig.folder / "other.blend")
     for _ in range(2):
-        load(str(folder / "rig.blend"))
-        assert len(rig.points()) < len(fine)
+        load(rig.folder / "rig.blend")
+        assert rig.is_right()
         load(other)
         assert rig.shows(fine)
-    load(str(folder / "rig.blend"))
-    return 0.5
+    load(rig.folder / "rig.blend")
 
 
-def enabled_in_a_scene_that_was_loaded_without(rig: HandleRig, folder: Path) -> float:
-    control, name = rig.control.name, room("ids").__package__
-    addon_utils.disable(name)
-    try:
-        load(str(folder / "rig.blend"))
-        bpy.data.objects[control].location.z += 0.25
-        update()
-    finally:
-        addon_utils.enable(name)
-    rig.lift(0.25)
-    return 1.0
+@EVENTS.on(REGIONS, then=is_over)
+def loaded_on_a_posed_frame(rig: HandleRig) -> None:
+    """Rest is what entered at bind, not what enters when the file is opened: the same bits at each frame."""
+    rig.press("deformer_remove")
+    armature = add_armature(rig.obj)
+    rig.bind("arap")
+    key(
+        armature.pose.bones["high"],
+        {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.0)}},
+    )
+    key_heights(rig.control, {1: 0.0, 20: 0.9})
+
+    def look(frame: int) -> np.ndarray:
+        bpy.context.scene.frame_set(frame)
+        return rig.points()
+
+    frames = {frame: look(frame) for frame in (1, 12, 20)}
+    load(save(rig.folder / "posed.blend"))
+    for frame in (20, 1, 12):
+        assert np.array_equal(look(frame), frames[frame])
 
 
-def disabled_and_enabled(rig: HandleRig, folder: Path) -> float:
-    before, control, count = rig.points(), rig.control.name, handlers_of_ours()
-    name = room("ids").__package__
+@EVENTS.on(ALL, then=is_over)
+def replaced_by_a_new_file(rig: HandleRig) -> None:
+    """Nothing is left: an object of the same name is another one."""
+    uid = rig.deformer.uid
+    new_file()
+    assert room("session").find(uid) is None
+    assert room("session").owners() == []
+    lives_on(type(rig).new().start())
+
+
+# --- the add-on off, on, upgraded
+
+
+@contextmanager
+def without_the_add_on() -> Iterator[None]:
+    name, count = room("ids").__package__, handlers_of_ours()
     addon_utils.disable(name)
     try:
         assert handlers_of_ours() == 0
-        bpy.data.objects[control].location.z += 0.25
-        bpy.context.scene.frame_set(3)
-        assert rig.shows(before)
-        grid_object("Other")
-        bpy.data.objects.remove(bpy.data.objects["Other"])
+        yield
     finally:
         addon_utils.enable(name)
     assert handlers_of_ours() == count
-    rig.obj.update_tag()
-    return 0.75
 
 
 def handlers_of_ours() -> int:
@@ -148,78 +194,49 @@ def handlers_of_ours() -> int:
     )
 
 
-EVENTS = (
-    saved_again,
-    loaded,
-    reverted,
-    autosave_recovered,
-    last_session_recovered,
-    loaded_after_another_file,
-    enabled_in_a_scene_that_was_loaded_without,
-    disabled_and_enabled,
-)
-
-
-@pytest.mark.parametrize("event", EVENTS, ids=lambda event: event.__name__)
-def test_a_rig_is(posed: Posed, tmp_path: Path, event: Callable[[HandleRig, Path], float]):
-    rig, expected = posed
-    save(tmp_path / "rig.blend")
-    lives_on(rig, expected, event(rig, tmp_path))
-
-
-def test_recovering_an_autosave_without_our_save_handler(posed: Posed, tmp_path: Path):
-    """An autosave runs no handler, so copies in it still share their shapes, and their control."""
-    rig, expected = posed
-    make_active(rig.obj)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object.name
-    handlers = list(bpy.app.handlers.save_pre)
-    bpy.app.handlers.save_pre.clear()
-    try:
-        autosave = save(tmp_path / "1234_autosave.blend", copy=True)
-    finally:
-        bpy.app.handlers.save_pre.extend(handlers)
-    bpy.ops.wm.recover_auto_save(filepath=autosave)
-    settle()
+@EVENTS.on(ALL)
+def loaded_without_the_add_on_and_enabled(rig: HandleRig) -> None:
+    control = rig.control.name
+    with without_the_add_on():
+        load(rig.folder / "rig.blend")
+        bpy.data.objects[control].location.z += 0.25
+        update()
+    rig.height += 0.25
     rig.lift(0.25)
-    for name in (rig.name, copy):
-        assert rig.shows(expected.lifted(0.75), bpy.data.objects[name])
 
 
-def test_a_new_file_starts_from_nothing(posed: Posed):
-    """An object of the same name is another one."""
-    rig, _expected = posed
-    uid = rig.deformer.uid
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert room("session").find(uid) is None
-    assert room("session").owners() == []
-    fresh = type(rig).new()
-    expected = fresh.start()
-    lives_on(fresh, expected, 0.0)
+@EVENTS.on(ALL)
+def disabled_and_enabled(rig: HandleRig) -> None:
+    """The last shape meanwhile, whatever moves."""
+    control = rig.control
+    with without_the_add_on():
+        control.location.z += 0.25
+        bpy.context.scene.frame_set(3)
+        assert rig.is_right()
+        bpy.data.objects.remove(grid_object("Other"))
+    rig.height += 0.25
+    rig.obj.update_tag()
 
 
-def test_upgraded_while_a_rig_is_open(posed: Posed):
+@EVENTS.on(ALL)
+def upgraded(rig: HandleRig) -> None:
     """The old code is unloaded and read again; the native module stays until Blender ends."""
-    rig, expected = posed
-    name = room("ids").__package__
+    name, count = room("ids").__package__, handlers_of_ours()
     old = {
         key: module
         for key, module in sys.modules.items()
         if (key == name or key.startswith(name + ".")) and "_native" not in key
     }
-    count = handlers_of_ours()
     sys.modules[name].unregister()
-    for key in old:
-        del sys.modules[key]
+    for module in old:
+        del sys.modules[module]
     new = importlib.import_module(name)
     try:
         new.register()
         assert handlers_of_ours() == count
-        rig.lift(0.25)
-        lives_on(rig, expected, 0.75)
-        make_active(rig.obj)
-        bpy.ops.sinew.bind()
-        lives_on(rig, expected, 1.0)
+        lives_on(rig)
+        rig.press("bind")
+        lives_on(rig)
     finally:
         new.unregister()
         sys.modules.update(old)
@@ -229,106 +246,40 @@ def test_upgraded_while_a_rig_is_open(posed: Posed):
 # --- append, link, override, make local
 
 
-def read(path: str, link: bool, kind: str, name: str) -> bpy.types.ID:
-    with bpy.data.libraries.load(path, link=link) as (_there, here):
+def put_into_a_library(path: Path, *objects: bpy.types.Object) -> str:
+    """In the collection ``Asset``; the open file is empty again."""
+    collection = bpy.data.collections.new("Asset")
+    bpy.context.scene.collection.children.link(collection)
+    for obj in objects:
+        collection.objects.link(obj)
+    update()
+    save(path)
+    new_file()
+    return str(path)
+
+
+def read(path: str | Path, link: bool, kind: str = "collections", name: str = "Asset") -> bpy.types.ID:
+    with bpy.data.libraries.load(str(path), link=link) as (_there, here):
         setattr(here, kind, [name])
     return getattr(here, kind)[0]
 
 
-@pytest.fixture
-def asset(posed: Posed, tmp_path: Path) -> tuple[HandleRig, str, Poses]:
-    """A library with a lifted rig in the collection ``Asset``; the open file is empty again."""
-    rig, expected = posed
-    collection = bpy.data.collections.new("Asset")
-    bpy.context.scene.collection.children.link(collection)
-    for obj in (rig.obj, rig.control):
-        collection.objects.link(obj)
-    rig.points()
-    path = save(tmp_path / "library.blend")
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    return rig, path, expected
+def library(rig: HandleRig) -> str:
+    return str(rig.folder / "library.blend")
 
 
-def owners_here() -> list[bpy.types.Object]:
-    return [obj for obj in bpy.context.scene.objects if obj.sinew.deformers]
-
-
-def append_collection(path: str, link: bool = False) -> bpy.types.Collection:
-    collection = read(path, link, "collections", "Asset")
+def add_collection(path: str, link: bool = False) -> bpy.types.Collection:
+    collection = read(path, link)
     bpy.context.scene.collection.children.link(collection)
     update()
     return collection
 
 
-def test_append(asset):
-    rig, path, expected = asset
-    append_collection(path)
-    settle()
-    lives_on(rig, expected, 0.5)
-
-
-def test_append_twice_makes_two_rigs(asset):
-    rig, path, expected = asset
-    for _ in range(2):
-        append_collection(path)
-    settle()
-    first, second = owners_here()
-    lives_on(rig, expected, 0.5, first)
-    rig.lift_of(second, -0.5)
-    lives_on(rig, expected, 0.0, second)
-    assert rig.shows(expected.lifted(0.75), first)
-    assert first.sinew.deformers[0].proxy != second.sinew.deformers[0].proxy
-
-
-def test_append_into_a_file_that_has_the_rig_itself(asset, tmp_path: Path):
-    """The same keys come in once more."""
-    rig, path, expected = asset
-    load(path)
-    save(tmp_path / "other.blend")  # no file appends from itself
-    copy = read(path, False, "objects", rig.name)
-    bpy.context.scene.collection.objects.link(copy)
-    settle()
-    assert copy.name != rig.name
-    lives_on(rig, expected, 0.5)
-    assert rig.shows(expected.now(copy, rig.control_of(copy)), copy)
-
-
-def test_append_by_the_file_browsers_operator(asset):
-    rig, path, expected = asset
-    bpy.ops.wm.append(directory=f"{path}/Object/", filename=rig.name)
-    settle()
-    lives_on(rig, expected, 0.5)
-
-
-def test_an_instance_of_a_linked_collection_shows_the_last_solution(asset):
-    rig, path, expected = asset
-    instance = bpy.data.objects.new("Instance", None)
-    instance.instance_type = "COLLECTION"
-    instance.instance_collection = read(path, True, "collections", "Asset")
-    bpy.context.scene.collection.objects.link(instance)
-    settle()
-    for frame in (1, 7):
-        bpy.context.scene.frame_set(frame)
-        (shape,) = instanced_points(rig.name)
-        assert close(shape, expected.lifted(0.5), rig.tolerance)
-
-
-def instanced_points(name: str) -> list[np.ndarray]:
-    """What each instance of the object shows, object space."""
-    update()
-    found = []
-    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
-        if instance.is_instance and instance.object.name == name:
-            mesh = instance.object.to_mesh()
-            found.append(np.array([vertex.co[:] for vertex in mesh.vertices]))
-            instance.object.to_mesh_clear()
-    return found
-
-
 def override(path: str) -> bpy.types.Object:
     """A hierarchy override of the asset, as the outliner makes it; its target."""
-    append_collection(path, link=True).override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
-    update()
+    collection = add_collection(path, link=True)
+    collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    settle()
     return overridden()
 
 
@@ -336,256 +287,300 @@ def overridden() -> bpy.types.Object:
     return next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
 
 
-def follows_its_control(rig: HandleRig, expected: Poses, obj: bpy.types.Object) -> None:
+def owners() -> list[bpy.types.Object]:
+    return [obj for obj in bpy.context.scene.objects if obj.sinew.deformers]
+
+
+def follows_its_control(rig: HandleRig, obj: bpy.types.Object) -> None:
     """Wherever the library left the control of an override."""
     for _ in range(2):
-        assert rig.shows(expected.now(obj, rig.control_of(obj)), obj, MATRIX)
+        assert rig.shows(rig.now(obj), obj, MATRIX)
         rig.lift_of(obj, 0.25)
 
 
-def test_an_override_whose_hidden_shapes_are_overridden_too(asset, tmp_path: Path):
+@ASSETS.on(ALL)
+def appended(rig: HandleRig) -> None:
+    add_collection(library(rig))
+
+
+@ASSETS.on(ALL)
+def appended_twice(rig: HandleRig) -> None:
+    """Two rigs."""
+    for _ in range(2):
+        add_collection(library(rig))
+    settle()
+    first, second = owners()
+    goes_on(rig, first, 0.5)
+    rig.height = 0.75
+    rig.lift_of(second, -0.5)
+    goes_on(rig, second, 0.0)
+    assert first.sinew.deformers[0].proxy != second.sinew.deformers[0].proxy
+
+
+@ASSETS.on(ALL)
+def appended_into_a_file_that_has_the_rig_itself(rig: HandleRig) -> None:
+    """The same keys come in once more."""
+    load(library(rig))
+    save(rig.folder / "other.blend")  # no file appends from itself
+    copy = read(library(rig), False, "objects", rig.name)
+    bpy.context.scene.collection.objects.link(copy)
+    settle()
+    assert copy.name != rig.name
+    rig.lift(0.25)
+    assert rig.shows(rig.now(copy), copy)
+
+
+@ASSETS.on(ALL)
+def appended_by_the_file_browsers_operator(rig: HandleRig) -> None:
+    bpy.ops.wm.append(directory=f"{library(rig)}/Object/", filename=rig.name)
+
+
+@ASSETS.on(ALL, then=is_over)
+def linked(rig: HandleRig) -> None:
+    """The last solution, by itself and through an instance; the status says how to pose it."""
+    collection = read(library(rig), True)
+    instance = new_object("Instance")
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    obj = collection.objects[rig.name]
+    bpy.context.scene.collection.objects.link(obj)
+    settle()
+    for frame in (1, 7):
+        bpy.context.scene.frame_set(frame)
+        ((_matrix, points),) = instances_of(rig.name)
+        assert close(points, rig.at(0.5), rig.tolerance)
+        assert rig.shows(rig.at(0.5), obj)
+    assert "library override" in obj.sinew.deformers[0].status
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_posed_and_saved(rig: HandleRig) -> None:
+    """With a shape of its own, which the library does not have."""
+    obj = override(library(rig))
+    assert obj.sinew.deformers[0].proxy.library is None
+    assert rig.control_of(obj).library is None
+    goes_on(rig, obj, 0.5, MATRIX)
+    load(save(rig.folder / "shot.blend"))
+    goes_on(rig, overridden(), 0.75, MATRIX)
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_with_its_hidden_shapes(rig: HandleRig) -> None:
     """Blender 3.4 does that by itself; an override of a shape object still shows the library's mesh."""
-    rig, path, expected = asset
-    obj = override(path)
+    obj = override(library(rig))
     for name in ("proxy", "proxy_render"):
         shape = getattr(obj.sinew.deformers[0], name)
         if shape is not None and shape.library is not None:
             shape.override_create(remap_local_usages=True)
     settle()
-    rig.lift_of(obj, 0.25)
-    assert rig.shows(expected.lifted(0.75), obj, MATRIX)
-    load(save(tmp_path / "shot.blend"))
+    goes_on(rig, obj, 0.5, MATRIX)
+    load(save(rig.folder / "shot.blend"))
     settle()
-    lives_on(rig, expected, 0.75, overridden(), MATRIX)
+    goes_on(rig, overridden(), 0.75, MATRIX)
 
 
-def test_an_override_lives_through_a_change_of_its_library(asset, tmp_path: Path):
-    rig, path, expected = asset
-    obj = override(path)
-    settle()
-    rig.lift_of(obj, 0.25)
-    shot = save(tmp_path / "shot.blend")
-    load(path)
+@ASSETS.on(ALL, then=is_over)
+def overridden_and_the_library_changed(rig: HandleRig) -> None:
+    rig.lift_of(override(library(rig)), 0.25)
+    shot = save(rig.folder / "shot.blend")
+    load(library(rig))
     rig.lift(0.1)
     rig.points()
     bpy.ops.wm.save_mainfile()
     load(shot)
     settle()
-    follows_its_control(rig, expected, overridden())
+    follows_its_control(rig, overridden())
 
 
-def test_an_override_reset_to_its_library(asset):
+@ASSETS.on(ALL, then=is_over)
+def overridden_and_reset_to_its_library(rig: HandleRig) -> None:
     """All of its own values go, the shapes of its own included; it can be posed again at once."""
-    rig, path, expected = asset
-    obj = override(path)
-    settle()
-    rig.lift_of(obj, 0.25)
-    assert rig.shows(expected.lifted(0.75), obj, MATRIX)
+    obj = override(library(rig))
+    goes_on(rig, obj, 0.5, MATRIX)
     control = rig.control_of(obj)
     obj.override_library.reset()
     control.override_library.reset()
     settle()
-    follows_its_control(rig, expected, overridden())
+    follows_its_control(rig, overridden())
 
 
-@pytest.mark.parametrize("overriding", [False, True])
-def test_make_local(asset, overriding: bool):
-    rig, path, expected = asset
-    if overriding:
-        override(path)
-        settle()
-    else:
-        append_collection(path, link=True)
+def made_local(rig: HandleRig) -> None:
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.object.make_local(type="ALL")
     settle()
-    obj = owners_here()[0]
+    obj = owners()[0]
     assert obj.library is None
-    lives_on(rig, expected, 0.5, obj, MATRIX)
+    goes_on(rig, obj, 0.5, MATRIX)
     make_active(obj)
     bpy.ops.sinew.bind()
-    lives_on(rig, expected, 0.75, obj, MATRIX)
+    goes_on(rig, obj, 0.75, MATRIX)
 
 
-def test_make_local_of_the_target_alone(asset):
+@ASSETS.on(ALL, then=is_over)
+def linked_and_made_local(rig: HandleRig) -> None:
+    add_collection(library(rig), link=True)
+    made_local(rig)
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_and_made_local(rig: HandleRig) -> None:
+    override(library(rig))
+    made_local(rig)
+
+
+@ASSETS.on(ALL, then=is_over)
+def its_target_alone_made_local(rig: HandleRig) -> None:
     """Its control stays in the library, where nobody moves it; another handle goes on, another cage rests."""
-    rig, path, expected = asset
-    obj = read(path, True, "objects", rig.name)
+    obj = read(library(rig), True, "objects", rig.name)
     bpy.context.scene.collection.objects.link(obj)
     update()
     local = obj.make_local()
     settle()
-    assert rig.shows(expected.lifted(0.5), local, MATRIX)
+    assert rig.shows(rig.at(0.5), local, MATRIX)
     rig.set_control(local, rig.another_control(local))
     settle()
     if not rig.goes_on:
         make_active(local)
         assert bpy.ops.sinew.bind() == {"FINISHED"}
-    before = rig.shown(local)
-    assert close(before, expected.lifted(0.5) if rig.goes_on else rig.unmoved(local), MATRIX)
+    before = evaluated_points(local)
+    assert close(before, rig.at(0.5) if rig.goes_on else rig.unmoved(local), MATRIX)
     rig.lift_of(local, 0.25)
-    assert close(rig.shown(local)[rig.held], before[rig.held] + (0.0, 0.0, 0.25), MATRIX)
+    assert close(evaluated_points(local)[rig.held], before[rig.held] + (0.0, 0.0, 0.25), MATRIX)
+
+
+def test_an_animated_cage_of_another_file_moves_a_mesh_of_this_one(scene, tmp_path: Path):
+    bpy.ops.mesh.primitive_cube_add(size=2.0)
+    key_heights(bpy.context.object, {1: 0.0, 11: 0.5})
+    path = put_into_a_library(tmp_path / "cage.blend", bpy.context.object)
+    cage = read(path, True, "objects", "Cube")
+    bpy.context.scene.collection.objects.link(cage)
+    bpy.context.scene.frame_set(1)  # the cage still stands where its file left it
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.6)
+    target = bpy.context.object
+    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name) == {"FINISHED"}
+    rest = evaluated_points(target)
+    bpy.context.scene.frame_set(11)
+    assert close(evaluated_points(target), rest + (0.0, 0.0, 0.5), MATRIX)
+
+
+@ASSETS.on(ALL, then=is_over)
+def linked_and_overridden_and_the_library_reloaded(rig: HandleRig) -> None:
+    """As Reload in the outliner: a linked rig shows the new solution, an override its own pose."""
+    load(library(rig))
+    rig.lift(0.1)
+    rig.points()
+    changed = save(rig.folder / "changed.blend")
+    new_file()
+    rig.lift_of(override(library(rig)), 0.25)
+    plain = next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
+    bpy.context.scene.collection.objects.link(plain)
+    assert rig.shows(rig.at(0.5), plain)
+    shutil.copyfile(changed, library(rig))
+    bpy.data.libraries[0].reload()
+    settle()
+    plain = next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
+    assert rig.shows(rig.at(0.6), plain, MATRIX)
+    follows_its_control(rig, overridden())
+
+
+# --- each of them
+
+
+@every(EVENTS)
+def test_a_rig_is(posed: HandleRig, event: Event):
+    save(posed.folder / "rig.blend")
+    event.run(posed)
+
+
+@every(ASSETS)
+def test_a_rig_in_a_library_is(posed: HandleRig, event: Event):
+    put_into_a_library(posed.folder / "library.blend", posed.obj, posed.control)
+    event.run(posed)
 
 
 # --- another Blender
 
-
-@pytest.fixture
-def all_rigs() -> dict[str, Posed]:
-    """One of each kind in one scene, lifted by a half."""
-    found = {}
-    for kind, new in RIGS.items():
-        rig = new.new()
-        expected = rig.start()
-        rig.lift(0.5)
-        found[kind] = rig, expected
-    return found
-
-
-def names(rigs: dict[str, Posed]) -> dict[str, tuple[str, str]]:
-    """Target and control of each, for a program."""
-    return {kind: (rig.name, rig.control.name) for kind, (rig, _expected) in rigs.items()}
-
-
-@pytest.mark.parametrize("overriding", [False, True])
-def test_a_library_reloaded_after_it_changed(all_rigs, tmp_path: Path, addon_name: str, overriding: bool):
-    """As Reload in the outliner: a linked rig shows the new solution, an override its own pose."""
-    collection = bpy.data.collections.new("Asset")
-    bpy.context.scene.collection.children.link(collection)
-    here = names(all_rigs)
-    for pair in here.values():
-        for name in pair:
-            collection.objects.link(bpy.data.objects[name])
-    path = save(tmp_path / "library.blend")
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    if overriding:
-        override(path)
-        settle()
-        for obj in [obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers]:
-            rig_of(all_rigs, obj).lift_of(obj, 0.25)
-    else:
-        append_collection(path, link=True)
-    another_blender(
-        f"""
-        bpy.ops.wm.open_mainfile(filepath={path!r})
-        from rigs import RIGS
-        for kind, (name, _control) in {here!r}.items():
-            rig = RIGS[kind].called(name)
-            rig.lift(0.1)
-            rig.points()
-        bpy.ops.wm.save_mainfile()
-        """,
-        tmp_path,
-        addon_name,
-    )
-    bpy.data.libraries[0].reload()
-    settle()
-    for kind, (rig, expected) in all_rigs.items():
-        if overriding:
-            obj = next(o for o in bpy.data.objects if o.override_library and o.name == here[kind][0])
-            follows_its_control(rig, expected, obj)
-        else:
-            assert rig.shows(expected.lifted(0.6), bpy.context.scene.objects[rig.name], MATRIX)
-
-
-def rig_of(rigs: dict[str, Posed], obj: bpy.types.Object) -> HandleRig:
-    return next(rig for rig, _expected in rigs.values() if rig.name == obj.name)
-
-
-def test_a_blender_without_the_add_on_shows_saves_and_gives_back(all_rigs, tmp_path: Path):
-    """It opens the file, moves the controls, plays, saves; back here all live on with their settings."""
-    path, passed_on = save(tmp_path / "rig.blend"), str(tmp_path / "passed_on.blend")
-    regions = [handle.vertex_group for handle in all_rigs["handles"][0].deformer.handles]
-    found = another_blender(
-        f"""
-        bpy.ops.wm.open_mainfile(filepath={path!r})
-        import kinds
-        rigs = {names(all_rigs)!r}
-        def look():
-            return {{kind: kinds.shown(bpy.data.objects[name]).tolist() for kind, (name, _) in rigs.items()}}
-        seen["points"] = look()
-        for _name, control in rigs.values():
-            bpy.data.objects[control].location.z += 0.25
-        bpy.context.scene.frame_set(5)
-        seen["later"] = look()
-        seen["has_sinew"] = hasattr(bpy.types.Object, "sinew")
-        bpy.ops.wm.save_as_mainfile(filepath={passed_on!r})
-        """,
-        tmp_path,
-    )
-    assert not found["has_sinew"]
-    load(passed_on)
-    assert [handle.vertex_group for handle in all_rigs["handles"][0].deformer.handles] == regions
-    for kind, (rig, expected) in all_rigs.items():
-        for moment in ("points", "later"):
-            assert close(np.array(found[moment][kind]), expected.lifted(0.5), rig.tolerance)
-        lives_on(rig, expected, 0.75)
-
-
-MISSING = """
-class Hidden:
-    def find_spec(self, name, path=None, target=None):
-        if name.rpartition(".")[2] == "sinew_native":
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-sys.meta_path.insert(0, Hidden())
-"""
-
-WRONG_PYTHON = """
+ELSEWHERE = """
 import importlib.machinery
-class Foreign:
+
+class Instead:
+    def __init__(self, fault):
+        self.fault = fault
+
     def find_spec(self, name, path=None, target=None):
-        if name.rpartition(".")[2] == "sinew_native":
-            loader = importlib.machinery.ExtensionFileLoader(name, {path!r})
-            return importlib.machinery.ModuleSpec(name, loader, origin={path!r})
-sys.meta_path.insert(0, Foreign())
-"""
+        if name.rpartition(".")[2] != "sinew_native":
+            return None
+        if self.fault == "is missing":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+        loader = importlib.machinery.ExtensionFileLoader(name, foreign)
+        return importlib.machinery.ModuleSpec(name, loader, origin=foreign)
 
-
-@pytest.mark.parametrize("fault", ["missing", "wrong python"])
-def test_without_its_native_module_the_add_on_registers_and_shows_the_last_solution(
-    all_rigs, tmp_path: Path, addon_name: str, fault: str
-):
-    """A module built for another Python does not load: here a library that is no Python module at all."""
-    path, prelude = save(tmp_path / "rig.blend"), MISSING
-    if fault == "wrong python":
-        foreign = tmp_path / "sinew_native.cpython-399-x86_64-linux-gnu.so"
-        foreign.write_bytes(b"\x7fELF" + bytes(60))
-        prelude = WRONG_PYTHON.format(path=str(foreign))
-    found = another_blender(
-        f"""
-        seen["enabled"] = hasattr(bpy.types.Object, "sinew")
-        bpy.ops.wm.open_mainfile(filepath={path!r})
-        from rigs import RIGS
-        for kind, (name, _control) in {names(all_rigs)!r}.items():
-            rig, said = RIGS[kind].called(name), dict()
-            said["points"] = rig.points().tolist()
-            rig.lift(0.25)
-            bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
-            said["later"] = rig.points().tolist()
-            said["status"], said["level"] = rig.deformer.status, rig.deformer.status_level
-            make_active(rig.obj)
+def pose(fault, status):
+    bpy.ops.wm.open_mainfile(filepath=f"{folder}/rig.blend")
+    seen[fault] = {}
+    for kind, (name, control) in rigs.items():
+        obj, said = bpy.data.objects[name], {"points": []}
+        said["points"].append(evaluated_points(obj).tolist())
+        bpy.data.objects[control].location.z += 0.25
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        said["points"].append(evaluated_points(obj).tolist())
+        if status:
+            from rigs import RIGS  # it knows the add-on
+            deformer = RIGS[kind].called(name).deformer
+            said["status"], said["level"] = deformer.status, deformer.status_level
+            make_active(obj)
             try:
                 bpy.ops.sinew.bind()
             except RuntimeError as refusal:
                 said["refusal"] = str(refusal)
-            said["after"] = rig.points().tolist()
-            said["bound"] = rig.deformer.is_bound
-            seen[kind] = said
-        bpy.ops.wm.save_as_mainfile(filepath={path!r})
-        """,
-        tmp_path,
-        addon_name,
-        prelude,
-    )
-    assert found["enabled"]
-    load(path)  # here the module is there
-    for kind, (rig, expected) in all_rigs.items():
-        said = found[kind]
-        for moment in ("points", "later", "after"):
-            assert close(np.array(said[moment]), expected.lifted(0.5), rig.tolerance)
-        assert said["level"] == "ERROR"
-        for text in (said["status"], said["refusal"]):
-            assert ("does not load" if fault == "wrong python" else "is missing") in text
-            assert f"cp{sys.version_info.major}{sys.version_info.minor}" in text
-        assert said["bound"]
-        lives_on(rig, expected, 0.75)
+            said["points"].append(evaluated_points(obj).tolist())
+            said["bound"] = deformer.is_bound
+        seen[fault][kind] = said
+    bpy.ops.wm.save_as_mainfile(filepath=f"{folder}/{fault}.blend")
+
+seen["has_sinew"] = hasattr(bpy.types.Object, "sinew")
+pose("no add-on", status=False)
+for fault in ("is missing", "does not load"):
+    sys.meta_path.insert(0, Instead(fault))
+    addon_utils.enable(addon, default_set=True)
+    pose(fault, status=True)
+    addon_utils.disable(addon)
+    sys.meta_path.pop(0)
+    for name in [name for name in sys.modules if name.startswith(addon)]:
+        del sys.modules[name]
+"""
+
+
+def test_a_blender_without_the_add_on_or_its_native_module(scene, tmp_path: Path, addon_name: str):
+    """It shows the last solution, whatever moves, and saves; here all live on with their settings.
+
+    Without its native module the add-on registers and says what is wrong. A module built for another Python
+    does not load: here a library that is no Python module at all.
+    """
+    rigs = {kind: new.new().start() for kind, new in RIGS.items()}
+    for rig in rigs.values():
+        rig.lift(0.5)
+        rig.deformer.factor = 0.5
+        rig.shown = rig.points()
+    regions = [handle.vertex_group for handle in rigs["handles"].deformer.handles]
+    foreign = tmp_path / "sinew_native.cpython-399-x86_64-linux-gnu.so"
+    foreign.write_bytes(b"\x7fELF" + bytes(60))
+    save(tmp_path / "rig.blend")
+    names = {kind: (rig.name, rig.control.name) for kind, rig in rigs.items()}
+    given = f"addon, rigs, folder, foreign = {addon_name!r}, {names}, {str(tmp_path)!r}, {str(foreign)!r}"
+    found = another_blender(f"{given}\n{ELSEWHERE}", tmp_path)
+    assert not found["has_sinew"]
+    for fault in ("no add-on", "is missing", "does not load"):
+        load(tmp_path / f"{fault}.blend")
+        assert [handle.vertex_group for handle in rigs["handles"].deformer.handles] == regions
+        for kind, rig in rigs.items():
+            said = found[fault][kind]
+            for points in said["points"]:
+                assert close(np.array(points), rig.shown, rig.tolerance)
+            for text in (said["status"], said["refusal"]) if "status" in said else ():
+                assert fault in text
+                assert f"cp{sys.version_info.major}{sys.version_info.minor}" in text
+                assert said["level"] == "ERROR"
+                assert said["bound"]
+            rig.deformer.factor = 1.0
+            rig.height = 0.75
+            lives_on(rig)

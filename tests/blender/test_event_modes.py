@@ -1,20 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edit, Sculpt, Weight Paint Mode on the target; topology changed in Edit Mode, with and without rebind."""
+"""Edit, Sculpt, Weight Paint Mode on the target; its topology and its weights changed there."""
 
-from collections.abc import Callable
+from __future__ import annotations
 
 import bmesh
 import bpy
 import numpy as np
 import pytest
-from expected import Expected
-from inside import catch_up, settle
-from rig import Rig, close, make_active, update
-from rigs import RIGS, HandleRig
+from events import ALL, MESHES, REBIND, REGIONS, Event, Table, every, is_bound_again, is_over
+from inside import catch_up, room, settle
+from rig import (
+    Rig,
+    add_armature,
+    change_in_edit_mode,
+    close,
+    key_heights,
+    load,
+    make_active,
+    push,
+    save,
+    select,
+    update,
+)
+from rigs import HandleRig
+
+EDITS = Table()
+EVENTS = Table()
 
 
-def enter(plate: Rig, mode: str) -> None:
-    make_active(plate.obj)
+def enter(rig: Rig, mode: str) -> None:
+    make_active(rig.obj)
     bpy.ops.object.mode_set(mode=mode)
 
 
@@ -24,386 +39,383 @@ def leave() -> None:
     settle()
 
 
+# --- in every mode
+
 MODES = [("handles", mode) for mode in ("EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT")]
 MODES += [("cage", "EDIT"), ("cage", "SCULPT"), ("curve in a cage", "EDIT")]
 
 
-@pytest.fixture(params=MODES, ids=" ".join)
-def rig_and_mode(request: pytest.FixtureRequest) -> tuple[HandleRig, str]:
-    """A rig, and a mode that its target may be in."""
-    kind, mode = request.param
-    return RIGS[kind].new(), mode
-
-
-def test_controls_move_the_target_in_every_mode(rig_and_mode: tuple[HandleRig, str]):
+@pytest.mark.parametrize(("rig", "mode"), MODES, ids=" ".join, indirect=["rig"])
+def test_in_every_mode_controls_move_frames_change_and_files_are_saved(posed: HandleRig, mode: str):
     """During the mode where Blender evaluates modifiers in it, and afterwards."""
-    rig, mode = rig_and_mode
-    expected = rig.start()
-    rig.lift(0.5)
-    enter(rig, mode)
-    assert rig.obj.mode == mode
-    rig.lift(0.25)
-    if mode != "EDIT":
-        assert rig.shows(expected.lifted(0.75))
+    enter(posed, mode)
+    assert posed.obj.mode == mode
+    posed.lift(0.25)
+    assert mode == "EDIT" or posed.is_right()
     catch_up()
     leave()
-    assert rig.shows(expected.lifted(0.75))
-    assert rig.deformer.status_level == "INFO"
-    enter(rig, mode)
-    leave()
-    assert rig.shows(expected.lifted(0.75))
-
-
-def test_frames_change_in_every_mode(rig_and_mode: tuple[HandleRig, str]):
-    rig, mode = rig_and_mode
-    expected = rig.start()
-    for frame, height in ((1, 0.0), (11, 1.0)):
-        rig.control.location.z = height
-        rig.control.keyframe_insert("location", frame=frame)
-    enter(rig, mode)
+    assert posed.is_right()
+    assert posed.deformer.status_level == "INFO"
+    key_heights(posed.control, {1: 0.0, 11: 1.0})
+    enter(posed, mode)
     for frame in (11, 1, 11):
         bpy.context.scene.frame_set(frame)
     leave()
-    assert rig.shows(expected.lifted(1.0))
-
-
-def test_saved_in_a_mode_and_opened(rig_and_mode: tuple[HandleRig, str], tmp_path):
-    rig, mode = rig_and_mode
-    expected = rig.start()
-    rig.lift(0.5)
-    enter(rig, mode)
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "rig.blend"))
-    if rig.obj.mode != "OBJECT":
-        make_active(rig.obj)
+    assert posed.shows(posed.at(1.0))
+    enter(posed, mode)
+    load(save(posed.folder / "rig.blend"))
+    if posed.obj.mode != "OBJECT":
+        make_active(posed.obj)
         leave()
-    assert rig.shows(expected.lifted(0.5))
-    rig.lift(0.25)
-    assert rig.shows(expected.lifted(0.75))
+    assert posed.shows(posed.at(1.0))
+    posed.control.animation_data_clear()
+    posed.lift(-0.25)
+    assert posed.shows(posed.at(0.75))
 
 
-# --- Edit Mode
+# --- other vertices, other faces
 
 
-def edit_vertices(plate: Rig, change: Callable[[bmesh.types.BMVert], None]) -> None:
-    edit = bmesh.from_edit_mesh(plate.obj.data)
-    for vertex in edit.verts:
-        change(vertex)
-    bmesh.update_edit_mesh(plate.obj.data)
+@EDITS.on(ALL)
+def subdivided(rig: HandleRig) -> None:
+    rig.change_topology()
 
 
-def test_vertices_moved_in_edit_mode_move_on_top_of_the_pose(posed_plate: tuple[Rig, Expected]):
-    """The rest shape stays that of the bind; what enters is followed."""
-    plate, expected = posed_plate
-    bump = np.zeros_like(plate.rest())
-    bump[60:64, 2] = 0.1
-
-    def raise_some(vertex: bmesh.types.BMVert) -> None:
-        vertex.co.z += bump[vertex.index, 2]
-
-    enter(plate, "EDIT")
-    edit_vertices(plate, raise_some)
-    leave()
-    incoming = plate.rest()
-    assert np.abs(incoming[60:64, 2] - 0.1).max() < 1e-6
-    shape = expected.lifted(0.5) + bump
-    assert close(plate.points(), shape)
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75) + bump)
-    make_active(plate.obj)
-    bpy.ops.sinew.bind()
-    expected.rebind(plate.obj)
-    assert close(plate.points(), expected.lifted(0.75))
-
-
-def subdivide(_plate: Rig) -> None:
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-
-
-def extrude(plate: Rig) -> None:
+@EDITS.on(REGIONS)
+def extruded(rig: HandleRig) -> None:
     """The far edge grows; new vertices inherit the groups."""
-    edit = bmesh.from_edit_mesh(plate.obj.data)
-    for vertex in edit.verts:
-        vertex.select = vertex.co.y > 0.95
-    edit.select_flush_mode()
-    bmesh.update_edit_mesh(plate.obj.data)
-    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.0, 0.2, 0.0)})
+
+    def extrude(edit: bmesh.types.BMesh) -> None:
+        select(edit, lambda point: point.y > 0.95)
+        bmesh.update_edit_mesh(rig.obj.data)
+        bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.0, 0.2, 0.0)})
+
+    change_in_edit_mode(rig.obj, extrude)
 
 
-def cut_a_hole(plate: Rig) -> None:
-    edit = bmesh.from_edit_mesh(plate.obj.data)
-    for vertex in edit.verts:
-        vertex.select = abs(vertex.co.x) < 0.1 and abs(vertex.co.y) < 0.5
-    edit.select_flush_mode()
-    bmesh.update_edit_mesh(plate.obj.data)
-    bpy.ops.mesh.delete(type="VERT")
+@EDITS.on(MESHES)
+def cut(rig: HandleRig) -> None:
+    """A hole."""
+
+    def cut_a_hole(edit: bmesh.types.BMesh) -> None:
+        select(edit, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.5)
+        bmesh.update_edit_mesh(rig.obj.data)
+        bpy.ops.mesh.delete(type="VERT")
+
+    change_in_edit_mode(rig.obj, cut_a_hole)
 
 
-def reverse(_plate: Rig) -> None:
-    """The same number of vertices, all in another order."""
+def operate(rig: HandleRig, operator, **keywords: object) -> None:
+    """On the whole mesh."""
+    enter(rig, "EDIT")
     bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.sort_elements(type="REVERSE", elements={"VERT"})
+    operator(**keywords)
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
-def triangulate(_plate: Rig) -> None:
-    """The same vertices, other faces."""
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.quads_convert_to_tris()
+@EDITS.on(MESHES)
+def reversed_in_order(rig: HandleRig) -> None:
+    """The same number of vertices."""
+    operate(rig, bpy.ops.mesh.sort_elements, type="REVERSE", elements={"VERT"})
 
 
-def add_a_part(_plate: Rig) -> None:
-    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
+@EDITS.on(REGIONS)
+def triangulated(rig: HandleRig) -> None:
+    """The same vertices, other faces. A ball has triangles already."""
+    operate(rig, bpy.ops.mesh.quads_convert_to_tris)
 
 
-def delete_and_add_as_many(plate: Rig) -> None:
-    edit = bmesh.from_edit_mesh(plate.obj.data)
-    edit.verts.ensure_lookup_table()
-    bmesh.ops.delete(edit, geom=[edit.verts[60]], context="VERTS")
-    edit.verts.new((0.0, 0.0, 1.0))
-    bmesh.update_edit_mesh(plate.obj.data)
+@EDITS.on(MESHES)
+def given_another_part(rig: HandleRig) -> None:
+    operate(rig, bpy.ops.mesh.primitive_cube_add, size=0.1, location=(0.0, 0.0, 0.3))
 
 
-EDITS = (subdivide, extrude, cut_a_hole, reverse, triangulate, add_a_part, delete_and_add_as_many)
+@EDITS.on(MESHES)
+def given_a_vertex_for_another(rig: HandleRig) -> None:
+    def exchange(edit: bmesh.types.BMesh) -> None:
+        bmesh.ops.delete(edit, geom=[edit.verts[len(edit.verts) // 2]], context="VERTS")
+        edit.verts.new((0.0, 0.0, 0.4))
 
-
-@pytest.mark.parametrize("change", EDITS, ids=lambda change: change.__name__)
-def test_topology_changed_in_edit_mode_and_rebound(posed_plate: tuple[Rig, Expected], change):
-    plate, expected = posed_plate
-    enter(plate, "EDIT")
-    change(plate)
-    leave()
-    assert close(plate.points(), plate.rest())
-    assert plate.deformer.status == "Topology changed - Rebind"
-    make_active(plate.obj)
-    bpy.ops.sinew.bind()
-    expected.rebind(plate.obj)
-    assert close(plate.points(), expected.lifted(0.5))
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75))
-    assert plate.deformer.status_level == "INFO"
-
-
-@pytest.mark.parametrize("change", EDITS, ids=lambda change: change.__name__)
-def test_topology_changed_in_edit_mode_and_rebound_by_itself(posed_plate: tuple[Rig, Expected], change):
-    plate, expected = posed_plate
-    plate.deformer.auto_rebind = True
-    enter(plate, "EDIT")
-    change(plate)
-    leave()
-    expected.rebind(plate.obj)
-    assert close(plate.points(), expected.lifted(0.5))
-    assert plate.deformer.status_level == "INFO"
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75))
+    change_in_edit_mode(rig.obj, exchange)
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(
-    posed_plate: tuple[Rig, Expected], tmp_path, automatic: bool
-):
+@pytest.mark.parametrize("rig", MESHES, indirect=True)
+def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(posed: HandleRig, automatic: bool):
     """No timer had time to look: Blender in the background never has one."""
-    plate, expected = posed_plate
-    plate.deformer.auto_rebind = automatic
-    enter(plate, "EDIT")
-    reverse(plate)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "rig.blend"))
-    expected.rebind(plate.obj)
-    assert close(plate.points(), expected.lifted(0.5) if automatic else plate.rest())
+    posed.deformer.auto_rebind = automatic
+    reversed_in_order(posed)
+    load(save(posed.folder / "rig.blend"))
+    posed.poses.rebind(posed.obj)
+    assert posed.is_right() if automatic else posed.is_at_rest()
 
 
-def test_topology_changed_and_changed_back(posed_plate: tuple[Rig, Expected]):
+@EVENTS.on(ALL)
+def its_topology_changed_and_changed_back(rig: HandleRig) -> None:
     """By undo of the edit, Blender's own way back; no rebind is needed."""
-    plate, expected = posed_plate
-    update()
-    bpy.ops.ed.undo_push(message="posed")
-    enter(plate, "EDIT")
-    bpy.ops.ed.undo_push(message="Edit Mode")
-    subdivide(plate)
-    bpy.ops.ed.undo_push(message="subdivided")
-    leave()
-    bpy.ops.ed.undo_push(message="Object Mode")
-    assert plate.deformer.status == "Topology changed - Rebind"
-    for _ in range(3):
-        bpy.ops.ed.undo()
-    assert plate.obj.mode == "OBJECT"
+    count = len(rig.rest())
+    push("posed")
+    rig.change_topology()
+    settle()
+    push("changed")
+    assert rig.deformer.status == REBIND
+    for _ in range(5):  # steps in Edit Mode
+        if len(rig.rest()) != count or rig.obj.mode != "OBJECT":
+            bpy.ops.ed.undo()
     catch_up()
-    assert close(plate.points(), expected.lifted(0.5))
-    assert plate.deformer.status_level == "INFO"
 
 
-def test_edit_mode_of_two_targets_at_once(posed_plate: tuple[Rig, Expected]):
-    plate, expected = posed_plate
-    make_active(plate.obj)
-    plate.control.select_set(True)
+# --- Edit and Sculpt Mode
+
+
+@EVENTS.on(MESHES, then=is_bound_again)
+def its_vertices_moved_in_edit_mode(rig: HandleRig) -> None:
+    """On top of the pose: the rest shape stays that of the bind until the next, what enters is followed."""
+    rest = rig.rest()
+
+    def raise_some(edit: bmesh.types.BMesh) -> None:
+        for vertex in edit.verts[len(rest) // 2 : len(rest) // 2 + 4]:
+            vertex.co.z += 0.1
+
+    change_in_edit_mode(rig.obj, raise_some)
+    settle()
+    bump = rig.rest() - rest
+    assert np.abs(bump).max() > 0.09
+    for _ in range(2):
+        assert rig.shows(rig.at(rig.height) + bump)
+        rig.lift(0.25)
+
+
+@EVENTS.on(MESHES, then=is_bound_again)
+def its_vertices_moved_in_sculpt_mode(rig: HandleRig) -> None:
+    """A stroke needs a window; it ends as this edit does, in the mesh."""
+    bump = np.zeros_like(rig.rest())
+    bump[len(bump) // 2 :][:4, 2] = 0.1
+    enter(rig, "SCULPT")
+    rig.obj.data.vertices.foreach_set("co", (rig.rest() + bump).astype(np.float32).ravel())
+    rig.obj.data.update()
+    update()
+    leave()
+    assert rig.shows(rig.at(0.5) + bump)
+
+
+@EVENTS.on(MESHES)
+def edited_beside_its_copy(rig: HandleRig) -> None:
+    """Both in Edit Mode at once."""
+    make_active(rig.obj)
+    rig.control.select_set(True)
     bpy.ops.object.duplicate()
+    copy = bpy.context.object
     catch_up()
-    other = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != plate.obj)
-    make_active(plate.obj)
-    other.select_set(True)
+    make_active(rig.obj)
+    copy.select_set(True)
     bpy.ops.object.mode_set(mode="EDIT")
-    assert plate.obj.mode == other.mode == "EDIT"
-    plate.lift(0.25)
+    assert rig.obj.mode == copy.mode == "EDIT"
+    rig.lift(0.25)
     leave()
-    assert close(plate.points(), expected.lifted(0.75))
-    twin = Rig.__new__(Rig)
-    twin.name = other.name
-    assert close(twin.points(), expected.lifted(0.5))
+    assert rig.shows(rig.at(0.5), copy)
 
 
-# --- Sculpt Mode
-
-
-def test_sculpt_mode_with_deforming_modifiers_only(posed_plate: tuple[Rig, Expected]):
+@EVENTS.on(MESHES)
+def sculpted_with_deforming_modifiers_only(rig: HandleRig) -> None:
     """Blender then leaves modifiers of nodes out: the pose comes back with Object Mode."""
-    plate, expected = posed_plate
-    enter(plate, "SCULPT")
+    enter(rig, "SCULPT")
     bpy.context.scene.tool_settings.sculpt.use_deform_only = True
-    plate.obj.update_tag()
+    rig.obj.update_tag()
     update()
-    plate.lift(0.25)
+    rig.lift(0.25)
     catch_up()
     leave()
-    assert close(plate.points(), expected.lifted(0.75))
-    assert plate.deformer.status_level == "INFO"
 
 
-def test_dynamic_topology(posed_plate: tuple[Rig, Expected]):
+@EVENTS.on(MESHES)
+def sculpted_with_dynamic_topology(rig: HandleRig) -> None:
     """Blender switches modifiers off; what comes back is another mesh, or the old one."""
-    plate, expected = posed_plate
-    enter(plate, "SCULPT")
+    enter(rig, "SCULPT")
     if "FINISHED" not in bpy.ops.sculpt.dynamic_topology_toggle():
         pytest.skip("this Blender asks before it starts dynamic topology")
     update()
-    plate.lift(0.25)
+    rig.lift(0.25)
     catch_up()
     bpy.ops.sculpt.dynamic_topology_toggle()
     leave()
-    if close(plate.points(), plate.rest()):  # its vertices are in another order
-        assert plate.deformer.status == "Topology changed - Rebind"
-        make_active(plate.obj)
-        bpy.ops.sinew.bind()
-        expected.rebind(plate.obj)
-    assert close(plate.points(), expected.lifted(0.75))
+    if rig.is_at_rest():  # its vertices are in another order
+        assert rig.deformer.status == REBIND
+        rig.press("bind")
+        rig.poses.rebind(rig.obj)
 
 
-def test_sculpted_vertices_move_on_top_of_the_pose(posed_plate: tuple[Rig, Expected]):
-    """A stroke needs a window; it ends as this edit does, in the mesh."""
-    plate, expected = posed_plate
-    enter(plate, "SCULPT")
-    bump = np.zeros_like(plate.rest())
-    bump[60:64, 2] = 0.1
-    flat = (plate.rest() + bump).astype(np.float32).ravel()
-    plate.obj.data.vertices.foreach_set("co", flat)
-    plate.obj.data.update()
-    update()
+@EVENTS.on(REGIONS, then=is_over)
+def given_levels_of_multires_above(rig: HandleRig) -> None:
+    """They smooth its result."""
+    rig.obj.modifiers.new("Multires", "MULTIRES")
+    assert rig.is_right()
+    enter(rig, "SCULPT")
+    rig.lift(0.0)
     leave()
-    assert close(plate.points(), expected.lifted(0.5) + bump)
+    assert rig.is_right()
 
 
-@pytest.mark.parametrize("below", [False, True])
-def test_multires(plate: Rig, below: bool):
-    """Levels above the deformer smooth its result; below, the deformer works on the fine mesh."""
-    obj = plate.obj
-    make_active(obj)
-    if below:
-        obj.modifiers.new("Multires", "MULTIRES")
-        bpy.ops.object.multires_subdivide(modifier="Multires", mode="SIMPLE")
-        plate.bind()
-        points, groups = plate.points(), len(plate.rest())
-        plate.lift(0.5)
-        lifted = plate.points()
-        assert len(lifted) > groups
-        far = points[:, 1] > 0.85
-        assert np.abs(lifted[far] - points[far] - (0.0, 0.0, 0.5)).max() < 1e-5
-    else:
-        plate.bind()
-        expected = Expected.of(plate)
-        obj.modifiers.new("Multires", "MULTIRES")
-        plate.lift(0.5)
-        assert close(plate.points(), expected.lifted(0.5))
-    before = plate.points()
+def test_multires_below(plate: Rig):
+    """The deformer works on the fine mesh."""
+    make_active(plate.obj)
+    plate.obj.modifiers.new("Multires", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier="Multires", mode="SIMPLE")
+    plate.bind()
+    points = plate.points()
+    plate.lift(0.5)
+    lifted = plate.points()
+    assert len(lifted) > len(plate.rest())
+    far = points[:, 1] > 0.85
+    assert close(lifted[far], points[far] + (0.0, 0.0, 0.5), 1e-5)
     enter(plate, "SCULPT")
     plate.lift(0.0)
     leave()
-    assert close(plate.points(), before)
+    assert close(plate.points(), lifted)
 
 
-# --- Weight Paint Mode
+# --- weights, painted in Object or in Weight Paint Mode
 
 
-def paint(plate: Rig, group: str, weight: float) -> None:
-    """All vertices of the group, as one stroke."""
-    members = [
-        vertex.index
-        for vertex in plate.obj.data.vertices
-        for element in vertex.groups
-        if element.group == plate.obj.vertex_groups[group].index
-    ]
-    plate.obj.vertex_groups[group].add(members, weight, "REPLACE")
-    plate.obj.data.update()
-    update()
+def paint(rig: Rig, group: str, weight: float, members: list[int] | None = None) -> None:
+    """As one stroke; all vertices of the group where none are named."""
+    index = rig.obj.vertex_groups[group].index
+    found = [vertex.index for vertex in rig.obj.data.vertices if index in {g.group for g in vertex.groups}]
+    rig.obj.vertex_groups[group].add(members or found, weight, "REPLACE")
+    rig.obj.data.update()
+    rig.obj.data.update_tag()
+    settle()
 
 
-def test_painted_weights_are_live(posed_plate: tuple[Rig, Expected]):
+@EVENTS.on(REGIONS)
+def its_weights_painted(rig: HandleRig) -> None:
     """Each stroke takes effect when it ends; the mode need not be left."""
-    plate, expected = posed_plate
-    enter(plate, "WEIGHT_PAINT")
-    for weight in (0.5, 0.1, 1.0):
-        paint(plate, "Top", weight)
-        catch_up()
-        expected.rebind(plate.obj)
-        assert close(plate.points(), expected.lifted(0.5))
-    leave()
-    assert close(plate.points(), expected.lifted(0.5))
+    hard = rig.points()
+    for mode in ("OBJECT", "WEIGHT_PAINT"):
+        enter(rig, mode)
+        for weight in (0.5, 0.1, 1.0):
+            paint(rig, "Top", weight)
+            rig.poses.rebind(rig.obj)
+            assert rig.is_right()
+            assert weight == 1.0 or np.abs(rig.points() - hard).max() > 1e-3
+        leave()
 
 
-def test_operators_of_weight_paint_are_live(posed_plate: tuple[Rig, Expected]):
-    plate, expected = posed_plate
-    plate.obj.vertex_groups.active = plate.obj.vertex_groups["Top"]
-    enter(plate, "WEIGHT_PAINT")
-    hard = plate.points()
-    for operate in (
-        lambda: bpy.ops.object.vertex_group_levels(group_select_mode="ACTIVE", gain=0.3),
-        lambda: bpy.ops.object.vertex_group_invert(group_select_mode="ACTIVE"),
-        lambda: bpy.ops.object.vertex_group_invert(group_select_mode="ACTIVE"),
-        lambda: bpy.ops.object.vertex_group_smooth(group_select_mode="ACTIVE", factor=0.5, repeat=2),
+@EVENTS.on(REGIONS, then=is_over)
+def its_weights_changed_by_operators(rig: HandleRig) -> None:
+    rig.obj.vertex_groups.active = rig.obj.vertex_groups["Top"]
+    enter(rig, "WEIGHT_PAINT")
+    hard = rig.points()
+    for operator, keywords in (
+        (bpy.ops.object.vertex_group_levels, {"gain": 0.3}),
+        (bpy.ops.object.vertex_group_invert, {}),
+        (bpy.ops.object.vertex_group_invert, {}),
+        (bpy.ops.object.vertex_group_smooth, {"factor": 0.5, "repeat": 2}),
     ):
-        operate()
-        update()
-        catch_up()
-        shown = plate.points()
-        if plate.deformer.status_level == "INFO":
-            expected.rebind(plate.obj)
-            assert close(shown, expected.lifted(0.5))
+        operator(group_select_mode="ACTIVE", **keywords)
+        settle()
+        if rig.deformer.status_level == "INFO":
+            rig.poses.rebind(rig.obj)
+            assert rig.is_right()
         else:
-            assert "share 22 vertices" in plate.deformer.status
-            assert close(shown, plate.rest())
-    assert np.abs(plate.points() - hard).max() > 1e-3
+            assert "share 22 vertices" in rig.deformer.status
+            assert rig.is_at_rest()
+    assert np.abs(rig.points() - hard).max() > 1e-3
     leave()
 
 
-def test_a_region_painted_wider_or_emptied(posed_plate: tuple[Rig, Expected]):
-    plate, expected = posed_plate
-    enter(plate, "WEIGHT_PAINT")
-    plate.obj.vertex_groups["Top"].add([60], 1.0, "REPLACE")
-    plate.obj.data.update()
+@EVENTS.on(REGIONS)
+def its_region_painted_wider_and_emptied(rig: HandleRig) -> None:
+    for mode in ("EDIT", "WEIGHT_PAINT"):
+        enter(rig, mode)
+        bpy.ops.object.mode_set(mode="OBJECT" if mode == "EDIT" else mode)
+        paint(rig, "Top", 1.0, [60, 61])
+        rig.poses.rebind(rig.obj)
+        assert rig.points()[[60, 61], 2] == pytest.approx(0.5, abs=1e-6)
+        assert rig.is_right()
+        rig.obj.vertex_groups["Top"].remove(list(range(121)))
+        rig.obj.data.update()
+        settle()
+        assert rig.is_at_rest()
+        assert "has no vertices" in rig.deformer.status
+        paint(rig, "Top", 1.0, rig.top.tolist())
+        rig.poses.rebind(rig.obj)
+        assert rig.is_right()
+    leave()
+
+
+@EVENTS.on(REGIONS)
+def a_group_of_no_region_painted(rig: HandleRig) -> None:
+    """It binds nothing."""
+    rig.obj.vertex_groups.new(name="Other")
+    settle()
+    session = room("session").find(rig.deformer.uid)
+    bound = session.bound
+    paint(rig, "Other", 1.0, [0, 1])
+    assert session.bound is bound
+
+
+def test_weights_painted_on_a_mesh_that_an_armature_poses_keep_the_rest_shape(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.bind("thin_shell")
+    armature.pose.bones["high"].location = (0.0, 0.0, 0.4)
     update()
-    catch_up()
-    expected.rebind(plate.obj)
-    assert plate.points()[60, 2] == pytest.approx(0.5, abs=1e-6)
-    assert close(plate.points(), expected.lifted(0.5))
-    plate.obj.vertex_groups["Top"].remove(list(range(121)))
-    plate.obj.data.update()
-    update()
-    catch_up()
-    assert close(plate.points(), plate.rest())
-    assert "has no vertices" in plate.deformer.status
-    plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 1.0, "REPLACE")
-    plate.obj.data.update()
-    update()
-    catch_up()
-    expected.rebind(plate.obj)
-    assert close(plate.points(), expected.lifted(0.5))
+    rest, key = plate.deformer.rest, room("ids").Keys.REST_TOKEN
+    token, held = rest[key], [vertex.co[:] for vertex in rest.vertices]
+    paint(plate, "Top", 0.5)
+    assert rest[key] != token
+    assert [vertex.co[:] for vertex in rest.vertices] == held
+
+
+def datablocks_of(deformer) -> list[int]:
+    """Which ones a deformer points to."""
+    shapes = [deformer.proxy, deformer.proxy_render]
+    kept = [*shapes, *(shape.data for shape in shapes), deformer.rest, deformer.rest_render]
+    return [datablock.as_pointer() for datablock in kept]
+
+
+@pytest.mark.parametrize("change", ["weights", "topology", "renders"])
+def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, change: str):
+    """Undo leaves an object alone where its steps agree, also one that a pause has changed since."""
+    if change == "renders":
+        modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
+        modifier.levels = modifier.render_levels = 1
+    plate.bind("thin_shell")
+    plate.lift()
+    plate.deformer.auto_rebind = True
+    push("bound")
+    before, size = datablocks_of(plate.deformer), len(plate.deformer.rest_in("RENDER").vertices)
+    if change == "weights":
+        plate.obj.vertex_groups["Top"].add(plate.top.tolist(), 0.3, "REPLACE")
+    elif change == "topology":
+        subdivide = bmesh.ops.subdivide_edges
+        change_in_edit_mode(plate.obj, lambda edit: subdivide(edit, edges=edit.edges, cuts=1))
+    else:
+        modifier.render_levels = 2
+    plate.obj.data.update_tag()
+    bpy.ops.ed.undo_push(message="changed")
+    settle()
+    after = len(plate.deformer.rest_in("RENDER").vertices)
+    assert after == size if change == "weights" else after > size
+    assert datablocks_of(plate.deformer) == before
+    shown = plate.points()
+    bpy.ops.ed.undo()
+    settle()
+    assert len(plate.deformer.rest_in("RENDER").vertices) == size
+    bpy.ops.ed.redo()
+    settle()
+    assert close(plate.points(), shown, 1e-6)
+
+
+# --- each of them
+
+
+@every(EVENTS)
+def test_a_rig_lives_through(posed: HandleRig, event: Event):
+    event.run(posed)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+@every(EDITS)
+def test_other_vertices_are_noticed(posed: HandleRig, event: Event, automatic: bool):
+    event.edit(posed, automatic)

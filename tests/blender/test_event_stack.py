@@ -1,108 +1,61 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Modifiers added, removed, applied, muted, moved, copied; ours too, by the buttons that Blender has."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import bpy
 import numpy as np
 import pytest
-from expected import Expected, Poses
-from inside import settle
+from events import (
+    ALL,
+    MESHES,
+    REBIND,
+    REGIONS,
+    Event,
+    Table,
+    bind_restores,
+    every,
+    is_over,
+    rebinds_by_itself,
+    says_rebind,
+)
+from expected import Expected
+from inside import room, settle
+from mathutils import Matrix
 from probe import render_points
+from registry import BY_ID, WITH_HANDLES
 from rig import (
     FLOAT32,
     Rig,
     add_armature,
     add_group,
-    base_points,
+    apply_matrix,
     close,
     evaluated_points,
     grid_object,
+    key_heights,
     make_active,
+    move_world,
     update,
 )
-from rigs import HandleRig
+from rigs import RIGS, HandleRig
 
-BEND = 0.7
+EVENTS = Table()
+Add = Callable[[bpy.types.Object], bpy.types.Modifier]
 
 
-def lattice_modifier(obj: bpy.types.Object) -> bpy.types.Modifier:
-    """Simple Deform: it moves all vertices, and adds none."""
-    modifier = obj.modifiers.new("Bend", "SIMPLE_DEFORM")
-    modifier.deform_method, modifier.deform_axis, modifier.angle = "TWIST", "Y", BEND
+def twist(obj: bpy.types.Object) -> bpy.types.Modifier:
+    """It moves all vertices, and adds none."""
+    modifier = obj.modifiers.new("Twist", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.deform_axis, modifier.angle = "TWIST", "Y", 0.7
     return modifier
 
 
-def by_blender(points: np.ndarray, *modifiers: Callable[[bpy.types.Object], object]) -> np.ndarray:
-    """What Blender's modifiers make of a plate with these points."""
-    plain = grid_object("Plain", cells=round(len(points) ** 0.5) - 1)
-    plain.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
-    plain.data.update()
-    for add in modifiers:
-        add(plain)
-    found = evaluated_points(plain)
-    mesh = plain.data
-    bpy.data.objects.remove(plain)
-    bpy.data.meshes.remove(mesh)
-    return found
-
-
-def to_the_top(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
-    make_active(obj)
-    bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=0)
-
-
-def to_the_end(obj: bpy.types.Object, modifier: bpy.types.Modifier) -> None:
-    make_active(obj)
-    bpy.ops.object.modifier_move_to_index(modifier=modifier.name, index=len(obj.modifiers) - 1)
-
-
-def test_a_deforming_modifier_below_above_moved_and_removed(posed_plate: tuple[Rig, Expected]):
-    """Before ours in the stack its result is what we deform; after ours it works on our result."""
-    plate, expected = posed_plate
-    obj = plate.obj
-    twist = lattice_modifier(obj)
-    after = by_blender(expected.lifted(0.5), lattice_modifier)
-    assert close(plate.points(), after)
-    to_the_top(obj, twist)
-    twisted = by_blender(plate.rest(), lattice_modifier)
-    before = expected.now(obj, plate.control, incoming=twisted)
-    assert np.abs(before - after).max() > 1e-2
-    assert close(plate.points(), before)
-    to_the_end(obj, obj.modifiers["Bend"])
-    assert close(plate.points(), after)
-    obj.modifiers["Bend"].show_viewport = False
-    assert close(plate.points(), expected.lifted(0.5))
-    assert close(render_points(obj), after)
-    obj.modifiers["Bend"].show_viewport = True
-    obj.modifiers.remove(obj.modifiers["Bend"])
-    assert close(plate.points(), expected.lifted(0.5))
-    settle()
-    assert close(plate.points(), expected.lifted(0.5))
-    assert plate.deformer.status_level == "INFO"
-
-
-def test_a_deforming_modifier_before_ours_applied(plate: Rig):
-    """The mesh takes its shape; what enters ours stays the same, and so does what is seen."""
-    lattice_modifier(plate.obj)
-    twisted = plate.points()
-    plate.bind()
-    expected = Expected(plate.obj, plate.control, points=twisted)
-    plate.lift(0.5)
-    assert close(plate.points(), expected.lifted(0.5))
-    make_active(plate.obj)
-    bpy.ops.object.modifier_apply(modifier="Bend")
-    settle()
-    assert close(plate.rest(), twisted)
-    assert close(plate.points(), expected.lifted(0.5))
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75))
-    assert plate.deformer.status_level == "INFO"
-
-
-def subdivision(obj: bpy.types.Object) -> bpy.types.Modifier:
+def subdivision(obj: bpy.types.Object, levels: int = 1, render_levels: int = 1) -> bpy.types.Modifier:
     modifier = obj.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels = modifier.render_levels = 1
+    modifier.levels, modifier.render_levels = levels, render_levels
     return modifier
 
 
@@ -119,86 +72,226 @@ def solidify(obj: bpy.types.Object) -> bpy.types.Modifier:
     return modifier
 
 
-@pytest.mark.parametrize("add", [subdivision, array, solidify], ids=lambda add: add.__name__)
-def test_a_constructive_modifier_after_ours_added_applied_and_removed(posed_plate: tuple[Rig, Expected], add):
-    plate, expected = posed_plate
-    modifier = add(plate.obj)
-    for height in (0.5, 0.75):
-        plate.lift(height - 0.5)
-        assert close(plate.points(), by_blender(expected.lifted(height), add), 1e-5)
-        assert close(render_points(plate.obj), by_blender(expected.lifted(height), add), 1e-5)
-    plate.obj.modifiers.remove(modifier)
+def by_blender(rig: Rig, points: np.ndarray, *modifiers: Add) -> np.ndarray:
+    """What Blender's modifiers make of the rig's mesh with these points."""
+    mesh = rig.obj.data.copy()
+    mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    mesh.update()
+    plain = bpy.data.objects.new("Plain", mesh)
+    bpy.context.scene.collection.objects.link(plain)
+    for add in modifiers:
+        add(plain)
+    found = evaluated_points(plain)
+    bpy.data.objects.remove(plain)
+    bpy.data.meshes.remove(mesh)
+    return found
+
+
+def move_to(rig: Rig, name: str, index: int) -> None:
+    """A modifier, in the stack."""
+    make_active(rig.obj)
+    bpy.ops.object.modifier_move_to_index(modifier=name, index=index)
+
+
+def apply(rig: Rig, name: str) -> None:
+    """By Blender's own button."""
+    make_active(rig.obj)
+    bpy.ops.object.modifier_apply(modifier=name)
     settle()
-    assert close(plate.points(), expected.lifted(0.75))
-    assert plate.deformer.status_level == "INFO"
+
+
+# --- Blender's modifiers
+
+
+@EVENTS.on(MESHES)
+def a_deforming_modifier_added_moved_muted_and_removed(rig: HandleRig) -> None:
+    """Before ours in the stack its result is what we deform; after ours it works on our result."""
+    twist(rig.obj)
+    after = by_blender(rig, rig.at(0.5), twist)
+    assert rig.shows(after)
+    move_to(rig, "Twist", 0)
+    before = rig.now(incoming=by_blender(rig, rig.rest(), twist))
+    assert np.abs(before - after).max() > 1e-3
+    assert rig.shows(before)
+    move_to(rig, "Twist", 1)
+    assert rig.shows(after)
+    rig.obj.modifiers["Twist"].show_viewport = False
+    assert rig.is_right()
+    assert rig.renders(after)
+    rig.obj.modifiers["Twist"].show_viewport = True
+    rig.obj.modifiers.remove(rig.obj.modifiers["Twist"])
+    assert rig.is_right()
+
+
+@EVENTS.on(REGIONS)
+def a_deforming_modifier_before_ours_applied(rig: HandleRig) -> None:
+    """The mesh takes its shape; what enters ours stays the same, and so does what is seen."""
+    rig.press("unbind")
+    rig.relax()
+    rig.lift_to(0.0)
+    twist(rig.obj)
+    move_to(rig, "Twist", 0)
+    rig.press("bind")
+    twisted = by_blender(rig, rig.rest(), twist)
+    rig.poses.rebind(rig.obj, twisted)
+    rig.lift(0.5)
+    assert rig.is_right()
+    apply(rig, "Twist")
+    assert close(rig.rest(), twisted)
+
+
+@EVENTS.on(MESHES)
+def a_constructive_modifier_added_after_ours_and_removed(rig: HandleRig) -> None:
+    for add in (subdivision, array, solidify):
+        modifier = add(rig.obj)
+        for _ in range(2):
+            shown = by_blender(rig, rig.at(rig.height), add)
+            assert rig.shows(shown, tolerance=1e-5)
+            assert rig.renders(shown, 1e-5)
+            rig.lift(0.1)
+        rig.obj.modifiers.remove(modifier)
+        settle()
+        assert rig.is_right()
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-def test_a_constructive_modifier_after_ours_applied(posed_plate: tuple[Rig, Expected], automatic: bool):
-    """Blender applies it to the mesh, without the pose: the deformer has another mesh before it then."""
-    plate, expected = posed_plate
-    plate.deformer.auto_rebind = automatic
-    subdivision(plate.obj)
-    plate.points()
-    make_active(plate.obj)
-    bpy.ops.object.modifier_apply(modifier="Subdivision")
-    assert len(plate.rest()) > 400
-    settle()
-    if not automatic:
-        assert close(plate.points(), plate.rest())
-        assert plate.deformer.status == "Topology changed - Rebind"
-        bpy.ops.sinew.bind()
-    expected.rebind(plate.obj)
-    assert close(plate.points(), expected.lifted(0.5), 1e-5)
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75), 1e-5)
-
-
+@pytest.mark.parametrize("rig", MESHES, indirect=True)
 @pytest.mark.parametrize("add", [subdivision, array], ids=lambda add: add.__name__)
-@pytest.mark.parametrize("automatic", [False, True])
-def test_a_constructive_modifier_put_before_ours(posed_plate: tuple[Rig, Expected], add, automatic: bool):
-    """Other vertices enter: rest and a word about it, right after Rebind or by itself, right when it goes."""
-    plate, expected = posed_plate
-    obj = plate.obj
-    plate.deformer.auto_rebind = automatic
-    to_the_top(obj, add(obj))
+def test_a_constructive_modifier_put_before_ours(posed: HandleRig, add: Add, automatic: bool):
+    """Other vertices enter: rest and a word about it, right after Rebind or by itself; so when it goes."""
+    posed.deformer.auto_rebind = automatic
+    rest = posed.rest()
+    modifier = add(posed.obj)
+    move_to(posed, modifier.name, 0)
     settle()
+    entering = by_blender(posed, rest, add)
     if not automatic:
-        assert close(plate.points(), by_blender(plate.rest(), add))
-        assert plate.deformer.status == "Topology changed - Rebind"
-        make_active(obj)
-        bpy.ops.sinew.bind()
-    entering = by_blender(plate.rest(), add)
-    fresh = Rig(grid_object("Fresh"))
-    add(fresh.obj)
-    fresh.bind()
-    fresh.lift(0.5)
-    shown = fresh.points()
+        assert posed.shows(entering)
+        assert posed.deformer.status == REBIND
+        posed.press("bind")
+    shown = posed.points()
     assert np.abs(shown - entering).max() > 0.4
-    assert close(plate.points(), shown)
-    obj.modifiers.remove(obj.modifiers[0])
+    if posed.deformer.handles:
+        fresh = HandleRig(grid_object("Fresh"))
+        add(fresh.obj)
+        fresh.bind()
+        fresh.lift(0.5)
+        assert posed.shows(fresh.points())
+    posed.obj.modifiers.remove(posed.obj.modifiers[0])
     settle()
+    (rebinds_by_itself if automatic else says_rebind)(posed)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+def test_a_constructive_modifier_after_ours_applied(posed_plate: HandleRig, automatic: bool):
+    """Blender applies it to the mesh, without the pose: the deformer has another mesh before it then."""
+    posed_plate.deformer.auto_rebind = automatic
+    subdivision(posed_plate.obj)
+    posed_plate.points()
+    apply(posed_plate, "Subdivision")
+    assert len(posed_plate.rest()) > 400
     if not automatic:
-        assert close(plate.points(), plate.rest())
-        make_active(obj)
-        bpy.ops.sinew.bind()
-    assert close(plate.points(), expected.lifted(0.5))
+        assert posed_plate.is_at_rest()
+        assert posed_plate.deformer.status == REBIND
+        posed_plate.press("bind")
+    rebinds_by_itself(posed_plate)
+
+
+@EVENTS.on(REGIONS)
+def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
+    obj, entering = rig.obj, rig.rest()
+    obj.shape_key_add(name="Basis")
+    wave = obj.shape_key_add(name="Wave")
+    for point in wave.data:
+        point.co.z = 0.2 * point.co.x
+    settle()
+    for value in (0.0, 1.0, 0.5):
+        wave.value = value
+        entering[:, 2] = value * 0.2 * entering[:, 0]
+        assert rig.shows(rig.now(incoming=entering))
+    obj.shape_key_clear()
+
+
+@EVENTS.on(REGIONS, then=is_over)
+def an_armature_added_before_it(rig: HandleRig) -> None:
+    """The skin comes after the pose: the deformer then works on what the bones give it."""
+    armature = add_armature(rig.obj)
+    move_to(rig, "Armature", 0)
+    bone = armature.pose.bones["high"]
+    bone.rotation_euler = (0.0, 0.0, 0.4)
+    update()
+    turned = rig.rest()
+    high = turned[:, 1] > 0.0
+    turned[high] = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), turned[high])
+    assert rig.shows(rig.now(incoming=turned), tolerance=1e-5)
+
+
+@pytest.mark.parametrize("method", WITH_HANDLES)
+def test_an_armature_before_ours_is_followed_and_corrected(plate: Rig, method: str):
+    armature = add_armature(plate.obj)
+    plate.bind(method)
+    bone = armature.pose.bones["high"]
+    bone.rotation_euler = (0.0, 0.0, 0.6)
+    update()
+    posed = plate.rest()
+    high = posed[:, 1] > 0.0
+    posed[high] = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), posed[high])
+    # unmoved handles change nothing: exactly for displacements, within its tolerance for an iteration
+    assert close(plate.points(), posed, 1e-2 if BY_ID[method].iterative else FLOAT32)
+    plate.lift(0.4)
+    assert close(plate.points()[plate.top], posed[plate.top] + (0.0, 0.0, 0.4))
+
+
+def test_a_handle_from_rest_on_the_bone_that_moved_the_mesh(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.bind(control_object="Rig", bone="high")
+    bone = armature.pose.bones["high"]
+    bone.location = (0.1, 0.2, 0.3)
+    update()
+    posed = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), plate.rest()[plate.top])
+    assert np.abs(plate.points()[plate.top] - posed).max() > 0.1  # twice
+    plate.deformer.handles[0].from_rest = True
+    assert close(plate.points()[plate.top], posed)
+
+
+def test_a_modifier_that_makes_other_vertices_gets_displacements(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.bind()
+    plate.obj.modifiers.new("Remesh", "REMESH").voxel_size = 0.1
+    plate.lift(0.5)
+    armature.pose.bones["high"].location = (0.0, 0.0, 0.2)
+    assert plate.points()[:, 2].max() > 0.3
+    plate.obj.modifiers.remove(plate.obj.modifiers["Remesh"])
+    update()
+
+
+def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
+    """Build can shuffle the vertices of a complete mesh: the set of points must stay what it was."""
+    plate.bind().lift(0.5)
+    ordered = plate.points()
+    build = plate.obj.modifiers.new("Build", "BUILD")
+    build.frame_start, build.frame_duration = -100.0, 1.0
+    build.use_random_order, build.seed = True, 3
+    plate.lift(0.0)
+    shuffled = plate.points()
+    assert not np.array_equal(shuffled, ordered)
+    same_order = [points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)]
+    assert close(*same_order)
+    notes = [line.text for line in room("core.status").notes(plate.deformer.uid)]
+    assert any("displacement" in text for text in notes)
 
 
 @pytest.mark.parametrize("levels", [(1, 2), (2, 1), (0, 1)])
 def test_other_subdivision_levels_in_renders_before_ours(plate: Rig, levels: tuple[int, int]):
     """Each as a rig of its own that has these levels in the viewport."""
-    subdivision(plate.obj)
-    plate.obj.modifiers["Subdivision"].levels, plate.obj.modifiers["Subdivision"].render_levels = levels
+    subdivision(plate.obj, *levels)
     plate.bind()
     plate.lift(0.5)
     expected = []
     for level in levels:
         fresh = Rig(grid_object(f"Level {level}"))
-        subdivision(fresh.obj)
-        fresh.obj.modifiers["Subdivision"].levels = fresh.obj.modifiers["Subdivision"].render_levels = level
-        fresh.bind()
-        fresh.lift(0.5)
+        subdivision(fresh.obj, level, level)
+        fresh.bind().lift(0.5)
         expected.append(fresh.points())
     for _ in range(2):
         assert close(plate.points(), expected[0])
@@ -208,201 +301,242 @@ def test_other_subdivision_levels_in_renders_before_ours(plate: Rig, levels: tup
 
 @pytest.mark.parametrize("shown_in", ["viewport", "render"])
 def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, shown_in: str):
-    twist = lattice_modifier(plate.obj)
-    twist.show_viewport = twist.show_render = True
-    twisted = plate.points()
-    twist.show_viewport, twist.show_render = shown_in == "viewport", shown_in == "render"
-    plate.bind()
-    flat = plate.rest()
-    expected = Expected(plate.obj, plate.control, points=twisted if shown_in == "viewport" else flat)
-    plate.lift(0.5)
+    modifier, flat = twist(plate.obj), plate.rest()
+    modifier.show_viewport, modifier.show_render = shown_in == "viewport", shown_in == "render"
+    twisted = by_blender(plate, flat, twist)
     in_viewport, in_render = (twisted, flat) if shown_in == "viewport" else (flat, twisted)
+    plate.bind()
+    expected = Expected(plate.obj, plate.control, points=in_viewport)
+    plate.lift(0.5)
     assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=in_viewport))
     assert close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=in_render))
 
 
-def test_ours_muted_and_shown(posed: tuple[HandleRig, Poses]):
-    rig, expected = posed
+# --- ours, by Blender's own buttons
+
+
+@EVENTS.on(ALL)
+def ours_muted_and_shown(rig: HandleRig) -> None:
     modifier = rig.obj.modifiers[0]
     modifier.show_viewport = False
-    assert rig.shows(rig.rest())
+    assert rig.is_at_rest()
     rig.lift(0.25)
-    assert rig.shows(rig.rest())
-    assert close(render_points(rig.obj), expected.lifted(0.75), rig.tolerance)
+    assert rig.is_at_rest()
+    assert rig.renders(rig.at(0.75))
     modifier.show_viewport = True
-    assert rig.shows(expected.lifted(0.75))
+    assert rig.is_right()
     modifier.show_render = False
-    assert close(render_points(rig.obj), rig.rest(), rig.tolerance)
-    assert rig.shows(expected.lifted(0.75))
+    assert rig.renders(rig.rest())
+    assert rig.is_right()
+    modifier.show_render = True
 
 
-def test_ours_applied_by_blenders_own_button(posed_plate: tuple[Rig, Expected]):
+@EVENTS.on(MESHES, then=is_over)
+def ours_applied(rig: HandleRig) -> None:
     """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
-    plate, expected = posed_plate
-    make_active(plate.obj)
-    bpy.ops.object.modifier_apply(modifier=plate.obj.modifiers[0].name)
-    settle()
-    assert close(plate.rest(), expected.lifted(0.5))
-    assert close(plate.points(), expected.lifted(0.5))
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.5))
-    assert plate.deformer.status_level in ("ERROR", "WARNING")
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_remove()
-    assert close(plate.points(), expected.lifted(0.5))
+    apply(rig, rig.obj.modifiers[0].name)
+    shape = rig.at(0.5)
+    assert close(rig.rest(), shape)
+    assert rig.shows(shape)
+    rig.lift(0.25)
+    assert rig.shows(shape)
+    assert rig.deformer.status_level in ("ERROR", "WARNING")
+    rig.press("deformer_remove")
+    assert rig.shows(shape)
 
 
-def test_ours_removed_by_blenders_own_button_and_bound_again(posed: tuple[HandleRig, Poses]):
-    rig, expected = posed
+@EVENTS.on(ALL, then=bind_restores)
+def ours_removed(rig: HandleRig) -> None:
     make_active(rig.obj)
     bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
-    settle()
-    assert rig.shows(rig.rest())
-    assert rig.deformer.status_level in ("ERROR", "WARNING")
-    bpy.ops.sinew.bind()
-    assert rig.shows(expected.lifted(0.5))
-    assert len(rig.obj.modifiers) == 1
 
 
-@pytest.mark.parametrize("rig", ["handles", "cage"], indirect=True)
-def test_ours_copied_by_blenders_own_button(posed: tuple[HandleRig, Poses]):
+@EVENTS.on(MESHES)
+def ours_copied(rig: HandleRig) -> None:
     """Two modifiers show one shape: the pose is seen once, not twice."""
-    rig, expected = posed
     make_active(rig.obj)
     bpy.ops.object.modifier_copy(modifier=rig.obj.modifiers[0].name)
-    for height in (0.5, 0.75, 1.0):
+    for _ in range(3):
         settle()
-        assert rig.shows(expected.lifted(height))
+        assert rig.is_right()
         rig.lift(0.25)
     bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
-    settle()
-    assert rig.shows(expected.lifted(1.25))
 
 
-def test_modifiers_copied_to_another_object(posed_plate: tuple[Rig, Expected]):
+@EVENTS.on(MESHES)
+def ours_copied_to_another_object(rig: HandleRig) -> None:
     """It shows the shape as a mirror does; the rig stays one."""
-    plate, expected = posed_plate
-    other = grid_object("Other")
-    make_active(plate.obj)
+    other = bpy.data.objects.new("Other", rig.obj.data.copy())
+    bpy.context.scene.collection.objects.link(other)
+    make_active(rig.obj)
     other.select_set(True)
     bpy.ops.object.make_links_data(type="MODIFIERS")
     settle()
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(0.75))
-    assert close(evaluated_points(other), expected.lifted(0.75))
+    rig.lift(0.25)
+    assert rig.is_right()
+    assert rig.shows(rig.at(0.75), other)
     bpy.data.objects.remove(other)
-    settle()
-    plate.lift(0.25)
-    assert close(plate.points(), expected.lifted(1.0))
 
 
-def test_all_modifiers_applied_by_converting_to_a_mesh(posed_plate: tuple[Rig, Expected]):
-    plate, expected = posed_plate
-    subdivision(plate.obj)
-    smooth = by_blender(expected.lifted(0.5), subdivision)
-    make_active(plate.obj)
+@EVENTS.on(MESHES, then=is_over)
+def converted_to_a_mesh(rig: HandleRig) -> None:
+    subdivision(rig.obj)
+    smooth = by_blender(rig, rig.at(0.5), subdivision)
+    make_active(rig.obj)
     bpy.ops.object.convert(target="MESH")
-    settle()
-    assert close(plate.points(), smooth, 1e-5)
-    plate.obj.update_tag()
-    settle()
-    assert close(plate.points(), smooth, 1e-5)
+    for _ in range(2):
+        settle()
+        assert rig.shows(smooth, tolerance=1e-5)
+        rig.obj.update_tag()
 
 
 # --- several deformers
 
-
-def second_deformer(plate: Rig) -> tuple[bpy.types.Object, Expected]:
-    """A corner that moves by itself; its control, and what it does to what enters."""
-    obj = plate.obj
-    add_group(obj, "Corner", lambda point: point[0] > 0.75 and point[1] > 0.75)
-    add_group(obj, "Rest", lambda point: point[0] < 0.3 or point[1] < 0.3)
-    make_active(obj)
-    bpy.ops.sinew.deformer_add(method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Corner")
-    make_active(obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Rest")
-    control = obj.sinew.deformers[1].handles[0].control
-    return control, Expected(obj, control, handle="Corner", fixed=("Rest",))
+LIFT, SHIFT = Matrix.Translation((0.0, 0.0, 0.5)), Matrix.Translation((0.2, 0.0, 0.0))
 
 
-def test_our_modifiers_in_another_order_keep_their_own_settings(plate: Rig):
+class Two:
+    """A rig with a deformer behind, which moves a corner by itself; what to see of each by what enters it."""
+
+    def __init__(self, rig: HandleRig, method: str = "thin_shell") -> None:
+        self.rig, obj = rig.start(), rig.obj
+        self.first = rig.control
+        extent = np.abs(rig.rest()).max()
+        self.corner = add_group(obj, "Corner", lambda p: p[0] > 0.6 * extent and p[1] > 0.3 * extent)
+        add_group(obj, "Rest", lambda p: p[0] < 0.3 * extent or p[1] < 0.1 * extent)
+        rig.press("deformer_add", method=method)
+        rig.press("handle_add", kind="HANDLE", vertex_group="Corner")
+        rig.press("handle_add", kind="FIXED", vertex_group="Rest")
+        self.second = obj.sinew.deformers[1].handles[0].control
+        self.poses = Expected(obj, self.second, handle="Corner", fixed=("Rest",), method=method)
+
+    def after_first(self, incoming: np.ndarray | None = None) -> np.ndarray:
+        return self.rig.poses.now(self.rig.obj, self.first, incoming).astype(np.float32)
+
+    def after_second(self, incoming: np.ndarray | None = None) -> np.ndarray:
+        return self.poses.now(self.rig.obj, self.second, incoming).astype(np.float32)
+
+    def shows(self, shape: np.ndarray) -> bool:
+        settle()
+        return self.rig.shows(shape, tolerance=1e-5)
+
+
+@pytest.fixture(params=MESHES)
+def two(request: pytest.FixtureRequest) -> Two:
+    """Both controls moved."""
+    two = Two(RIGS[request.param].new())
+    move_world(two.first, LIFT)
+    move_world(two.second, SHIFT)
+    return two
+
+
+def test_two_deformers_add_up_in_any_order_with_others_between(two: Two):
+    rig, obj = two.rig, two.rig.obj
+    assert two.shows(two.after_second(two.after_first()))
+    names = [modifier.name for modifier in obj.modifiers]
+    twist(obj)
+    move_to(rig, "Twist", 1)
+    assert two.shows(two.after_second(by_blender(rig, two.after_first(), twist)))
+    obj.modifiers.remove(obj.modifiers["Twist"])
+    assert two.shows(two.after_second(two.after_first()))
+    move_to(rig, names[0], 1)
+    assert [modifier.name for modifier in obj.modifiers] == names[::-1]
+    assert two.shows(two.after_first(two.after_second()))
+    obj.modifiers[0].show_viewport = False
+    assert two.shows(two.after_first())
+    obj.modifiers[0].show_viewport = True
+    rig.press("deformer_remove", index=0)
+    assert two.shows(two.after_second())
+
+
+def test_the_factor_of_the_first_of_two_deformers_counts(two: Two):
+    before = two.rig.points()[two.corner]
+    two.rig.obj.sinew.deformers[0].factor = 0.5
+    rest = two.rig.rest()
+    half = 0.5 * (rest + two.after_first())
+    assert two.shows(two.after_second(half))
+    assert np.abs(two.rig.points()[two.corner] - before).max() > 0.1
+
+
+def test_the_second_of_two_deformers_is_right_at_once_in_a_jump(plate: Rig):
+    """No frame of delay: the answer after one jump is the answer after many evaluations."""
+    two = Two(HandleRig.new(), "arap")
+    key_heights(two.first, {1: 0.0, 10: 0.8})
+    two.second.rotation_euler.x = 0.4
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene.frame_set(10)
+    once = two.rig.points()
+    for _ in range(3):
+        two.rig.obj.update_tag()
+        update()
+    assert np.array_equal(once, two.rig.points())
+
+
+@pytest.mark.parametrize("moved", [True, False])
+def test_the_second_follows_at_once_where_the_first_lets_go(plate: Rig, moved: bool):
+    """What enters it in that evaluation is still what the first one showed before."""
     plate.bind()
-    first = Expected.of(plate)
     control = plate.control
-    corner, second = second_deformer(plate)
-    control.matrix_world.translation.z += 0.5
-    corner.location.x += 0.2
-    update()
-    rest = plate.rest()
-    one = second.now(plate.obj, corner, incoming=first.now(plate.obj, control).astype(np.float32))
-    assert close(plate.points(), one, 2 * FLOAT32)
-    names = [modifier.name for modifier in plate.obj.modifiers]
-    to_the_end(plate.obj, plate.obj.modifiers[0])
-    assert [modifier.name for modifier in plate.obj.modifiers] == names[::-1]
-    settle()
-    two = first.now(plate.obj, control, incoming=second.now(plate.obj, corner).astype(np.float32))
-    assert close(plate.points(), two, 2 * FLOAT32)
-    plate.obj.modifiers[0].show_viewport = False
-    settle()
-    assert close(plate.points(), first.now(plate.obj, control))
-    plate.obj.modifiers[0].show_viewport = True
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_remove(index=0)
-    settle()
-    assert close(plate.points(), second.now(plate.obj, corner))
-    assert close(plate.rest(), rest)
+    bpy.ops.sinew.deformer_add(method="arap")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Top")
+    if moved:
+        move_world(control, LIFT)
+    assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
+    handle = plate.obj.sinew.deformers[0].handles[1]
+    handle.vertex_group = "Nowhere"  # refused
+    assert close(plate.points(), plate.rest())
+    handle.vertex_group = "Base"
+    assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
 
 
-def test_a_modifier_between_two_of_ours_comes_and_goes(plate: Rig):
-    plate.bind()
-    first = Expected.of(plate)
-    control = plate.control
-    corner, second = second_deformer(plate)
-    control.matrix_world.translation.z += 0.5
-    corner.location.x += 0.2
-    lattice_modifier(plate.obj)
-    make_active(plate.obj)
-    bpy.ops.object.modifier_move_to_index(modifier="Bend", index=1)
-    settle()
-    twisted = by_blender(first.now(plate.obj, control), lattice_modifier)
-    between = second.now(plate.obj, corner, incoming=twisted.astype(np.float32))
-    assert close(plate.points(), between, 1e-5)
-    plate.obj.modifiers.remove(plate.obj.modifiers["Bend"])
-    settle()
-    straight = second.now(plate.obj, corner, incoming=first.now(plate.obj, control).astype(np.float32))
-    assert close(plate.points(), straight, 2 * FLOAT32)
+@EVENTS.on(MESHES)
+def given_deformers_without_regions_between(rig: HandleRig) -> None:
+    """What they let through reaches the next at once."""
+    for _ in range(2):
+        rig.press("deformer_add", method="thin_shell")
+    extent = np.abs(rig.rest()).max()
+    add_group(rig.obj, "Corner", lambda p: p[0] < -0.75 * extent and p[1] < 0.5 * extent)
+    rig.press("handle_add", kind="HANDLE", vertex_group="Corner")
+    rig.obj.sinew.active_deformer = 0
+    rig.lift(0.4)
+    once = rig.points()
+    rig.obj.update_tag()
+    assert np.array_equal(rig.points(), once)
+    rig.press("deformer_remove", index=2)
+    rig.press("deformer_remove", index=1)
+    rig.obj.sinew.active_deformer = 0
 
 
-def test_shape_keys_added_blended_and_removed(posed_plate: tuple[Rig, Expected]):
-    plate, expected = posed_plate
-    obj = plate.obj
-    obj.shape_key_add(name="Basis")
-    wave = obj.shape_key_add(name="Wave")
-    for point in wave.data:
-        point.co.z = 0.2 * point.co.x
-    settle()
-    for value in (0.0, 1.0, 0.5):
-        wave.value = value
-        entering = base_points(obj).copy()
-        entering[:, 2] += value * 0.2 * entering[:, 0]
-        assert close(plate.points(), expected.now(obj, plate.control, incoming=entering))
-    obj.shape_key_clear()
-    settle()
-    assert close(plate.points(), expected.lifted(0.5))
+@EVENTS.on(ALL)
+def its_factor_and_its_mask_set(rig: HandleRig) -> None:
+    """A part of the way; and the masked vertices alone, which are whole or at rest to the last bit."""
+    whole = rig.points()
+    rig.deformer.factor = 0.25
+    assert rig.shows(rig.rest() * 0.75 + whole * 0.25)
+    rig.deformer.factor = 1.0
+    if rig.obj.type == "MESH":
+        rig.deformer.mask_group = "Top"
+        shown = rig.rest()
+        shown[rig.top] = whole[rig.top]
+        assert np.array_equal(rig.points(), shown)
+        rig.deformer.mask_group = ""
+    assert np.array_equal(rig.points(), whole)
 
 
-def test_an_armature_added_before_a_living_deformer(posed_plate: tuple[Rig, Expected]):
-    """The skin comes after the pose: the deformer then works on what the bones give it."""
-    plate, expected = posed_plate
-    armature = add_armature(plate.obj)
-    to_the_top(plate.obj, plate.obj.modifiers["Armature"])
-    bone = armature.pose.bones["high"]
-    bone.rotation_mode = "XYZ"
-    bone.rotation_euler = (0.0, 0.0, 0.4)
-    update()
-    turned = plate.rest()
-    high = turned[:, 1] > 0.0
-    matrix = np.array(bone.matrix @ bone.bone.matrix_local.inverted())
-    turned[high] = turned[high] @ matrix[:3, :3].T + matrix[:3, 3]
-    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=turned), 1e-5)
+@EVENTS.on(ALL)
+def live_off_and_on(rig: HandleRig) -> None:
+    """It keeps the last shape."""
+    before = rig.points()
+    rig.deformer.live = False
+    rig.lift(0.25)
+    assert np.array_equal(rig.points(), before)
+    rig.deformer.live = True
+    assert rig.is_right()
+
+
+# --- each of them
+
+
+@every(EVENTS)
+def test_a_rig_lives_through(posed: HandleRig, event: Event):
+    event.run(posed)

@@ -37,7 +37,7 @@ def rig(request: pytest.FixtureRequest) -> HandleRig:
 @pytest.fixture
 def expected(rig: HandleRig) -> Poses:
     """What to see of the rig, which is bound; its control is at rest."""
-    return rig.start(rig.method.id)
+    return rig.start(rig.method.id).poses
 
 
 def animate(rig: HandleRig) -> None:
