@@ -6,7 +6,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from rig import Rig, evaluated_points, make_active
+from rig import Rig, evaluated_points, key, make_active
 
 FRAMES = range(1, 9)
 TARGETS = ("SHAPE_KEYS", "PC2", "MDD")
@@ -16,11 +16,10 @@ CACHES = ("PC2", "MDD")
 def animate(control: bpy.types.Object, last: int = 8, angle: float = 80.0) -> None:
     """A bend with a turn that grows until the frame ``last``; no coordinate stays simple."""
     control.rotation_mode = "XYZ"
+    turned = (math.radians(angle), 0.11, -0.07)
     for frame, part in ((1, 0.0), (last, 1.0)):
-        control.rotation_euler = (math.radians(angle) * part, 0.11 * part, -0.07 * part)
-        control.location = (0.013 * part, -0.8 * part, 0.9 * part)
-        control.keyframe_insert("rotation_euler", frame=frame)
-        control.keyframe_insert("location", frame=frame)
+        place, turn = (part * np.array(end) for end in ((0.013, -0.8, 0.9), turned))
+        key(control, {frame: {"location": place, "rotation_euler": turn}})
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = FRAMES[0], FRAMES[-1]
 
 
@@ -61,16 +60,3 @@ def footprint(plate: Rig) -> dict:
         "base": plate.rest().tobytes(),
         "baked": [d.bake.result for d in obj.sinew.deformers],
     }
-
-
-def moving_plate(plate: Rig) -> Rig:
-    """A thin shell that bends over the frames 1 to 8."""
-    plate.bind("thin_shell")
-    animate(plate.control)
-    return plate
-
-
-def save(folder: Path) -> None:
-    """Store the scene in a folder of its own."""
-    (folder / "shot").mkdir()
-    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "shot" / "scene.blend"))

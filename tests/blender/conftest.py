@@ -11,7 +11,8 @@ import bpy
 import inside
 import installed
 import pytest
-from rig import Rig
+from baking import animate
+from rig import Rig, new_file, save
 from rigs import RIGS, HandleRig
 
 # isort: split
@@ -55,7 +56,7 @@ def comes_to_rest(scene: bpy.types.Scene, request: pytest.FixtureRequest) -> Ite
 @pytest.fixture(autouse=True)
 def scene(addon_name: str, capfd: pytest.CaptureFixture):
     """An empty scene before, no traceback and no dependency cycle after."""
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    new_file()
     if addon_name not in bpy.context.preferences.addons:
         addon_utils.enable(addon_name, default_set=True)
     if bpy.context.scene.world is None:
@@ -111,6 +112,22 @@ def posed_plate(tmp_path: Path) -> HandleRig:
 def bound_plate(plate: Rig) -> Rig:
     """The plate with a thin shell, bound."""
     return plate.bind("thin_shell")
+
+
+@pytest.fixture
+def moving(plate: Rig) -> Rig:
+    """A thin shell that bends over the frames 1 to 8."""
+    plate.bind("thin_shell")
+    animate(plate.control)
+    return plate
+
+
+@pytest.fixture
+def saved(moving: Rig, tmp_path: Path) -> Rig:
+    """The same, in a file in a folder of its own."""
+    (tmp_path / "shot").mkdir()
+    save(tmp_path / "shot" / "scene.blend")
+    return moving
 
 
 def pytest_sessionfinish(session: pytest.Session, exitstatus: int) -> None:

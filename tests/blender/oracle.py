@@ -19,7 +19,7 @@ import bpy
 import numpy as np
 from expected import new_native
 from registry import BY_ID
-from rig import base_points
+from rig import base_points, coordinates
 
 IDENTITY = np.eye(4)[:3]
 EPSILON32 = 2.0**-23
@@ -107,7 +107,7 @@ class Oracle:
     def _take(self, obj, deformer, depsgraph, answer: Expected, displaces: bool) -> bool:
         if deformer.rest is None or not any(handle.enabled for handle in deformer.handles):
             return False
-        rest = base_points_of(deformer.rest)
+        rest = coordinates(deformer.rest.vertices)
         incoming = answer.points
         weights = Weights(obj, answer.source, deformer.rest)
         try:
@@ -182,13 +182,6 @@ class Oracle:
 def is_missing(handle) -> bool:
     """No datablock stands behind the handle's control. An object taken out of the scene still does."""
     return handle.control is None
-
-
-def base_points_of(mesh: bpy.types.Mesh) -> np.ndarray:
-    """The points of a mesh datablock, (n, 3)."""
-    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
-    mesh.vertices.foreach_get("co", flat)
-    return flat.reshape(-1, 3).astype(np.float64)
 
 
 def triangles(mesh: bpy.types.Mesh) -> np.ndarray:

@@ -6,25 +6,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, moving_plate, played, save
+from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
 from inside import SOLVING
 from mathutils import Matrix
 from registry import WITH_HANDLES
 from rig import Rig, add_armature, add_group, make_active, move_world
-
-
-@pytest.fixture
-def moving(plate: Rig) -> Rig:
-    """A thin shell that bends over the frames 1 to 8."""
-    return moving_plate(plate)
-
-
-@pytest.fixture
-def saved(plate: Rig, tmp_path: Path) -> Rig:
-    """A thin shell that bends over the frames 1 to 8, in a file."""
-    moving_plate(plate)
-    save(tmp_path)
-    return plate
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)

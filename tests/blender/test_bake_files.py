@@ -8,23 +8,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, moving_plate, played, save
+from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, played
 from rig import Rig, grid_object
-
-
-@pytest.fixture
-def moving(plate: Rig) -> Rig:
-    """A thin shell that bends over the frames 1 to 8."""
-    return moving_plate(plate)
-
-
-@pytest.fixture
-def saved(plate: Rig, tmp_path: Path) -> Rig:
-    """A thin shell that bends over the frames 1 to 8, in a file."""
-    moving_plate(plate)
-    save(tmp_path)
-    return plate
-
 
 # Paths
 

@@ -7,24 +7,9 @@ import addon_utils
 import bpy
 import numpy as np
 import pytest
-from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, moving_plate, played, save
+from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, played
 from inside import catch_up
 from rig import Rig, add_group, grid_object, make_active, update
-
-
-@pytest.fixture
-def moving(plate: Rig) -> Rig:
-    """A thin shell that bends over the frames 1 to 8."""
-    return moving_plate(plate)
-
-
-@pytest.fixture
-def saved(plate: Rig, tmp_path: Path) -> Rig:
-    """A thin shell that bends over the frames 1 to 8, in a file."""
-    moving_plate(plate)
-    save(tmp_path)
-    return plate
-
 
 # Several
 

@@ -236,11 +236,13 @@ def its_deformer_removed(rig: HandleRig) -> None:
     assert rig.is_at_rest()
 
 
-@EVENTS.on(ALL, then=bind_restores)
+@EVENTS.on(ALL, then=is_over)
 def unbound_with_its_control_active(rig: HandleRig) -> None:
     """Operators find the target from there."""
     make_active(rig.control)
     assert bpy.ops.sinew.unbind() == {"FINISHED"}
+    assert rig.is_at_rest()
+    assert not rig.deformer.is_bound
 
 
 @EVENTS.on(ALL, then=bind_restores)

@@ -281,7 +281,7 @@ def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
     assert any("displacement" in text for text in notes)
 
 
-@pytest.mark.parametrize("levels", [(1, 2), (2, 1), (0, 1)])
+@pytest.mark.parametrize("levels", [(1, 2), (2, 1), (0, 1), (0, 2)])
 def test_other_subdivision_levels_in_renders_before_ours(plate: Rig, levels: tuple[int, int]):
     """Each as a rig of its own that has these levels in the viewport."""
     subdivision(plate.obj, *levels)
@@ -408,12 +408,14 @@ class Two:
         rig.press("handle_add", kind="HANDLE", vertex_group="Corner")
         rig.press("handle_add", kind="FIXED", vertex_group="Rest")
         self.second = obj.sinew.deformers[1].handles[0].control
-        self.poses = Expected(obj, self.second, handle="Corner", fixed=("Rest",), method=method)
+        entering, regions = rig.points(), {"handle": "Corner", "fixed": ("Rest",)}
+        self.poses = Expected(obj, self.second, **regions, method=method, points=entering)
 
     def after_first(self, incoming: np.ndarray | None = None) -> np.ndarray:
         return self.rig.poses.now(self.rig.obj, self.first, incoming).astype(np.float32)
 
     def after_second(self, incoming: np.ndarray | None = None) -> np.ndarray:
+        incoming = self.rig.rest() if incoming is None else incoming
         return self.poses.now(self.rig.obj, self.second, incoming).astype(np.float32)
 
     def shows(self, shape: np.ndarray) -> bool:

@@ -1,11 +1,153 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add Handle and Select in the modes a rigger works in."""
+"""Add Handle, Remove and Select in the modes a rigger works in, from a selection in Edit Mode on."""
 
 import bmesh
 import bpy
 import numpy as np
 import pytest
-from rig import FLOAT32, Rig, add_armature, add_group, apply_matrix, make_active
+from mathutils import Matrix
+from rig import (
+    FLOAT32,
+    Rig,
+    add_armature,
+    add_group,
+    apply_matrix,
+    close,
+    grid_object,
+    make_active,
+    move_world,
+    new_armature,
+    push,
+    select,
+)
+
+
+def edit(obj: bpy.types.Object, where) -> list[int]:
+    """Enter Edit Mode with the vertices selected for which ``where(point)``; their indices."""
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    return select_in_edit_mode(obj, where)
+
+
+def select_in_edit_mode(obj: bpy.types.Object, where) -> list[int]:
+    mesh = bmesh.from_edit_mesh(obj.data)
+    chosen = select(mesh, where)
+    bmesh.update_edit_mesh(obj.data)
+    return chosen
+
+
+# --- from a selection
+
+
+def test_from_selection_to_pose():
+    obj = grid_object()
+    top = edit(obj, lambda point: point.y > 0.75)
+    assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
+    assert obj.mode == "EDIT"
+    base = select_in_edit_mode(obj, lambda point: point.y < -0.75)
+    assert bpy.ops.sinew.handle_add(kind="FIXED") == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+    deformer = obj.sinew.active
+    assert [handle.vertex_group for handle in deformer.handles] == ["Handle", "Fixed"]
+    assert len(obj.modifiers) == 1
+    control = deformer.handles[0].control
+    assert control.select_get()
+    assert not obj.select_get()
+    assert np.allclose(control.matrix_world.translation, (0.0, 0.9, 0.0), atol=1e-6)
+    assert np.allclose(np.array(control.matrix_world)[:3, 2], (0.0, 0.0, 1.0), atol=1e-6)  # the mean normal
+    move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
+    rig = Rig.called(obj.name)
+    assert np.abs(rig.points()[top, 2] - 0.5).max() < 4e-6
+    assert np.array_equal(rig.points()[base], rig.rest()[base])
+
+
+def test_support_from_the_selection():
+    obj = grid_object()
+    top = edit(obj, lambda point: point.y > 0.75)
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    soft = select_in_edit_mode(obj, lambda point: point.y > -0.1)
+    bpy.ops.sinew.handle_add(kind="SUPPORT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.5)))
+    rig = Rig.called(obj.name)
+    moved = np.abs(rig.points() - rig.rest()).max(axis=1) > 1e-6
+    assert set(np.flatnonzero(moved)) <= set(soft)
+    assert set(top) <= set(np.flatnonzero(moved))
+
+
+def test_nothing_selected_is_refused():
+    obj = grid_object()
+    edit(obj, lambda point: False)
+    with pytest.raises(RuntimeError, match="Nothing is selected"):
+        bpy.ops.sinew.handle_add(kind="HANDLE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(obj.vertex_groups) == 0
+    assert len(obj.sinew.deformers) == 0
+
+
+def test_undo_in_edit_mode_takes_the_handle_back():
+    obj = grid_object()
+    edit(obj, lambda point: point.y > 0.75)
+    push("selected")
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    bpy.ops.ed.undo_push(message="handle")
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects["Plate"]
+    assert len(obj.sinew.deformers) == 0
+    assert "Plate Handle" not in bpy.data.objects
+    bpy.ops.ed.redo()
+    obj = bpy.data.objects["Plate"]
+    assert len(obj.sinew.deformers[0].handles) == 1
+    assert obj.sinew.deformers[0].handles[0].control is not None
+    if obj.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_control_of_a_selected_bone_or_object():
+    obj = grid_object()
+    upright = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    armature = new_armature(other=upright, wanted=upright)
+    armature.data.bones.active = armature.data.bones["wanted"]
+    edit(obj, lambda point: point.y > 0.75)
+    armature.select_set(True)
+    bpy.ops.sinew.handle_add(kind="HANDLE", control="SELECTED")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    handle = obj.sinew.active.handles[0]
+    assert (handle.control, handle.bone) == (armature, "wanted")
+
+
+def test_select_shows_free_parts(plate: Rig, room):
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    plate.bind()
+    lines = [line.text for line in room("core.status").notes(plate.deformer.uid)]
+    assert "1 free part stays at rest" in lines
+    make_active(plate.obj)
+    bpy.ops.sinew.select_problems()
+    edit = bmesh.from_edit_mesh(plate.obj.data)
+    chosen = [vertex.co.z for vertex in edit.verts if vertex.select]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(chosen) == 8
+    assert min(chosen) > 1.5
+
+
+def test_removing_a_handle_frees_its_region(plate: Rig):
+    plate.bind().lift(0.5)
+    make_active(plate.obj)
+    with pytest.raises(RuntimeError, match="there is no number 7"):
+        bpy.ops.sinew.handle_remove(index=7)
+    assert len(plate.deformer.handles) == 2
+    bpy.ops.sinew.handle_remove(index=1)
+    assert len(plate.deformer.handles) == 1
+    assert close(plate.points(), plate.rest() + (0.0, 0.0, 0.5))
+    bpy.ops.sinew.handle_remove(index=0)
+    assert np.array_equal(plate.points(), plate.rest())
+
+
+# --- of groups and bones
 
 
 def activate(obj: bpy.types.Object, group: str) -> None:
@@ -19,10 +161,10 @@ def in_pose_mode(armature: bpy.types.Object, bone: str, mesh: bpy.types.Object |
         mesh.select_set(True)
     bpy.ops.object.mode_set(mode="POSE")
     bpy.ops.pose.select_all(action="DESELECT")
-    select(armature, bone)
+    select_bone(armature, bone)
 
 
-def select(armature: bpy.types.Object, bone: str) -> None:
+def select_bone(armature: bpy.types.Object, bone: str) -> None:
     armature.data.bones.active = armature.data.bones[bone]
     posed = armature.pose.bones[bone]
     (posed if hasattr(posed, "select") else posed.bone).select = True
@@ -180,7 +322,7 @@ def test_select_of_a_bone_leads_to_pose_mode(plate: Rig):
     plate.bind(control_object="Rig", bone="high")
     make_active(plate.obj)
     for bone in armature.pose.bones:
-        select(armature, bone.name)
+        select_bone(armature, bone.name)
     bpy.ops.sinew.select_handle(index=0)
     assert bpy.context.mode == "POSE"
     assert bpy.context.object == armature

@@ -7,8 +7,6 @@ are given to a thin shell, so the shape tells which values arrived.
 
 from __future__ import annotations
 
-import textwrap
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -120,31 +118,160 @@ def draw(curve, place):
     tree.update_tag()
     update()
 
-plate = Rig.plate().bind("throwaway")
+plate = None
+
+def scene(tell):
+    nonlocal plate
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    Throwaway.built, Throwaway.solved = [], []
+    plate = Rig.plate().bind("throwaway")
+    tell(seen.setdefault(tell.__name__, {}))
+"""
+
+SCENES = """
+@scene
+def a_default_curve_is_its_points(seen):
+    seen["profile"] = Throwaway.built[-1].tolist()
+    seen["falloff"] = Throwaway.solved[-1][0].tolist()
+    seen["frame"] = Throwaway.solved[-1][1]
+    seen["moved"] = moved().tolist()
+    seen["trees"] = len([tree for tree in bpy.data.node_groups if "sinew_curve" in tree])
+
+@scene
+def a_drawn_curve_reaches_constructor_and_solve(seen):
+    bpy.ops.sinew.curve_edit(parameter="falloff")
+    solved = len(Throwaway.solved)
+    update()
+    seen["same"] = len(Throwaway.solved) == solved
+    draw(falloff, (0.5, 0.25))
+    seen["falloff"] = Throwaway.solved[-1][0].tolist()
+    seen["moved"] = moved().tolist()
+    built = len(Throwaway.built)
+    bpy.ops.sinew.curve_edit(parameter="profile")
+    update()
+    plate.deformer.parameters.profile.nodes[0].mapping.curves[0].points.new(0.5, 0.75)
+    draw(profile, (0.5, 0.75))
+    seen["built"] = len(Throwaway.built) - built
+    seen["profile"] = Throwaway.built[-1].tolist()
+    bpy.ops.sinew.curve_edit(parameter="falloff", reset=True)
+    update()
+    seen["reset"] = Throwaway.solved[-1][0].tolist()
+
+@scene
+def an_object_gives_its_frame_hidden_too(seen):
+    other = bpy.data.objects.new("Other", None)
+    bpy.context.scene.collection.objects.link(other)
+    plate.obj.location = 1.0, 2.0, 3.0
+    other.location = 1.5, 2.0, 3.0
+    plate.deformer.parameters.frame = other
+    update()
+    seen["frame"] = Throwaway.solved[-1][1].tolist()
+    seen["moved"] = moved().tolist()
+    other.hide_viewport = True
+    session.tidy()
+    update()
+    other.location.x = 1.25
+    update()
+    seen["hidden"] = moved().tolist()
+    solved = len(Throwaway.solved)
+    update()
+    seen["same"] = len(Throwaway.solved) == solved
+    bpy.data.objects.remove(other)
+    update()
+    seen["gone"] = Throwaway.solved[-1][1]
+
+@scene
+def curves_are_saved_and_belong_to_one_deformer(seen):
+    bpy.ops.sinew.curve_edit(parameter="falloff")
+    draw(falloff, (0.5, 0.25))
+    path = f"{folder}/curve.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+    seen["loaded"] = moved().tolist()
+    make_active(plate.obj)
+    bpy.ops.object.duplicate()
+    session.tidy()
+    update()
+    copy = bpy.context.object
+    trees = [obj.sinew.active.parameters.falloff for obj in (plate.obj, copy)]
+    seen["apart"] = trees[0] != trees[1]
+    draw(falloff, (0.5, 0.75))
+    seen["original"] = moved().tolist()
+    name, plate.name = plate.name, copy.name
+    seen["copy"] = moved().tolist()
+    plate.name = name
+    for obj in (plate.obj, copy):
+        make_active(obj)
+        bpy.ops.sinew.deformer_remove()
+    seen["left"] = [tree.name for tree in bpy.data.node_groups if "sinew_curve" in tree]
+
+@scene
+def a_method_is_put_around_another(seen):
+    deformer = plate.deformer
+    deformer.method = "around"
+    items = deformer.around.bl_rna.properties["base"].enum_items
+    seen["offered"] = [item.identifier for item in items]
+    methods = room("core.methods")
+    wrapped = methods.BY_ID["around"].wraps
+    seen["wrapped"] = [method.id for method in methods.METHODS if method.family in wrapped]
+    deformer.around.base = "thin_shell"
+    update()
+    seen["moved"] = moved().tolist()
+    made = len(Around.bases)
+    deformer.thin_shell.laplacian = "uniform"
+    update()
+    seen["again"] = len(Around.bases) > made
+    deformer.around.base = "arap"
+    deformer.arap.max_iterations = 3
+    update()
+    seen["bases"] = list(dict.fromkeys(Around.bases))
+    seen["iterative"] = deformer.is_iterative
+    seen["status"] = deformer.status_level
+
+@scene
+def the_panel_draws_each_kind(seen):
+    drawn = []
+    class Layout:
+        def row(self, **options):
+            return self
+        def __getattr__(self, name):
+            def draw(*arguments, **options):
+                drawn.append((name, *(argument for argument in arguments if isinstance(argument, str))))
+                return self
+            return draw
+    draw_parameter = room("ui.parameters").draw_parameter
+    for parameter in row.parameters:
+        draw_parameter(Layout(), plate.deformer.parameters, parameter)
+    bpy.ops.sinew.curve_edit(parameter="falloff")
+    draw_parameter(Layout(), plate.deformer.parameters, falloff)
+    seen["drawn"] = drawn
+    try:
+        bpy.ops.sinew.curve_edit(parameter="frame")
+    except RuntimeError as error:
+        seen["refused"] = str(error)
 """
 
 
-@pytest.fixture
-def throwaway(room, addon_name: str, tmp_path: Path) -> Iterator:
-    """Runs a script in a new Blender, after ``SET_UP``; what the script put into ``seen``."""
+@pytest.fixture(scope="module")
+def scenes(room, addon_name: str, tmp_path_factory: pytest.TempPathFactory) -> dict:
+    """What the scenes tell, by their names; one new Blender shows them all."""
+    folder = tmp_path_factory.mktemp("throwaway")
     module = Path(room("core.methods").__file__).with_name("throwaway.py")
     module.write_text(MODULE, encoding="utf-8")
-    yield lambda script: another_blender(
-        f"addon_name = {addon_name!r}\n{SET_UP}\n{textwrap.dedent(script)}", tmp_path, addon_name
-    )
-    module.unlink()
+    given = f"addon_name, folder = {addon_name!r}, {str(folder)!r}"
+    try:
+        return another_blender(f"{given}\n{SET_UP}\n{SCENES}", folder, addon_name)
+    finally:
+        module.unlink()
 
 
-def test_a_default_curve_is_its_points(throwaway) -> None:
-    seen = throwaway(
-        """
-        seen["profile"] = Throwaway.built[-1].tolist()
-        seen["falloff"] = Throwaway.solved[-1][0].tolist()
-        seen["frame"] = Throwaway.solved[-1][1]
-        seen["moved"] = moved().tolist()
-        seen["trees"] = len([tree for tree in bpy.data.node_groups if "sinew_curve" in tree])
-        """
-    )
+@pytest.fixture
+def seen(scenes: dict, request: pytest.FixtureRequest) -> dict:
+    """What the scene of this test told."""
+    return scenes[request.node.name.removeprefix("test_")]
+
+
+def test_a_default_curve_is_its_points(seen: dict):
     assert seen["profile"] == [0.0, 0.5, 1.0]
     assert seen["falloff"] == [0.0, 0.5, 1.0, 0.5, 0.0]
     assert seen["frame"] is None
@@ -152,28 +279,7 @@ def test_a_default_curve_is_its_points(throwaway) -> None:
     assert seen["trees"] == 0
 
 
-def test_a_drawn_curve_reaches_constructor_and_solve(throwaway) -> None:
-    seen = throwaway(
-        """
-        bpy.ops.sinew.curve_edit(parameter="falloff")
-        solved = len(Throwaway.solved)
-        update()
-        seen["same"] = len(Throwaway.solved) == solved
-        draw(falloff, (0.5, 0.25))
-        seen["falloff"] = Throwaway.solved[-1][0].tolist()
-        seen["moved"] = moved().tolist()
-        built = len(Throwaway.built)
-        bpy.ops.sinew.curve_edit(parameter="profile")
-        update()
-        plate.deformer.parameters.profile.nodes[0].mapping.curves[0].points.new(0.5, 0.75)
-        draw(profile, (0.5, 0.75))
-        seen["built"] = len(Throwaway.built) - built
-        seen["profile"] = Throwaway.built[-1].tolist()
-        bpy.ops.sinew.curve_edit(parameter="falloff", reset=True)
-        update()
-        seen["reset"] = Throwaway.solved[-1][0].tolist()
-        """
-    )
+def test_a_drawn_curve_reaches_constructor_and_solve(seen: dict):
     assert seen["same"]
     assert seen["falloff"] == pytest.approx([0.0, 0.125, 0.25, 0.125, 0.0], abs=1e-6)
     assert seen["moved"] == pytest.approx([0.0, 0.0, 0.25], abs=1e-6)
@@ -182,31 +288,7 @@ def test_a_drawn_curve_reaches_constructor_and_solve(throwaway) -> None:
     assert seen["reset"] == [0.0, 0.5, 1.0, 0.5, 0.0]
 
 
-def test_an_object_gives_its_frame_hidden_too(throwaway) -> None:
-    seen = throwaway(
-        """
-        other = bpy.data.objects.new("Other", None)
-        bpy.context.scene.collection.objects.link(other)
-        plate.obj.location = 1.0, 2.0, 3.0
-        other.location = 1.5, 2.0, 3.0
-        plate.deformer.parameters.frame = other
-        update()
-        seen["frame"] = Throwaway.solved[-1][1].tolist()
-        seen["moved"] = moved().tolist()
-        other.hide_viewport = True
-        session.tidy()
-        update()
-        other.location.x = 1.25
-        update()
-        seen["hidden"] = moved().tolist()
-        solved = len(Throwaway.solved)
-        update()
-        seen["same"] = len(Throwaway.solved) == solved
-        bpy.data.objects.remove(other)
-        update()
-        seen["gone"] = Throwaway.solved[-1][1]
-        """
-    )
+def test_an_object_gives_its_frame_hidden_too(seen: dict):
     assert np.allclose(seen["frame"], [[1, 0, 0, 0.5], [0, 1, 0, 0], [0, 0, 1, 0]], atol=1e-6)
     assert seen["moved"] == pytest.approx([0.5, 0.0, 1.0], abs=1e-6)
     assert seen["hidden"] == pytest.approx([0.25, 0.0, 1.0], abs=1e-6)
@@ -214,33 +296,7 @@ def test_an_object_gives_its_frame_hidden_too(throwaway) -> None:
     assert seen["gone"] is None
 
 
-def test_curves_are_saved_and_belong_to_one_deformer(throwaway, tmp_path: Path) -> None:
-    seen = throwaway(
-        f"""
-        bpy.ops.sinew.curve_edit(parameter="falloff")
-        draw(falloff, (0.5, 0.25))
-        path = {str(tmp_path / "curve.blend")!r}
-        bpy.ops.wm.save_as_mainfile(filepath=path)
-        bpy.ops.wm.open_mainfile(filepath=path)
-        seen["loaded"] = moved().tolist()
-        make_active(plate.obj)
-        bpy.ops.object.duplicate()
-        session.tidy()
-        update()
-        copy = bpy.context.object
-        trees = [obj.sinew.active.parameters.falloff for obj in (plate.obj, copy)]
-        seen["apart"] = trees[0] != trees[1]
-        draw(falloff, (0.5, 0.75))
-        seen["original"] = moved().tolist()
-        name, plate.name = plate.name, copy.name
-        seen["copy"] = moved().tolist()
-        plate.name = name
-        for obj in (plate.obj, copy):
-            make_active(obj)
-            bpy.ops.sinew.deformer_remove()
-        seen["left"] = [tree.name for tree in bpy.data.node_groups if "sinew_curve" in tree]
-        """
-    )
+def test_curves_are_saved_and_belong_to_one_deformer(seen: dict):
     assert seen["loaded"] == pytest.approx([0.0, 0.0, 0.25], abs=1e-6)
     assert seen["apart"]
     assert seen["original"] == pytest.approx([0.0, 0.0, 0.75], abs=1e-6)
@@ -248,31 +304,7 @@ def test_curves_are_saved_and_belong_to_one_deformer(throwaway, tmp_path: Path) 
     assert seen["left"] == []
 
 
-def test_a_method_is_put_around_another(throwaway) -> None:
-    seen = throwaway(
-        """
-        deformer = plate.deformer
-        deformer.method = "around"
-        items = deformer.around.bl_rna.properties["base"].enum_items
-        seen["offered"] = [item.identifier for item in items]
-        methods = room("core.methods")
-        wrapped = methods.BY_ID["around"].wraps
-        seen["wrapped"] = [method.id for method in methods.METHODS if method.family in wrapped]
-        deformer.around.base = "thin_shell"
-        update()
-        seen["moved"] = moved().tolist()
-        made = len(Around.bases)
-        deformer.thin_shell.laplacian = "uniform"
-        update()
-        seen["again"] = len(Around.bases) > made
-        deformer.around.base = "arap"
-        deformer.arap.max_iterations = 3
-        update()
-        seen["bases"] = list(dict.fromkeys(Around.bases))
-        seen["iterative"] = deformer.is_iterative
-        seen["status"] = deformer.status_level
-        """
-    )
+def test_a_method_is_put_around_another(seen: dict):
     assert len(seen["wrapped"]) > 1
     assert set(seen["offered"]) == set(seen["wrapped"])
     assert not set(seen["offered"]) & {"green", "around", "throwaway"}
@@ -283,30 +315,7 @@ def test_a_method_is_put_around_another(throwaway) -> None:
     assert seen["status"] == "INFO"
 
 
-def test_the_panel_draws_each_kind(throwaway) -> None:
-    seen = throwaway(
-        """
-        drawn = []
-        class Layout:
-            def row(self, **options):
-                return self
-            def __getattr__(self, name):
-                def draw(*arguments, **options):
-                    drawn.append((name, *(argument for argument in arguments if isinstance(argument, str))))
-                    return self
-                return draw
-        draw_parameter = room("ui.parameters").draw_parameter
-        for parameter in row.parameters:
-            draw_parameter(Layout(), plate.deformer.parameters, parameter)
-        bpy.ops.sinew.curve_edit(parameter="falloff")
-        draw_parameter(Layout(), plate.deformer.parameters, falloff)
-        seen["drawn"] = drawn
-        try:
-            bpy.ops.sinew.curve_edit(parameter="frame")
-        except RuntimeError as error:
-            seen["refused"] = str(error)
-        """
-    )
+def test_the_panel_draws_each_kind(seen: dict):
     assert seen["drawn"] == [
         ["operator", "sinew.curve_edit"],
         ["operator", "sinew.curve_edit"],

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from rig import FLOAT32, Rig, add_group, make_active, move_world, update
+from rig import FLOAT32, Rig, add_group, curves_of, key, make_active, move_world, new_object, update
 
 
 def three_deformers(plate: Rig) -> bpy.types.Object:
@@ -103,11 +103,9 @@ def test_a_move_is_one_undo_step(plate: Rig, room):
 
 def keyed(obj: bpy.types.Object) -> None:
     """Factor of B and weight of C's handle, each from 0 at frame 1 to 1 at frame 11."""
-    for frame, value in ((1, 0.0), (11, 1.0)):
-        obj.sinew.deformers[1].factor = value
-        obj.sinew.deformers[1].keyframe_insert("factor", frame=frame)
-        obj.sinew.deformers[2].handles[0].weight = value
-        obj.sinew.deformers[2].handles[0].keyframe_insert("weight", frame=frame)
+    second, third = obj.sinew.deformers[1:]
+    key(second, {1: {"factor": 0.0}, 11: {"factor": 1.0}})
+    key(third.handles[0], {1: {"weight": 0.0}, 11: {"weight": 1.0}})
 
 
 def values(obj: bpy.types.Object, frame: int) -> dict[str, tuple[float, float]]:
@@ -147,13 +145,8 @@ def two_handles_with_animation(plate: Rig) -> bpy.types.Object:
     """Top's weight is keyed and drives Reader's x, Base's weight is driven by Source's x."""
     obj = plate.bind().obj
     handles = obj.sinew.deformers[0].handles
-    for frame, value in ((1, 0.2), (11, 0.8)):
-        handles[0].weight = value
-        handles[0].keyframe_insert("weight", frame=frame)
-    objects = [bpy.data.objects.new(name, None) for name in ("Reader", "Source")]
-    for other in objects:
-        bpy.context.scene.collection.objects.link(other)
-    reader, source = objects
+    key(handles[0], {1: {"weight": 0.2}, 11: {"weight": 0.8}})
+    reader, source = new_object("Reader"), new_object("Source")
     source.location.x = 0.5
     drive(reader.driver_add("location", 0).driver, obj, "sinew.deformers[0].handles[0].weight")
     drive(handles[1].driver_add("weight").driver, source, "location.x")
@@ -166,14 +159,6 @@ def drive(driver: bpy.types.Driver, source: bpy.types.Object, path: str) -> None
     variable = driver.variables.new()
     variable.targets[0].id = source
     variable.targets[0].data_path = path
-
-
-def curves_of(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
-    """The F-curves of the object's action."""
-    action = obj.animation_data.action
-    if not hasattr(action, "layers"):
-        return list(action.fcurves)
-    return list(action.layers[0].strips[0].channelbag(obj.animation_data.action_slot).fcurves)
 
 
 def weights(obj: bpy.types.Object, frame: int) -> dict[str, float]:

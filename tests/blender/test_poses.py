@@ -16,6 +16,8 @@ from rig import (
     grid_object,
     make_active,
     move_world,
+    new_armature,
+    new_object,
     some_affine,
     some_motion,
     update,
@@ -56,8 +58,7 @@ def test_any_space_of_the_target_gives_the_world_motion_of_the_control(plate: Ri
     obj = plate.obj
     obj.matrix_world = some_motion() @ Matrix.Diagonal((2.0, 0.5, 1.5, 1.0))
     if parented:
-        parent = bpy.data.objects.new("Parent", None)
-        bpy.context.scene.collection.objects.link(parent)
+        parent = new_object("Parent")
         parent.matrix_world = Matrix.Rotation(0.7, 4, "X") @ Matrix.Diagonal((1.0, 3.0, 0.7, 1.0))
         obj.parent = parent
     update()
@@ -79,10 +80,7 @@ def test_everything_rides_along_when_the_target_moves(plate: Rig):
 
 
 def test_parented_and_scaled_control(plate: Rig):
-    parent = bpy.data.objects.new("Parent", None)
-    control = bpy.data.objects.new("Control", None)
-    for obj in (parent, control):
-        bpy.context.scene.collection.objects.link(obj)
+    parent, control = new_object("Parent"), new_object("Control")
     parent.scale = (1.0, 2.0, 3.0)
     control.parent, control.rotation_euler, control.scale = parent, (0.3, 0.2, 0.1), (0.5, 1.0, 2.0)
     plate.bind(control_object="Control")
@@ -96,14 +94,7 @@ def test_parented_and_scaled_control(plate: Rig):
 
 
 def test_bone_moves_a_handle(plate: Rig):
-    data = bpy.data.armatures.new("Rig")
-    armature = bpy.data.objects.new("Rig", data)
-    bpy.context.scene.collection.objects.link(armature)
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bone = data.edit_bones.new("lift")
-    bone.head, bone.tail = (0.0, 0.9, 0.0), (0.0, 0.9, 1.0)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    armature = new_armature(lift=((0.0, 0.9, 0.0), (0.0, 0.9, 1.0)))
     plate.bind(control_object="Rig", bone="lift")
     armature.hide_viewport = True  # hidden controls are evaluated all the same
     armature.pose.bones["lift"].location = (0.0, 0.4, 0.0)  # along the bone, which is the world's z

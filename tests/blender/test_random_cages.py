@@ -2,37 +2,24 @@
 """Random sequences of what an artist does with cages: always the warp that the properties ask for.
 
 The oracle binds double weights anew after each step, from the rest cage stored in the file, and places the
-cage by Blender's matrices. ``SINEW_RANDOM_SEED`` and ``SINEW_RANDOM_SEQUENCES`` count here, too.
+cage by Blender's matrices.
 """
 
 from __future__ import annotations
-
-import os
-import tempfile
-from pathlib import Path
 
 import bmesh
 import bpy
 import numpy as np
 import pytest
-from complaints import Complaints
-from hypothesis import HealthCheck, seed, settings
+from expected import faces_of
 from hypothesis import strategies as st
-from hypothesis.stateful import (
-    RuleBasedStateMachine,
-    initialize,
-    precondition,
-    rule,
-    run_state_machine_as_test,
-)
-from inside import settle
+from hypothesis.stateful import initialize, precondition, rule
+from inside import native
 from mathutils import Matrix
-from rig import apply_matrix, base_points, evaluated_points, make_active
+from rig import apply_matrix, base_points, coordinates, evaluated_points, load, make_active, save
+from sequences import MOST_UNDO, SEQUENCES, Sequence, run_sequences
 
-SEED = os.environ.get("SINEW_RANDOM_SEED")
-SEQUENCES = max(20, int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200")) // 5)  # the first ones are short
 STEPS = 30
-MOST_UNDO = 25  # Blender keeps 32
 TOLERANCE = 2e-5  # float32 weights and positions, of shapes of a few units
 
 SMALL = st.integers(-4, 4).map(lambda number: number / 8)
@@ -41,23 +28,12 @@ PICK = st.integers(0, 5)
 CLASSES = {"mean_value": "MeanValue", "green": "Green"}  # these take points anywhere
 
 
-class Artist(RuleBasedStateMachine):
-    """One sequence: balls, and boxes around them. Picks are taken modulo what there is."""
-
-    room = None  # set by the test
-    checked = 0  # shapes compared
+class Artist(Sequence):
+    """Balls, and boxes around them. Picks are taken modulo what there is."""
 
     def __init__(self) -> None:
         super().__init__()
-        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-        self.native = self.room("backend").availability().module
-        self.complaints = Complaints()
-        self.folder = tempfile.TemporaryDirectory()
         self.depth = self.redos = 0
-
-    def teardown(self) -> None:
-        self.complaints.close()
-        self.folder.cleanup()
 
     @property
     def targets(self) -> list[bpy.types.Object]:
@@ -76,8 +52,7 @@ class Artist(RuleBasedStateMachine):
         if push:
             bpy.ops.ed.undo_push(message="step")
             self.depth, self.redos = min(self.depth + 1, MOST_UNDO), 0
-        settle()
-        self.complaints.check()
+        self.pause()
         for obj in self.targets:
             if obj.mode == "OBJECT":
                 self.compare(obj)
@@ -95,20 +70,19 @@ class Artist(RuleBasedStateMachine):
                 assert "vertices, at bind it had" in deformer.status
                 continue
             assert deformer.status_level in ("INFO", "WARNING"), deformer.status
-            rest = np.array([vertex.co[:] for vertex in deformer.rest.vertices])
+            rest = coordinates(deformer.rest.vertices)
             expected = expected + deformer.factor * (self.warp(deformer, rest, held, now) - rest)
         off = np.abs(evaluated_points(obj) - expected).max()
         assert off <= TOLERANCE * max(1.0, np.abs(expected).max()), f"{obj.name} is off by {off:.3g}"
         Artist.checked += 1
 
     def warp(self, deformer, points, held: bpy.types.Mesh, now: np.ndarray) -> np.ndarray:
-        before = np.array([vertex.co[:] for vertex in held.vertices])
-        faces = [list(polygon.vertices) for polygon in held.polygons]
-        counts, corners = [len(face) for face in faces], np.concatenate(faces)
-        cage = self.native.SurfaceMesh(before, (np.array(counts, np.int32), corners.astype(np.int32)))
-        coordinates = getattr(self.native, CLASSES[deformer.method])(cage, precision="double")
-        coordinates.bind(points)
-        return coordinates.warp(now)
+        before = coordinates(held.vertices)
+        weights = getattr(native(), CLASSES[deformer.method])(
+            native().SurfaceMesh(before, faces_of(held)), precision="double"
+        )
+        weights.bind(points)
+        return weights.warp(now)
 
     def in_frame(self, cage: bpy.types.Object, obj: bpy.types.Object) -> np.ndarray:
         return apply_matrix(obj.matrix_world.inverted() @ cage.matrix_world, evaluated_points(cage))
@@ -133,7 +107,7 @@ class Artist(RuleBasedStateMachine):
         make_active(target)
         assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method) == {"FINISHED"}
 
-    @precondition(lambda self: bpy.context.mode == "OBJECT" and self.targets)
+    @precondition(lambda self: self.in_object_mode and self.targets)
     @rule(pick=PICK, method=st.sampled_from(sorted(CLASSES)), size=st.sampled_from((1.0, 1.5, 2.0)))
     def add_cage(self, pick, method, size):
         obj = self.targets[pick % len(self.targets)]
@@ -142,7 +116,7 @@ class Artist(RuleBasedStateMachine):
             self.put_box(method, size)
             self.done()
 
-    @precondition(lambda self: bpy.context.mode == "OBJECT" and len(self.targets) < 3)
+    @precondition(lambda self: self.in_object_mode and len(self.targets) < 3)
     @rule(linked=st.booleans(), pick=PICK)
     def duplicate(self, linked, pick):
         """Both follow the cage."""
@@ -178,7 +152,7 @@ class Artist(RuleBasedStateMachine):
             cage.data.update()
         self.done()
 
-    @precondition(lambda self: self.caged(0) and bpy.context.mode == "OBJECT")
+    @precondition(lambda self: self.caged(0) and self.in_object_mode)
     @rule(pick=PICK)
     def edit_cage(self, pick):
         cage = self.caged(pick)[1].cage
@@ -195,7 +169,7 @@ class Artist(RuleBasedStateMachine):
         bpy.ops.object.mode_set(mode="OBJECT")
         self.done()
 
-    @precondition(lambda self: self.caged(0) and bpy.context.mode == "OBJECT")
+    @precondition(lambda self: self.caged(0) and self.in_object_mode)
     @rule(pick=PICK)
     def set_rest(self, pick):
         obj, deformer = self.caged(pick)
@@ -204,7 +178,7 @@ class Artist(RuleBasedStateMachine):
         make_active(obj)
         assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
         deformer = obj.sinew.deformers[index]
-        held = np.array([vertex.co[:] for vertex in deformer.cage_rest.vertices])
+        held = coordinates(deformer.cage_rest.vertices)
         assert np.abs(held - self.in_frame(deformer.cage, obj)).max() < TOLERANCE
         self.done()
 
@@ -215,7 +189,7 @@ class Artist(RuleBasedStateMachine):
         deformer.method, deformer.factor = method, factor
         self.done()
 
-    @precondition(lambda self: self.depth > 8 and self.caged(0) and bpy.context.mode == "OBJECT")
+    @precondition(lambda self: self.depth > 8 and self.caged(0) and self.in_object_mode)
     @rule(pick=PICK)
     def delete_cage(self, pick):
         make_active(self.caged(pick)[1].cage)
@@ -236,29 +210,16 @@ class Artist(RuleBasedStateMachine):
         self.depth, self.redos = self.depth + 1, self.redos - 1
         self.done(push=False)
 
-    @precondition(lambda self: bpy.context.mode == "OBJECT")
+    @precondition(lambda self: self.in_object_mode)
     @rule()
     def save_and_load(self):
-        path = str(Path(self.folder.name) / "cages.blend")
-        bpy.ops.wm.save_as_mainfile(filepath=path)
-        bpy.ops.wm.open_mainfile(filepath=path)
+        load(save(self.folder / "cages.blend"))
         self.done()
         self.depth = 0
 
 
 @pytest.mark.slow
-def test_random_sequences_with_cages(room):
-    Artist.room, Artist.checked = staticmethod(room), 0
-    machine = seed(int(SEED))(Artist) if SEED else Artist
-    run_state_machine_as_test(
-        machine,
-        settings=settings(
-            max_examples=SEQUENCES,
-            stateful_step_count=STEPS,
-            deadline=None,
-            derandomize=SEED is None,
-            database=None,
-            suppress_health_check=list(HealthCheck),
-        ),
-    )
-    assert Artist.checked > 5 * SEQUENCES
+def test_random_sequences_with_cages():
+    sequences = max(20, SEQUENCES // 5)  # the first ones are short
+    run_sequences(Artist, sequences, STEPS)
+    assert Artist.checked > 5 * sequences

@@ -1,43 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Random sequences of what an artist does: the shape is always the one that the properties ask for.
 
-Each run takes the same 200 sequences of 50 steps. ``SINEW_RANDOM_SEED=7`` takes others,
-``SINEW_RANDOM_SEQUENCES=20`` fewer; ``SINEW_RANDOM_SHRINK=0`` reports the first failure as it is. A failure
-ends with the shortest sequence found, as Python: the calls of ``Artist``.
+A failure ends with the shortest sequence found, as Python: the calls of ``Artist``.
 """
 
 from __future__ import annotations
 
 import os
-import tempfile
-from pathlib import Path
 
 import bmesh
 import bpy
 import numpy as np
-import pytest
-from complaints import Complaints
-from hypothesis import HealthCheck, Phase, seed, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import (
-    RuleBasedStateMachine,
-    initialize,
-    precondition,
-    rule,
-    run_state_machine_as_test,
-)
-from inside import catch_up, settle
+from hypothesis.stateful import initialize, precondition, rule
+from inside import catch_up, evaluated_by, native
 from mathutils import Euler, Matrix
 from oracle import Oracle, Unsure
 from registry import WITH_HANDLES
-from rig import evaluated_points, make_active, update
+from rig import evaluated_points, load, make_active, new_object, save, update
+from sequences import MOST_UNDO, SEQUENCES, Sequence, run_sequences
 from targets import GROUPS, SETTINGS, SHAPES, new_target
 
-SEED = os.environ.get("SINEW_RANDOM_SEED")
-SEQUENCES = int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200"))
-SHRINK = os.environ.get("SINEW_RANDOM_SHRINK", "1") == "1"  # minutes of it, where a sequence is long
 STEPS = int(os.environ.get("SINEW_RANDOM_STEPS", "50"))
-MOST_UNDO = 25  # steps we go back; Blender keeps 32
 
 PICK = st.integers(0, 5)
 METHODS = st.sampled_from(WITH_HANDLES)
@@ -46,27 +30,18 @@ VECTOR = st.tuples(SMALL, SMALL, SMALL)
 SHARE = st.sampled_from((0.0, 0.25, 0.5, 1.0))
 
 
-class Artist(RuleBasedStateMachine):
-    """One sequence. Picks are taken modulo what there is."""
+class Artist(Sequence):
+    """Picks are taken modulo what there is."""
 
-    room = None  # set by the test
-    checked = 0  # shapes compared
     unsure = 0
 
     def __init__(self) -> None:
         super().__init__()
-        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-        self.complaints = Complaints()
-        self.oracle = Oracle(self.room("backend").availability().module)
-        self.folder = tempfile.TemporaryDirectory()
+        self.oracle = Oracle(native())
         self.saved: list[str] = []
         self.moments: list[dict] = []  # what the oracle remembered at each undo step
         self.now = -1
         self.posed: set[str] = set()  # targets that show a solution, and were compared
-
-    def teardown(self) -> None:
-        self.complaints.close()
-        self.folder.cleanup()
 
     # What there is
 
@@ -105,10 +80,6 @@ class Artist(RuleBasedStateMachine):
         }
         return bpy.data.objects[sorted(controls)[pick % len(controls)]] if controls else None
 
-    @property
-    def in_object_mode(self) -> bool:
-        return bpy.context.mode == "OBJECT"
-
     # How a step ends
 
     def call(self, operator, **keywords) -> bool:
@@ -134,17 +105,13 @@ class Artist(RuleBasedStateMachine):
             self.moments = self.moments[-MOST_UNDO:]
             self.moments.append({})
             self.now = len(self.moments) - 1
-        settle()
-        self.complaints.check()
+        self.pause()
         self.compare()
         self.moments[self.now] = dict(self.oracle.last)
 
     def push_unsolved(self) -> None:
-        handlers = bpy.app.handlers.depsgraph_update_post
-        solve = self.room("handlers.evaluation").on_depsgraph_update
-        handlers.remove(solve)
-        bpy.ops.ed.undo_push(message="step")
-        handlers.append(solve)
+        with evaluated_by(None):
+            bpy.ops.ed.undo_push(message="step")
         for obj in self.targets:
             obj.update_tag(refresh={"OBJECT"})
 
@@ -325,9 +292,8 @@ class Artist(RuleBasedStateMachine):
         obj, _deformer, handle, _number = self.handle(pick, "HANDLE")
         new = self.control(other)
         if new is None:
-            new = bpy.data.objects.new("New", None)
+            new = new_object("New")
             new.location = (1.0, 2.0, 3.0)
-            bpy.context.scene.collection.objects.link(new)
             update()
         before = evaluated_points(obj)
         handle.control = new
@@ -443,15 +409,14 @@ class Artist(RuleBasedStateMachine):
     @precondition(lambda self: len(self.saved) < 3)
     @rule()
     def save(self):
-        path = str(Path(self.folder.name) / f"{len(self.saved)}.blend")
-        bpy.ops.wm.save_as_mainfile(filepath=path, check_existing=False)
-        self.saved.append(path)
+        path = self.folder / f"{len(self.saved)}.blend"
+        self.saved.append(save(path, check_existing=False))
         self.done()
 
     @precondition(lambda self: self.saved)
     @rule(pick=PICK)
     def load(self, pick):
-        bpy.ops.wm.open_mainfile(filepath=self.saved[pick % len(self.saved)])
+        load(self.saved[pick % len(self.saved)])
         self.oracle.last.clear()
         self.oracle.forget_missing(bpy.data.objects)
         self.start_over()
@@ -566,23 +531,9 @@ class Artist(RuleBasedStateMachine):
         self.done()
 
 
-def test_any_sequence_of_operations_shows_what_the_properties_ask_for(room, capfd: pytest.CaptureFixture):
-    Artist.room = staticmethod(room)
-    Artist.checked = Artist.unsure = 0
-    machine = Artist if SEED is None else seed(int(SEED))(Artist)
-    run_state_machine_as_test(
-        machine,
-        settings=settings(
-            max_examples=SEQUENCES,
-            stateful_step_count=STEPS,
-            derandomize=SEED is None,
-            database=None,
-            deadline=None,
-            phases=(Phase.generate, Phase.shrink) if SHRINK else (Phase.generate,),
-            suppress_health_check=list(HealthCheck),
-            report_multiple_bugs=False,
-        ),
-    )
+def test_any_sequence_of_operations_shows_what_the_properties_ask_for():
+    Artist.unsure = 0
+    run_sequences(Artist, SEQUENCES, STEPS)
     if SEQUENCES >= 50:  # the first dozens are short
         assert Artist.checked > 0.4 * STEPS * SEQUENCES  # the test looks
     assert Artist.unsure < 0.2 * Artist.checked
