@@ -149,21 +149,12 @@ TEST(MetricLbfgs, is_faster_than_plain_steps_in_the_same_metric)
     EXPECT_LT(quick - least, 0.05 * (plain - least)); // 0.02 with exact sums
 }
 
-TEST(MetricLbfgs, never_raises_a_quadratic)
+TEST(MetricLbfgs, never_raises_the_function_even_where_the_metric_is_no_bound)
 {
     const MatrixX A = random_spd(15, 4, 0.5);
     expect_never_rises(energies([&] { return Quadratic(A, A.trace() * MatrixX::Identity(15, 15)); }, 15, 30));
-}
-
-TEST(MetricLbfgs, never_raises_a_function_full_of_dents)
-{
-    expect_never_rises(energies([] { return Dented(12, 1.0); }, 12, 40));
-}
-
-TEST(MetricLbfgs, never_raises_the_function_even_where_the_metric_is_no_bound)
-{
-    expect_never_rises(energies([] { return Dented(12, 0.2); }, 12, 40));
-    expect_never_rises(energies([] { return Dented(12, 0.02); }, 12, 40));
+    for (double bound : {1.0, 0.2, 0.02})
+        expect_never_rises(energies([&] { return Dented(12, bound); }, 12, 40));
 }
 
 TEST(MetricLbfgs, an_exhausted_budget_is_a_report)
