@@ -138,7 +138,7 @@ TEST(Harmonic, reports_an_error_that_shrinks_with_quality)
 {
     const SurfaceMesh u = cages::u_prism();
     const Points x = cages::inside_u_prism(300, 0.02);
-    Harmonic fast(Cage(u), exact(HarmonicQuality::fast)), fine(Cage(u), exact(HarmonicQuality::medium));
+    Harmonic fast(Cage(u), exact(HarmonicQuality::fast)), fine(Cage(u), exact(HarmonicQuality::fine));
     const double fast_error = fast.bind(view(x)).error, fine_error = fine.bind(view(x)).error;
     const double difference = largest(fast.weights().dense() - fine.weights().dense());
     EXPECT_GT(fine.unknowns(), fast.unknowns());
