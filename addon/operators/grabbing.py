@@ -41,7 +41,7 @@ class Grabbing:
         self._seen: tuple[bytes, float] | None = None
         grab.follow(radius, wait=False)
 
-    def handle(self, obj: Object, event: Event, view: View) -> Outcome:
+    def process(self, obj: Object, event: Event, view: View) -> Outcome:
         """Take an event in. ``view`` is how the mesh is seen now."""
         kind, pressed = event.type, event.value == "PRESS"
         if kind == "TIMER":

@@ -38,12 +38,12 @@ MEASURES = (
 _observers: list[Callable[[Context], None]] = []
 
 
-def observe(observer: Callable[[Context], None]) -> None:
+def add_observer(observer: Callable[[Context], None]) -> None:
     """Call this whenever a setting was changed by a user or a script."""
     _observers.append(observer)
 
 
-def forget(observer: Callable[[Context], None]) -> None:
+def remove_observer(observer: Callable[[Context], None]) -> None:
     """Stop calling it."""
     if observer in _observers:
         _observers.remove(observer)

@@ -40,13 +40,13 @@ ROWS = [
 ]  # fmt: skip
 
 
-def of(work: str, rows: list[record.Row] = ROWS) -> record.Row:
+def row_of(work: str, rows: list[record.Row] = ROWS) -> record.Row:
     return next(found for found in rows if found["work"] == work)
 
 
 def test_ratio_of_a_faster_work_is_above_one() -> None:
-    assert works.BY_ID["bind"].ratio(of("bind")) == pytest.approx(2.0)
-    assert works.BY_ID["bind"].met(of("bind")) is True
+    assert works.BY_ID["bind"].ratio(row_of("bind")) == pytest.approx(2.0)
+    assert works.BY_ID["bind"].met(row_of("bind")) is True
 
 
 def test_size_of_its_own_has_a_goal_of_its_own() -> None:
@@ -57,8 +57,8 @@ def test_size_of_its_own_has_a_goal_of_its_own() -> None:
 
 def test_at_most_divides_the_other_way() -> None:
     work = works.BY_ID["memory"]
-    assert work.ratio(of("memory")) == pytest.approx(2.0)
-    assert work.met(of("memory")) is False
+    assert work.ratio(row_of("memory")) == pytest.approx(2.0)
+    assert work.met(row_of("memory")) is False
 
 
 def test_goal_of_one_thread_is_not_that_of_two() -> None:
@@ -83,11 +83,11 @@ def test_wanted_is_written_by_size() -> None:
 
 
 def test_line_says_what_falls_short() -> None:
-    assert "SHORT" not in report.line(of("bind"))
+    assert "SHORT" not in report.line(row_of("bind"))
     assert "wanted >= 1.2  SHORT" in report.line(ROWS[2])
-    assert "wanted <= 1.6  SHORT" in report.line(of("arap_smooth"))
+    assert "wanted <= 1.6  SHORT" in report.line(row_of("arap_smooth"))
     assert report.line(ROWS[3]).endswith("25 s")  # no peer, no ratio
-    assert "ratio    >80" in report.line(of("arap_bend"))  # the peer was stopped on its way
+    assert "ratio    >80" in report.line(row_of("arap_bend"))  # the peer was stopped on its way
 
 
 def test_exponent_is_that_of_a_power() -> None:

@@ -552,9 +552,11 @@ def test_overlays_colour_surfaces_and_leave_points_alone(room, caged, overlay):
     settings = bpy.context.scene.sinew
     settings.show_overlay, settings.overlay = True, overlay
     update()
-    picture = room("ui.overlay_picture")
+    picture = room("ui.overlay_mesh")
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    painted = picture.Gallery().picture(obj, obj.sinew.active, picture.look_of(bpy.context), depsgraph)
+    painted = picture.OverlayCache().overlay_mesh(
+        obj, obj.sinew.active, picture.overlay_settings(bpy.context), depsgraph
+    )
     assert (painted is not None) == (obj.type in ("CURVE", "FONT") and has_surface(obj))
     settings.show_overlay = False
 

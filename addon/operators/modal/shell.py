@@ -38,7 +38,7 @@ class Tool(Protocol):
     def job(self) -> Work | None:
         """What a thread works out."""
 
-    def handle(self, obj: Object, event: Event, view: View) -> Outcome:
+    def process(self, obj: Object, event: Event, view: View) -> Outcome:
         """Take an event in. ``view`` is how the mesh is seen now."""
 
     def restore(self, obj: Object) -> None:
@@ -78,7 +78,7 @@ class ViewportTool:
             self._restore(obj)
             return self._leave(context, {"CANCELLED"})
         try:
-            outcome = self.tool.handle(obj, event, view_of(context, self.tool.pivot))
+            outcome = self.tool.process(obj, event, view_of(context, self.tool.pivot))
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             self._restore(obj)
