@@ -61,7 +61,7 @@ class OverlayMesh:
 
 
 class OverlayCache:
-    """The overlay meshes of all deformers, by the key of the deformer; ``computed`` counts the computations."""
+    """The overlay meshes of all deformers, by key; ``computed`` counts how many were computed."""
 
     def __init__(self) -> None:
         self.computed = 0
