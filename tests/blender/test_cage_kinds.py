@@ -568,7 +568,7 @@ def test_hair_goes_into_alembic_files_and_curves_and_text_do_not(tmp_path):
     for maker in (bezier, text):
         obj, _cage = bind(maker())
         make_active(obj)
-        with pytest.raises(RuntimeError, match="without modifiers - convert"):
+        with pytest.raises(RuntimeError, match="without its modifiers - convert"):
             bpy.ops.sinew.bake(target="ALEMBIC", filepath=path, frame_start=1, frame_end=1)
     obj, cage = bind(hair())
     cage.location.z = 0.5
