@@ -171,6 +171,6 @@ def _draw_native(layout: UILayout) -> None:
 
 
 def preferences(context: Context) -> "SinewPreferences | SimpleNamespace":
-    """The preferences of the add-on; the defaults if Blender loaded it without an entry in its Preferences."""
+    """The preferences of the add-on; the defaults if they have no entry in Blender's Preferences."""
     entry = context.preferences.addons.get(PACKAGE)
     return entry.preferences if entry is not None and entry.preferences is not None else DEFAULTS

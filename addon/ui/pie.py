@@ -28,7 +28,7 @@ class SINEW_MT_pie(Menu):
 
 
 def _draw_edit_mode(pie: UILayout) -> None:
-    """Blender places the entries left, right, below, above, and then in the corners, from the upper left on."""
+    """Blender places the entries left, right, below and above, then in the corners from the upper left."""
     add_entry(pie, "HANDLE", "Add Handle", "ADD")
     add_entry(pie, "FIXED", "Add Fixed", "PINNED")
     pie.operator(Operators.BIND, icon="FILE_REFRESH")

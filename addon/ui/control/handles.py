@@ -99,7 +99,7 @@ def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeforme
 
 
 def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:
-    """Draw the buttons that add regions: from the selection in Edit Mode, else from a menu of vertex groups."""
+    """Draw the buttons that add regions: from the selection in Edit Mode, else from a vertex group."""
     column = layout.column(align=True)
     _draw_add(column, obj, "HANDLE", "Add Handle", "ADD")
     beside = obj.mode == "EDIT" or columns(context) >= _WIDE_MENUS
