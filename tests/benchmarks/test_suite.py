@@ -117,7 +117,7 @@ def test_table_slants_what_falls_short() -> None:
 
 
 def test_summary_counts() -> None:
-    assert report.summary(ROWS)[-1] == "6 ratios as wanted, 4 short"
+    assert report.summary(ROWS)[-1] == "6 ratios as wanted, 4 fall short"
 
 
 @pytest.fixture
@@ -147,11 +147,11 @@ def test_documents_are_renewed_between_their_marks_and_twice_is_once(
     assert after.partition(mark)[0] == before.partition(mark)[0]
     assert "libigl" not in after.partition(mark)[2].partition("<!-- end")[0]  # was not measured here
     assert "500k: *1.10*" in page.read_text()
-    assert "still 7 % above, to arrive after 90 s" in page.read_text()
+    assert "still 7 % above, extrapolated to 1 % after 90 s" in page.read_text()
 
 
 def test_missing_mark_is_told() -> None:
-    with pytest.raises(SystemExit, match="no place for times"):
+    with pytest.raises(SystemExit, match="has no <!-- times -->"):
         pages.replaced("text", "times", "")
 
 
@@ -230,7 +230,7 @@ def test_rows_of_blender_get_the_names_of_the_table() -> None:
         "bare_ms": 10.0,
         "ours_ms": 90.0,
     }
-    found = blender.named({**entry, "ratio": 1.2, "goal": 1.2, "at_most": True}, "5.2")
+    found = blender.table_row({**entry, "ratio": 1.2, "goal": 1.2, "at_most": True}, "5.2")
     assert (found["work"], found["size"], found["case"]) == ("overhead_arap", 100_000, "5.2")
     assert works.BY_ID["overhead_arap"].ratio(found) == pytest.approx(1.2)
     assert "overhead_arap" in report.line(found)
