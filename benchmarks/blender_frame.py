@@ -155,7 +155,7 @@ class Frames:
         read_back(self.obj, self.flat)
 
     def moved(self) -> float:
-        """The largest distance of a vertex from rest, to make sure that something moves in the timed frames."""
+        """The largest distance of a vertex from rest, to check that something moves in the timed frames."""
         rest = np.empty_like(self.flat)
         self.obj.data.vertices.foreach_get("co", rest)
         return float(np.abs(self.flat - rest).max())

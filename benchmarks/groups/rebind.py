@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The time of a small change of a bound thin shell, next to a new bind: one more handle, painted stiffness."""
+"""The time of a small change of a bound thin shell (a handle, painted stiffness), next to a new bind."""
 
 import numpy as np
 from cases import Case, bar, patch
