@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from cages import add_raising_key
 from inside import catch_up
-from kinds import (
+from mathutils import Matrix, Vector
+from mathutils.kdtree import KDTree
+from point_objects import (
     CURVES,
     MAKERS,
     TESSELLATED,
@@ -29,8 +31,6 @@ from kinds import (
     text,
     unmoved,
 )
-from mathutils import Matrix, Vector
-from mathutils.kdtree import KDTree
 from probe import render_points
 from registry import WITH_CAGE
 from rig import FLOAT32, apply_matrix, make_active, push, update
