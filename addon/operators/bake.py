@@ -15,7 +15,7 @@ from .reporting import reports_errors
 from .target import has_deformer, target_of
 
 CANCELLED = "The bake was cancelled - everything is as it was"
-_SLICE = 0.1  # seconds of frames between two redraws
+_SLICE = 0.1  # seconds for which frames are baked between two redraws
 _PAUSE = 0.01  # seconds to wait for a thread, if there is no timer
 _SKIP = {"SKIP_SAVE"}
 

@@ -51,7 +51,7 @@ class SINEW_OT_help(Operator):
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:
-        """The tooltip names the page."""
+        """The tooltip, which names the page."""
         _identifier, label, about = next(item for item in PAGES if item[0] == properties.page)
         return f"{label}. {about}.\nOpens the manual in the web browser; it was installed with the add-on"
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which object an operator works on: the active one, or the one that the active control poses."""
+"""Finds the object that an operator works on: the active one, or the one that the active control moves."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

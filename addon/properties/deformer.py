@@ -219,7 +219,7 @@ class SinewDeformer(PropertyGroup):
 
     @property
     def renders_differ(self) -> bool:
-        """Other vertices enter in renders. Else ``rest_render`` is an empty mesh, or not there at all."""
+        """Whether renders have another number of vertices. If not, ``rest_render`` is empty or None."""
         return isinstance(self.rest_render, Mesh) and len(self.rest_render.vertices) > 0
 
     def shape(self, mode: str) -> Object | None:
