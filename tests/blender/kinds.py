@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Vector
-from rig import make_active, update
+from rig import CORNERS, SIDES, make_active, new_object, update
 
 TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
 HANDLES = ("AUTO", "VECTOR", "ALIGNED", "FREE")
@@ -208,14 +208,8 @@ def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object
     low, high = np.array(obj.bound_box).min(axis=0), np.array(obj.bound_box).max(axis=0)
     reach = margin + 0.5 * (high - low).max()
     middle = 0.5 * (low + high)
-    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-    quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-    mesh = bpy.data.meshes.new("Cage")
-    faces = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
-    mesh.from_pydata([tuple(middle + reach * np.array(corner)) for corner in corners], [], faces)
-    cage = bpy.data.objects.new("Cage", mesh)
-    bpy.context.scene.collection.objects.link(cage)
-    return cage
+    faces = [face for a, b, c, d in SIDES for face in ((a, b, c), (a, c, d))]
+    return new_object("Cage", middle + reach * np.array(CORNERS), faces)
 
 
 def bind(obj: bpy.types.Object, method: str = "mean_value", cage: bpy.types.Object | None = None):
