@@ -168,7 +168,7 @@ def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected(room):
         notes = [note for note in room("core.status").notes(deformer.uid) if note.elements]
         (line,) = (i for i, note in enumerate(notes) if note.elements.owner.name == "CONTROL")
         assert "faces of the cage cross" in notes[line].text
-        assert notes[line].elements.kind == "face"
+        assert notes[line].elements.element == "face"
         return line, notes[line].elements
 
     make_active(target)

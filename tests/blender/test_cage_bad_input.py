@@ -75,7 +75,7 @@ def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
     assert_rests(target)
     assert "nowhere" in deformer.status
     elements = room("core.status").current(deformer.uid).elements
-    assert (elements.owner.name, elements.kind) == ("CONTROL", "vertex")
+    assert (elements.owner.name, elements.element) == ("CONTROL", "vertex")
     cage.delta_location.y = 0.0
     assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
     assert_goes_on(target, cage)

@@ -526,13 +526,13 @@ def test_panels_draw_what_works_and_overlays_colour_surfaces_alone(room, caged: 
     assert not {"sinew.handle_add", "sinew.deformer_add"} & names
     for vertex in cage.data.vertices:
         vertex.select = vertex.index == 0
-    picture, settings = room("ui.overlay_picture"), bpy.context.scene.sinew
+    picture, settings = room("ui.overlay_mesh"), bpy.context.scene.sinew
     settings.show_overlay = True
     for overlay in ("CAGE", "DISTORTION", "MASK", "REGIONS"):
         settings.overlay = overlay
         update()
-        depsgraph, look = bpy.context.evaluated_depsgraph_get(), picture.look_of(bpy.context)
-        painted = picture.Gallery().picture(obj, obj.sinew.active, look, depsgraph)
+        depsgraph, look = bpy.context.evaluated_depsgraph_get(), picture.overlay_settings(bpy.context)
+        painted = picture.OverlayCache().overlay_mesh(obj, obj.sinew.active, look, depsgraph)
         assert (painted is not None) == (obj.type in ("CURVE", "FONT") and has_surface(obj)), overlay
     settings.show_overlay = False
 
@@ -544,7 +544,7 @@ def test_hair_goes_into_alembic_files_and_curves_and_text_do_not(tmp_path: Path)
     for maker in (bezier, text):
         obj, _cage = bind(maker())
         make_active(obj)
-        with pytest.raises(RuntimeError, match="without modifiers - convert"):
+        with pytest.raises(RuntimeError, match="without its modifiers - convert"):
             bpy.ops.sinew.bake(target="ALEMBIC", filepath=path, frame_start=1, frame_end=1)
     obj, cage = bind(hair())
     cage.location.z = 0.5

@@ -88,7 +88,7 @@ def notes(report: CageReport, request: BindInput) -> tuple[Status, ...]:
     """Points that the cage does not hold; its faces that cross."""
     found, count = [], len(report.outside)
     if count:
-        one, several = request.rest.kind.nouns
+        one, several = request.rest.point_type.nouns
         text = f"1 {one} lies outside the cage" if count == 1 else f"{count:,} {several} lie outside the cage"
         elements = Elements(Owner.TARGET, "vertex", report.outside) if request.on_base else NO_ELEMENTS
         found.append(Status(Level.WARNING, text, elements))
@@ -132,7 +132,7 @@ def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, ob
     relative = frames.inverse(world, "The mesh object") @ placed
     with np.errstate(invalid="ignore"):  # said below
         posed = frames.transformed(relative, vertices.astype(np.float64))
-    lost = np.flatnonzero(~frames.is_place(posed))
+    lost = np.flatnonzero(~frames.are_valid(posed))
     if len(lost):
         elements = Elements(Owner.CONTROL, "vertex", lost)
         raise CageError("Vertices of the cage are nowhere - undo, or move them", elements)

@@ -66,7 +66,7 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
 
 def selectable(elements: Elements, request: BindInput) -> Elements:
     """The vertices of the handles that the native module names by their rows."""
-    if elements.kind != "handle":
+    if elements.element != "handle":
         return elements
     members = [request.indices[row] for row in elements.indices]
     return Elements(Owner.TARGET, "vertex", np.concatenate(members) if members else ())
