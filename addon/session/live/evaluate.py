@@ -210,8 +210,9 @@ def _take(evaluation: Evaluation) -> Chain:
 
 
 def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
-    if evaluation.in_viewport:
+    if evaluation.in_viewport or evaluation.session.failed is not None:  # no bind, in viewports neither
         status.fail(evaluation.deformer.uid, error)
+    if evaluation.in_viewport:
         if evaluation.deformer.auto_rebind and error.remedy is Remedy.CAGE_REST:
             sessions.note_edit(evaluation.obj.name)
     else:
