@@ -53,7 +53,7 @@ class Bound:
 
 @dataclass(frozen=True)
 class Handles:
-    """The regions of a surface: the vertices, weights and ``options`` of each, as ``set_handles`` takes them."""
+    """The regions of a surface: vertices, weights and ``options`` of each, as ``set_handles`` takes them."""
 
     vertices: Sequence[np.ndarray]
     weights: Sequence[object]
