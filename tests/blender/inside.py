@@ -50,10 +50,8 @@ def room(path: str) -> ModuleType:
 
 
 def native() -> ModuleType:
-    """The compiled module, under whatever name the add-on imported it."""
-    return next(
-        module for name, module in sys.modules.items() if name.rpartition(".")[2] == "sinew_native" and module
-    )
+    """The compiled module."""
+    return room("backend").availability().module
 
 
 def catch_up() -> bool:

@@ -58,3 +58,7 @@ def draw(cls: type, context: DrawContext | None = None) -> Sheet:
     sheet = Sheet()
     cls.draw(SimpleNamespace(layout=sheet, role=getattr(cls, "role", "")), context or DrawContext())
     return sheet
+
+
+def draw_panel(width: int = NARROW) -> Sheet:
+    return draw(bpy.types.SINEW_PT_sinew, DrawContext(width))

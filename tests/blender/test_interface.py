@@ -12,11 +12,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 from rig import Rig, make_active, update
-from sheet import NARROW, WIDE, DrawContext, Sheet, draw
-
-
-def draw_panel(width: int = NARROW) -> Sheet:
-    return draw(bpy.types.SINEW_PT_sinew, DrawContext(width))
+from sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
 
 
 def operator_types(room) -> dict[str, bpy.types.Struct]:
