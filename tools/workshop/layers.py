@@ -22,8 +22,8 @@ RESULTS = BUILD / "results"
 TESTS = ROOT / "tests"
 INSIDE = Path(__file__).parent / "inside"
 LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
-# Processes of GoogleTest. One process per test would be slower: under sanitizers a process takes half a second
-# to start, and most tests take less.
+# Processes of GoogleTest. One process per test would be slower: under sanitizers a process takes half a
+# second to start, and most tests take less.
 SHARDS = 8
 IN_SHARDS = """seq 0 $((GTEST_TOTAL_SHARDS - 1)) |
     xargs -P "$1" -I{} env GTEST_SHARD_INDEX={} "$2" --gtest_output="xml:$3-{}.xml" """
