@@ -136,9 +136,14 @@ TEST(HarmonicGrid, sums_to_trilinear_functions_in_a_box_of_squares)
 
 TEST(HarmonicGrid, agrees_with_the_boundary_both_ways)
 {
-    const std::vector<std::pair<SurfaceMesh, Points>> cases{
-        {bumpy(1), in_bumpy(400, 0.7)}, {shapes::u_prism(), cages::inside_u_prism(400, 0.05)}};
-    for (const auto& [cage, x] : cases) {
+    struct Case
+    {
+        SurfaceMesh cage;
+        Points points;
+        double most; ///< that both may be off, so that it says something
+    };
+    for (const auto& [cage, x, most] : {Case{bumpy(1), in_bumpy(400, 0.7), 0.1},
+                                        Case{shapes::u_prism(), cages::inside_u_prism(400, 0.05), 0.01}}) {
         HarmonicOptions options = lattice();
         options.solver = HarmonicSolver::boundary;
         Harmonic boundary(Cage(cage), options), grid(Cage(cage), lattice(HarmonicQuality::medium));
@@ -146,8 +151,8 @@ TEST(HarmonicGrid, agrees_with_the_boundary_both_ways)
         const RowMatrix w = grid.weights().dense();
         const double difference = largest(boundary.weights().dense() - w);
         EXPECT_LT(difference, boundary_error + grid_error);
-        EXPECT_LT(boundary_error + grid_error, 0.1); // so that it says something
-        EXPECT_GT(difference, 1e-5);                 // and they are two
+        EXPECT_LT(boundary_error + grid_error, most);
+        EXPECT_GT(difference, 1e-5); // they are two
     }
 }
 
