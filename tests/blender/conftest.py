@@ -12,7 +12,11 @@ import inside
 import installed
 import pytest
 from baking import animate
-from rig import Rig, new_file, save
+from rig import (
+    Rig,
+    new_file,
+    save,
+)
 from rigs import RIGS, HandleRig
 
 # isort: split

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What random sequences have in common: an empty file, a folder, ears for complaints, and how many there are.
+"""What random sequences have in common: an empty file, a folder, a log of errors, and how many there are.
 
 ``SINEW_RANDOM_SEED=7`` takes other sequences, ``SINEW_RANDOM_SEQUENCES=20`` fewer;
 ``SINEW_RANDOM_SHRINK=0`` reports the first failure as it is.
@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 import bpy
-from complaints import Complaints
+from error_log import ErrorLog
 from hypothesis import HealthCheck, Phase, seed, settings
 from hypothesis.stateful import RuleBasedStateMachine, run_state_machine_as_test
 from inside import settle
@@ -32,12 +32,12 @@ class Sequence(RuleBasedStateMachine):
     def __init__(self) -> None:
         super().__init__()
         new_file()
-        self.complaints = Complaints()
+        self.error_log = ErrorLog()
         self._folder = tempfile.TemporaryDirectory()
         self.folder = Path(self._folder.name)
 
     def teardown(self) -> None:
-        self.complaints.close()
+        self.error_log.close()
         self._folder.cleanup()
 
     @property
@@ -47,7 +47,7 @@ class Sequence(RuleBasedStateMachine):
     def pause(self) -> None:
         """A quiet moment, in which nothing may be said."""
         settle()
-        self.complaints.check()
+        self.error_log.check()
 
 
 def run_sequences(machine: type[Sequence], sequences: int, steps: int) -> None:

@@ -34,12 +34,12 @@ from rig import (
     grid_object,
     instances_of,
     key_heights,
-    load,
+    linked,
     make_active,
     move_world,
     new_armature,
-    new_object,
-    save,
+    new_empty,
+    reopen,
     update,
 )
 from rigs import HandleRig
@@ -167,7 +167,7 @@ def the_control_deleted_saved_and_replaced(rig: HandleRig) -> None:
     before = rig.points()
     bpy.data.objects.remove(rig.control)
     assert rig.shows(before)
-    load(save(rig.folder / "rig.blend"))
+    reopen(rig.folder / "rig.blend")
     assert rig.shows(before, tolerance=MATRIX)
     assert rig.control_is_missing(rig.obj)
     control = rig.another_control(rig.obj)
@@ -190,7 +190,7 @@ def test_the_pose_of_a_soft_region_without_control_is_saved(posed_plate: HandleR
     assert close(plate.points(), before, 1e-6)
     plate.deformer.factor = factor
     update()
-    load(save(plate.folder / "lost.blend"))
+    reopen(plate.folder / "lost.blend")
     plate.deformer.factor = 1.0
     assert close(plate.points(), before, 1e-6)
 
@@ -504,7 +504,7 @@ def orphans_purged(rig: HandleRig) -> None:
         rig.lift(0.1)
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
         assert rig.is_right()
-    load(save(rig.folder / "rig.blend"))
+    reopen(rig.folder / "rig.blend")
 
 
 @EVENTS.on(ALL)
@@ -529,7 +529,7 @@ def collection_of(*objects: bpy.types.Object) -> bpy.types.Collection:
 
 
 def add_instance(collection: bpy.types.Collection, x: float = 0.0) -> None:
-    instance = new_object("Instance")
+    instance = new_empty("Instance")
     instance.instance_type, instance.instance_collection = "COLLECTION", collection
     instance.location.x = x
 
@@ -582,7 +582,7 @@ def raise_one_vertex(mesh: bpy.types.Mesh) -> None:
 @EVENTS.on(MESHES, then=is_over)
 def its_mesh_shared_with_an_object_without_deformer(rig: HandleRig) -> None:
     """An edit of the mesh reaches both, on top of the pose."""
-    twin = new_object("Twin", rig.obj.data)
+    twin = linked(bpy.data.objects.new("Twin", rig.obj.data))
     rig.lift(0.25)
     assert rig.is_right()
     assert close(evaluated_points(twin), rig.rest())

@@ -26,8 +26,9 @@ from rig import (
     key_heights,
     load,
     make_active,
+    new_empty,
     new_file,
-    new_object,
+    reopen,
     save,
     update,
 )
@@ -155,7 +156,7 @@ def loaded_on_a_posed_frame(rig: HandleRig) -> None:
         return rig.points()
 
     frames = {frame: look(frame) for frame in (1, 12, 20)}
-    load(save(rig.folder / "posed.blend"))
+    reopen(rig.folder / "posed.blend")
     for frame in (20, 1, 12):
         assert np.array_equal(look(frame), frames[frame])
 
@@ -339,7 +340,7 @@ def appended_by_the_file_browsers_operator(rig: HandleRig) -> None:
 def linked(rig: HandleRig) -> None:
     """The last solution, by itself and through an instance; the status says how to pose it."""
     collection = read(library(rig), True)
-    instance = new_object("Instance")
+    instance = new_empty("Instance")
     instance.instance_type, instance.instance_collection = "COLLECTION", collection
     obj = collection.objects[rig.name]
     bpy.context.scene.collection.objects.link(obj)
@@ -359,7 +360,7 @@ def overridden_posed_and_saved(rig: HandleRig) -> None:
     assert obj.sinew.deformers[0].proxy.library is None
     assert rig.control_of(obj).library is None
     goes_on(rig, obj, 0.5, MATRIX)
-    load(save(rig.folder / "shot.blend"))
+    reopen(rig.folder / "shot.blend")
     goes_on(rig, overridden(), 0.75, MATRIX)
 
 
@@ -373,7 +374,7 @@ def overridden_with_its_hidden_shapes(rig: HandleRig) -> None:
             shape.override_create(remap_local_usages=True)
     settle()
     goes_on(rig, obj, 0.5, MATRIX)
-    load(save(rig.folder / "shot.blend"))
+    reopen(rig.folder / "shot.blend")
     settle()
     goes_on(rig, overridden(), 0.75, MATRIX)
 

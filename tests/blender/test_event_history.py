@@ -13,7 +13,17 @@ from expected import Expected
 from inside import bind_in_thread, evaluated_by, finish, room
 from mathutils import Matrix
 from registry import METHODS
-from rig import Rig, add_group, close, load, make_active, move_world, new_file, push, save, update
+from rig import (
+    Rig,
+    add_group,
+    close,
+    make_active,
+    move_world,
+    new_file,
+    push,
+    reopen,
+    update,
+)
 from rigs import HandleRig
 
 LIFT = Matrix.Translation((0.0, 0.0, 0.5))
@@ -196,7 +206,7 @@ BEFORE_THE_PRESS = {"unbake": bake_keys}  # of the pose, not of the rest shape
 def pose(plate: Rig, name: str = "") -> Expected:
     """Bound and lifted by a half, with an undo step of its own."""
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     if name:
         OPERATORS[name].prepare(plate)
     if name == "repair":
@@ -447,7 +457,7 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
     make_active(plate.obj)
     story.tell("start", plate.rest())
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     story.tell("bound", plate.rest())
     plate.lift(0.5)
     story.tell("moved", expected.lifted(0.5))
@@ -461,7 +471,7 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
     bpy.ops.object.mode_set(mode="OBJECT")
     story.tell("topology changed", plate.rest())
     move_world(plate.control, LIFT.inverted())
-    fine = Expected.of(plate)
+    fine = Expected.of_rig(plate)
     move_world(plate.control, LIFT)
     bpy.ops.sinew.bind()
     story.tell("rebound", fine.lifted(0.5))
@@ -487,7 +497,7 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
 def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
     """Moves, a turn, a constraint, a parent: whatever moves a control is taken back with it."""
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     story = Story(plate)
     story.tell("bound", plate.rest())
     for height in (0.1, 0.2, 0.3):
@@ -510,7 +520,7 @@ def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
 
 def test_undo_of_deleting_a_vertex_and_redo_after_the_rebind(plate: Rig):
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     plate.lift(0.5)
     make_active(plate.obj)
     story = Story(plate)
@@ -525,7 +535,7 @@ def test_undo_of_deleting_a_vertex_and_redo_after_the_rebind(plate: Rig):
     bpy.ops.object.mode_set(mode="OBJECT")
     story.tell("hole", plate.rest())
     move_world(plate.control, LIFT.inverted())
-    holed = Expected.of(plate)
+    holed = Expected.of_rig(plate)
     move_world(plate.control, LIFT)
     bpy.ops.sinew.bind()
     story.tell("rebound", holed.lifted(0.5))
@@ -542,7 +552,7 @@ def undone(rig: HandleRig) -> np.ndarray:
 
 
 def saved_and_loaded(rig: HandleRig) -> np.ndarray:
-    load(save(rig.folder / "rig.blend"))
+    reopen(rig.folder / "rig.blend")
     return rig.at(0.5)
 
 

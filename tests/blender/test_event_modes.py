@@ -15,10 +15,9 @@ from rig import (
     change_in_edit_mode,
     close,
     key_heights,
-    load,
     make_active,
     push,
-    save,
+    reopen,
     select,
     update,
 )
@@ -63,7 +62,7 @@ def test_in_every_mode_controls_move_frames_change_and_files_are_saved(posed: Ha
     leave()
     assert posed.shows(posed.at(1.0))
     enter(posed, mode)
-    load(save(posed.folder / "rig.blend"))
+    reopen(posed.folder / "rig.blend")
     if posed.obj.mode != "OBJECT":
         make_active(posed.obj)
         leave()
@@ -145,7 +144,7 @@ def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(posed: HandleR
     """No timer had time to look: Blender in the background never has one."""
     posed.deformer.auto_rebind = automatic
     reversed_in_order(posed)
-    load(save(posed.folder / "rig.blend"))
+    reopen(posed.folder / "rig.blend")
     posed.poses.rebind(posed.obj)
     assert posed.is_right() if automatic else posed.is_at_rest()
 

@@ -26,8 +26,8 @@ from rig import (
     evaluated_points,
     key,
     key_heights,
+    linked,
     make_active,
-    new_object,
     save,
     update,
 )
@@ -216,7 +216,7 @@ def render_image(size: int, engine: str = "CYCLES") -> np.ndarray:
     """The current frame along y, six units wide; brightness (rows from below, columns)."""
     scene = bpy.context.scene
     if scene.camera is None:
-        scene.camera = new_object("Camera", bpy.data.cameras.new("Camera"))
+        scene.camera = linked(bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera")))
         scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 6.0
         turn = Matrix.Rotation(math.pi / 2.0, 4, "X")
         scene.camera.matrix_world = Matrix.Translation((0.0, -10.0, 0.0)) @ turn

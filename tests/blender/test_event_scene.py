@@ -7,7 +7,14 @@ from expected import Expected
 from inside import catch_up
 from mathutils import Matrix
 from probe import render
-from rig import MATRIX, Rig, close, key_heights, new_armature, update
+from rig import (
+    MATRIX,
+    Rig,
+    close,
+    key_heights,
+    new_armature,
+    update,
+)
 from rigs import HandleRig
 
 

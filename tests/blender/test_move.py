@@ -5,7 +5,17 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from rig import FLOAT32, Rig, add_group, curves_of, key, make_active, move_world, new_object, update
+from rig import (
+    FLOAT32,
+    Rig,
+    add_group,
+    curves_of,
+    key,
+    make_active,
+    move_world,
+    new_empty,
+    update,
+)
 
 
 def three_deformers(plate: Rig) -> bpy.types.Object:
@@ -146,7 +156,7 @@ def two_handles_with_animation(plate: Rig) -> bpy.types.Object:
     obj = plate.bind().obj
     handles = obj.sinew.deformers[0].handles
     key(handles[0], {1: {"weight": 0.2}, 11: {"weight": 0.8}})
-    reader, source = new_object("Reader"), new_object("Source")
+    reader, source = new_empty("Reader"), new_empty("Source")
     source.location.x = 0.5
     drive(reader.driver_add("location", 0).driver, obj, "sinew.deformers[0].handles[0].weight")
     drive(handles[1].driver_add("weight").driver, source, "location.x")

@@ -17,7 +17,7 @@ from rig import (
     make_active,
     move_world,
     new_armature,
-    new_object,
+    new_empty,
     some_affine,
     some_motion,
     update,
@@ -58,7 +58,7 @@ def test_any_space_of_the_target_gives_the_world_motion_of_the_control(plate: Ri
     obj = plate.obj
     obj.matrix_world = some_motion() @ Matrix.Diagonal((2.0, 0.5, 1.5, 1.0))
     if parented:
-        parent = new_object("Parent")
+        parent = new_empty("Parent")
         parent.matrix_world = Matrix.Rotation(0.7, 4, "X") @ Matrix.Diagonal((1.0, 3.0, 0.7, 1.0))
         obj.parent = parent
     update()
@@ -80,7 +80,7 @@ def test_everything_rides_along_when_the_target_moves(plate: Rig):
 
 
 def test_parented_and_scaled_control(plate: Rig):
-    parent, control = new_object("Parent"), new_object("Control")
+    parent, control = new_empty("Parent"), new_empty("Control")
     parent.scale = (1.0, 2.0, 3.0)
     control.parent, control.rotation_euler, control.scale = parent, (0.3, 0.2, 0.1), (0.5, 1.0, 2.0)
     plate.bind(control_object="Control")

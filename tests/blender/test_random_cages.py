@@ -16,7 +16,14 @@ from hypothesis import strategies as st
 from hypothesis.stateful import initialize, precondition, rule
 from inside import native
 from mathutils import Matrix
-from rig import apply_matrix, base_points, coordinates, evaluated_points, load, make_active, save
+from rig import (
+    apply_matrix,
+    base_points,
+    coordinates,
+    evaluated_points,
+    make_active,
+    reopen,
+)
 from sequences import MOST_UNDO, SEQUENCES, Sequence, run_sequences
 
 STEPS = 30
@@ -213,7 +220,7 @@ class Artist(Sequence):
     @precondition(lambda self: self.in_object_mode)
     @rule()
     def save_and_load(self):
-        load(save(self.folder / "cages.blend"))
+        reopen(self.folder / "cages.blend")
         self.done()
         self.depth = 0
 

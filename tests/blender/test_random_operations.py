@@ -17,7 +17,14 @@ from inside import catch_up, evaluated_by, native
 from mathutils import Euler, Matrix
 from oracle import Oracle, Unsure
 from registry import WITH_HANDLES
-from rig import evaluated_points, load, make_active, new_object, save, update
+from rig import (
+    evaluated_points,
+    load,
+    make_active,
+    new_empty,
+    save,
+    update,
+)
 from sequences import MOST_UNDO, SEQUENCES, Sequence, run_sequences
 from targets import GROUPS, SETTINGS, SHAPES, new_target
 
@@ -125,7 +132,7 @@ class Artist(Sequence):
         self.posed = set()
         for obj in self.targets:
             if obj.mode == "SCULPT" or obj.data.is_editmode:
-                self.oracle.look_away(obj)  # there Blender shows other meshes, or omits some modifiers
+                self.oracle.skip_poses(obj)  # there Blender shows other meshes, or omits some modifiers
                 continue
             if not obj.sinew.deformers:
                 continue
@@ -292,7 +299,7 @@ class Artist(Sequence):
         obj, _deformer, handle, _number = self.handle(pick, "HANDLE")
         new = self.control(other)
         if new is None:
-            new = new_object("New")
+            new = new_empty("New")
             new.location = (1.0, 2.0, 3.0)
             update()
         before = evaluated_points(obj)
