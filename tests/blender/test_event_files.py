@@ -15,6 +15,7 @@ import bpy
 import numpy as np
 from events import ALL, REGIONS, Event, Table, every, is_over, lives_on
 from inside import room, settle
+from libraries import add_collection, overridden, override, put_into_a_library, read
 from rig import (
     MATRIX,
     add_armature,
@@ -247,45 +248,8 @@ def upgraded(rig: HandleRig) -> None:
 # --- append, link, override, make local
 
 
-def put_into_a_library(path: Path, *objects: bpy.types.Object) -> str:
-    """In the collection ``Asset``; the open file is empty again."""
-    collection = bpy.data.collections.new("Asset")
-    bpy.context.scene.collection.children.link(collection)
-    for obj in objects:
-        collection.objects.link(obj)
-    update()
-    save(path)
-    new_file()
-    return str(path)
-
-
-def read(path: str | Path, link: bool, kind: str = "collections", name: str = "Asset") -> bpy.types.ID:
-    with bpy.data.libraries.load(str(path), link=link) as (_there, here):
-        setattr(here, kind, [name])
-    return getattr(here, kind)[0]
-
-
 def library(rig: HandleRig) -> str:
     return str(rig.folder / "library.blend")
-
-
-def add_collection(path: str, link: bool = False) -> bpy.types.Collection:
-    collection = read(path, link)
-    bpy.context.scene.collection.children.link(collection)
-    update()
-    return collection
-
-
-def override(path: str) -> bpy.types.Object:
-    """A hierarchy override of the asset, as the outliner makes it; its target."""
-    collection = add_collection(path, link=True)
-    collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
-    settle()
-    return overridden()
-
-
-def overridden() -> bpy.types.Object:
-    return next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
 
 
 def owners() -> list[bpy.types.Object]:
@@ -446,21 +410,6 @@ def its_target_alone_made_local(rig: HandleRig) -> None:
     assert close(before, rig.at(0.5) if rig.goes_on else rig.unmoved(local), MATRIX)
     rig.lift_of(local, 0.25)
     assert close(evaluated_points(local)[rig.held], before[rig.held] + (0.0, 0.0, 0.25), MATRIX)
-
-
-def test_an_animated_cage_of_another_file_moves_a_mesh_of_this_one(scene, tmp_path: Path):
-    bpy.ops.mesh.primitive_cube_add(size=2.0)
-    key_heights(bpy.context.object, {1: 0.0, 11: 0.5})
-    path = put_into_a_library(tmp_path / "cage.blend", bpy.context.object)
-    cage = read(path, True, "objects", "Cube")
-    bpy.context.scene.collection.objects.link(cage)
-    bpy.context.scene.frame_set(1)  # the cage still stands where its file left it
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.6)
-    target = bpy.context.object
-    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name) == {"FINISHED"}
-    rest = evaluated_points(target)
-    bpy.context.scene.frame_set(11)
-    assert close(evaluated_points(target), rest + (0.0, 0.0, 0.5), MATRIX)
 
 
 @ASSETS.on(ALL, then=is_over)
