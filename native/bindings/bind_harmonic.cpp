@@ -22,8 +22,6 @@ HarmonicOptions options(const PointWeightOptions& weights, const std::string& qu
                                     {"lattice", HarmonicSolver::lattice}})};
 }
 
-} // namespace
-
 void bind_harmonic(py::module_& module)
 {
     bind_cage_method<Harmonic>(
@@ -50,5 +48,9 @@ solver      'boundary' elements or a 'lattice'; 'auto' takes the lattice beyond 
         .def_property_readonly("residual_max", &Harmonic::residual_max,
                                "The largest one, a bound of the error anywhere but for its sampling.");
 }
+
+const MethodBinding binding(&bind_harmonic);
+
+} // namespace
 
 } // namespace sinew::bindings

@@ -4,6 +4,8 @@
 
 namespace sinew::bindings {
 
+namespace {
+
 void bind_mean_value(py::module_& module)
 {
     bind_cage_method<MeanValue>(
@@ -14,5 +16,9 @@ Sum 1 and linear precision everywhere, outside the cage too; may be negative whe
 through itself. A closed form: cost O(points x triangles).)",
         +[](const PointWeightOptions& weights) { return weights; }, "");
 }
+
+const MethodBinding binding(&bind_mean_value);
+
+} // namespace
 
 } // namespace sinew::bindings

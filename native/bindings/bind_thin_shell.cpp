@@ -5,6 +5,8 @@
 
 namespace sinew::bindings {
 
+namespace {
+
 void bind_thin_shell(py::module_& module)
 {
     bind_surface_method<ThinShell>(module, "ThinShell",
@@ -54,5 +56,9 @@ progress                        None or callable(fraction, stage); returning Fal
 Cost: numeric factorisation only, of the part that a change on a few vertices reaches.
 Raises InvalidOption, FactorizationFailed or Cancelled; the object then stays as it was.)");
 }
+
+const MethodBinding binding(&bind_thin_shell);
+
+} // namespace
 
 } // namespace sinew::bindings
