@@ -45,7 +45,7 @@ class Menus:
     CAGE = "SINEW_MT_cage"
     DEFORMER = "SINEW_MT_deformer"
     MANUAL = "SINEW_MT_manual"
-    OF_GROUPS = {  # by the kind of region that a vertex group becomes
+    FOR_GROUPS = {  # by the kind of region that a vertex group becomes
         "HANDLE": "SINEW_MT_handle_of_group",
         "FIXED": "SINEW_MT_fixed_of_group",
         "SUPPORT": "SINEW_MT_support_of_group",
@@ -67,13 +67,13 @@ class Keys:
     """Custom properties on Blender's data."""
 
     GROUP_VERSION = "sinew_group_version"
-    GROUP_KIND = "sinew_group_kind"
+    GROUP_POINT_TYPE = "sinew_group_kind"
     KEEP = "sinew_keep_evaluated"
     SHAPE = "sinew_shape"
     CURVE = "sinew_curve"
     REST_TOKEN = "sinew_token"
     REST_GROUPS = "sinew_groups"
-    REST_KIND = "sinew_kind"
+    REST_POINT_TYPE = "sinew_kind"
     REST_STRUCTURE = "sinew_structure"
 
 

@@ -9,12 +9,12 @@ from .. import compat, session
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..preferences import preferences
-from ..properties import HANDLE_KINDS, SinewHandle
+from ..properties import HANDLE_ROLES, SinewHandle
 from .refusing import refusing
 from .target import handle_index, has_deformer, has_target, object_mode, target_of
 from .waiting import BindingOperator
 
-_LABELS = {identifier: label for identifier, label, *_rest in HANDLE_KINDS}
+_LABELS = {identifier: label for identifier, label, *_rest in HANDLE_ROLES}
 
 
 class SINEW_OT_handle_add(BindingOperator, Operator):
@@ -29,7 +29,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
 
     kind: EnumProperty(
         name="Kind",
-        items=HANDLE_KINDS,
+        items=HANDLE_ROLES,
         default="HANDLE",
         description="Whether the vertices follow a control, stay, or are the only ones that may move",
     )

@@ -16,7 +16,7 @@ from ..core.methods import HANDLE_PARAMETERS
 from .parameters import declare
 from .setting import record, reshape, setting
 
-KINDS = (
+ROLES = (
     ("HANDLE", "Handle", "Follows a control: an empty, any object, or a bone", "EMPTY_AXIS", 0),
     ("FIXED", "Fixed", "Stays where it is", "PINNED", 1),
     (
@@ -48,7 +48,7 @@ class SinewHandle(PropertyGroup):
     kind: setting(
         EnumProperty,
         name="Kind",
-        items=KINDS,
+        items=ROLES,
         default="HANDLE",
         description="Whether the vertices follow a control, stay, or are the only ones that may move",
     )

@@ -8,10 +8,10 @@ from .. import session
 from ..core import status
 from ..core.status import Level
 from ..ids import Operators
-from ..properties import HANDLE_KINDS, SinewDeformer, SinewHandle, SinewObject
+from ..properties import HANDLE_ROLES, SinewDeformer, SinewHandle, SinewObject
 from .text import columns
 
-_ICONS = {identifier: icon for identifier, _label, _description, icon, _number in HANDLE_KINDS}
+_ICONS = {identifier: icon for identifier, _label, _description, icon, _number in HANDLE_ROLES}
 # Characters that the region holds, from which on a column is shown.
 _RENDER_FROM = 26
 _WEIGHT_FROM = 28

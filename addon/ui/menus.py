@@ -38,7 +38,7 @@ class SINEW_MT_object(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        for kind, name in Menus.OF_GROUPS.items():
+        for kind, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[kind][1])
         layout.separator()
         _draw_common(layout)
@@ -59,7 +59,7 @@ class SINEW_MT_add_region(Menu):
             add_entry(layout, "FIXED", "Fixed", "PINNED")
             add_entry(layout, "SUPPORT", "Support", "MOD_MESHDEFORM")
             layout.separator()
-        for kind, name in Menus.OF_GROUPS.items():
+        for kind, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[kind][1])
 
 
@@ -128,7 +128,7 @@ _GROUP_MENUS = tuple(
             "kind": kind,
         },
     )
-    for kind, name in Menus.OF_GROUPS.items()
+    for kind, name in Menus.FOR_GROUPS.items()
 )
 
 

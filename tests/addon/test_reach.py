@@ -118,9 +118,9 @@ def test_connected_stops_at_what_is_barred():
 
 def test_rings_and_the_part_between_them():
     points, counts, corners = grid(9)
-    inside = reach.surrounded(counts, corners, mask(81, 40), 2)
+    inside = reach.with_rings(counts, corners, mask(81, 40), 2)
     assert inside.tolist() == (np.abs(points).max(axis=1) < 0.51).tolist()
-    members, (part_counts, part_corners) = reach.part(counts, corners, inside)
+    members, (part_counts, part_corners) = reach.submesh(counts, corners, inside)
     assert len(members) == 25
     assert len(part_counts) == 16
     original = {tuple(quad) for quad in corners.reshape(-1, 4).tolist()}
@@ -134,7 +134,7 @@ def test_a_mesh_without_faces():
     found = surface.lengths(np.zeros((3, 3)), mask(3, 1), nobody, 1.0)
     assert found.tolist() == [np.inf, 0.0, np.inf]
     assert surface.connected(mask(3, 1), nobody).tolist() == [False, True, False]
-    assert reach.surrounded(none, none, mask(3, 1), 3).tolist() == [False, True, False]
-    members, faces = reach.part(none, none, mask(3, 1))
+    assert reach.with_rings(none, none, mask(3, 1), 3).tolist() == [False, True, False]
+    members, faces = reach.submesh(none, none, mask(3, 1))
     assert members.tolist() == [1]
     assert len(faces[0]) == 0

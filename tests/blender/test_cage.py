@@ -208,7 +208,7 @@ def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected(room):
     assert bpy.ops.sinew.select_problems(line=lines.index(note)) == {"FINISHED"}
     assert bpy.context.object == cage
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert note.elements.kind == "face"
+    assert note.elements.element == "face"
     assert set(note.elements.indices) <= {polygon.index for polygon in cage.data.polygons if polygon.select}
 
 

@@ -110,7 +110,7 @@ def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
     assert_at_rest(target)
     assert "nowhere" in deformer.status
     elements = room("core.status").current(deformer.uid).elements
-    assert (elements.owner.name, elements.kind) == ("CONTROL", "vertex")
+    assert (elements.owner.name, elements.element) == ("CONTROL", "vertex")
     cage.delta_location.y = 0.0
     assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
     assert_goes_on(target, cage)
@@ -336,7 +336,7 @@ def test_elements_that_a_modifier_of_the_cage_made_are_not_shown_wrongly(room) -
     (line,) = (
         i
         for i, note in enumerate(notes)
-        if (note.elements.owner.name, note.elements.kind) == ("CONTROL", "face")
+        if (note.elements.owner.name, note.elements.element) == ("CONTROL", "face")
     )
     make_active(target)
     with pytest.raises(RuntimeError, match="turn off its modifiers"):

@@ -74,7 +74,7 @@ def is_internal(name: str) -> bool:
 
 
 def test_object_mode_offers_each_vertex_group_as_a_region(plate: Rig, room):
-    for kind, name in room("ids").Menus.OF_GROUPS.items():
+    for kind, name in room("ids").Menus.FOR_GROUPS.items():
         offered = [
             (settings.kind, settings.vertex_group)
             for operator, settings in draw(getattr(bpy.types, name)).operators()
@@ -129,7 +129,7 @@ def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
 
 def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig, room):
     sheet = draw_panel()
-    assert set(room("ids").Menus.OF_GROUPS.values()) <= set(sheet.menus())
+    assert set(room("ids").Menus.FOR_GROUPS.values()) <= set(sheet.menus())
     assert "sinew.deformer_add" in sheet.operator_names()
 
 

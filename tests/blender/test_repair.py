@@ -265,7 +265,7 @@ def test_notes_name_each_fault_with_elements_and_remedy(room):
     assert any("loose vert" in text for text in by_text)
     lost = np.flatnonzero(~np.isfinite(points).all(axis=1))
     assert set(by_text["2 vertices without a finite position"].elements.indices) == set(lost)
-    assert by_text["1 duplicate face"].elements.kind == "face"
+    assert by_text["1 duplicate face"].elements.element == "face"
     hidden = session.notes(room("backend").diagnose(points, (counts, corners)), selectable=False)
     assert [line.text for line in hidden] == [line.text for line in lines]
     assert not any(line.elements for line in hidden)

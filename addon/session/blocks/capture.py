@@ -12,7 +12,7 @@ import bpy
 from bpy.types import Depsgraph, Mesh, Modifier, Object
 
 from ...core.errors import MeshError
-from ...core.kinds import MESH, named
+from ...core.point_types import MESH, point_type_with_id
 from ...ids import Datablocks, Keys
 from ...mesh_io import same_topology, weights_attribute
 from ...properties import SinewDeformer
@@ -109,7 +109,7 @@ def rest_meshes(obj: Object, deformer: SinewDeformer) -> tuple[Mesh, Mesh | None
 
 
 def _refuse_other_kind(shown: Mesh, rendered: Mesh) -> None:
-    if shown.get(Keys.REST_KIND) != rendered.get(Keys.REST_KIND):
+    if shown.get(Keys.REST_POINT_TYPE) != rendered.get(Keys.REST_POINT_TYPE):
         bpy.data.meshes.remove(rendered)
         raise MeshError(
             "Modifiers before Sinew make a surface in renders only, or in viewports only - let both agree"
@@ -164,7 +164,7 @@ def _position(obj: Object, deformer: SinewDeformer) -> int:
 def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
     if not targets.is_mesh(obj):
         mesh = _new_mesh(copy)
-        mesh[Keys.REST_KIND] = control_points.take_point_type(mesh).id
+        mesh[Keys.REST_POINT_TYPE] = control_points.take_point_type(mesh).id
         mesh[Keys.REST_STRUCTURE] = targets.structure(obj)
         return _as_rest(mesh, [])
     names = [group.name for group in obj.vertex_groups]
@@ -178,9 +178,9 @@ def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
 def _as_rest(mesh: Mesh, names: list[str]) -> Mesh:
     """Named and marked; ``names`` of the vertex groups."""
     if len(mesh.vertices) == 0:
-        kind = named(mesh.get(Keys.REST_KIND))
+        point_type = point_type_with_id(mesh.get(Keys.REST_POINT_TYPE))
         bpy.data.meshes.remove(mesh)
-        what = "mesh has no vertices" if kind is MESH else "object has no points"
+        what = "mesh has no vertices" if point_type is MESH else "object has no points"
         raise MeshError(f"The {what} - add some, or check the modifiers before Sinew")
     mesh.name = Datablocks.REST
     mesh.materials.clear()

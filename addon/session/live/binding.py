@@ -8,12 +8,12 @@ from functools import partial
 
 import bpy
 
-from ...backend import Factor, Inheritance, Progress, availability, build_factor
+from ...backend import Factor, PreparedBind, Progress, availability, build_factor
 from ...core import status
 from ...core.elements import NO_ELEMENTS, Owner
 from ...core.errors import BackendMissingError, CancelledError, SinewError
-from ...core.kinds import MESH
 from ...core.memory import remember
+from ...core.point_types import MESH
 from ...core.status import Level, Remedy, Status
 from ...ids import Keys
 from ...mesh_io import read_rest
@@ -79,7 +79,7 @@ def ensure(
         _keep_job_for(deformer.uid, key)
         under_way = None if wait else _jobs.get(deformer.uid)
     bound = session.bound
-    is_wanted = bound is not None and bound.key == key and not bound.factor.is_spent
+    is_wanted = bound is not None and bound.key == key and not bound.factor.is_released
     if is_wanted and (under_way is not None or not bound.is_preview):
         return bound
     require_backend()
@@ -94,12 +94,12 @@ def ensure(
         if rest == deformer.rest:
             abandon(deformer.uid)
         session.drop_work()  # its answer would be one of the old factor
-        inherited = None if session.bound is None else session.bound.factor.hand_over(request.recipe)
+        prepared = None if session.bound is None else session.bound.factor.prepare_rebind(request.recipe)
         if not wait and may_wait(len(request.rest.points)):
-            _jobs[deformer.uid] = _begin(request, inherited)
+            _jobs[deformer.uid] = _begin(request, prepared)
             return None
         begin = time.perf_counter()
-        factor = build_factor(request.recipe, progress, inherited)
+        factor = build_factor(request.recipe, progress, prepared)
     except SinewError as error:
         told = _told(error, request)
         _refuse(session, deformer.uid, key, told)
@@ -109,12 +109,12 @@ def ensure(
     )
 
 
-def _begin(request: BindInput, inherited: Inheritance | None) -> Work:
+def _begin(request: BindInput, prepared: PreparedBind | None) -> Work:
     """A thread that builds a factor; where a quick one is worth showing, that one first."""
     preview = request.recipe.preview()
-    if preview is not None and inherited is None:
+    if preview is not None and prepared is None:
         return Work(partial(build_factor, preview), replace(request, recipe=preview, after=request))
-    return Work(partial(build_factor, request.recipe, inherited=inherited), request)
+    return Work(partial(build_factor, request.recipe, prepared=prepared), request)
 
 
 def _told(error: SinewError, request: BindInput | None) -> SinewError:
@@ -122,9 +122,9 @@ def _told(error: SinewError, request: BindInput | None) -> SinewError:
     if request is None:
         return error
     elements = kinds.kind_of_method(request.recipe.method).selectable(error.elements, request)
-    if request.rest.kind is not MESH and elements.owner is Owner.TARGET:
-        return error.about(NO_ELEMENTS, Remedy.NONE)  # nothing of it can be selected, or repaired
-    return error.about(elements, error.remedy)
+    if request.rest.point_type is not MESH and elements.owner is Owner.TARGET:
+        return error.with_elements(NO_ELEMENTS, Remedy.NONE)  # nothing of it can be selected, or repaired
+    return error.with_elements(elements, error.remedy)
 
 
 def _keep_job_for(uid: str, key: tuple) -> None:
@@ -170,7 +170,9 @@ def _install(
 def summary(bound: Bound) -> str:
     """The status line of a deformer that is well."""
     time_spent = duration(bound.milliseconds)
-    return f"{len(bound.rest.points):,} {bound.rest.kind.nouns[1]}, {bound.control}, bound in {time_spent}"
+    return (
+        f"{len(bound.rest.points):,} {bound.rest.point_type.nouns[1]}, {bound.control}, bound in {time_spent}"
+    )
 
 
 def duration(milliseconds: float) -> str:
@@ -183,7 +185,7 @@ def duration(milliseconds: float) -> str:
 def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
     """What is unusual about the mesh. Elements count the vertices that enter: Select shows the base mesh."""
     warnings = kinds.kind_of_method(request.recipe.method).notes(factor.report, request)
-    if request.rest.kind is not MESH:
+    if request.rest.point_type is not MESH:
         return warnings  # there is nothing to repair
     diagnosis = replace(factor.diagnosis, not_finite=request.rest.not_finite)
     return (*warnings, *mesh_notes.notes(diagnosis, request.on_base))

@@ -90,7 +90,7 @@ class Patch:
             painted = group_weights(mesh, [group.name for group in obj.vertex_groups], groups)
         finally:
             bpy.data.meshes.remove(mesh)
-        self._rest, self._counts, self._corners = shape.compact, shape.counts, shape.corners
+        self._rest, self._counts, self._corners = shape.points_float32, shape.counts, shape.corners
         self.points = shape.points @ self._linear.T
         stays = hidden.copy()
         stays[shape.not_finite] = True
@@ -120,8 +120,8 @@ class Patch:
         else:
             free = self._measure(sources, radius) <= radius
         free &= ~sources
-        inside = reach.surrounded(self._counts, self._corners, free, _RINGS)
-        members, faces = reach.part(self._counts, self._corners, inside)
+        inside = reach.with_rings(self._counts, self._corners, free, _RINGS)
+        members, faces = reach.submesh(self._counts, self._corners, inside)
         return Region(
             radius,
             moving=np.concatenate((self.selected, np.flatnonzero(free))),
@@ -135,7 +135,7 @@ class Patch:
         )
 
     def _shaded(self, moving: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        faces = reach.met(self._counts, self._corners, moving)
+        faces = reach.touching_faces(self._counts, self._corners, moving)
         vertices = np.unique(self._corners[np.repeat(faces, self._counts)])
         few = len(vertices) < _FEW * len(self._rest)
         return (vertices, np.flatnonzero(faces)) if few else None

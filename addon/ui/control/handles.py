@@ -112,4 +112,4 @@ def _draw_add(layout: UILayout, obj: Object, kind: str, text: str, icon: str) ->
     if obj.mode == "EDIT":
         layout.operator(Operators.HANDLE_ADD, text=text, icon=icon).kind = kind
     else:
-        layout.menu(Menus.OF_GROUPS[kind], text=text, icon=icon)
+        layout.menu(Menus.FOR_GROUPS[kind], text=text, icon=icon)
