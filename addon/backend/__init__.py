@@ -13,7 +13,7 @@ from .native import (
     limit_memory,
     limit_threads,
 )
-from .recipes import Base, Cage, CageReport, Handles, Progress, Recipe, Shape
+from .recipes import Base, Cage, CageReport, HandlePoints, Handles, Progress, Recipe, Shape
 
 __all__ = (
     "Availability",
@@ -22,6 +22,7 @@ __all__ = (
     "CageReport",
     "Diagnosis",
     "Factor",
+    "HandlePoints",
     "Handles",
     "PreparedBind",
     "Progress",

@@ -85,6 +85,47 @@ class Handles:
 
 
 @dataclass(frozen=True)
+class HandlePoints:
+    """Points that move with handles, for a space method: ``points`` (c, 3) float64 at rest, in the frame of
+    the target, and ``rows`` (c,), the handle of each.
+    """
+
+    points: np.ndarray
+    rows: np.ndarray
+
+    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
+        """The native method, still without bound points."""
+        return make(native, recipe.method, self.points, recipe.options)
+
+    def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
+        """Whether the bound method ``former`` has the weights that the method ``made`` would compute."""
+        return made.can_reuse(former, recipe.target.points)
+
+    def bind(
+        self, _native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
+    ) -> object:
+        """Compute the weights of the target's points, or reuse those of ``former``, and return the report."""
+        if former is None:
+            return made.bind(recipe.target.points, progress)
+        return made.rebind(former.method, recipe.target.points, progress)
+
+    def solve(
+        self,
+        method: Any,
+        poses: np.ndarray,
+        *,
+        from_rest: np.ndarray | None = None,  # what enters is moved on by the same displacements in any case
+        incoming: np.ndarray | None = None,
+        out: np.ndarray | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[np.ndarray, None]:
+        """Positions (n, 3) for the ``poses`` (k, 3, 4) of the handles. There is nothing to report."""
+        maps = poses[self.rows]
+        posed = np.einsum("cij,cj->ci", maps[:, :, :3], self.points) + maps[:, :, 3]
+        return method.warp(posed, out=out, incoming=incoming), None
+
+
+@dataclass(frozen=True)
 class CageReport:
     """What a bind to a cage found: the vertices ``outside`` the cage, and its faces that cross others
     (indices).
@@ -156,7 +197,7 @@ class Recipe:
     method: Method
     target: Shape
     options: dict[str, object]
-    control: Handles | Cage
+    control: Handles | HandlePoints | Cage
 
     def native_class(self, native) -> type:
         """The class of the method in the native module."""
