@@ -13,13 +13,14 @@ from .native import (
     limit_memory,
     limit_threads,
 )
-from .recipes import Base, Cage, CageReport, HandlePoints, Handles, Progress, Recipe, Shape
+from .recipes import Base, Cage, CageReport, ControlPoints, HandlePoints, Handles, Progress, Recipe, Shape
 
 __all__ = (
     "Availability",
     "Base",
     "Cage",
     "CageReport",
+    "ControlPoints",
     "Diagnosis",
     "Factor",
     "HandlePoints",

@@ -53,7 +53,7 @@ class Bound:
 
 @dataclass(frozen=True)
 class Handles:
-    """The regions of a surface: the vertices, weights and ``options`` of each, as ``set_handles`` takes them."""
+    """The regions of a surface: vertices, weights and ``options`` of each, as ``set_handles`` takes them."""
 
     vertices: Sequence[np.ndarray]
     weights: Sequence[object]
@@ -85,13 +85,10 @@ class Handles:
 
 
 @dataclass(frozen=True)
-class HandlePoints:
-    """Points that move with handles, for a space method: ``points`` (c, 3) float64 at rest, in the frame of
-    the target, and ``rows`` (c,), the handle of each.
-    """
+class ControlPoints:
+    """The points (c, 3) float64 of a control at rest, in the frame of the target, for a space method."""
 
     points: np.ndarray
-    rows: np.ndarray
 
     def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
         """The native method, still without bound points."""
@@ -112,17 +109,32 @@ class HandlePoints:
     def solve(
         self,
         method: Any,
-        poses: np.ndarray,
+        points: np.ndarray,
         *,
-        from_rest: np.ndarray | None = None,  # what enters is moved on by the same displacements in any case
         incoming: np.ndarray | None = None,
         out: np.ndarray | None = None,
         progress: Progress | None = None,
     ) -> tuple[np.ndarray, None]:
-        """Positions (n, 3) for the ``poses`` (k, 3, 4) of the handles. There is nothing to report."""
+        """Positions (n, 3) for the posed ``points`` (c, 3). There is nothing to report."""
+        return method.warp(points, out=out, incoming=incoming), None
+
+
+@dataclass(frozen=True)
+class HandlePoints(ControlPoints):
+    """Points that move with handles: ``rows`` (c,) is the handle of each."""
+
+    rows: np.ndarray
+
+    def solve(
+        self, method: Any, poses: np.ndarray, *, from_rest: np.ndarray | None = None, **options
+    ) -> tuple[np.ndarray, None]:
+        """Positions (n, 3) for the ``poses`` (k, 3, 4) of the handles.
+
+        What enters is moved on by the same displacements whatever ``from_rest`` says.
+        """
         maps = poses[self.rows]
         posed = np.einsum("cij,cj->ci", maps[:, :, :3], self.points) + maps[:, :, 3]
-        return method.warp(posed, out=out, incoming=incoming), None
+        return super().solve(method, posed, **options)
 
 
 @dataclass(frozen=True)
@@ -197,7 +209,7 @@ class Recipe:
     method: Method
     target: Shape
     options: dict[str, object]
-    control: Handles | HandlePoints | Cage
+    control: Handles | ControlPoints | Cage
 
     def native_class(self, native) -> type:
         """The class of the method in the native module."""
