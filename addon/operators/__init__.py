@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The buttons."""
+"""The operators, which are the buttons and menu entries of Sinew."""
 
 from bpy.utils import register_classes_factory
 

@@ -11,7 +11,7 @@ from .target import deformer_index, has_deformer, object_mode, target_of
 
 
 class SINEW_OT_apply(Operator):
-    """Make the shape of now the shape of the mesh, or a shape key of it, and remove the deformer"""
+    """Make the current shape the shape of the mesh, or a shape key of it, and remove the deformer"""
 
     bl_idname = Operators.APPLY
     bl_label = "Apply"

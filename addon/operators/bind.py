@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bind and unbind. With a window a heavy mesh binds in a thread: progress in the status bar, Esc cancels."""
+"""Bind and unbind. With a window, a large mesh binds in a thread, with its progress in the status bar."""
 
 from bpy.types import Context, Operator
 
@@ -11,7 +11,7 @@ from .waiting import BindingOperator
 
 
 class SINEW_OT_bind(BindingOperator, Operator):
-    """Take the mesh as it is now for the rest shape, and prepare it to follow its handles"""
+    """Take the current shape of the mesh as its rest shape, and prepare it to follow its controls"""
 
     bl_idname = Operators.BIND
     bl_label = "Bind"
@@ -32,9 +32,9 @@ class SINEW_OT_bind(BindingOperator, Operator):
 
 
 class SINEW_OT_unbind(Operator):
-    """Show the rest shape; regions and settings stay.
+    """Show the rest shape again. Regions and settings stay.
 
-    The next Bind starts from where the controls are then
+    The next Bind takes the places of the controls at that time as their rest
     """
 
     bl_idname = Operators.UNBIND

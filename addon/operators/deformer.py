@@ -43,7 +43,7 @@ class SINEW_OT_deformer_add(Operator):
 
 
 class SINEW_OT_deformer_remove(Operator):
-    """Remove the deformer, its controls and its hidden data; the mesh is at rest again"""
+    """Remove the deformer, its controls and its hidden data. The mesh shows its rest shape again"""
 
     bl_idname = Operators.DEFORMER_REMOVE
     bl_label = "Remove Deformer"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings saved in the .blend: the only truth about a deformer."""
+"""The settings of deformers that a .blend file stores. Everything else can be computed from them."""
 
 import bpy
 from bpy.props import PointerProperty

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far as-rigid-as-possible is from its minimum after a few iterations.
+"""How far the energy of as-rigid-as-possible is above its minimum after a few iterations.
 
-Excess energy in per cent over a long run from the same start. Figures count iterations, so they are the
-same on every machine. "bend 179" is a saddle: a symmetric shape, at which the steps become tiny after 20
-iterations and which a run of hundreds leaves sideways, to an energy 0.4 % lower.
+The excess is in per cent of the energy after a long run from the same start. The figures depend on numbers of
+iterations, so they are the same on every machine. "bend 179" leads to a saddle, a symmetric shape: after 20
+iterations the steps become tiny, and only after hundreds the shape leaves it, to an energy that is 0.4 %
+lower.
 """
 
 from pathlib import Path
@@ -16,7 +17,7 @@ import sinew_native
 
 from . import Options, Task
 
-LIMITS = {10: 1.0, 40: 0.1}  # per cent: what the method promises with its default smoothness
+LIMITS = {10: 1.0, 40: 0.1}  # per cent that the method promises with its default smoothness
 REFERENCE = 400  # iterations of the long run
 LARGEST, LARGEST_QUICK = 50_000, 2_000
 BARS = [

@@ -100,7 +100,7 @@ def plate() -> Rig:
 @pytest.fixture
 def posed_plate(plate: Rig) -> tuple[Rig, Expected]:
     """The plate, bound and lifted by a half; what to see of it."""
-    expected = Expected.of(plate.bind())
+    expected = Expected.of_rig(plate.bind())
     plate.lift(0.5)
     assert close(plate.points(), expected.lifted(0.5))
     return plate, expected

@@ -107,7 +107,7 @@ class Expected(Poses):
         self._still = [np.eye(4)[:3]] * (len(groups) - 1)
 
     @classmethod
-    def of(cls, plate: Rig, method: str = "thin_shell", **options: object) -> Expected:
+    def of_rig(cls, plate: Rig, method: str = "thin_shell", **options: object) -> Expected:
         """Of the plate and its control, after ``plate.bind``."""
         return cls(plate.obj, plate.control, method=method, **options)
 

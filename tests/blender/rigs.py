@@ -93,7 +93,7 @@ class HandleRig(Rig):
 
     def expected(self, method: str | None = None, **options: object) -> Poses:
         """What to see at each pose of the control. Made while it is at rest."""
-        return Expected.of(self, method or self.methods[0], **options)
+        return Expected.of_rig(self, method or self.methods[0], **options)
 
     def start(self, method: str | None = None) -> Poses:
         """Bind, by the operators; what to expect of it."""

@@ -56,5 +56,5 @@ class DrawContext:
 
 def draw(cls: type, context: DrawContext | None = None) -> Sheet:
     sheet = Sheet()
-    cls.draw(SimpleNamespace(layout=sheet, kind=getattr(cls, "kind", "")), context or DrawContext())
+    cls.draw(SimpleNamespace(layout=sheet, role=getattr(cls, "role", "")), context or DrawContext())
     return sheet

@@ -552,9 +552,11 @@ def test_overlays_colour_surfaces_and_leave_points_alone(room, caged, overlay):
     settings = bpy.context.scene.sinew
     settings.show_overlay, settings.overlay = True, overlay
     update()
-    picture = room("ui.overlay_picture")
+    picture = room("ui.overlay_mesh")
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    painted = picture.Gallery().picture(obj, obj.sinew.active, picture.look_of(bpy.context), depsgraph)
+    painted = picture.OverlayCache().overlay_mesh(
+        obj, obj.sinew.active, picture.overlay_settings(bpy.context), depsgraph
+    )
     assert (painted is not None) == (obj.type in ("CURVE", "FONT") and has_surface(obj))
     settings.show_overlay = False
 
@@ -566,7 +568,7 @@ def test_hair_goes_into_alembic_files_and_curves_and_text_do_not(tmp_path):
     for maker in (bezier, text):
         obj, _cage = bind(maker())
         make_active(obj)
-        with pytest.raises(RuntimeError, match="without modifiers - convert"):
+        with pytest.raises(RuntimeError, match="without its modifiers - convert"):
             bpy.ops.sinew.bake(target="ALEMBIC", filepath=path, frame_start=1, frame_end=1)
     obj, cage = bind(hair())
     cage.location.z = 0.5

@@ -74,13 +74,13 @@ def is_internal(name: str) -> bool:
 
 
 def test_object_mode_offers_each_vertex_group_as_a_region(plate: Rig, room):
-    for kind, name in room("ids").Menus.FOR_GROUPS.items():
+    for role, name in room("ids").Menus.FOR_GROUPS.items():
         offered = [
             (settings.kind, settings.vertex_group)
             for operator, settings in draw(getattr(bpy.types, name)).operators()
             if operator == "sinew.handle_add"
         ]
-        assert offered == [(kind, "Top"), (kind, "Base")]
+        assert offered == [(role, "Top"), (role, "Base")]
 
 
 def test_add_buttons_take_the_selection_in_edit_mode(bound_plate: Rig):

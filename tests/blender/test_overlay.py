@@ -21,7 +21,7 @@ SLACK = 1e-4  # a fortieth of what a screen can show; Blender's own conversion i
 def overlay(room, scene):
     """``ui.overlay``, with its updates followed as with a window, and a known opacity."""
     module = room("ui.overlay")
-    module.gallery.clear()
+    module.cache.clear()
     preferences = room("preferences").preferences(bpy.context)
     preferences.overlay_opacity = 1.0
     bpy.context.scene.sinew.opacity = OPACITY
@@ -38,9 +38,9 @@ def paint(overlay, room):
     def picture(obj: bpy.types.Object, **wanted):
         for name, value in wanted.items():
             setattr(bpy.context.scene.sinew, name, value)
-        look = room("ui.overlay_picture").look_of(bpy.context)
+        look = room("ui.overlay_mesh").overlay_settings(bpy.context)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        return overlay.gallery.picture(obj, obj.sinew.active, look, depsgraph)
+        return overlay.cache.overlay_mesh(obj, obj.sinew.active, look, depsgraph)
 
     return picture
 
@@ -324,18 +324,18 @@ def test_nothing_bound_draws_nothing(paint, plate: Rig):
 
 
 def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, bound_plate: Rig):
-    gallery, obj = overlay.gallery, bound_plate.obj
+    cache, obj = overlay.cache, bound_plate.obj
     other = bpy.data.objects.new("Other", bpy.data.meshes.new("Other"))
     bpy.context.scene.collection.objects.link(other)
     update()
 
     def painted(change, **wanted) -> int:
-        before = gallery.painted
+        before = cache.computed
         change()
         update()
         first = paint(obj, **wanted)
         assert paint(obj) is first
-        return gallery.painted - before
+        return cache.computed - before
 
     def nothing() -> None:
         """No change."""
@@ -353,10 +353,10 @@ def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, b
     assert painted(lambda: setattr(settings, "opacity", 0.4)) == 1
     assert painted(lambda: bpy.ops.sinew.bind()) == 1
     assert painted(nothing, overlay="DISTORTION") == 1
-    before = gallery.painted
+    before = cache.computed
     for _ in range(100):
         paint(obj)
-    assert gallery.painted == before
+    assert cache.computed == before
 
 
 def test_colours_of_handles_do_not_repaint_other_overlays(paint, overlay, bound_plate: Rig, room):

@@ -299,7 +299,7 @@ def test_shared_vertices_stay_in_the_first_region(plate: Rig, room, capfd):
     assert line.remedy is room("core.status").Remedy.PART_REGIONS
     capfd.readouterr()
     assert bpy.ops.sinew.part_regions() == {"FINISHED"}
-    assert "22 vertices went from Overlap to Top alone" in capfd.readouterr().out
+    assert "22 vertices are now in Top alone, no longer in Overlap" in capfd.readouterr().out
     assert members(plate.obj, "Top") == set(plate.top)
     assert members(plate.obj, "Overlap") == set(shared) - set(plate.top)
     assert plate.deformer.status_level == "INFO"

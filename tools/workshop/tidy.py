@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""clang-tidy over native/: each source once, and again only when it or something it depends on has changed.
+"""Runs clang-tidy on each source of native/, and again only if the source or what it depends on has changed.
 
-A source that passed leaves an empty file beside what ccache keeps, named by a digest of its command, of the
-settings, and of the source with all that it includes from this repository.
+For each source that passed, an empty file is kept beside the files of ccache. Its name is a digest of the
+compile command, the settings, and the source with all files of this repository that it includes.
 """
 
 import json
@@ -24,7 +24,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 def tidy() -> bool:
-    """Whether all sources of native/ pass; says what does not."""
+    """Whether all sources of native/ pass. Prints the complaints about those that do not."""
     environments.dev().make()
     configure_tree("dev")
     must(
@@ -45,7 +45,7 @@ def tidy() -> bool:
 
 
 def commands() -> dict[Path, str]:
-    """How the dev preset compiles each source of native/."""
+    """The commands by which the dev preset compiles the sources of native/."""
     entries = json.loads((NATIVE_TREE / "compile_commands.json").read_text(encoding="utf-8"))
     native = ROOT / "native"
     return {Path(e["file"]): e["command"] for e in entries if Path(e["file"]).is_relative_to(native)}
@@ -75,7 +75,7 @@ def directly_included(file: Path) -> tuple[Path, ...]:
 
 
 def complaints_about(file: Path) -> str:
-    """What clang-tidy says of one source, or nothing."""
+    """What clang-tidy says about one source; empty if it passes."""
     clang_tidy = environments.dev().bin / "clang-tidy"
     command = [clang_tidy, "--quiet", "-p", NATIVE_TREE, *compiler_arguments(), file]
     done = subprocess.run(command, capture_output=True, text=True, errors="replace")
@@ -85,10 +85,10 @@ def complaints_about(file: Path) -> str:
 
 @cache
 def compiler_arguments() -> tuple[str, ...]:
-    """What Clang needs to read what GCC compiles.
+    """The arguments that Clang needs to read what GCC compiles.
 
-    GCC's own headers, after all others, for those that Clang has not, such as OpenMP's; and templates that
-    are never used stay unread, as CGAL has some that refer to members that are not there.
+    GCC's own headers come after all others, for headers that Clang does not have, such as OpenMP's. Templates
+    that are never used are not checked, since some of CGAL's refer to members that do not exist.
     """
     answer = subprocess.run(["g++", "-print-file-name=include"], check=True, capture_output=True, text=True)
     return (f"--extra-arg=-idirafter{answer.stdout.strip()}", "--extra-arg=-fdelayed-template-parsing")

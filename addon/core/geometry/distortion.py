@@ -126,7 +126,7 @@ def worst(values: np.ndarray) -> int:
 
 
 def _factor(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The upper triangular factor of each triangle's metric tensor, with a non-negative diagonal; (t,) each."""
+    """The upper triangular factor of each triangle's metric tensor, with a diagonal >= 0; (t,) each."""
     x, y, z = (np.ascontiguousarray(axis, dtype=np.float64) for axis in points.T)
     first, second, third = (np.ascontiguousarray(corner) for corner in triangles.T)
     e = [axis[second] - axis[first] for axis in (x, y, z)]

@@ -26,10 +26,10 @@ public:
     virtual int factorize(const SparseMatrix& matrix) = 0;
     virtual int factorize(const PrincipalBlock& block) { return factorize(block.copy()); }
 
-    /// The same after the `changed` columns and rows of the block alone became others: only what they reach
-    /// is computed, and the result is that of factorize() to the last bit. Empty, and nothing is done, where
-    /// the engine cannot, or where more than `most` of the work were to be done again.
-    /// \param[out] share  of the work of factorize() that was done.
+    /// Numeric factorisation after a change of the `changed` rows and columns of the block alone. It computes
+    /// only what depends on them, and its result is that of factorize() to the last bit. It does nothing and
+    /// returns an empty value if the engine cannot do this, or if more than the share `most` of the work of
+    /// factorize() would have to be done. Otherwise it sets `share` to the share of that work that was done.
     virtual std::optional<int> update(const PrincipalBlock& /*block*/, const std::vector<int>& /*changed*/,
                                       double /*most*/, double& /*share*/)
     {

@@ -49,7 +49,8 @@ public:
     /// The crossing next to a node, at most `reach` steps up (sign 1) or down (-1) an axis; nullptr for none.
     const Crossing* next(const Node& node, int axis, int sign, double reach) const;
 
-    /// \param at  (point - origin) / step, as in all that follow.
+    /// A point in units of the lattice: (point - origin) / step. All functions below take such points as
+    /// `at`.
     Vector3 seen(const Vector3& point) const { return (point - origin_) / step_; }
     /// The cube of `width` steps, its lowest node a multiple of it, that holds a point; false outside of the
     /// lattice.
