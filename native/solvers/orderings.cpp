@@ -13,7 +13,7 @@ namespace sinew {
 
 namespace {
 
-/// Breadth-first from `start`, neighbours by rising degree; appends to `order`.
+/// Appends to `order` what a breadth-first search from `start` visits, neighbours by rising degree.
 /// E. Cuthill, J. McKee. "Reducing the bandwidth of sparse symmetric matrices." ACM 1969.
 void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& seen, std::vector<int>& order)
 {
@@ -47,8 +47,8 @@ std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
     for (int seed = 0; seed < n; ++seed) {
         if (seen[seed])
             continue;
-        // A vertex at the far end gives the narrowest levels: walk there once, then number
-        // the part from it.
+        // The levels of the search are narrowest from a vertex at one end of the part. A first search ends at
+        // such a vertex, and a second one from there numbers the part.
         std::vector<bool> visited = seen;
         std::vector<int> trial;
         cuthill_mckee(matrix, seed, visited, trial);
@@ -60,7 +60,7 @@ std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
 
 std::vector<int> minimum_degree(const SparseMatrix& matrix)
 {
-    if (have_cholmod()) // twice as fast as Eigen's
+    if (have_cholmod()) // its minimum degree is twice as fast as Eigen's
         return cholmod_minimum_degree(matrix);
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
     Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Lower>(), permutation);
