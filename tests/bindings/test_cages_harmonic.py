@@ -1,40 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Harmonic and positive mean value coordinates against finite differences and ray casting in NumPy."""
+"""Harmonic coordinates against finite differences in NumPy, and what their report tells."""
 
 import numpy as np
-import pytest
 import scipy.sparse as sparse
 import scipy.sparse.linalg as linalg
 
 import sinew_native as sn
 
-from .cages import CUBE, OUTLINE, QUADS, bound, u_prism
+from .cages import OUTLINE, bound, u_prism
 
 CAPS = [(0, 1, 4), (0, 4, 5), (1, 2, 3), (1, 3, 4), (0, 5, 6), (0, 6, 7)]  # triangles of the outline
 
 
 def surface() -> sn.SurfaceMesh:
     return u_prism(CAPS)
-
-
-def inside(count: int, depth: float = 0.05) -> np.ndarray:
-    points = np.random.default_rng(0).uniform(
-        (depth, depth, depth), (3 - depth, 3 - depth, 1 - depth), (4 * count, 3)
-    )
-    hollow = (abs(points[:, 0] - 1.5) < 0.5 + depth) & (points[:, 1] > 1 - depth)
-    return points[~hollow][:count]
-
-
-METHODS = {
-    "harmonic": lambda **options: sn.Harmonic(surface(), quality="fast", **options),
-    "positive": lambda **options: sn.PositiveMeanValue(surface(), **options),
-    "rays": lambda **options: sn.PositiveMeanValue(surface(), exact=False, **options),
-}
-
-
-@pytest.fixture(params=METHODS)
-def method(request):
-    return METHODS[request.param]
 
 
 def caps_data(x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -113,135 +92,17 @@ def test_finite_differences_converge_to_harmonic() -> None:
     assert coarse.mean() > 1.6 * fine.mean()
 
 
-def first_faces(points, triangles, x, directions) -> np.ndarray:
-    """Positive mean values by casting every ray at every triangle."""
-    corners = points[triangles] - x
-    normals = np.cross(np.roll(corners, -1, 1), np.roll(corners, -2, 1))  # of the sides opposite each corner
-    volume = np.einsum("tk,tk->t", corners[:, 0], normals[:, 0])
-    hats = np.einsum("tck,dk->dtc", normals / volume[:, None, None], directions)  # over the distance
-    hit = (hats >= 0).all(2)
-    inverse = np.where(hit, hats.sum(2), 0.0)
-    first = inverse.argmax(1)
-    weights = np.zeros(len(points))
-    for corner in range(3):
-        np.add.at(weights, triangles[first, corner], hats[np.arange(len(directions)), first, corner])
-    return weights / weights.sum()
-
-
-def test_positive_mean_values_agree_with_ray_casting() -> None:
-    cage = surface()
-    x = np.array([(0.5, 2.5, 0.5), (1.5, 0.5, 0.5), (0.2, 0.3, 0.7), (2.4, 1.2, 0.1)])
-    random = np.random.default_rng(1).standard_normal((40_000, 3))
-    directions = random / np.linalg.norm(random, axis=1)[:, None]
-    positive = bound(sn.PositiveMeanValue, cage, x)
-    for row, at in zip(positive.vertex_weights, x, strict=True):
-        expected = first_faces(cage.points, cage.triangles, at, directions)
-        assert np.abs(row - expected).max() < 5e-3  # four standard errors of 40,000 random rays
-
-
-def test_weights_are_barycentric(method) -> None:
-    x = inside(300)
-    coordinates = method(precision="double")
-    report = coordinates.bind(x)
-    weights = coordinates.vertex_weights
-    assert report.point_count == len(x)
-    assert len(report.outside) == 0
-    assert weights.min() >= 0
-    assert np.abs(weights.sum(1) - 1).max() < 1e-12
-    assert np.abs(weights @ surface().points - x).max() < 1e-9
-    np.testing.assert_allclose(coordinates.warp(surface().points * 2 + 1), x * 2 + 1, atol=1e-9)
-
-
-def test_single_precision_is_close_to_double(method) -> None:
-    x = inside(50)
-    single, double = method(), method(precision="double")
-    single.bind(x)
-    double.bind(x)
-    assert np.abs(single.vertex_weights - double.vertex_weights).max() < 1e-7
-
-
-def test_points_outside_are_named_or_bound_by_mean_values(method) -> None:
-    x = np.array([(0.5, 0.5, 0.5), (1.5, 2.0, 0.5), (0.5, 0.5, -1.0)])
-    with pytest.raises(sn.InvalidConstraint) as refusal:
-        method().bind(x)
-    assert refusal.value.elements == [1, 2]
-    assert refusal.value.element_kind == "vertex"
-    coordinates = method(precision="double", outside="mean_value")
-    assert coordinates.bind(x).outside.tolist() == [1, 2]
-    plain = bound(sn.MeanValue, surface(), x)
-    np.testing.assert_allclose(coordinates.vertex_weights[1:], plain.vertex_weights[1:], atol=1e-12)
-
-
-def test_cancelled_bind_leaves_the_last_one(method) -> None:
-    coordinates = method()
-    coordinates.bind(inside(10))
-    before = coordinates.vertex_weights
-    with pytest.raises(sn.Cancelled):
-        coordinates.bind(inside(20), progress=lambda fraction, stage: False)
-    np.testing.assert_array_equal(coordinates.vertex_weights, before)
-
-
-def test_progress_rises_to_one(method) -> None:
-    told = []
-    method().bind(inside(500), progress=lambda fraction, stage: told.append((fraction, stage)) or True)
-    fractions = [fraction for fraction, _ in told]
-    assert fractions == sorted(fractions)
-    assert fractions[-1] == 1.0
-    assert all(stage for _, stage in told)
-
-
-def test_unknown_choices_are_refused() -> None:
-    for make in (
-        lambda: sn.Harmonic(surface(), quality="best"),
-        lambda: sn.Harmonic(surface(), outside="zero"),
-        lambda: sn.Harmonic(surface(), solver="grid"),
-        lambda: sn.PositiveMeanValue(surface(), outside="zero"),
-        lambda: sn.PositiveMeanValue(surface(), exact=False, directions=7),
-    ):
-        with pytest.raises(sn.InvalidOption):
-            make()
-
-
-def test_harmonic_report_tells_quality() -> None:
-    x = inside(200)
+def test_the_report_tells_the_quality() -> None:
+    x = np.random.default_rng(0).uniform((0.05, 0.05, 0.05), (0.95, 2.95, 0.95), (20, 3))
     steps = []
     for quality in ("fast", "medium"):
-        harmonic = sn.Harmonic(surface(), quality=quality)
+        harmonic = sn.Harmonic(surface(), quality=quality, solver="boundary")
         assert harmonic.unknowns == 0
-        steps.append(
-            (harmonic.bind(x).error, harmonic.residual_rms, harmonic.residual_max, harmonic.unknowns)
-        )
-    (error, rms, largest, unknowns), (finer_error, finer_rms, finer_largest, more) = steps
+        steps.append((harmonic.bind(x).error, harmonic.residual_rms, harmonic.unknowns))
+    (error, rms, unknowns), (finer_error, finer_rms, more) = steps
     assert unknowns <= 1000 < more <= 2000
     assert 0 < finer_error < error
-    assert finer_rms < rms
-    assert max(largest, finer_largest) < 0.02
-
-
-def test_harmonic_above_the_memory_limit_is_refused() -> None:
-    sn.limit_memory(1_000_000)
-    try:
-        with pytest.raises(sn.OutOfMemory, match="memory limit"):
-            sn.Harmonic(surface()).bind(inside(5))
-    finally:
-        sn.limit_memory(0)
-
-
-def test_harmonic_cube_is_trilinear_from_python() -> None:
-    x = np.random.default_rng(0).uniform(0, 1, (200, 3))
-    harmonic = sn.Harmonic(sn.SurfaceMesh(CUBE, QUADS))
-    harmonic.bind(x)
-    expected = np.prod(np.where(CUBE > 0.5, x[:, None], 1 - x[:, None]), axis=2)
-    assert np.abs(harmonic.vertex_weights - expected).max() < 1e-4
-
-
-def test_lattice_and_boundary_agree_from_python() -> None:
-    x = inside(200)
-    found = {}
-    for solver in ("boundary", "lattice"):
-        harmonic = sn.Harmonic(surface(), precision="double", quality="medium", solver=solver)
-        found[solver] = (harmonic.bind(x).error, harmonic.vertex_weights)
-    (boundary_error, boundary), (lattice_error, lattice) = found["boundary"], found["lattice"]
-    assert np.abs(boundary - lattice).max() < boundary_error + lattice_error < 0.1
-    assert harmonic.residual_max == 0
-    assert np.abs(lattice @ surface().points - x).max() < 1e-11
+    assert 0 < finer_rms < rms <= harmonic.residual_max < 0.02
+    lattice = sn.Harmonic(surface(), solver="lattice")
+    lattice.bind(x)
+    assert lattice.residual_max == 0

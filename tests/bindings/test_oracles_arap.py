@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""As-rigid-as-possible against NumPy, libigl and finite differences."""
+"""As-rigid-as-possible against NumPy and libigl."""
 
 import igl
 import numpy as np
@@ -7,7 +7,7 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import BENT, STILL, bound, ends, grid, moved, shift, sphere, turn
+from .meshes import BENT, STILL, bound, ends, grid, moved, sphere, turn
 
 POINTS, FACES = sphere(3)  # all cotangents positive: nothing is clamped on either side
 POLES = [np.flatnonzero(POINTS[:, 2] < -0.8), np.flatnonzero(POINTS[:, 2] > 0.8)]
@@ -73,55 +73,6 @@ def test_minimum_is_not_above_libigls() -> None:
     assert np.abs(q - theirs).max() < 0.05
 
 
-def test_minimum_is_a_stationary_point_of_the_textbooks_energy() -> None:
-    arap = sphere_arap(smoothness=0)
-    q, _ = arap.solve(TURNED, max_iterations=3000, tolerance=1e-14)
-    start, _ = arap.solve(TURNED, max_iterations=0)
-    free = np.setdiff1d(np.arange(len(POINTS)), np.concatenate(POLES))[::29]
-
-    def slopes(x: np.ndarray) -> np.ndarray:
-        found = []
-        for v in free:
-            for axis in range(3):
-                step = np.zeros_like(x)
-                step[v, axis] = 1e-5
-                up, down = (spokes_energy(POINTS, y, FACES) for y in (x + step, x - step))
-                found.append((up - down) / 2e-5)
-        return np.array(found)
-
-    # Differences of E = 1 over steps of 1e-5: 1e-11 of rounding each.
-    assert np.abs(slopes(q)).max() < 1e-4 * np.abs(slopes(start)).max()
-
-
-@pytest.mark.parametrize("cells", ["spokes", "rims"])
-@pytest.mark.parametrize("smoothness", [0.0, 5e-4])
-def test_energy_never_rises_along_the_iterations(cells: str, smoothness: float) -> None:
-    arap, _, _ = bound(sn.Arap, n=14, cells=cells, smoothness=smoothness)
-    energies = [arap.solve(BENT, max_iterations=k, tolerance=0)[1].energy for k in range(25)]
-    assert (np.diff(energies) <= 1e-12 * energies[0]).all()
-
-
-@pytest.mark.parametrize("cells", ["spokes", "rims"])
-@pytest.mark.parametrize("smoothness", [0.0, 5e-4])
-@pytest.mark.parametrize("angle", [30, 170, 180])
-def test_one_rigid_motion_of_all_handles_is_exact(cells: str, smoothness: float, angle: float) -> None:
-    arap, points, _ = bound(sn.Arap, n=20, cells=cells, smoothness=smoothness)
-    pose = turn((1, 2, -0.5), angle, (3, 7, 1), (30, -20, 10))
-    q, report = arap.solve([pose, pose], max_iterations=0)
-    np.testing.assert_allclose(q, moved(pose, points), rtol=0, atol=1e-10)  # rounding at size 50
-    assert report.energy < 1e-15
-
-
-def test_known_octahedron() -> None:
-    points, faces = sphere(0)
-    arap = sn.Arap(sn.SurfaceMesh(points, faces), smoothness=0, max_iterations=500, tolerance=1e-15)
-    arap.set_handles([[5], [4]])
-    q, report = arap.solve([STILL, shift(0, 0, 0.5)])
-    assert report.energy == pytest.approx(0.5773502692, abs=1e-10)
-    np.testing.assert_allclose(q[:4, 2], 0.25, atol=1e-7)
-    np.testing.assert_allclose(np.linalg.norm(q[:4, :2], axis=1), 1, atol=1e-7)
-
-
 def test_smooth_rotations_keep_their_stiffness_on_finer_meshes() -> None:
     """What plain rotations do not: their bending stiffness falls with the square of the edge length."""
 
@@ -136,25 +87,8 @@ def test_smooth_rotations_keep_their_stiffness_on_finer_meshes() -> None:
     assert energy(24, 0.0) < 0.5 * energy(12, 0.0)
 
 
-def test_same_poses_same_shape_whatever_came_before() -> None:
-    arap, points, _ = bound(sn.Arap, n=14)
-    first, _ = arap.solve(BENT)
-    warm, _ = arap.solve(0.5 * (BENT + BENT[:1]), start=first)
-    arap.solve(BENT, incoming=points + 3)
-    np.testing.assert_array_equal(arap.solve(BENT)[0], first)
-    assert not np.array_equal(warm, first)
-
-
 def test_converges_from_a_warm_start_to_the_same_shape() -> None:
     arap, points, _ = bound(sn.Arap, n=14)
     cold, _ = arap.solve(BENT, max_iterations=300, tolerance=1e-10)
     warm, _ = arap.solve(BENT, start=points, max_iterations=600, tolerance=1e-10)
     assert np.abs(cold - warm).max() < 1e-2  # flat minimum: E agrees to 1e-8
-
-
-@pytest.mark.parametrize("smoothness", [0.0, 5e-4])
-def test_rest_in_rest_out(smoothness: float) -> None:
-    arap, points, _ = bound(sn.Arap, n=14, smoothness=smoothness)
-    q, report = arap.solve([STILL, STILL])
-    np.testing.assert_allclose(q, points, rtol=0, atol=1e-12)
-    assert report.converged

@@ -8,7 +8,7 @@ import scipy.sparse as sparse
 import sinew_native as sn
 
 from .cages import CUBE, QUADS
-from .meshes import grid, sphere
+from .meshes import sphere
 
 
 def cube(**options) -> sn.SubdivisionSurface:
@@ -78,17 +78,6 @@ def test_single_precision_stays_single_and_out_is_written() -> None:
         surface.refine(CUBE.astype(np.float32), out)
 
 
-def test_bits_do_not_depend_on_threads() -> None:
-    points, faces = grid(40)
-    surface = sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), level=2, limit=True)
-    found = []
-    for threads in (1, 2, 0):
-        sn.limit_threads(threads)
-        found.append(surface.refine(points))
-    np.testing.assert_array_equal(found[0], found[1])
-    np.testing.assert_array_equal(found[0], found[2])
-
-
 def test_normals_of_a_smooth_cube_look_outward() -> None:
     surface = cube(level=5, limit=True)
     fine = surface.refine(CUBE)
@@ -154,13 +143,3 @@ def test_refusals_name_what_is_wrong(options: dict, error: type, words: str) -> 
 def test_points_of_another_shape_are_refused(points: np.ndarray) -> None:
     with pytest.raises(sn.InvalidConstraint, match=r"\(8, 3\)"):
         cube().refine(points)
-
-
-def test_memory_is_announced_before_it_is_taken() -> None:
-    sn.limit_memory(10_000_000)
-    try:
-        with pytest.raises(sn.OutOfMemory, match=r"needs [\d.]+ [MG]B"):
-            cube(level=8)
-        cube(level=2)
-    finally:
-        sn.limit_memory(0)
