@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """clang-tidy over native/: each source once, and again only when it or something it depends on has changed.
 
+Kernels, which are compiled once for each set of instructions, are read as compiled for the baseline.
+
 A source that passed leaves an empty file beside what ccache keeps, named by a digest of its command, of the
 settings, and of the source with all that it includes from this repository.
 """
@@ -45,10 +47,15 @@ def tidy() -> bool:
 
 
 def commands() -> dict[Path, str]:
-    """How the dev preset compiles each source of native/."""
+    """How the dev preset compiles each source of native/, and the baseline of the kernels."""
     entries = json.loads((NATIVE_TREE / "compile_commands.json").read_text(encoding="utf-8"))
-    native = ROOT / "native"
-    return {Path(e["file"]): e["command"] for e in entries if Path(e["file"]).is_relative_to(native)}
+    found = {Path(entry["file"]): entry["command"] for entry in entries}
+    native, kernels = ROOT / "native", NATIVE_TREE / "native"
+    return {
+        file: command
+        for file, command in found.items()
+        if file.is_relative_to(native) or (file.is_relative_to(kernels) and file.stem.endswith("_baseline"))
+    }
 
 
 def digest(file: Path, command: str) -> str:
