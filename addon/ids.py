@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every name that Blender, files and other rooms know us by."""
+"""All identifiers that Blender, files and other rooms use for parts of Sinew."""
 
 VERSION = "0.1.0"
 
@@ -35,7 +35,7 @@ class Operators:
 
 
 class Menus:
-    """``bl_idname`` of the menus that others call by name."""
+    """``bl_idname`` of the menus that are called by name."""
 
     EDIT_MESH = "SINEW_MT_edit_mesh"
     OBJECT = "SINEW_MT_object"
@@ -45,7 +45,7 @@ class Menus:
     CAGE = "SINEW_MT_cage"
     DEFORMER = "SINEW_MT_deformer"
     MANUAL = "SINEW_MT_manual"
-    OF_GROUPS = {  # by the kind of region that a vertex group becomes
+    FOR_GROUPS = {  # by the role of the region that a vertex group becomes
         "HANDLE": "SINEW_MT_handle_of_group",
         "FIXED": "SINEW_MT_fixed_of_group",
         "SUPPORT": "SINEW_MT_support_of_group",
@@ -53,7 +53,7 @@ class Menus:
 
 
 class Datablocks:
-    """Names of datablocks we make; a leading dot hides them from Blender's menus."""
+    """Names of the datablocks that Sinew makes. A leading dot hides them in Blender's menus."""
 
     NODE_GROUP = ".Sinew"
     PROXY_VIEWPORT = ".Sinew Viewport"
@@ -64,21 +64,21 @@ class Datablocks:
 
 
 class Keys:
-    """Custom properties on Blender's data."""
+    """Names of the custom properties that Sinew stores on Blender's data."""
 
     GROUP_VERSION = "sinew_group_version"
-    GROUP_KIND = "sinew_group_kind"
+    GROUP_POINT_TYPE = "sinew_group_kind"
     KEEP = "sinew_keep_evaluated"
     SHAPE = "sinew_shape"
     CURVE = "sinew_curve"
     REST_TOKEN = "sinew_token"
     REST_GROUPS = "sinew_groups"
-    REST_KIND = "sinew_kind"
+    REST_POINT_TYPE = "sinew_kind"
     REST_STRUCTURE = "sinew_structure"
 
 
 class Inputs:
-    """Inputs of the shared node group, by the name the modifier shows."""
+    """Inputs of the shared node groups, by the names that the modifier shows."""
 
     PROXY_VIEWPORT = "Viewport Shape"
     PROXY_RENDER = "Render Shape"

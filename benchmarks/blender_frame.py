@@ -3,8 +3,8 @@
 
     blender -b --factory-startup -P benchmarks/blender_frame.py -- [ROW ...] [--small] [--json FILE]
 
-or, with Blender as a module, ``python benchmarks/blender_frame.py`` with the same words. Each row
-takes less than a minute; ours and the peer are measured by turns, and the medians compared.
+or, with Blender as a module, ``python benchmarks/blender_frame.py`` with the same arguments. Each row
+takes less than a minute. Sinew and the peer are measured by turns, and their medians are compared.
 
 A frame moves a control, lets Blender evaluate, and reads the positions of the evaluated mesh into an array.
 """
@@ -30,21 +30,21 @@ from installed import enable  # noqa: E402
 from rig import make_active, update  # noqa: E402
 
 ADDON = enable()
-SMALL = "--small" in sys.argv  # a little plate, once: whether a row runs, not how fast
+SMALL = "--small" in sys.argv  # for tests: a small plate and one round, since the times do not matter
 SIDE = 40 if SMALL else 316  # vertices along a side: 99,856
 LARGE_SIDE = 40 if SMALL else 1000
-BORDER = 0.95  # of [-1, 1]: what lies beyond is held
+BORDER = 0.95  # vertices beyond this share of [-1, 1] are held
 CAGE_CUTS = 6
 PATCH = 10  # vertices along a side of the handle that is added later
 
 
 def room(path: str):
-    """A room of the add-on."""
+    """Import a room of the add-on."""
     return sys.modules[f"{ADDON}.{path}"]
 
 
 def plate(side: int) -> bpy.types.Object:
-    """A bumpy, uneven height field over [-1, 1]^2 with groups Top, Base, their union, and a patch inside."""
+    """An uneven height field over [-1, 1]^2. Its groups are Top, Base, their union, and a patch inside."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     random = np.random.default_rng(0)
     y, x = np.meshgrid(*[np.linspace(-1.0, 1.0, side)] * 2, indexing="ij")
@@ -80,10 +80,10 @@ def plate(side: int) -> bpy.types.Object:
 
 
 def deformer_on(obj: bpy.types.Object, method: str):
-    """Our deformer with a handle and a fixed region, bound."""
+    """Add a deformer of Sinew with a handle and a fixed region, and bind it."""
     make_active(obj)
     bpy.ops.sinew.deformer_add(method=method)
-    with room("session").suspended():  # one bind, not one a region
+    with room("session").suspended():  # bind once, instead of once per region
         session, deformer = room("session"), obj.sinew.active
         session.add_handle(obj, deformer, "FIXED", "Base")
         session.add_handle(obj, deformer, "HANDLE", "Top")
@@ -92,7 +92,7 @@ def deformer_on(obj: bpy.types.Object, method: str):
 
 
 def laplacian_deform_on(obj: bpy.types.Object, control: bpy.types.Object, repeat: int):
-    """Blender's own: a Hook carries the handle, Laplacian Deform the rest. Not bound."""
+    """Add a Hook, which moves the handle, and Laplacian Deform for the rest, which is not bound yet."""
     hook = obj.modifiers.new("Hook", "HOOK")
     hook.object, hook.vertex_group = control, "Top"
     hook.matrix_inverse = control.matrix_world.inverted()
@@ -102,7 +102,7 @@ def laplacian_deform_on(obj: bpy.types.Object, control: bpy.types.Object, repeat
 
 
 def bind_laplacian_deform(obj: bpy.types.Object, modifier) -> None:
-    """Bind, with the evaluation that computes the factor."""
+    """Bind Laplacian Deform, and evaluate it once, which computes the factor."""
     with bpy.context.temp_override(object=obj, active_object=obj):
         bpy.ops.object.laplaciandeform_bind(modifier=modifier.name)
     update()
@@ -111,7 +111,7 @@ def bind_laplacian_deform(obj: bpy.types.Object, modifier) -> None:
 
 
 def peer_of(obj: bpy.types.Object) -> tuple[bpy.types.Object, bpy.types.Object]:
-    """The same mesh without anything of ours, and a control for it."""
+    """A copy of the mesh without Sinew, and a control for it."""
     peer = bpy.data.objects.new("Peer", obj.data.copy())
     for group in obj.vertex_groups:
         peer.vertex_groups.new(name=group.name)
@@ -123,13 +123,15 @@ def peer_of(obj: bpy.types.Object) -> tuple[bpy.types.Object, bpy.types.Object]:
 
 
 def motion(number: int) -> Matrix:
-    """Where a control goes in frame ``number``: near a lift by .4 and a turn by 35 degrees, never twice."""
+    """The motion of a control in frame ``number``: about a lift by .4 and a turn by 35 degrees, never the
+    same.
+    """
     turn = Matrix.Rotation(math.radians(35.0 + 2.0 * math.sin(number)), 4, "X")
     return Matrix.Translation((0.0, 0.0, 0.4 + 0.01 * math.cos(number))) @ turn
 
 
 def read_back(obj: bpy.types.Object, flat: np.ndarray) -> np.ndarray:
-    """The positions of the evaluated mesh."""
+    """Read the positions of the evaluated mesh."""
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     attribute = mesh.attributes.get("position")
     if attribute is not None:
@@ -140,7 +142,7 @@ def read_back(obj: bpy.types.Object, flat: np.ndarray) -> np.ndarray:
 
 
 class Frames:
-    """Frames of one object: its control starts at ``rest``."""
+    """Runs frames of one object, whose control starts at ``rest``."""
 
     def __init__(self, obj: bpy.types.Object, control: bpy.types.Object) -> None:
         self.obj, self.control = obj, control
@@ -153,14 +155,14 @@ class Frames:
         read_back(self.obj, self.flat)
 
     def moved(self) -> float:
-        """How far the farthest vertex is from rest, so that nobody measures a frame where nothing moves."""
+        """The largest distance of a vertex from rest, to check that something moves in the timed frames."""
         rest = np.empty_like(self.flat)
         self.obj.data.vertices.foreach_get("co", rest)
         return float(np.abs(self.flat - rest).max())
 
 
 class CageFrames(Frames):
-    """The same by the cage's vertices, as in Edit Mode: Mesh Deform does not notice when the object moves."""
+    """Moves the vertices of a cage, as in Edit Mode, since Mesh Deform ignores moves of the cage object."""
 
     def __init__(self, obj: bpy.types.Object, cage: bpy.types.Object) -> None:
         super().__init__(obj, cage)
@@ -175,7 +177,9 @@ class CageFrames(Frames):
 
 
 class Bare:
-    """A copy of the object that our Python does not know: write the shape, evaluate the modifier, read."""
+    """A copy of the object that the add-on does not handle: it writes a shape, evaluates the modifier, and
+    reads.
+    """
 
     def __init__(self, obj: bpy.types.Object, deformer) -> None:
         compat, inputs = room("compat"), room("ids").Inputs
@@ -212,12 +216,12 @@ class Bare:
         update()
         read_back(self.obj, self.flat)
         if abs(self.flat[0] - flat[0]) > 1e-5:
-            raise RuntimeError("the bare write does not show")
+            raise RuntimeError("the written shape is not shown")
 
 
 @contextmanager
 def silent() -> Iterator[None]:
-    """No handlers at all."""
+    """Remove all handlers for a while."""
     handlers = bpy.app.handlers.depsgraph_update_post
     kept = list(handlers)
     handlers.clear()
@@ -229,7 +233,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def dragging() -> Iterator[None]:
-    """The handler does what it does in a window while a control is dragged."""
+    """Let the handler do what it does in a window while a control is dragged."""
     handlers, session, ours = (
         bpy.app.handlers.depsgraph_update_post,
         room("session"),
@@ -249,14 +253,14 @@ def dragging() -> Iterator[None]:
 
 
 class Spent:
-    """Seconds within functions of the add-on, where other modules find them."""
+    """Counts the seconds that functions of the add-on take, in the modules that call them."""
 
     def __init__(self) -> None:
         self.seconds = 0.0
         self.reports: list = []
 
     def around(self, owner: object, name: str) -> None:
-        """Count what ``owner.name`` takes."""
+        """Count the seconds of ``owner.name``."""
         inner = getattr(owner, name)
 
         def timed(*arguments, **keywords):
@@ -281,14 +285,14 @@ SOLVE.around(room("backend.native").Factor, "solve")
 
 
 def timed(call: Callable[[], object]) -> float:
-    """Milliseconds."""
+    """The time of a call, in milliseconds."""
     begin = time.perf_counter()
     call()
     return (time.perf_counter() - begin) * 1000.0
 
 
 def medians(calls: dict[str, Callable[[int], object]], rounds: int, warm: int = 3) -> dict[str, float]:
-    """Each call by turns; the native solve within "ours" apart, and what is left of it."""
+    """Medians of calls that run by turns; for "ours" also those of the native solve and of the rest."""
     rounds, warm = (1, 1) if SMALL else (rounds, warm)
     times: dict[str, list[float]] = {name: [] for name in (*calls, "native", "around")}
     for number in range(rounds + warm):
@@ -307,7 +311,7 @@ def medians(calls: dict[str, Callable[[int], object]], rounds: int, warm: int = 
 def frame(
     method: str, repeat: int, drag: bool = False, goal: float = 0.0, **parameters: object
 ) -> dict[str, object]:
-    """A whole frame next to Laplacian Deform's."""
+    """A whole frame, next to one of Laplacian Deform."""
     obj = plate(SIDE)
     deformer = deformer_on(obj, method)
     for name, value in parameters.items():
@@ -326,7 +330,7 @@ def frame(
 
 def box_around(obj: bpy.types.Object) -> bpy.types.Object:
     """A closed cage of 296 vertices around the plate."""
-    import bmesh  # comes with bpy, as a module only after it
+    import bmesh  # it is part of bpy, and can be imported only after it
 
     mesh = bpy.data.meshes.new("Cage")
     made = bmesh.new()
@@ -341,7 +345,7 @@ def box_around(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def cage_frame(method: str) -> dict[str, object]:
-    """A whole frame of a cage next to Mesh Deform's."""
+    """A whole frame with a cage, next to one of Mesh Deform."""
     obj = plate(SIDE)
     peer, _control = peer_of(obj)
     cage, other = box_around(obj), box_around(obj)
@@ -363,7 +367,7 @@ def cage_frame(method: str) -> dict[str, object]:
 
 
 def overhead(method: str, rounds: int, drag: bool = False) -> dict[str, object]:
-    """All of a frame but the native solve, next to a bare write and one evaluation."""
+    """A frame without its native solve, next to writing a shape and evaluating it once."""
     obj = plate(SIDE)
     deformer = deformer_on(obj, method)
     ours, bare = Frames(obj, deformer.handles[1].control), Bare(obj, deformer)
@@ -380,7 +384,7 @@ def overhead(method: str, rounds: int, drag: bool = False) -> dict[str, object]:
 
 
 def bind(method: str, rounds: int = 3) -> dict[str, object]:
-    """Bind and the first frame, next to the bind alone of Laplacian Deform."""
+    """The bind and the first frame, next to the bind of Laplacian Deform."""
     ours, theirs = [], []
     rounds = 2 if SMALL else rounds
     for number in range(rounds):
@@ -397,7 +401,7 @@ def bind(method: str, rounds: int = 3) -> dict[str, object]:
 
         ours.append(timed(first_frame))
         if number == rounds - 1:
-            continue  # 13 s each
+            continue  # it takes 13 s per round
         obj = plate(SIDE)
         peer, control = peer_of(obj)
         modifier = laplacian_deform_on(peer, control, 1)
@@ -430,7 +434,7 @@ def reading(method: str) -> dict[str, object]:
 
 
 def rebind(what: str, rounds: int = 5) -> dict[str, object]:
-    """A bound thin shell gets one more handle, or a painted stiffness; next to the bind of a new one.
+    """One more handle, or painted stiffness, for a bound thin shell, next to a new bind.
 
     ``native`` is the time in the native module, the rest is Blender's and ours.
     """
@@ -448,12 +452,12 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
             first = SIDE * SIDE // 2 + number * PATCH**2
             members = list(range(first, first + PATCH**2))
             obj.vertex_groups["Stiffness"].add(members, 0.5, "REPLACE")
-        for kind in ("edit", "new"):
-            if kind == "new":
+        for which in ("edit", "new"):
+            if which == "new":
                 room("core.memory").forget_all()
-            # Not by the operator: Blender evaluates before it runs one, and that would bind.
-            times[kind].append(timed(lambda: session.bind(obj, deformer)))
-            times[f"{kind}_native"].append(session.find(deformer.uid).bound.milliseconds)
+            # The operator is not used, since Blender evaluates before it runs one, which would bind already.
+            times[which].append(timed(lambda: session.bind(obj, deformer)))
+            times[f"{which}_native"].append(session.find(deformer.uid).bound.milliseconds)
         if what == "handle":
             index = next(i for i, other in enumerate(deformer.handles) if other.uid == handle.uid)
             session.remove_handle(obj, deformer, index)
@@ -500,7 +504,7 @@ def main() -> None:
         print(f"{name:20} {bpy.app.version_string:10} {row['ratio']:8.3f}{mark}   ms: {times}", flush=True)
         if options.json:
             options.json.write_text(json.dumps({"rows": rows}, indent=1) + "\n", encoding="utf-8")
-    os._exit(0)  # Blender as a module may hang or crash on its way out
+    os._exit(0)  # Blender as a module may hang or crash when it ends
 
 
 main()

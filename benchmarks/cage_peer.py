@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A cage by Blender's own modifiers: voxel remesh, displace along the normals, decimate.
+"""Makes a cage by Blender's own modifiers: voxel remesh, displace along the normals, decimate.
 
 blender -b --factory-startup -P benchmarks/cage_peer.py -- TARGET.npz FACES --json FILE
 """
@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-MARGIN = 1.0 / 60.0  # of the diagonal: the size of a voxel, and how far the surface is displaced
+MARGIN = 1.0 / 60.0  # share of the diagonal: the size of a voxel, and the displacement of the surface
 
 
 def main() -> None:

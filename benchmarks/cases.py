@@ -12,12 +12,12 @@ OWN_MODEL = ROOT / "blend_samples" / "models" / "spot.obj"
 
 @dataclass(frozen=True)
 class Case:
-    """A mesh with its handles, and where they go."""
+    """A mesh with its handles and their poses."""
 
     name: str
     points: np.ndarray  # (n, 3)
     faces: np.ndarray  # (m, 3) or (m, 4)
-    handles: list[np.ndarray]  # vertex indices, one array a handle
+    handles: list[np.ndarray]  # vertex indices, one array per handle
     poses: np.ndarray  # (k, 3, 4)
 
     @property
@@ -62,10 +62,10 @@ def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
         return points, np.array(words[3 + 3 * n : 3 + 3 * n + 4 * m], int).reshape(m, 4)[:, 1:]
     points, faces = [], []
     for line in path.read_text(encoding="utf-8").splitlines():
-        kind, *words = line.split() or [""]
-        if kind == "v":
+        tag, *words = line.split() or [""]
+        if tag == "v":
             points.append([float(word) for word in words[:3]])
-        elif kind == "f":
+        elif tag == "f":
             faces.append([int(word.split("/")[0]) - 1 for word in words])
     return np.array(points), np.array(faces)
 
@@ -90,7 +90,7 @@ LENGTH, SLAB = 40.0, 2.0
 
 
 def _bend(degrees: float) -> np.ndarray:
-    """The far slab at the end of a circular arc as long as the free part."""
+    """The pose of the far slab at the end of a circular arc that is as long as the free part."""
     radius = (LENGTH - 2 * SLAB) / np.radians(degrees)
     angle = np.radians(degrees)
     end = np.array([SLAB + radius * np.sin(angle), radius * (1 - np.cos(angle)), 0])
@@ -109,7 +109,7 @@ BAR_POSES = {
 
 
 def bar(pose: str, vertices: int) -> Case:
-    """The bar 40 x 10 x 10, a slab of 2 at each end held; the far one moves."""
+    """A bar of 40 x 10 x 10. A slab of 2 at each end is held, and the far slab moves."""
     points, faces = box((LENGTH, 10, 10), np.sqrt(1800 / vertices))
     near = np.flatnonzero(points[:, 0] <= SLAB + 1e-4)
     far = np.flatnonzero(points[:, 0] >= LENGTH - SLAB - 1e-4)
@@ -117,7 +117,7 @@ def bar(pose: str, vertices: int) -> Case:
 
 
 def quartered(case: Case) -> Case:
-    """The same motion by four handles: each of two cut in halves."""
+    """The same motion by four handles: each of the two handles is divided into halves."""
     halves = [h[side] for h in case.handles for side in (case.points[h, 1] < 0, case.points[h, 1] >= 0)]
     return Case(case.name, case.points, case.faces, halves, case.poses[[0, 0, 1, 1]])
 
@@ -134,7 +134,7 @@ def _fractions(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def own_model() -> Case:
-    """The cow of the samples: hooves held, the head turned and lowered."""
+    """The cow of the samples, with its hooves held and its head turned and lowered."""
     points, faces = read_mesh(OWN_MODEL)
     u, size = _fractions(points)
     hooves = np.flatnonzero(u[:, 1] < 0.12)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What README.md and docs/developer/performance.md say of the figures: written from the stored results."""
+"""Writes the figures in README.md and docs/developer/performance.md from the stored results."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -15,11 +15,11 @@ PAGE = ROOT / "docs" / "developer" / "performance.md"
 
 READING = (
     "Each ratio is from one run, in which Sinew and the peer ran by turns.\n"
-    "*At least* counts how many times faster Sinew is, *at most* divides what Sinew takes by what the peer\n"
-    "takes. *Italic*: below the target."
+    "Where *at least* is wanted, the ratio is the peer's time (or memory, or error) divided by Sinew's;\n"
+    "where *at most* is wanted, it is Sinew's divided by the peer's. *Italic*: the target is missed."
 )
-# The README's rows: what was measured, next to what, and which stored rows say so (work, size, case, threads)
-# in which words, where {0} is the first one's ratio. Each names the case that a user meets.
+# The rows of the README: what was measured, the peer, the result in words, and the stored rows of the result
+# (work, size, case, threads). In the words, {0} is the ratio of the first stored row.
 KNOWN_PEERS = (
     (
         "an iteration of `arap`, 50,000 vertices",
@@ -64,7 +64,7 @@ KNOWN_PEERS = (
 
 
 class Ratio:
-    """A row in words: as text its ratio, ``ours`` and ``peer`` as they were measured."""
+    """The ratio of a row, for ``format``; ``ours`` and ``peer`` are the measured values."""
 
     def __init__(self, row: Row) -> None:
         self._row, self.ours, self.peer = row, row["ours"], row["peer"]
@@ -75,7 +75,7 @@ class Ratio:
 
 
 def known_peers(rows: list[Row]) -> str:
-    """The six rows of the README, as far as they were measured."""
+    """The six rows of the README, as far as they are stored."""
     stored = {tuple(row.get(name) for name in ("work", "size", "case", "threads")): row for row in rows}
     lines = [
         (what, peer, words.format(*(Ratio(stored[key]) for key in keys)))
@@ -86,7 +86,7 @@ def known_peers(rows: list[Row]) -> str:
 
 
 def in_short(rows: list[Row], page: str) -> str:
-    """How many rows there are in all, and how many fall short."""
+    """The sentences about the number of rows, and about those that fall short."""
     measured, short = len(report.by_work(rows)), len(report.shortfalls(rows))
     return (
         f"Sinew ran on two threads, by turns with its peer. These are six of {measured} rows. Of all rows, "
@@ -103,17 +103,17 @@ def measured_on(machines: list[Mapping[str, object]]) -> str:
 
 
 def replaced(text: str, name: str, content: str) -> str:
-    """The text with what stands between <!-- name --> and <!-- end of name --> renewed."""
+    """The text with new ``content`` between <!-- name --> and <!-- end of name -->."""
     begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
     before, found, rest = text.partition(begin)
     _, closed, after = rest.partition(end)
     if not found or not closed:
-        raise SystemExit(f"no place for {name}: {begin} ... {end}")
+        raise SystemExit(f"the document has no {begin} ... {end}")
     return f"{before}{begin}\n{content}\n{end}{after}"
 
 
 def renewed(folder: Path = record.RESULTS, readme: Path = README, page: Path = PAGE) -> dict[Path, str]:
-    """What both documents say once their figures are those that are stored."""
+    """The texts of both documents with the stored figures."""
     machines, rows = record.load(folder)
     on = measured_on(machines)
     link = PAGE.relative_to(ROOT).as_posix()
@@ -138,7 +138,7 @@ def renewed(folder: Path = record.RESULTS, readme: Path = README, page: Path = P
 
 
 def render(folder: Path = record.RESULTS, readme: Path = README, page: Path = PAGE) -> None:
-    """The figures of both documents, and the plots."""
+    """Rewrite the figures of both documents, and draw the plots."""
     import plots
 
     for path, text in renewed(folder, readme, page).items():

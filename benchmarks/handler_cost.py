@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the add-on costs an update of Blender that has nothing to do with it, in a crowded scene.
+"""The time that the add-on takes in updates of Blender that do not concern it, in a scene of many objects.
 
     blender -b --factory-startup -P benchmarks/handler_cost.py -- [--objects N] [--json FILE]
 
@@ -23,11 +23,11 @@ sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "blender")]
 from installed import enable  # noqa: E402
 from rig import Rig, grid_object, make_active, update  # noqa: E402
 
-GOAL = 0.1  # milliseconds an update
+GOAL = 0.1  # milliseconds per update
 
 
 def crowd(count: int) -> bpy.types.Object:
-    """Objects that have nothing to do with us; one of them."""
+    """Add objects that do not concern the add-on. Returns one of them."""
     for number in range(count):
         obj = bpy.data.objects.new(f"Unrelated {number}", None)
         bpy.context.scene.collection.objects.link(obj)
@@ -100,7 +100,7 @@ def main() -> None:
     if options.json:
         options.json.write_text(json.dumps({"rows": rows}, indent=1) + "\n", encoding="utf-8")
     sys.stdout.flush()
-    os._exit(0)  # Blender as a module may hang or crash on its way out
+    os._exit(0)  # Blender as a module may hang or crash when it ends
 
 
 main()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's Mesh Deform: what a bind costs, and which weights it gives. Run by Blender:
+"""Measures the time and the weights of a bind of Blender's Mesh Deform. Blender runs it:
 
     blender -b --factory-startup -P benchmarks/mesh_deform.py -- CASE.npz OUT.npz
 

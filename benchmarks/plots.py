@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Time and memory against size on logarithmic axes, and the share of the bandwidth bound."""
+"""Draws time and memory over size on logarithmic axes, and the share of the memory bandwidth."""
 
 from pathlib import Path
 
@@ -12,7 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 DPI = 80
-SOFTWARE = {"Software": None}  # the same rows give the same bytes
+SOFTWARE = {"Software": None}  # without the version of the software, the same rows give the same file
 
 
 def draw(rows: list[Row], folder: Path) -> None:
@@ -32,7 +32,7 @@ def _growth(rows: list[Row], path: Path) -> None:
         label = f"{OWN_TIMES.get(work, 'bound ThinShell').replace('`', '')}: n^{powers[work, threads]:.2f}"
         (drawn,) = axes.loglog(sizes, [unit * row["ours"] for row in some], "o-", markersize=4, label=label)
         peers = [(row["vertices"], unit * row["peer"]) for row in some if row.get("peer") is not None]
-        if peers and work != "arap_smooth":  # whose peer is a line of its own
+        if peers and work != "arap_smooth":  # its peer has a line of its own
             axes.loglog(*zip(*peers), ":", color=drawn.get_color(), linewidth=1.2)
     times.set(xlabel="vertices", ylabel="ms", title="two threads; dotted: its peer, or its bound")
     memory.set(xlabel="vertices", ylabel="GB", title="memory; dotted: CHOLMOD's factor alone")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Storing what was measured: one file per run, with what it ran on."""
+"""Stores measurements: one file per run, with a description of the machine."""
 
 import json
 import os
@@ -7,7 +7,13 @@ import platform
 from pathlib import Path
 
 RESULTS = Path(__file__).resolve().parent / "results"
-KEY = ("work", "size", "threads", "case", "blender")  # what makes a row the same row, measured again
+KEY = (
+    "work",
+    "size",
+    "threads",
+    "case",
+    "blender",
+)  # rows that agree in these are measurements of the same row
 
 Row = dict[str, object]
 
@@ -43,7 +49,7 @@ def key(row: Row) -> tuple:
 
 
 def load(folder: Path = RESULTS) -> tuple[list[dict[str, object]], list[Row]]:
-    """The machines of all runs, and each row as it was measured last."""
+    """The machines of all runs, and the latest measurement of each row."""
     runs = [json.loads(file.read_text(encoding="utf-8")) for file in sorted(folder.glob("*.json"))]
     rows = {key(row): row for run in runs for row in run["rows"]}
     machines = [run["machine"] for run in runs]
@@ -51,7 +57,7 @@ def load(folder: Path = RESULTS) -> tuple[list[dict[str, object]], list[Row]]:
 
 
 def store(run: str, rows: list[Row], about: dict[str, object], folder: Path = RESULTS) -> Path:
-    """Writes results/<run>.json, one line per row, and deletes earlier runs all of whose rows it replaces."""
+    """Write results/<run>.json, one line per row, and delete earlier runs whose rows are all replaced."""
     folder.mkdir(exist_ok=True)
     lines = ",\n".join(json.dumps(row) for row in rows)
     path = folder / f"{run}.json"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines for the terminal and tables for the documents, all of it from the rows."""
+"""Makes lines for the terminal and tables for the documents from the rows."""
 
 import json
 from collections import defaultdict
@@ -14,7 +14,7 @@ COUNTS = Path(__file__).parent / "instructions" / "table.json"
 
 
 def short(count: int) -> str:
-    """10178 -> "10k": vertices, about."""
+    """A rounded number of vertices: 10178 -> "10k"."""
     return (
         f"{count / 1e6:.3g}M" if count >= 1_000_000 else f"{count // 1000}k" if count >= 1000 else str(count)
     )
@@ -31,14 +31,14 @@ def amount(value: float, unit: str) -> str:
 
 
 def bare_ratio(work: Work, row: Row) -> str:
-    """With a mark where the peer was stopped on its way, so that the ratio is at least this."""
+    """The ratio as a text, with ">" if the peer was stopped early, so that the true ratio is larger."""
     ratio = work.ratio(row)
     least = ">" if row.get("peer_arrived") is False else ""
     return least + (f"{ratio:.0f}" if ratio >= 99.5 else f"{ratio:.2g}" if ratio >= 9.95 else f"{ratio:.2f}")
 
 
 def line(row: Row) -> str:
-    """What the terminal shows of a row."""
+    """The line for a row in the terminal."""
     if row["work"] == "convergence":
         excess = " ".join(f"{value:9.4f}" for value in row["excess_percent"])
         over = "".join(f"  over {limit:g} %" for limit in row["over"])
@@ -60,12 +60,12 @@ def line(row: Row) -> str:
 
 
 def exponent(sizes: Iterable[float], values: Iterable[float]) -> float:
-    """The p of values ~ sizes^p, by least squares on logarithms."""
+    """The exponent p of values ~ sizes^p, by least squares of logarithms."""
     return float(np.polyfit(np.log(list(sizes)), np.log(list(values)), 1)[0])
 
 
 def series(rows: list[Row]) -> dict[tuple[str, int | None], list[Row]]:
-    """The rows of each own work and number of threads by rising size, where there are two or more."""
+    """The rows of each timed loop and number of threads, by rising size, if there are several sizes."""
     found = defaultdict(list)
     for row in rows:
         if row["work"] in OWN_TIMES or row["work"] == "memory":
@@ -82,7 +82,7 @@ def exponents(rows: list[Row]) -> dict[tuple[str, int | None], float]:
 
 
 def summary(rows: list[Row]) -> list[str]:
-    """What follows from several rows: two threads against one, exponents, and how many fall short."""
+    """Lines about several rows: two threads against one, exponents, and how many ratios fall short."""
     twos = two_thread_rows(rows)
     judged = [row for row in (*rows, *twos) if row["work"] in BY_ID and row.get("peer") is not None]
     verdicts = [BY_ID[row["work"]].met(row) for row in judged]
@@ -90,7 +90,7 @@ def summary(rows: list[Row]) -> list[str]:
         f"{work} ({threads or '-'}T): time or memory grows with n^{power:.2f}"
         for (work, threads), power in exponents(rows).items()
     ]
-    closing = f"{verdicts.count(True)} ratios as wanted, {verdicts.count(False)} short"
+    closing = f"{verdicts.count(True)} ratios as wanted, {verdicts.count(False)} fall short"
     return [*(line(row) for row in twos), *powers, closing]
 
 
@@ -118,7 +118,7 @@ def wanted(work: Work) -> str:
 
 
 def reached(work: Work, rows: list[Row]) -> str:
-    """ "10k: 9.1, 14 · 50k: *7.9*, *11*": one and two threads; italic where it is below the target."""
+    """ "10k: 9.1, 14 · 50k: *7.9*, *11*": on one and on two threads, in italics if it falls short."""
     places = defaultdict(list)
     for row in sorted(
         rows, key=lambda row: (str(row.get("case") or ""), row["size"], row.get("threads") or 0)
@@ -142,7 +142,7 @@ def least_two_threads(rows: list[Row]) -> str:
 
 
 def by_work(rows: list[Row]) -> list[tuple[Work, list[Row]]]:
-    """The works that were measured next to a peer, each with its rows."""
+    """The works that were compared with a peer, each with its rows."""
     found = defaultdict(list)
     for row in (*rows, *two_thread_rows(rows)):
         if row["work"] in BY_ID and row.get("peer") is not None:
@@ -151,22 +151,22 @@ def by_work(rows: list[Row]) -> list[tuple[Work, list[Row]]]:
 
 
 def ratios(rows: list[Row]) -> str:
-    """Every work with every ratio that was reached."""
+    """A table of all works with all ratios that were reached."""
     lines = []
     for work, some in by_work(rows):
         found = least_two_threads(some) if work.id == "two_threads" else reached(work, some)
         lines.append((work.what, work.peer, wanted(work), found))
-    return table(("work", "next to", "wanted", "reached: vertices, one thread, two"), lines)
+    return table(("measured", "next to", "wanted", "reached: vertices, one thread, two threads"), lines)
 
 
 def shortfalls(rows: list[Row]) -> list[tuple[Work, list[Row]]]:
-    """The works of which a ratio falls short of what is wanted, each with the rows that do."""
+    """The works with ratios that fall short, each with these rows."""
     short_of = [(work, [row for row in some if work.met(row) is False]) for work, some in by_work(rows)]
     return [(work, some) for work, some in short_of if some]
 
 
 def shortfall_table(rows: list[Row]) -> str:
-    """Each work that falls short, with its worst ratio and where that was reached."""
+    """A table of the works that fall short, each with its worst ratio and the case of this ratio."""
     lines = []
     for work, some in shortfalls(rows):
         worst = (max if work.at_most else min)(some, key=work.ratio)
@@ -175,23 +175,27 @@ def shortfall_table(rows: list[Row]) -> str:
         threads = {1: "one thread", 2: "two threads"}.get(worst.get("threads"))
         place = ", ".join(part for part in (case, size, threads) if part)
         ratio, goal = bare_ratio(work, worst), f"{work.goal(worst):g}"
-        lines.append((work.what, work.peer, goal, ratio, place, f"{len(some)} of {_judged(work, rows)}"))
-    return table(("work", "next to", "wanted there", "worst", "where", "figures short"), lines)
+        lines.append(
+            (work.what, work.peer, goal, ratio, place, f"{len(some)} of {_count_wanted(work, rows)}")
+        )
+    return table(
+        ("measured", "next to", "wanted there", "worst ratio", "where", "ratios that fall short"), lines
+    )
 
 
-def _judged(work: Work, rows: list[Row]) -> int:
-    """Of how many rows something is wanted."""
+def _count_wanted(work: Work, rows: list[Row]) -> int:
+    """The number of rows of a work for which a ratio is wanted."""
     return sum(work.met(row) is not None for other, some in by_work(rows) if other is work for row in some)
 
 
 def own_times(rows: list[Row]) -> str:
-    """Our own times by size on two threads, with the exponent."""
+    """A table of Sinew's own times by size, on two threads, with their growth."""
     sizes = sorted({row["size"] for some in series(rows).values() for row in some})
     powers = exponents(rows)
     lines = []
     for (work, threads), some in series(rows).items():
         if threads == 1:
-            continue  # on two threads, and memory, which knows no threads
+            continue  # the table holds times on two threads, and memory, which does not depend on threads
         cells = {row["size"]: amount(row["ours"], row["unit"]) for row in some}
         name = OWN_TIMES.get(work, "memory, bound")
         lines.append((name, *(cells.get(size, "") for size in sizes), f"n^{powers[work, threads]:.2f}"))
@@ -199,7 +203,7 @@ def own_times(rows: list[Row]) -> str:
 
 
 def bound_shares(rows: list[Row]) -> str:
-    """How near to what reading memory allows, with the bandwidth that was measured."""
+    """A table of the times as shares of the least time that the measured memory bandwidth allows."""
     lines = []
     for row in rows:
         if row["work"] in ("solve_bound", "basis_bound"):
@@ -209,7 +213,8 @@ def bound_shares(rows: list[Row]) -> str:
             name = "solve" if row["work"] == "solve_bound" else "affine basis"
             lines.append((name, short(row["size"]), str(row["threads"]), *cells))
     return table(
-        ("", "vertices", "threads", "read", "memory gives", "share of the bound"), sorted_by_size(lines)
+        ("", "vertices", "threads", "bytes read", "memory bandwidth", "share of the bandwidth"),
+        sorted_by_size(lines),
     )
 
 
@@ -239,14 +244,14 @@ def convergence(rows: list[Row]) -> str:
 
 
 def bend(rows: list[Row]) -> str:
-    """What the rows "to 1 %" are made of."""
+    """A table of the iterations and times behind the row about the bent bar."""
     lines = []
     for row in rows:
         if row["work"] == "arap_bend":
             extrapolated = row.get("peer_extrapolated")
             after = f"{row['peer_iterations']} iterations, {amount(row['peer'], 's')}"
             if not row["peer_arrived"]:
-                on = f", to arrive after {extrapolated:.0f} s" if extrapolated else ""
+                on = f", extrapolated to 1 % after {extrapolated:.0f} s" if extrapolated else ""
                 after += f", still {row['peer_excess_percent']:.3g} % above{on}"
             ours = f"{row['iterations']} iterations, {amount(row['ours'], 's')}"
             lines.append((f"{row['vertices']:,}", str(row["threads"]), ours, after))
@@ -266,17 +271,17 @@ def instructions() -> str:
 
 
 def profiles() -> str:
-    """Where the instructions of each loop are."""
+    """A table of the functions in which the instructions of each loop are."""
     stored = json.loads(COUNTS.read_text(encoding="utf-8"))
     lines = [
         (f"`{loop}`", ", ".join(f"{name} {100 * share:.0f} %" for name, share in places.items()))
         for loop, places in stored["profiles"].items()
     ]
-    return table(("loop", "where its instructions are"), lines)
+    return table(("loop", "functions, and their share of its instructions"), lines)
 
 
 def frames(rows: list[Row]) -> str:
-    """What a frame in Blender is made of."""
+    """A table of the parts of a frame in Blender."""
     lines = [
         (
             row["case"],

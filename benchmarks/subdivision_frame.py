@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of a sheet subdivided to a million vertices, by Blender's modifier and by SubdivisionSurface.
+"""Times frames of a sheet with a million vertices, by Blender's modifier and by SubdivisionSurface.
 
 blender -b --factory-startup -P benchmarks/subdivision_frame.py -- [--small] --json FILE
 """
@@ -52,7 +52,7 @@ def shown(name: str, points: np.ndarray, quads: np.ndarray) -> bpy.types.Object:
 
 
 def write(obj: bpy.types.Object, points: np.ndarray) -> None:
-    """New positions, evaluated and read back."""
+    """Write new positions, evaluate the mesh, and read it back."""
     obj.data.vertices.foreach_set("co", points.ravel())
     obj.data.update_tag()
     bpy.context.view_layer.update()

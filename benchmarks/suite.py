@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures every row of docs/developer/performance.md next to its peer.
 
-Each measurement runs in a process of its own, and ours and the peer's take turns in it. Nothing fails
-because it is slow: every ratio is printed with the one that is wanted beside it. `--store` keeps the results,
-draws the plots and rewrites the figures in README.md and docs/developer/performance.md; `--render` only does
-the last two.
+Each measurement runs in a process of its own, in which Sinew and the peer run by turns. Nothing fails because
+it is slow: every ratio is printed beside the ratio that is wanted. `--store` stores the results, draws the
+plots and rewrites the figures in README.md and docs/developer/performance.md; `--render` only draws and
+rewrites.
 """
 
 import argparse
@@ -68,12 +68,14 @@ def plan(options: argparse.Namespace) -> list[Task]:
     known = {name for task in tasks for name in (task.group, *task.works)} | {*GROUPS, "instructions"}
     unknown = sorted(set(options.only) - known)
     if unknown:
-        raise SystemExit(f"nothing here is called {', '.join(unknown)}; there is {', '.join(sorted(known))}")
+        raise SystemExit(
+            f"there is no group or row {', '.join(unknown)}; there are {', '.join(sorted(known))}"
+        )
     return [task for task in tasks if set(options.only) & {task.group, *task.works}]
 
 
 def run_task(task: Task, through: list[str], smallest: bool = False) -> list[Row]:
-    """The rows of a task, or none and a word where it could not be measured."""
+    """Run a task in a process of its own. Returns its rows; none, with a message, if it failed."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "rows.json"
         words = ["--measure", task.group, json.dumps(task.keywords), str(out)]
@@ -95,7 +97,7 @@ def count_instructions(store: bool) -> None:
     subprocess.run([sys.executable, script, *(["--store"] if store else [])])
 
 
-def parsed() -> argparse.Namespace:
+def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog="benchmarks/run",
         description=__doc__,
@@ -103,27 +105,38 @@ def parsed() -> argparse.Namespace:
     )
     groups = ", ".join((*GROUPS, "instructions"))
     parser.add_argument("--only", action="append", metavar="NAME", help=f"a group ({groups}) or a row")
-    parser.add_argument("--quick", action="store_true", help="10,000 vertices, without Blender: 3 minutes")
-    parser.add_argument("--smallest", action="store_true", help="each row once, as the tests do")
-    parser.add_argument("--scale", action="store_true", help="also our own rows at 1 and 2 million vertices")
-    parser.add_argument("--sizes", type=int, nargs="+", metavar="N", help="vertices, instead of the usual")
+    parser.add_argument(
+        "--quick", action="store_true", help="10,000 vertices and no Blender, which takes 3 minutes"
+    )
+    parser.add_argument(
+        "--smallest", action="store_true", help="each row once, at its smallest size, as in the tests"
+    )
+    parser.add_argument("--scale", action="store_true", help="also Sinew alone at 1 and 2 million vertices")
+    parser.add_argument(
+        "--sizes", type=int, nargs="+", metavar="N", help="numbers of vertices, instead of the usual ones"
+    )
     parser.add_argument("--threads", type=int, nargs="+", metavar="N", default=[1, 2])
-    of_meshes = "with armadillo.obj and decimated-knight.off; else SINEW_BENCHMARK_MESHES"
-    parser.add_argument("--meshes", type=Path, default=MESHES, metavar="FOLDER", help=of_meshes)
-    parser.add_argument("--store", action="store_true", help="keep the results and renew the documents")
-    parser.add_argument("--render", action="store_true", help="measure nothing, renew the documents")
-    parser.add_argument("--list", action="store_true", help="say what would be measured")
-    parser.add_argument("--through", default="", metavar="COMMAND", help='runs each measurement, say "nice"')
+    meshes_help = "holds armadillo.obj and decimated-knight.off; default: SINEW_BENCHMARK_MESHES"
+    parser.add_argument("--meshes", type=Path, default=MESHES, metavar="FOLDER", help=meshes_help)
+    parser.add_argument("--store", action="store_true", help="store the results and rewrite the documents")
+    parser.add_argument("--render", action="store_true", help="measure nothing, rewrite the documents")
+    parser.add_argument("--list", action="store_true", help="list what would be measured")
+    parser.add_argument(
+        "--through",
+        default="",
+        metavar="COMMAND",
+        help='a command that runs each measurement, for example "nice"',
+    )
     parser.add_argument("--measure", nargs=3, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.smallest and options.store:
-        parser.error("what --smallest measures is not worth storing")
+        parser.error("--smallest measures too little for --store")
     return options
 
 
 def main() -> None:
-    options = parsed()
-    timing.LEAST_ALONE = options.smallest
+    options = arguments()
+    timing.FEWEST_ROUNDS = options.smallest
     if options.measure:
         measure_here(*options.measure)
         return
@@ -135,7 +148,7 @@ def main() -> None:
         print(*tasks, sep="\n")
         return
     if options.meshes is None:
-        print("Without --meshes: the armadillo and the knight are left out")
+        print("Without --meshes, the rows of the armadillo and of the knight are left out")
     about, begin = record.machine(), time.monotonic()
     run = time.strftime("%Y-%m-%d-%H%M", time.gmtime())
     rows: list[Row] = []

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Timing several works by turns, so that whatever else the machine does falls on all of them alike."""
+"""Times several works by turns, so that other load on the machine affects all of them alike."""
 
 import statistics
 import time
@@ -8,22 +8,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-BURST = 0.02  # seconds: short works are timed several times in a row once it is their turn
-LEAST_ALONE = (
-    False  # no more rounds than the least: for a test, which asks for any figure, not for a good one
-)
+BURST = 0.02  # seconds for which a short work is timed again and again in each of its turns
+FEWEST_ROUNDS = False  # whether to run the least number of rounds only: for tests, which need no good figures
 
 
 @dataclass
 class Work:
     run: Callable[[], object]
-    prepare: Callable[[], object] = lambda: None  # before each turn, not timed
-    repeatable: bool = True  # without `prepare` in between
+    prepare: Callable[[], object] = lambda: None  # called before each turn, and not timed
+    repeatable: bool = True  # whether it can run again without `prepare`
     seconds: list[float] = field(default_factory=list)
 
     @property
     def best(self) -> float:
-        """The run that the rest of the machine disturbed least."""
+        """The fastest run, which other load disturbed least."""
         return min(self.seconds)
 
     @property
@@ -46,10 +44,10 @@ class Work:
 def alternate(
     works: dict[str, Work], *, budget: float = 4.0, least: int = 3, most: int = 20
 ) -> dict[str, Work]:
-    """Turn after turn of all works, at least ``least`` rounds, until ``budget`` seconds are spent."""
+    """Run all works by turns, for at least ``least`` rounds, until ``budget`` seconds are over."""
     begin = time.perf_counter()
     for done in range(most):
-        if done >= least and (LEAST_ALONE or time.perf_counter() - begin > budget):
+        if done >= least and (FEWEST_ROUNDS or time.perf_counter() - begin > budget):
             break
         for work in works.values():
             work.turn()
@@ -57,15 +55,15 @@ def alternate(
 
 
 def rounds(vertices: int) -> int:
-    """The least number of turns: fewer where one takes long, and what is long varies little."""
+    """The least number of rounds. It is small for large meshes, whose times are long and vary little."""
     return 3 if vertices < 150_000 else 2 if vertices < 700_000 else 1
 
 
 def arrival(excess: np.ndarray, goal: float, seconds: np.ndarray, chunk: int) -> dict[str, object]:
-    """When a peer's excess over the minimum falls to `goal`, from samples every `chunk` iterations.
+    """When a peer's excess over the least energy falls to `goal`, from samples every `chunk` iterations.
 
-    Past the last sample, the excess is taken to fall on as in the second half of the run, by a power of
-    the time or exponentially, whichever arrives first.
+    If it does not fall so far, the second half of the samples is extrapolated, by a power of the time and
+    exponentially; the earlier of both times counts.
     """
     within = np.flatnonzero(excess <= goal)
     if len(within):

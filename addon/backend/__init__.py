@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only door to the native module."""
+"""The only room that imports the native module."""
 
 from .loader import Availability
 from .native import (
     Diagnosis,
     Factor,
-    Inheritance,
+    PreparedBind,
     automatic_cage,
     availability,
     build_factor,
@@ -23,7 +23,7 @@ __all__ = (
     "Diagnosis",
     "Factor",
     "Handles",
-    "Inheritance",
+    "PreparedBind",
     "Progress",
     "Recipe",
     "Shape",

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find the native module and shake hands.
+"""Find the native module and compare versions.
 
-A legacy zip carries the unpacked wheel in ``_native`` beside this package; an extension's wheel is
-importable by name.
+The zip for Blender before 4.2 holds the unpacked wheel in the folder ``_native`` beside this package. For an
+extension, Blender installs the wheel, which can then be imported by its name.
 """
 
 import importlib
@@ -19,14 +19,14 @@ _ROOT = __package__.rpartition(".")[0]
 
 @dataclass(frozen=True)
 class Availability:
-    """The native module, or the reason why there is none and what to do."""
+    """The native module; or, in ``remedy``, why it cannot be used and what to do."""
 
     module: ModuleType | None
     remedy: str = ""
 
 
 def wheel_name() -> str:
-    """The wheel that fits this Blender, as its file name begins."""
+    """The pattern of the file name of the wheel that fits this Blender."""
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
     return (
         f"sinew_native-{VERSION}-{python}-{python}-*{platform.system().lower()}*{platform.machine().lower()}*"
@@ -34,7 +34,7 @@ def wheel_name() -> str:
 
 
 def load() -> Availability:
-    """Import the module; never raises, the reason is in ``remedy``."""
+    """Import the module. It raises nothing; ``remedy`` holds the reason if there is no module."""
     bundled = (Path(__file__).parent.parent / "_native").is_dir()
     name = f"{_ROOT}._native.sinew_native" if bundled else "sinew_native"
     try:

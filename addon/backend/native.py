@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Native calls with their errors translated. No other room names a native class."""
+"""Calls of the native module, whose errors become Sinew's own. No other room names a native class."""
 
 import threading
 from collections.abc import Iterator, Sequence
@@ -26,7 +26,7 @@ from ..core.status import Remedy
 from .loader import Availability, load
 from .recipes import Bound, Progress, Recipe
 
-_limits: dict[str, int] = {}  # wanted, by the native function that sets it
+_limits: dict[str, int] = {}  # the limits that are set, by the native function that sets each
 
 _TRANSLATION = {
     "InvalidMesh": MeshError,
@@ -36,12 +36,12 @@ _TRANSLATION = {
     "OutOfMemory": OutOfMemoryError,
     "Cancelled": CancelledError,
 }
-_REPAIRABLE = (MeshError, SolverError)  # where elements are named, the mesh itself is at fault
+_REPAIRABLE = (MeshError, SolverError)  # if such an error names elements, Repair can mend the mesh
 
 
 @lru_cache(maxsize=1)
 def availability() -> Availability:
-    """The native module or its remedy. A loaded module stays until Blender ends."""
+    """The native module, or why there is none. A loaded module stays loaded until Blender ends."""
     found = load()
     for function, value in _limits.items():
         _apply_limit(found, function, value)
@@ -49,12 +49,18 @@ def availability() -> Availability:
 
 
 def limit_threads(count: int) -> None:
-    """At most ``count`` threads in native loops; 0 lifts the limit. Takes effect when the module is there."""
+    """Let native loops use at most ``count`` threads; 0 means no limit.
+
+    It is applied when the module loads.
+    """
     _limit("limit_threads", count)
 
 
 def limit_memory(size: int) -> None:
-    """Binds that need more than ``size`` bytes are refused; 0 lifts the limit. As with the threads."""
+    """Refuse binds that need more than ``size`` bytes; 0 means no limit.
+
+    It is applied when the module loads.
+    """
     _limit("limit_memory", size)
 
 
@@ -81,57 +87,60 @@ def _translated(native) -> Iterator[None]:
     try:
         yield
     except native.Error as error:
-        kind = _TRANSLATION.get(type(error).__name__, SinewError)
-        remedy = Remedy.REPAIR if kind in _REPAIRABLE and error.elements else None
+        error_class = _TRANSLATION.get(type(error).__name__, SinewError)
+        remedy = Remedy.REPAIR if error_class in _REPAIRABLE and error.elements else None
         elements = Elements(Owner.TARGET, error.element_kind, error.elements)
-        raise kind(str(error), elements, remedy) from error
+        raise error_class(str(error), elements, remedy) from error
     except MemoryError as error:
         raise OutOfMemoryError("Not enough memory to bind this mesh - use fewer vertices") from error
 
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """What is unusual about a mesh, as index arrays; nothing of it but ``not_finite`` prevents a bind."""
+    """What is unusual about a mesh, as arrays of indices. Only ``not_finite`` prevents a bind."""
 
     not_finite: np.ndarray  # (k,) vertices with NaN or infinite coordinates
     degenerate_faces: np.ndarray  # (k,) faces without area
-    duplicate_faces: np.ndarray  # (k,) faces with the vertices of an earlier one
-    coincident_vertices: np.ndarray  # (k,) vertices exactly where an earlier one is
+    duplicate_faces: np.ndarray  # (k,) faces with the same vertices as an earlier face
+    coincident_vertices: np.ndarray  # (k,) vertices at exactly the place of an earlier vertex
     loose_vertices: np.ndarray  # (k,) vertices in no face
-    non_manifold_edges: np.ndarray  # (k, 2) edges of three or more faces, by their vertices
+    non_manifold_edges: np.ndarray  # (k, 2) edges of three or more faces, as pairs of vertices
 
 
 @dataclass(frozen=True)
-class Inheritance:
-    """A native method that waits to be bound, and the bound one that it takes over from."""
+class PreparedBind:
+    """A native method that is not bound yet, and the bound method that it reuses the factor of, if any."""
 
     recipe: Recipe
     mesh: Any
     diagnosis: Diagnosis
-    made: Any
-    former: Bound | None
+    method: Any
+    previous: Bound | None
 
 
 class Factor:
-    """A bound method: solve as often as you like, from several threads, until it is handed over."""
+    """A bound method.
 
-    def __init__(self, native, made: Inheritance, report: Any) -> None:
+    It can solve any number of times, from several threads, until another factor reuses it.
+    """
+
+    def __init__(self, native, prepared: PreparedBind, report: Any) -> None:
         self._native = native
-        self._mesh = made.mesh
-        self._method = made.made
+        self._mesh = prepared.mesh
+        self._method = prepared.method
         self._lock = threading.Lock()
-        self._solves = 0  # under way
+        self._solves = 0  # how many solves are running
         self.report = report
-        self.diagnosis = made.diagnosis
-        self.recipe = made.recipe
+        self.diagnosis = prepared.diagnosis
+        self.recipe = prepared.recipe
 
     def solve(self, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
-        """Positions (n, 3) float64, or the float32 ``out``, and a report.
+        """Positions (n, 3), in float64 or in the float32 array ``out``, and a report.
 
-        ``poses``: (k, 3, 4) of handles, (c, 3) of a cage.
+        ``poses`` are the poses (k, 3, 4) of handles, or the vertices (c, 3) of a cage.
         """
         with self._lock:
-            method = self._owned()
+            method = self._bound_method()
             self._solves += 1
         try:
             with _translated(self._native):
@@ -141,26 +150,28 @@ class Factor:
                 self._solves -= 1
 
     def influence(self, vertices: Sequence[int]) -> np.ndarray:
-        """(n,) float64: how far each point goes with some vertices of the cage, 1 where all the way."""
+        """How far each point follows some vertices of the cage, (n,) float64; 1 if it moves as far as they
+        do.
+        """
         with self._lock:
-            method = self._owned()
+            method = self._bound_method()
         with _translated(self._native):
             return method.influence(vertices)
 
-    def _owned(self) -> Any:
+    def _bound_method(self) -> Any:
         if self._method is None:
-            raise CancelledError("The mesh is bound anew")
+            raise CancelledError("The mesh is being bound again")
         return self._method
 
     @property
-    def is_spent(self) -> bool:
-        """It was handed over."""
+    def is_released(self) -> bool:
+        """Whether another factor reuses the native method, so that this one can solve no more."""
         return self._method is None
 
-    def hand_over(self, recipe: Recipe) -> Inheritance | None:
-        """What ``build_factor`` builds the factor of another recipe from; this one is spent then.
+    def prepare_rebind(self, recipe: Recipe) -> PreparedBind | None:
+        """Release the native method, so that ``build_factor`` can reuse it for another recipe.
 
-        None where nothing of this one would serve, or while somebody solves.
+        Returns None, and releases nothing, if the other recipe can reuse nothing or while a solve is running.
         """
         native, target = self._native, recipe.target
         with _translated(native):
@@ -168,39 +179,40 @@ class Factor:
                 return None
             if not self._mesh.is_made_of(target.points, target.faces):
                 return None
-            made = recipe.control.make(native, recipe, self._mesh)
+            method = recipe.control.make(native, recipe, self._mesh)
             with self._lock:
                 if self._method is None or self._solves:
                     return None
-                if not recipe.control.can_reuse(recipe, made, self._method):
+                if not recipe.control.can_reuse(recipe, method, self._method):
                     return None
-                former, self._method = self._method, None
-        return Inheritance(recipe, self._mesh, self.diagnosis, made, Bound(former, self.report))
+                previous, self._method = self._method, None
+        return PreparedBind(recipe, self._mesh, self.diagnosis, method, Bound(previous, self.report))
 
 
 def build_factor(
-    recipe: Recipe, progress: Progress | None = None, inherited: Inheritance | None = None
+    recipe: Recipe, progress: Progress | None = None, prepared: PreparedBind | None = None
 ) -> Factor:
-    """Assemble and factorise, or compute weights. Needs no bpy: any thread will do.
+    """Assemble and factorise, or compute weights. It does not use bpy, so any thread may call it.
 
-    ``inherited`` is what an earlier factor handed over for this recipe.
+    ``prepared`` is what ``prepare_rebind`` of an earlier factor returned for this recipe.
     """
     native = _module()
     with _translated(native):
-        if inherited is None:
+        if prepared is None:
             mesh = native.SurfaceMesh(recipe.target.points, recipe.target.faces)
-            made = recipe.control.make(native, recipe, mesh)
-            inherited = Inheritance(recipe, mesh, _diagnosis(mesh), made, None)
-        report = recipe.control.bind(native, recipe, inherited.made, inherited.former, progress)
-        return Factor(native, inherited, report)
+            method = recipe.control.make(native, recipe, mesh)
+            prepared = PreparedBind(recipe, mesh, _diagnosis(mesh), method, None)
+        report = recipe.control.bind(native, recipe, prepared.method, prepared.previous, progress)
+        return Factor(native, prepared, report)
 
 
 def automatic_cage(
     points: np.ndarray, polygons: tuple[np.ndarray, np.ndarray], progress: Progress | None = None, **options
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A closed mesh around a mesh: its points (c, 3), and (counts, corners) of its faces. Any thread will do.
+    """Make a closed mesh around a mesh. Returns its points (c, 3), and the counts and corners of its faces.
 
-    ``polygons`` (counts, corners); ``options`` as the native function takes them.
+    ``polygons`` are the (counts, corners) of the mesh, ``options`` those of the native function. Any thread
+    may call this.
     """
     native = _module()
     with _translated(native):
@@ -212,18 +224,18 @@ def automatic_cage(
 
 
 def diagnose(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> Diagnosis:
-    """Look for what Repair can mend. ``points`` (n, 3) float64, ``faces`` (counts, corners).
+    """Find the defects that Repair can mend. ``points`` (n, 3) float64, ``faces`` (counts, corners).
 
-    Points that are not finite count as if they lay at the origin, and not as coincident.
+    Points that are not finite are treated as points at the origin, but never counted as coincident.
     """
-    bad = ~frames.is_place(points)
+    bad = ~frames.are_valid(points)
     native = _module()
     with _translated(native):
         return _diagnosis(native.SurfaceMesh(np.where(bad[:, None], 0.0, points), faces), bad)
 
 
 def _diagnosis(mesh, bad: np.ndarray | None = None) -> Diagnosis:
-    """``bad`` (n,): the points that are not finite, none where not given."""
+    """``bad`` (n,) is a mask of the points that are not finite; None means that all points are finite."""
     found = mesh.diagnose()
     coincident = found.coincident_vertices
     return Diagnosis(

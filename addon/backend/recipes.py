@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a factor is made from. Arrays are held, and must not change."""
+"""What a factor is made from. Recipes keep the arrays that they are given, so these must not change."""
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -13,14 +13,14 @@ from ..core.errors import CageError
 from ..core.methods import Method
 from ..core.status import Remedy
 
-_PREVIEW_RAYS = 128  # per point: a tenth of the time of exact weights, off by some hundredths
+_PREVIEW_RAYS = 128  # per point: weights in a tenth of the time, with errors of some hundredths
 
 Progress = Callable[[float, str], bool]
 
 
 @dataclass(frozen=True)
 class Shape:
-    """``points`` (n, 3) float64; ``faces`` (counts, corners)."""
+    """A mesh: ``points`` (n, 3) float64 and ``faces`` (counts, corners)."""
 
     points: np.ndarray
     faces: tuple[np.ndarray, np.ndarray]
@@ -28,14 +28,14 @@ class Shape:
 
 @dataclass(frozen=True)
 class Base:
-    """An option: the method that another one is put around, with ``options`` of its own."""
+    """The value of an option: the method that another method is put around, with its own ``options``."""
 
     method: Method
     options: dict[str, object]
 
 
 def make(native, method: Method, target: object, options: dict[str, object]) -> Any:
-    """The native object of a method, and of the one inside it, for a native mesh."""
+    """The native object of a method, and of the method that it is put around, for a native mesh."""
     made = {
         name: make(native, value.method, target, value.options) if isinstance(value, Base) else value
         for name, value in options.items()
@@ -45,7 +45,7 @@ def make(native, method: Method, target: object, options: dict[str, object]) -> 
 
 @dataclass(frozen=True)
 class Bound:
-    """A native method, bound, with what its bind reported."""
+    """A native method that is bound, and the report of its bind."""
 
     method: Any
     report: object
@@ -53,37 +53,42 @@ class Bound:
 
 @dataclass(frozen=True)
 class Handles:
-    """Regions of a surface: vertices, weights and ``options`` of each, as ``set_handles`` takes them."""
+    """The regions of a surface: vertices, weights and ``options`` of each, as ``set_handles`` takes them."""
 
     vertices: Sequence[np.ndarray]
     weights: Sequence[object]
     options: dict[str, Sequence[object]] = field(default_factory=dict)
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
-        """The native method, without handles yet."""
+        """The native method, still without handles."""
         return make(native, recipe.method, mesh, recipe.options)
 
     def can_reuse(self, _recipe: "Recipe", made: Any, former: object) -> bool:
-        """Whether something of a bound method serves a made one."""
+        """Whether the method ``made`` can reuse anything of the bound method ``former``."""
         return made.can_reuse(former)
 
     def bind(
         self, _native, _recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
     ) -> object:
-        """Give a made method its handles, out of a bound one if there is one; the report."""
+        """Give the method ``made`` its handles, and return the report.
+
+        It reuses what it can of ``former``.
+        """
         words = {"weights": self.weights, "progress": progress, **self.options}
         if former is None:
             return made.set_handles(self.vertices, **words)
         return made.rebind(former.method, self.vertices, **words)
 
     def solve(self, method: Any, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
-        """Positions (n, 3) and a report; ``poses`` (k, 3, 4)."""
+        """Positions (n, 3) for ``poses`` (k, 3, 4), and a report."""
         return method.solve(poses, **options)
 
 
 @dataclass(frozen=True)
 class CageReport:
-    """What a bind to a cage found: vertices ``outside`` of it, its faces ``crossing`` others; indices."""
+    """What a bind to a cage found: the vertices ``outside`` the cage, and its faces that cross others
+    (indices).
+    """
 
     outside: np.ndarray
     crossing: np.ndarray
@@ -94,25 +99,25 @@ class Cage(Shape):
     """The rest cage around a target, in the frame of the target."""
 
     def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
-        """The native method, with no points bound yet."""
+        """The native method, still without bound points."""
         cage = native.SurfaceMesh(self.points, self.faces)
-        with _at_fault(native, cage):
+        with _naming_cage(native, cage):
             return make(native, recipe.method, cage, recipe.options)
 
     def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
-        """Whether the weights of a bound method are those of a made one."""
+        """Whether the bound method ``former`` has the weights that the method ``made`` would compute."""
         return made.can_reuse(former, recipe.target.points)
 
     def bind(
         self, native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
     ) -> object:
-        """Compute the weights of the target's points, or take over those of a bound method; the report."""
+        """Compute the weights of the target's points, or reuse those of ``former``, and return the report."""
         points = recipe.target.points
         if former is not None:
             made.rebind(former.method, points, progress)
             return former.report
         cage = native.SurfaceMesh(self.points, self.faces)
-        with _at_fault(native, cage):
+        with _naming_cage(native, cage):
             outside = made.bind(points, progress).outside
         return CageReport(outside, np.unique(native.diagnose_cage(cage).crossing_faces))
 
@@ -125,13 +130,13 @@ class Cage(Shape):
         out: np.ndarray | None = None,
         progress: Progress | None = None,
     ) -> tuple[np.ndarray, None]:
-        """Positions (n, 3) for cage ``vertices`` (c, 3). A product: there is nothing to report."""
+        """Positions (n, 3) for the ``vertices`` (c, 3) of the cage. There is nothing to report."""
         return method.warp(vertices, out=out, incoming=incoming), None
 
 
 @contextmanager
-def _at_fault(native, cage: Any) -> Iterator[None]:
-    """Says of a refused mesh that it is the cage: of the target, points alone are refused."""
+def _naming_cage(native, cage: Any) -> Iterator[None]:
+    """Turn the error about a mesh into an error about the cage."""
     try:
         yield
     except native.InvalidMesh as error:
@@ -143,7 +148,10 @@ def _at_fault(native, cage: Any) -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Recipe:
-    """``options`` of the native constructor; ``control`` is an array bundle that builds the native object."""
+    """Everything that a bind depends on. ``options`` are those of the native constructor.
+
+    ``control`` holds the arrays of the control, and makes the native object from them.
+    """
 
     method: Method
     target: Shape
@@ -151,11 +159,13 @@ class Recipe:
     control: Handles | Cage
 
     def native_class(self, native) -> type:
-        """Of the method, in the native module."""
+        """The class of the method in the native module."""
         return getattr(native, self.method.native)
 
     def preview(self) -> "Recipe | None":
-        """Rough weights to pose by until exact ones are there, where those take long."""
+        """A recipe for approximate weights, to pose with until the exact ones are computed; None if not
+        needed.
+        """
         if not self.options.get("exact"):
             return None
         return replace(self, options={**self.options, "exact": False, "directions": _PREVIEW_RAYS})

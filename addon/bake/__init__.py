@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Turns a live deformer into shapes that play without the add-on, and back."""
+"""Bakes a live deformer to shapes that play without the add-on, and makes it live again."""
 
 from .alembic import export as export_alembic
 from .alembic import is_available as can_write_alembic

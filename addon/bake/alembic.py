@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Alembic, written by Blender itself: the whole result as renders show it, all modifiers included."""
+"""Export to Alembic by Blender's own exporter: the result that renders show, with all modifiers."""
 
 import contextlib
 from collections.abc import Iterator
@@ -13,21 +13,21 @@ from . import files, paths
 
 
 def is_available() -> bool:
-    """This Blender can write Alembic files; some Linux distributions leave it out."""
+    """Whether this Blender can write Alembic files; some Linux distributions leave this out."""
     return bool(bpy.app.build_options.alembic)
 
 
 def export(context: Context, objects: list[Object], frames: range, chosen: str) -> str:
-    """Write the objects into one file; its path."""
+    """Write the objects into one file, and return its path."""
     if not is_available():
         raise SinewError("This Blender was built without Alembic - bake to PC2 or MDD instead")
     if frames.step != 1:
         raise SinewError("Alembic files hold every frame - set Step to 1")
     for obj in objects:
         if not session.is_exported(obj):
-            kind = session.label(obj)
             raise SinewError(
-                f"Blender writes a {kind} object without modifiers - convert {obj.name} to a mesh"
+                f"Blender exports a {session.label(obj)} object without its modifiers - convert {obj.name} "
+                "to a mesh"
             )
         if not obj.visible_get():
             raise SinewError(f"{obj.name} is hidden - show the object and its collection to export it")
@@ -50,7 +50,9 @@ def export(context: Context, objects: list[Object], frames: range, chosen: str) 
                 check_existing=False,
             )
         if not part.is_file():
-            raise SinewError(f"Blender could not write {path} - choose another place, or make room")
+            raise SinewError(
+                f"Blender could not write {path} - choose another folder, or free some disk space"
+            )
         files.exchange(path, part)
     except RuntimeError as error:
         raise SinewError(f"Blender could not write {path}: {error}") from error
@@ -61,7 +63,7 @@ def export(context: Context, objects: list[Object], frames: range, chosen: str) 
 
 @contextlib.contextmanager
 def _only_selected(context: Context, objects: list[Object]) -> Iterator[None]:
-    """The exporter takes what is selected; the user's selection and frame come back."""
+    """Select only these objects, which the exporter then writes; restore selection and frame afterwards."""
     scene, layer = context.scene, context.view_layer
     before = {obj.name: obj.select_get() for obj in layer.objects}
     frame, subframe = scene.frame_current, scene.frame_subframe

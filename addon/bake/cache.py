@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Mesh Cache modifier that plays a file in the place of a deformer."""
+"""The Mesh Cache modifier that plays a file instead of a deformer."""
 
 import numpy as np
 from bpy.types import Modifier, Object
@@ -8,15 +8,16 @@ from .. import compat, session
 from ..core.errors import SinewError
 from ..properties import SinewDeformer
 
-_SNAP = 1e-4  # samples; as near as this, Blender takes the sample as it is
+_SNAP = 1e-4  # in samples: if a frame is at most this far after a sample, Blender does not interpolate
 _BIASES = (0.0, 0.5 * _SNAP, 0.25 * _SNAP, 0.75 * _SNAP)
 
 
 def timing(frames: range) -> tuple[float, float]:
     """``frame_scale`` and ``frame_start`` of a modifier that plays sample k at ``frames[k]`` to the last bit.
 
-    Blender computes the sample in float32, as frame * scale - start, and blends two samples unless it is
-    whole, or very little more. So a start is chosen that keeps every rounding on that side.
+    Blender computes the sample in float32, as frame * scale - start. It interpolates between two samples
+    unless the result is a whole number, or very little more. So the start is chosen such that all roundings
+    are upward.
     """
     scale = np.float32(1.0 / frames.step)
     wanted = np.arange(len(frames), dtype=np.float32)
@@ -26,19 +27,21 @@ def timing(frames: range) -> tuple[float, float]:
         if np.array_equal(np.floor(sample), wanted) and (sample - wanted <= _SNAP).all():
             return float(scale), float(start)
     raise SinewError(
-        f"Blender cannot play every {frames.step}th frame exactly so late - use a step of 1, 2 or 4"
+        f"The Mesh Cache modifier cannot play every {frames.step}th frame exactly from frame {frames.start} "
+        f"to {frames[-1]} - use a step of 1, 2 or 4"
     )
 
 
 def insert(obj: Object, deformer: SinewDeformer) -> str:
-    """A modifier right after the deformer's, which does nothing yet; its name."""
+    """Add a modifier right after the deformer's, which does nothing yet, and return its name."""
     modifier = obj.modifiers.new(f"{deformer.name} Cache", "MESH_CACHE")
     modifier.show_viewport = modifier.show_render = False
     place = list(obj.modifiers).index(session.find_modifier(obj, deformer)) + 1
     if not compat.move_modifier(obj, modifier.name, place):
         obj.modifiers.remove(modifier)
         raise SinewError(
-            "Blender lets no modifier stand right after the deformer's - move that one down first"
+            f"Blender allows no Mesh Cache modifier right after {deformer.name} - move {deformer.name} down "
+            "first"
         )
     return modifier.name
 
@@ -46,7 +49,7 @@ def insert(obj: Object, deformer: SinewDeformer) -> str:
 def play(
     obj: Object, deformer: SinewDeformer, modifier: Modifier, target: str, filepath: str, frames: range
 ) -> None:
-    """Play a file wherever the deformer's modifier is shown."""
+    """Let the modifier play a file wherever the deformer's modifier was shown."""
     modifier.cache_format, modifier.filepath = target, filepath
     modifier.frame_scale, modifier.frame_start = timing(frames)
     modifier.deform_mode, modifier.interpolation = "OVERWRITE", "LINEAR"
@@ -60,7 +63,7 @@ def play(
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:
-    """Take the modifier off."""
+    """Remove the modifier."""
     modifier = session.find_cache(obj, deformer)
     if modifier is not None:
         obj.modifiers.remove(modifier)

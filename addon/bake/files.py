@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Point cache files, frame after frame, each replaced in one step: a reader never meets half a file.
+"""Point cache files, written frame after frame. A file replaces an older one only when it is complete.
 
 PC2: ``POINTCACHE2``, int version, int points, float start, float rate, int samples, all little-endian, then
 the samples (points, 3). MDD: big-endian, int samples, int points, float times in seconds, then the samples.
@@ -19,7 +19,7 @@ SUFFIXES = {"PC2": ".pc2", "MDD": ".mdd", "ALEMBIC": ".abc"}
 
 
 class CacheFile:
-    """A file being written. It takes its place by ``commit``, and leaves no trace by ``discard``."""
+    """A file that is being written. ``commit`` moves it to its path, and ``discard`` deletes it."""
 
     def __init__(self, path: Path, target: str, frames: range, rate: float) -> None:
         self.path = path
@@ -27,13 +27,13 @@ class CacheFile:
         self._part = partial(path)
         self._folders: list[Path] = []
         self._file = None
-        with _explained(path):
+        with _readable_errors(path):
             self._folders = _make_folders(path.parent)
             self._file = open(self._part, "wb")  # noqa: SIM115 (kept open from frame to frame)
 
     def append(self, positions: np.ndarray) -> None:
-        """One more frame, float32 (n, 3). The first one decides n."""
-        with _explained(self.path):
+        """Write one more frame, float32 (n, 3). The first frame decides n."""
+        with _readable_errors(self.path):
             if self._file.tell() == 0:
                 self._file.write(self._header(len(positions)))
             self._file.write(positions.astype("<f4" if self._target == "PC2" else ">f4").tobytes())
@@ -47,35 +47,35 @@ class CacheFile:
         return struct.pack(">ii", samples, points) + times.astype(">f4").tobytes()
 
     def close(self) -> None:
-        """Everything is on the disk, under its temporary name."""
-        with _explained(self.path):
+        """Write everything to the disk, still under the temporary name."""
+        with _readable_errors(self.path):
             self._file.flush()
             os.fsync(self._file.fileno())
             self._file.close()
 
     def commit(self) -> None:
-        """Take the place of an older file."""
-        with _explained(self.path):
+        """Move the file to its path, where it replaces an older file."""
+        with _readable_errors(self.path):
             os.replace(self._part, self.path)
 
     def discard(self) -> None:
-        """Leave the disk as it was."""
+        """Delete the file and the folders that were made for it."""
         if self._file is not None:
-            with contextlib.suppress(OSError):  # a full disk refuses what is still in the buffer
+            with contextlib.suppress(OSError):  # on a full disk the rest of the buffer cannot be written
                 self._file.close()
             self._part.unlink(missing_ok=True)
         for folder in self._folders:
-            with contextlib.suppress(OSError):  # another file came into it meanwhile
+            with contextlib.suppress(OSError):  # the folder holds another file by now
                 folder.rmdir()
 
 
 def partial(path: Path) -> Path:
-    """Where a file is written before it takes its place: in the same folder, with the same ending."""
+    """The temporary path of a file that is being written: in the same folder, with the same suffix."""
     return path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
 
 
 def _make_folders(folder: Path) -> list[Path]:
-    """Make a folder and those above it; the new ones, the deepest first."""
+    """Make a folder and its missing parents. Returns the new folders, the deepest first."""
     missing = [each for each in (folder, *folder.parents) if not each.exists()]
     for each in reversed(missing):
         each.mkdir(exist_ok=True)
@@ -83,22 +83,24 @@ def _make_folders(folder: Path) -> list[Path]:
 
 
 @contextlib.contextmanager
-def _explained(path: Path) -> Iterator[None]:
-    """What the disk refuses is said to the user."""
+def _readable_errors(path: Path) -> Iterator[None]:
+    """Turn an error of the operating system into one that the artist can read."""
     try:
         yield
     except OSError as error:
         reason = error.strerror or str(error)
-        raise SinewError(f"Cannot write {path}: {reason} - choose another place, or make room") from error
+        raise SinewError(
+            f"Cannot write {path}: {reason} - choose another folder, or free some disk space"
+        ) from error
 
 
 def exchange(path: Path, made: Path) -> None:
-    """Let a finished file ``made`` take the place of ``path``."""
-    with _explained(path):
+    """Move the finished file ``made`` to ``path``, where it replaces an older file."""
+    with _readable_errors(path):
         os.replace(made, path)
 
 
 def prepare_folder(path: Path) -> None:
-    """The folder of a file that another writer makes."""
-    with _explained(path):
+    """Make the folder of a file that Blender will write."""
+    with _readable_errors(path):
         _make_folders(path.parent)

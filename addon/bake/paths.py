@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a bake may write: beside the .blend on its own, elsewhere only where the user said so."""
+"""Where a bake may write: beside the .blend file, or at a path that the user chose."""
 
 import os
 from pathlib import Path
@@ -12,7 +12,7 @@ from ..properties import SinewDeformer, deformers_of
 from .files import SUFFIXES
 
 FOLDER = "sinew_cache"
-_LONGEST = 120  # characters of a file name that come from names in Blender
+_LONGEST = 120  # characters that names in Blender may contribute to a file name
 UNSAVED = "Save the file first, or choose a path - caches are written beside the .blend"
 
 
@@ -22,13 +22,16 @@ def absolute(filepath: str) -> Path:
 
 
 def is_beside(filepath: str) -> bool:
-    """The path lies in the folder of the .blend, links followed."""
+    """Whether a path lies in the folder of the .blend file, after symbolic links are followed."""
     home = Path(os.path.realpath(bpy.path.abspath("//")))
     return Path(os.path.realpath(absolute(filepath))).is_relative_to(home)
 
 
 def default(obj: Object, deformer: SinewDeformer, target: str) -> str:
-    """``//sinew_cache/<file>/<object>-<deformer>.pc2``; a folder a .blend, as versions lie side by side."""
+    """``//sinew_cache/<file>/<object>-<deformer>.pc2``.
+
+    Each .blend file has a folder of its own, since versions of a file often lie in one folder.
+    """
     file = bpy.path.clean_name(Path(bpy.data.filepath).stem)
     name = bpy.path.clean_name(obj.name if target == "ALEMBIC" else f"{obj.name}-{deformer.name}")[:_LONGEST]
     path = f"//{FOLDER}/{file}/{name}{SUFFIXES[target]}"
@@ -36,7 +39,7 @@ def default(obj: Object, deformer: SinewDeformer, target: str) -> str:
 
 
 def is_free(path: str, deformer: SinewDeformer) -> bool:
-    """No other baked deformer plays this file."""
+    """Whether no other baked deformer plays this file."""
     return not any(
         other.uid != deformer.uid and other.bake.is_baked and _same(other.bake.filepath, path)
         for obj in bpy.data.objects
@@ -52,7 +55,8 @@ def _same(a: str, b: str) -> bool:
 def choose(obj: Object, deformer: SinewDeformer, target: str, chosen: str) -> str:
     """The path of a bake, as it is stored: ``chosen`` by the user, that of the last bake, or the default.
 
-    What a .blend itself names is trusted only beside it.
+    A path that comes from the .blend file itself is used only if it lies beside the file, since the file may
+    come from someone else.
     """
     last = deformer.bake.filepath
     if chosen:
@@ -64,17 +68,19 @@ def choose(obj: Object, deformer: SinewDeformer, target: str, chosen: str) -> st
     if last and last.lower().endswith(SUFFIXES[target]) and is_free(last, deformer):
         if not is_beside(last):
             raise SinewError(
-                f"The last bake was written to {last}, outside of the file's folder - choose the path"
+                f"The last bake was written to {last}, outside the folder of this file - choose a path"
             )
         return last
     path = default(obj, deformer, target)
     if not is_beside(path):
-        raise SinewError(f"{FOLDER} leads outside of the file's folder - choose the path")
+        raise SinewError(
+            f"The folder {FOLDER} is a link that leads outside the folder of this file - choose a path"
+        )
     return path
 
 
 def offered(obj: Object, deformer: SinewDeformer, target: str) -> str:
-    """What a file browser starts with: nothing is written without the user's word."""
+    """The path that a file browser starts with. The user confirms it, so it may lie anywhere."""
     last = deformer.bake.filepath
     if last.lower().endswith(SUFFIXES[target]):
         return str(absolute(last))
@@ -84,7 +90,7 @@ def offered(obj: Object, deformer: SinewDeformer, target: str) -> str:
 
 
 def _with_suffix(path: str, target: str) -> str:
-    """A bake never replaces a file of another kind."""
+    """The path with the suffix of the target, so that a bake never replaces a file of another format."""
     stem, suffix = os.path.splitext(path)
     if suffix.lower() == SUFFIXES[target]:
         return path
@@ -92,7 +98,7 @@ def _with_suffix(path: str, target: str) -> str:
 
 
 def _stored(path: str) -> str:
-    """Relative to the .blend where it lies beside it, so that both can be moved together."""
+    """The path relative to the .blend file if it lies beside it, so that both can be moved together."""
     if path.startswith("//") or not bpy.data.filepath:
         return path if path.startswith("//") else str(absolute(path))
     return bpy.path.relpath(str(absolute(path))) if is_beside(path) else str(absolute(path))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a deformer remembers of its bake, and how it comes back to life."""
+"""The record of a bake in the settings of a deformer, and how a deformer becomes live again."""
 
 from bpy.types import Object
 
@@ -10,8 +10,8 @@ from ..properties import SinewDeformer
 from . import cache, shape_keys
 
 
-def note(obj: Object, deformer: SinewDeformer, target: str, frames: range, filepath: str) -> None:
-    """The deformer is baked: its modifier rests, and what made it shown is remembered."""
+def mark_baked(obj: Object, deformer: SinewDeformer, target: str, frames: range, filepath: str) -> None:
+    """Record that a deformer is baked: switch its modifier off, and remember where it was shown."""
     bake, modifier = deformer.bake, session.find_modifier(obj, deformer)
     bake.result, bake.first, bake.last = target, frames[0], frames[-1]
     bake.filepath = filepath or bake.filepath
@@ -22,14 +22,14 @@ def note(obj: Object, deformer: SinewDeformer, target: str, frames: range, filep
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> list[str]:
-    """Make a deformer live again and take away what its bake made; what the user should know about it."""
-    bake, said = deformer.bake, []
+    """Make a deformer live again and remove what its bake added. Returns warnings for the user."""
+    bake, warnings = deformer.bake, []
     if not bake.is_baked:
-        return said
+        return warnings
     if bake.result == "SHAPE_KEYS":
         lost = shape_keys.remove(obj, deformer)
         if lost:
-            said = [f"{lost} baked shape keys were renamed or removed: what was renamed stays"]
+            warnings = [f"{lost} baked shape keys were renamed or removed; renamed ones stay on the mesh"]
     else:
         cache.remove(obj, deformer)
     _show(obj, deformer)
@@ -38,16 +38,16 @@ def remove(obj: Object, deformer: SinewDeformer) -> list[str]:
     bound = known.bound if known is not None else None
     status.put(deformer.uid, Status(Level.INFO, session.summary(bound)) if bound else status.EMPTY)
     obj.update_tag()
-    return said
+    return warnings
 
 
 def remove_keys(obj: Object, deformer: SinewDeformer) -> list[str]:
-    """As ``remove``, where it was baked to shape keys."""
+    """Do the same as ``remove`` if the deformer was baked to shape keys."""
     return remove(obj, deformer) if deformer.bake.result == "SHAPE_KEYS" else []
 
 
 def suspend(obj: Object, deformer: SinewDeformer) -> None:
-    """Make a baked deformer live for the moment: what it baked is hidden."""
+    """Make a baked deformer live until ``resume``, and hide what the bake added."""
     if deformer.bake.is_baked:
         _show(obj, deformer)
         _hide_baked(obj, deformer, True)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One relative shape key a frame, its value keyframed 0-1-0.
+"""One relative shape key per frame, with the keyframed values 0, 1, 0.
 
-Blender sums ``basis + value * (key - its reference)`` in float32, which cannot give every position back:
-what is smaller than the last bit of the basis is lost. Exact keys are therefore relative to one key that
-holds zeros, itself relative to the basis and always on: basis + (0 - basis) is 0, and 0 + (key - 0) is the
-key, without rounding.
+Blender computes ``basis + value * (key - its reference)`` in float32. This cannot reproduce every position,
+since differences below the last bit of the basis are lost. Exact keys are therefore relative to a key of
+zeros, which is itself relative to the basis and always on: basis + (0 - basis) is 0, and 0 + (key - 0) is the
+key, both without rounding.
 """
 
 import bpy
@@ -18,11 +18,11 @@ from ..properties import SinewDeformer
 ZERO = "Zero"
 
 
-def refuse(obj: Object) -> None:
-    """Why this mesh cannot take keys that play."""
-    refuse_shared(obj)
+def require_keys(obj: Object) -> None:
+    """Raise an error if this mesh cannot have keyframed shape keys."""
+    require_own_mesh(obj)
     if obj.data.library is not None or obj.data.override_library is not None:
-        raise SinewError("The mesh is linked and takes no shape keys - bake to PC2")
+        raise SinewError("The mesh is linked, so no shape keys can be added - bake to PC2")
     keys = obj.data.shape_keys
     if keys is None:
         return
@@ -35,8 +35,8 @@ def refuse(obj: Object) -> None:
         raise SinewError("The action of the shape keys is linked - make it local, or bake to PC2")
 
 
-def refuse_shared(obj: Object) -> None:
-    """Keys show on every object of a mesh."""
+def require_own_mesh(obj: Object) -> None:
+    """Raise an error if other objects share the mesh, since they would show its shape keys, too."""
     if obj.data.users > 1:
         raise SinewError(
             "Other objects share this mesh, and its shape keys show on all of them - make it single-user "
@@ -45,7 +45,7 @@ def refuse_shared(obj: Object) -> None:
 
 
 def basis(obj: Object) -> np.ndarray:
-    """What shape keys are added to, float32 (n, 3)."""
+    """The positions that shape keys are added to, float32 (n, 3)."""
     keys = obj.data.shape_keys
     return compat.read_positions(obj.data) if keys is None else compat.read_key(keys.reference_key)
 
@@ -57,21 +57,24 @@ def install(
     shapes: list[tuple[np.ndarray, np.ndarray]],
     exact: bool,
 ) -> None:
-    """Keys for ``frames``. ``shapes``: what entered and left the deformer, float32 (n, 3), a frame each."""
+    """Add one key per frame.
+
+    ``shapes`` are those before and after the deformer, float32 (n, 3), per frame.
+    """
     bake, active = deformer.bake, obj.active_shape_key_index
     bake.keys.clear()
     bake.made_basis = obj.data.shape_keys is None
     if bake.made_basis:
         obj.shape_key_add(name="Basis", from_mix=False)
     base = basis(obj)
-    alone = all(np.array_equal(entered, base) for entered, _left in shapes)
+    is_first = all(np.array_equal(entered, base) for entered, _left in shapes)
     zero = None
-    if exact and alone:
+    if exact and is_first:
         zero = _add(obj, deformer, f"{deformer.name} {ZERO}", np.zeros_like(base))
         zero.value = 1.0
     added = []
     for frame, (entered, left) in zip(frames, shapes, strict=True):
-        shape = left if alone else base + (left - entered)
+        shape = left if is_first else base + (left - entered)
         key = _add(obj, deformer, f"{deformer.name} {frame}", shape)
         if zero is not None:
             key.relative_key = zero
@@ -91,7 +94,7 @@ def _add(obj: Object, deformer: SinewDeformer, name: str, positions: np.ndarray)
 
 
 def _animate(obj: Object, frames: range, names: list[str]) -> None:
-    """Each key is on at its frame, and blends into its neighbours; the first and the last one hold."""
+    """Let each key be on at its frame and blend into its neighbours. The first and the last key stay on."""
     keys = obj.data.shape_keys
     for frame, name in zip(frames, names, strict=True):
         keys.key_blocks[name].value = 1.0
@@ -124,8 +127,8 @@ def _keys(obj: Object, deformer: SinewDeformer) -> list[ShapeKey]:
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> int:
-    """Take the keys of a bake and their animation away; how many were renamed meanwhile, and stay."""
-    refuse_shared(obj)
+    """Remove the keys of a bake and their animation. Returns how many are not found under their names."""
+    require_own_mesh(obj)
     keys, bake = obj.data.shape_keys, deformer.bake
     names = [key.name for key in _keys(obj, deformer)]
     lost = len(bake.keys) - len(names)

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""F-curves of actions. Blender 4.4 gave them slots, 5.0 keeps them in the bags of layers only."""
+"""F-curves of actions.
+
+Blender 4.4 introduced slots; since 5.0 only the channel bags of layers hold the curves.
+"""
 
 from bpy.types import ID, Action, AnimData, FCurve
 
 
 def action_curves(owner: ID) -> list[tuple[Action, FCurve]]:
-    """The F-curves that animate an ID, of its action and of its NLA strips, each with its action."""
+    """The F-curves that animate a datablock, from its action and its NLA strips, each with its action."""
     animation = owner.animation_data
     if animation is None:
         return []
@@ -24,7 +27,7 @@ def _curves(action: Action, slot: object) -> list[FCurve]:
 
 
 def _bags(action: Action, slot: object) -> list:
-    """What holds the F-curves: the action itself, or the bags of one slot."""
+    """The objects that hold the F-curves: the action itself, or the channel bags of one slot."""
     if not hasattr(action, "layers"):
         return [action]
     if slot is None:
@@ -34,7 +37,7 @@ def _bags(action: Action, slot: object) -> list:
 
 
 def remove_action_curve(action: Action, curve: FCurve) -> None:
-    """Take an F-curve out of its action."""
+    """Remove an F-curve from its action."""
     slots = getattr(action, "slots", None)
     for slot in (None,) if slots is None else slots:
         for bag in _bags(action, slot):

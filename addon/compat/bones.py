@@ -4,16 +4,16 @@
 from bpy.types import Object
 
 
-def _holder(armature: Object, name: str):
+def _selection_owner(armature: Object, name: str):
     posed = armature.pose.bones[name]
     return posed if hasattr(posed, "select") else posed.bone
 
 
 def select_bone(armature: Object, name: str, select: bool = True) -> None:
-    """Select a pose bone, or let it go."""
-    _holder(armature, name).select = select
+    """Select or deselect a pose bone."""
+    _selection_owner(armature, name).select = select
 
 
 def is_bone_selected(armature: Object, name: str) -> bool:
-    """The pose bone is selected."""
-    return _holder(armature, name).select
+    """Whether a pose bone is selected."""
+    return _selection_owner(armature, name).select

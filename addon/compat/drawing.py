@@ -3,7 +3,7 @@
 
 
 def smooth_colour_shader():
-    """The built-in shader of coloured vertices; Blender 4.0 renamed it."""
+    """The built-in shader that interpolates the colours of vertices. Blender 4.0 renamed it."""
     import gpu
 
     try:
@@ -13,7 +13,10 @@ def smooth_colour_shader():
 
 
 def set_text_size(font: int, size: float) -> None:
-    """Text height in pixels. Blender 4.0 dropped the dots per inch, of which 72 mean pixels."""
+    """Set the height of text in pixels.
+
+    Before 4.0, Blender also takes dots per inch; 72 of them mean pixels.
+    """
     import blf
 
     try:

@@ -5,7 +5,7 @@ from bpy.types import ID, NodesModifier, NodeTree
 
 
 def add_group_input(group: NodeTree, socket_type: str, name: str, description: str = "") -> None:
-    """Append an input. Blender 4.0 moved them to ``group.interface``."""
+    """Append an input. Since Blender 4.0, ``group.interface`` holds the inputs and outputs."""
     if hasattr(group, "interface"):
         group.interface.new_socket(name, description=description, in_out="INPUT", socket_type=socket_type)
     else:
@@ -29,7 +29,7 @@ def _inputs(group: NodeTree) -> list:
 
 
 def hide_in_modifier(group: NodeTree, names: tuple[str, ...]) -> None:
-    """Keep inputs out of the modifier's panel, where Blender can (4.0 and later)."""
+    """Hide inputs in the panel of the modifier. Blender can do this since 4.0."""
     for item in _inputs(group):
         if item.name in names and hasattr(item, "hide_in_modifier"):
             item.hide_in_modifier = True
@@ -40,12 +40,12 @@ def _identifier(group: NodeTree, name: str) -> str | None:
 
 
 def has_group_input(group: NodeTree, name: str) -> bool:
-    """The group has an input of that name."""
+    """Whether the group has an input of that name."""
     return _identifier(group, name) is not None
 
 
 def modifier_input(modifier: NodesModifier, name: str) -> object:
-    """The value of a node group input; None where the group has no such input."""
+    """The value of an input of a modifier's node group; None if the group has no such input."""
     identifier = _identifier(modifier.node_group, name) if modifier.node_group else None
     if identifier is None:
         return None
@@ -55,9 +55,9 @@ def modifier_input(modifier: NodesModifier, name: str) -> object:
 
 
 def set_modifier_input(modifier: NodesModifier, name: str, value: object) -> None:
-    """Set a node group input.
+    """Set an input of a modifier's node group.
 
-    Blender 5.2 moved them, and notices a new object only when the group is set again.
+    Blender 5.2 stores the values elsewhere, and notices a new object only after the group is assigned again.
     """
     identifier = _identifier(modifier.node_group, name)
     if hasattr(modifier, "properties"):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Widgets that some versions lack, or have elsewhere."""
+"""Parts of the interface that some versions lack or have elsewhere."""
 
 import blf
 import bpy
@@ -8,7 +8,10 @@ from bpy.types import KeyConfig, KeyMap, KeyMapItem, UILayout
 
 
 def draw_progress(layout: UILayout, fraction: float, text: str) -> None:
-    """A bar of ``fraction`` from 0 to 1; Blender before 4.0 has none, then the percentage is written."""
+    """Draw a progress bar, with ``fraction`` from 0 to 1.
+
+    Before 4.0, Blender has no bar: then it is a text.
+    """
     if hasattr(layout, "progress"):
         layout.progress(factor=fraction, text=f"{fraction:.0%} {text}")
     else:
@@ -16,7 +19,10 @@ def draw_progress(layout: UILayout, fraction: float, text: str) -> None:
 
 
 def text_width(text: str, points: float) -> float:
-    """The width of a label in the interface font of ``points``, in pixels at scale 1."""
+    """The width of a label in the interface font, in pixels at scale 1.
+
+    ``points`` is the size of the font.
+    """
     if bpy.app.version >= (4, 0, 0):
         blf.size(0, points)
     else:
@@ -25,7 +31,7 @@ def text_width(text: str, points: float) -> float:
 
 
 def draw_keymap_item(layout: UILayout, keyconfig: KeyConfig, keymap: KeyMap, item: KeyMapItem) -> None:
-    """An item of the user's keymap, editable as on Blender's own page."""
+    """Draw an item of the user's keymap, which can be edited as in Blender's own Keymap page."""
     column = layout.column()
     column.context_pointer_set("keymap", keymap)
     rna_keymap_ui.draw_kmi([], keyconfig, keymap, item, column, 0)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Positions and indices of a mesh, by the fastest way each version has.
+"""Read and write positions and indices of a mesh, in the fastest way that each version offers.
 
-Blender's indices are unsigned: into signed arrays it converts them one by one, fifty times slower.
+Blender's indices are unsigned. Into a signed array it would convert them one by one, which is fifty times
+slower.
 """
 
 import numpy as np
@@ -9,7 +10,7 @@ from bpy.types import Mesh
 
 
 def read_positions(mesh: Mesh) -> np.ndarray:
-    """float32 (n, 3), in the mesh's space."""
+    """The positions of all vertices, float32 (n, 3), in the space of the mesh."""
     flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
     attribute = mesh.attributes.get("position")
     if attribute is not None and len(attribute.data) == len(mesh.vertices):
@@ -20,7 +21,7 @@ def read_positions(mesh: Mesh) -> np.ndarray:
 
 
 def read_faces(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Corners per face int32 (m,), and the vertex of each corner, face after face."""
+    """The number of corners per face, int32 (m,), and the vertex of each corner, face after face."""
     counts = np.empty(len(mesh.polygons), dtype=np.int32)
     corners = np.empty(len(mesh.loops), dtype=np.uint32)
     attribute = mesh.attributes.get(".corner_vert")
@@ -35,7 +36,7 @@ def read_faces(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
 
 
 def read_triangles(mesh: Mesh) -> np.ndarray:
-    """Vertex indices int32 (t, 3); concave polygons are cut as Blender cuts them."""
+    """The triangles of all faces as vertex indices, int32 (t, 3), divided as Blender divides the faces."""
     mesh.calc_loop_triangles()
     corners = np.empty(len(mesh.loop_triangles) * 3, dtype=np.uint32)
     mesh.loop_triangles.foreach_get("loops", corners)
@@ -43,14 +44,14 @@ def read_triangles(mesh: Mesh) -> np.ndarray:
 
 
 def read_edges(mesh: Mesh) -> np.ndarray:
-    """Vertex indices int32 (e, 2)."""
+    """The edges as vertex indices, int32 (e, 2)."""
     flat = np.empty(len(mesh.edges) * 2, dtype=np.uint32)
     mesh.edges.foreach_get("vertices", flat)
     return flat.view(np.int32).reshape(-1, 2)
 
 
 def write_positions(mesh: Mesh, positions: np.ndarray) -> None:
-    """Replace all positions, float32 (n, 3) of the size the mesh has, and tell Blender."""
+    """Replace the positions of all vertices, float32 (n, 3), and tell Blender of the change."""
     flat = np.ascontiguousarray(positions, dtype=np.float32).ravel()
     attribute = mesh.attributes.get("position")
     if attribute is not None:

@@ -6,9 +6,9 @@ from bpy.types import Object
 
 
 def move_modifier(obj: Object, name: str, index: int) -> bool:
-    """Put a modifier at a place in the stack; False where Blender does not let it go there.
+    """Move a modifier to a place in the stack; False if Blender does not allow it there.
 
-    Before 4.0 only an operator does it.
+    Before Blender 4.0 only an operator can move modifiers.
     """
     modifiers = obj.modifiers
     at = modifiers.find(name)

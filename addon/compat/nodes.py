@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sockets of nodes that carry one socket per data type in older versions."""
+"""Sockets of nodes.
+
+In older versions such a node has one socket per data type, and one of them is enabled.
+"""
 
 from bpy.types import NodeSocket
 

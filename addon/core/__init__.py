@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Sinew knows without Blender: the method registry, errors, status texts, motions and small geometry."""
+"""The code that needs no Blender: the method registry, errors, status texts, motions and small geometry."""

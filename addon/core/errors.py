@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The errors an artist can meet. Each says what is wrong and what to do about it."""
+"""The errors that an artist can meet. Each message says what is wrong, where, and what to do about it."""
 
 from . import status
 from .elements import NO_ELEMENTS, Elements
 
 
 class SinewError(Exception):
-    """Anything Sinew refuses to do.
+    """Sinew refuses to do something. All errors that an artist can meet derive from this class.
 
-    ``elements`` are those at fault, so that **Select** can show them. ``remedy`` is what a button beside the
-    message offers.
+    ``elements`` are the elements at fault, which the button **Select** shows. ``remedy`` is what another
+    button beside the message does.
     """
 
     remedy = status.Remedy.NONE
@@ -25,8 +25,8 @@ class SinewError(Exception):
         if remedy is not None:
             self.remedy = remedy
 
-    def about(self, elements: Elements, remedy: status.Remedy) -> "SinewError":
-        """The same refusal, of other elements and with another remedy."""
+    def with_elements(self, elements: Elements, remedy: status.Remedy) -> "SinewError":
+        """The same error with other elements and another remedy."""
         return type(self)(str(self), elements, remedy)
 
 
@@ -41,7 +41,7 @@ class MeshError(SinewError):
 
 
 class ConstraintError(SinewError):
-    """The handles contradict each other, or name vertices that are not there."""
+    """The handles contradict each other, or they name vertices that do not exist."""
 
 
 class CageError(SinewError):
@@ -57,19 +57,19 @@ class SolverError(SinewError):
 
 
 class OutOfMemoryError(SolverError):
-    """The factor would take more than the memory limit allows, or than the machine has."""
+    """A bind needs more memory than the memory limit allows, or than the machine has."""
 
     remedy = status.Remedy.PREFERENCES
 
 
 class CancelledError(SinewError):
-    """The user, or a script, stopped the work."""
+    """A user or a script cancelled the work."""
 
     remedy = status.Remedy.BIND
 
 
 class UnforeseenError(SinewError):
-    """A mistake in Sinew itself ended the work of a thread."""
+    """A thread ended with an exception that Sinew did not foresee, which is a bug in Sinew."""
 
     remedy = status.Remedy.BIND
 

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the process remembers between calls, so that all of it can be forgotten at once.
+"""A list of everything that the process remembers between calls, so that one call can forget all of it.
 
-None of it is truth: the properties in the .blend file are, and everything else follows from them.
+Nothing here is the only copy: everything can be computed again from the properties in the .blend file.
 """
 
 from typing import Protocol, TypeVar
 
 
 class Clearable(Protocol):
-    """A container."""
+    """A container that can be emptied."""
 
     def clear(self) -> None:
-        """Forget what it holds."""
+        """Empty the container."""
 
 
 C = TypeVar("C", bound=Clearable)
@@ -19,12 +19,12 @@ _remembered: list[Clearable] = []
 
 
 def remember(container: C) -> C:
-    """The same container, emptied by ``forget_all``. Call it once per module-level container."""
+    """Register a container, which ``forget_all`` then empties, and return it. Call it once per container."""
     _remembered.append(container)
     return container
 
 
 def forget_all() -> None:
-    """Empty every container: another file is opened, or a test begins."""
+    """Empty every container, because another file is opened or a test begins."""
     for container in _remembered:
         container.clear()

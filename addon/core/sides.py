@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Left and right in names, by the rules of Blender's own mirror tools.
 
-A side is ``L``, ``R`` in either case behind a separator at the end (``Hand.L``, ``hand_r``) or before one
-at the start (``L-Hand``), else ``Left``, ``Right`` in any case at the start or the end. A number such as
-``.001`` stays behind.
+The side of a name is one of these, in upper or lower case: ``L`` or ``R`` after a separator at the end
+(``Hand.L``, ``hand_r``), or before a separator at the start (``L-Hand``); else ``Left`` or ``Right`` at the
+start or at the end. A number at the end, such as ``.001``, is kept there.
 """
 
 import re
@@ -15,20 +15,20 @@ _NUMBER = re.compile(r"(\.[0-9][^.]*)$")
 
 
 class Side(Enum):
-    """Which side of the body a name speaks of; left is the positive half of the x axis."""
+    """The side of the body that a name states. Left is the positive half of the x axis."""
 
     LEFT = "LEFT"
     RIGHT = "RIGHT"
 
 
 def flip(name: str) -> str:
-    """The same name of the other side; empty where the name has no side."""
+    """The name of the same thing on the other side; empty if the name states no side."""
     before, side, after = _split(name)
     return before + _other(side) + after if side else ""
 
 
 def side_of(name: str) -> Side | None:
-    """The side a name speaks of."""
+    """The side that a name states, or None."""
     side = _split(name)[1]
     if not side:
         return None
@@ -36,7 +36,10 @@ def side_of(name: str) -> Side | None:
 
 
 def _split(name: str) -> tuple[str, str, str]:
-    """What stands before the side, the side, and what stands after; an empty side where there is none."""
+    """The text before the side, the side, and the text after it.
+
+    The side is empty if the name states none.
+    """
     if len(name.encode()) < 3:
         return name, "", ""
     stem, number = name, ""
@@ -48,14 +51,14 @@ def _split(name: str) -> tuple[str, str, str]:
         return "", stem[0], stem[1:] + number
     if len(stem.encode()) > 5:
         for word in ("right", "left"):
-            found = re.search(word, stem, re.IGNORECASE | re.ASCII)  # the first one counts
+            found = re.search(word, stem, re.IGNORECASE | re.ASCII)  # Blender looks at the first one only
             if found and (found.start() == 0 or found.end() == len(stem)):
                 return stem[: found.start()], found.group(), stem[found.end() :] + number
     return name, "", ""
 
 
 def _other(side: str) -> str:
-    """Its case is kept as Blender keeps it: by the first two letters."""
+    """The opposite side, in the same case. As in Blender, the first two letters decide the case."""
     if len(side) == 1:
         return _LETTERS[side]
     word = "right" if side[0] in "lL" else "left"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel says about each deformer, by its key.
+"""The messages that the panel shows about each deformer, by the key of the deformer.
 
-Texts only: nothing here is saved, everything is recomputed.
+Nothing here is saved: the messages are computed again when a file is opened.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from .memory import remember
 
 
 class Level(Enum):
-    """How a line is shown."""
+    """How serious a line is, which decides its icon."""
 
     NONE = "NONE"
     INFO = "INFO"
@@ -21,7 +21,7 @@ class Level(Enum):
 
 
 class Remedy(Enum):
-    """What a button beside a line offers. ``ui`` knows the operator of each."""
+    """What the button beside a line does. ``ui`` maps each remedy to an operator."""
 
     NONE = "NONE"
     BIND = "BIND"
@@ -36,7 +36,7 @@ class Remedy(Enum):
 
 @dataclass(frozen=True)
 class Status:
-    """One line, the elements that **Select** would show, and the remedy that a button offers."""
+    """One line, the elements that **Select** shows, and the remedy that a button offers."""
 
     level: Level = Level.NONE
     text: str = ""
@@ -56,7 +56,7 @@ def current(key: str) -> Status:
 
 
 def notes(key: str) -> tuple[Status, ...]:
-    """Further lines, warnings mostly."""
+    """The other lines, which are mostly warnings."""
     return _notes.get(key, ())
 
 
@@ -66,17 +66,17 @@ def put(key: str, status: Status) -> None:
 
 
 def put_notes(key: str, lines: tuple[Status, ...]) -> None:
-    """Replace the further lines."""
+    """Replace the other lines."""
     _notes[key] = lines
 
 
 def fail(key: str, error: Exception) -> None:
-    """Show a refusal."""
+    """Show an error as the main line."""
     elements, remedy = getattr(error, "elements", NO_ELEMENTS), getattr(error, "remedy", Remedy.NONE)
     _statuses[key] = Status(Level.ERROR, str(error), elements, remedy)
 
 
 def clear(key: str) -> None:
-    """Forget a deformer."""
+    """Remove all lines of a deformer."""
     _statuses.pop(key, None)
     _notes.pop(key, None)

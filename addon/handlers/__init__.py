@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender calls on its own."""
+"""The functions that Blender calls by itself."""
 
 import bpy
 
@@ -11,8 +11,8 @@ _HANDLERS = (
     ("undo_post", history.on_undo),
     ("redo_post", history.on_undo),
     ("load_post", history.on_load),
-    ("save_pre", history.before_use),
-    ("render_init", history.before_use),
+    ("save_pre", history.before_save_or_render),
+    ("render_init", history.before_save_or_render),
 )
 
 

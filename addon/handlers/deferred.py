@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What has to wait for a quiet moment on the main thread.
+"""Work that has to wait until the artist pauses, done by timers on the main thread.
 
-Timers never fire without a window: tests call ``catch_up``.
+Timers do not run without a window; tests call ``catch_up`` instead.
 """
 
 import time
@@ -10,26 +10,26 @@ import bpy
 
 from .. import session
 
-PAUSE = 0.15  # seconds without an edit, after which a preview becomes final
-_POLL = 0.1
-_STAND_BY = 0.2  # no render is running
-_FRAME = 0.02  # while a drag waits for the shape of a thread
+PAUSE = 0.15  # seconds without an edit, after which the final shape replaces a preview
+_POLL = 0.1  # seconds between two looks at threads
+_IDLE_POLL = 0.2  # seconds between two looks for a render, while none is running
+_DRAG_POLL = 0.02  # seconds between two looks at threads, while a drag waits for a shape
 
 _last_edit = 0.0
 
 
 def schedule() -> None:
-    """Look again soon, as something was edited."""
+    """Start the timers, because something was edited."""
     global _last_edit
     _last_edit = time.monotonic()
     if not bpy.app.timers.is_registered(_tick) and _is_pending():
         _start()
-    if _has_unlocked_renders() and not bpy.app.timers.is_registered(_serve):
-        bpy.app.timers.register(_serve)
+    if _has_unlocked_renders() and not bpy.app.timers.is_registered(_write_for_renders):
+        bpy.app.timers.register(_write_for_renders)
 
 
 def follow_threads() -> None:
-    """Look again soon where a thread is at work."""
+    """Start the timer if a thread is working."""
     if session.busy() and not bpy.app.timers.is_registered(_tick):
         _start()
 
@@ -40,8 +40,8 @@ def _start() -> None:
 
 
 def stop() -> None:
-    """No more timers."""
-    for timer in (_tick, _serve):
+    """Stop all timers."""
+    for timer in (_tick, _write_for_renders):
         if bpy.app.timers.is_registered(timer):
             bpy.app.timers.unregister(timer)
 
@@ -50,16 +50,20 @@ def _has_unlocked_renders() -> bool:
     return bool(session.owners()) and any(session.must_hand_over(scene) for scene in bpy.data.scenes)
 
 
-def _serve() -> float | None:
-    """Stand ready for render threads; see ``session.relay``."""
+def _write_for_renders() -> float | None:
+    """Write what render threads wait for; see ``session/memory/render_writes.py``."""
     if not _has_unlocked_renders():
         return None
     session.carry_out_writes()
-    return 0.0 if bpy.app.is_job_running("RENDER") else _STAND_BY
+    return 0.0 if bpy.app.is_job_running("RENDER") else _IDLE_POLL
 
 
 def catch_up() -> bool:
-    """Do all of it now: finished threads, copies, edits, final answers. True while a thread is at work."""
+    """Do all deferred work now; True while a thread is still working.
+
+    Collects the results of threads, gives copied objects shapes of their own, reacts to edits of meshes, and
+    replaces previews by final shapes.
+    """
     session.collect()
     session.tidy()
     session.refresh()
@@ -76,7 +80,7 @@ def _tick() -> float | None:
         return _POLL
     if time.monotonic() - _last_edit < PAUSE:
         session.collect()
-        return _FRAME if session.busy() else _POLL
+        return _DRAG_POLL if session.busy() else _POLL
     is_busy = True
     try:
         is_busy = catch_up()
@@ -87,12 +91,12 @@ def _tick() -> float | None:
     _redraw()
     if not is_busy:
         return None
-    _watch()
+    _watch_binds()
     return _POLL
 
 
-def _watch() -> None:
-    """Binds that started by themselves get a progress in the status bar and heed Esc, like any other."""
+def _watch_binds() -> None:
+    """Show the progress of binds that started by themselves in the status bar, and let Esc cancel them."""
     windows = bpy.context.window_manager.windows
     for uid in session.unwatched() if windows else ():
         with bpy.context.temp_override(window=windows[0]):
@@ -100,7 +104,7 @@ def _watch() -> None:
 
 
 def _redraw() -> None:
-    """Show the progress of a bind, and its end, in the panels too."""
+    """Redraw the panels, which show the progress and the result of a bind."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type in ("VIEW_3D", "PROPERTIES"):

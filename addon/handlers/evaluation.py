@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solve when something was edited and when the frame changed.
 
-Writing in these triggers one more pass, no recursion.
+What these handlers write makes Blender evaluate the scene once more, but not again and again.
 """
 
 import bpy
@@ -14,7 +14,10 @@ from . import deferred
 
 @persistent
 def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
-    """Something was edited. With a window, a drag shows previews; the final answer follows when it pauses."""
+    """Something was edited.
+
+    With a window, a drag shows previews, and the final shape follows after a pause.
+    """
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     session.update(depsgraph, preview=interactive, edit=True)
     if interactive:
@@ -23,7 +26,10 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
 
 @persistent
 def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
-    """Playback, scrubbing, renders, motion blur: always the final answer."""
+    """The frame changed: in playback, scrubbing, renders and motion blur.
+
+    It always computes the final shape.
+    """
     session.update(depsgraph)
     if depsgraph.mode == "VIEWPORT":
         deferred.follow_threads()  # an animated setting may have started a bind

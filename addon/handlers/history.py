@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Undo, redo, load, save: properties are the truth, the session follows."""
+"""Undo, redo, load and save: bring what the process remembers in line with the properties of the file."""
 
 import threading
 
@@ -13,15 +13,15 @@ from . import deferred
 
 @persistent
 def on_undo(*_args: object) -> None:
-    """Shape meshes may hold another state now: the next evaluation writes them again."""
+    """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
     session.forget_owners()
     session.forget_shapes()
-    _evaluate_again()
+    _evaluate_all()
 
 
 @persistent
 def on_load(*_args: object) -> None:
-    """Another file: nothing of the old one counts."""
+    """Another file was opened: forget everything about the previous one."""
     forget_all()
     if session.owners():  # the first evaluation after a load calls no handlers
         session.update(bpy.context.evaluated_depsgraph_get())
@@ -29,10 +29,10 @@ def on_load(*_args: object) -> None:
 
 
 @persistent
-def before_use(*_args: object) -> None:
-    """Before a save or a render: copies get shapes of their own, edits take effect.
+def before_save_or_render(*_args: object) -> None:
+    """Give copied objects shapes of their own and react to edits, before a save or a render.
 
-    A window renders in a thread of its own, where datablocks cannot be made: there a timer did it.
+    A render from a window runs in another thread, which cannot make datablocks. Then a timer has done this.
     """
     if threading.current_thread() is not threading.main_thread():
         return
@@ -41,9 +41,9 @@ def before_use(*_args: object) -> None:
         bpy.context.view_layer.update()
 
 
-def _evaluate_again() -> None:
+def _evaluate_all() -> None:
     for obj in session.owners():
         if obj.library is None:
-            session.note_edit(obj.name)  # the mesh may be another one now
+            session.note_edit(obj.name)  # undo may have restored another mesh
             obj.update_tag()
     deferred.schedule()

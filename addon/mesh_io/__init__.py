@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arrays in and out of Blender meshes. The only place where float32 is widened."""
+"""Read and write Blender meshes as arrays. Only this room converts float32 to float64."""
 
 from .attributes import Incoming, read_attributes, read_incoming
 from .rest import (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read what entered our modifier from the final evaluated mesh."""
+"""Read the positions that entered Sinew's modifier, from the final evaluated mesh."""
 
 from dataclasses import dataclass
 
@@ -9,14 +9,17 @@ from bpy.types import Mesh
 
 @dataclass(frozen=True)
 class Incoming:
-    """``points`` float32 (n, 3), None where the order is lost; ``count`` entered, -1 where unknown."""
+    """The incoming ``points`` float32 (n, 3), and their ``count``.
+
+    ``points`` is None if later modifiers changed the order of the vertices; ``count`` is -1 if it is unknown.
+    """
 
     points: np.ndarray | None
     count: int
 
 
 def read_incoming(mesh: Mesh, position_name: str, index_name: str, expected: int) -> Incoming:
-    """The incoming positions and how many there are, by the two attributes the node group stores."""
+    """Read the incoming positions from the two attributes that the node group stores."""
     positions, indices = mesh.attributes.get(position_name), mesh.attributes.get(index_name)
     if positions is None or indices is None or len(indices.data) == 0:
         return Incoming(None, -1)

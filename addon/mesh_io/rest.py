@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read a rest mesh: points, faces, weights of vertex groups."""
+"""Read and replace rest meshes: points, faces and the weights of vertex groups."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,21 +10,22 @@ from bpy.types import Mesh
 
 from ..compat import read_faces, read_positions
 from ..core.geometry import frames
-from ..core.kinds import MESH, Kind, named
+from ..core.point_types import MESH, PointType, point_type_with_id
 from ..ids import Keys
 
-_KEYS = (Keys.REST_TOKEN, Keys.REST_GROUPS, Keys.REST_KIND, Keys.REST_STRUCTURE)
-_WEIGHTS = ".sinew_weight_"  # how the attributes begin that keep the weights of groups
+_KEYS = (Keys.REST_TOKEN, Keys.REST_GROUPS, Keys.REST_POINT_TYPE, Keys.REST_STRUCTURE)
+_WEIGHTS = ".sinew_weight_"  # prefix of the attributes that hold the weights of vertex groups
 
 
 @dataclass
 class RestShape:
-    """What entered the modifier at bind.
+    """The shape that entered the modifier at bind.
 
-    ``points`` float64 (n, 3), ``counts`` (m,) corners per face, ``corners`` vertex indices face after face,
-    ``weights`` float32 (n,) by vertex group name, filled on demand. ``not_finite`` (k,) vertices whose
-    coordinates are NaN or infinite in Blender; ``points`` holds finite places near their neighbours.
-    ``structure`` is what an object that is no mesh was made of, as a text to compare.
+    ``points`` float64 (n, 3). ``counts`` (m,) are the corners per face, and ``corners`` their vertex indices,
+    face after face. ``weights`` float32 (n,), by the name of the vertex group, are filled on demand.
+    ``not_finite`` (k,) are the vertices whose coordinates are NaN or infinite in Blender; ``points`` has
+    finite places near their neighbours instead. ``structure`` describes what an object that is not a mesh
+    consists of, as a text that can be compared.
     """
 
     token: str
@@ -33,12 +34,12 @@ class RestShape:
     corners: np.ndarray
     weights: dict[str, np.ndarray] = field(default_factory=dict)
     not_finite: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
-    kind: Kind = MESH
+    point_type: PointType = MESH
     structure: str = ""
 
     @cached_property
-    def compact(self) -> np.ndarray:
-        """The points as Blender holds them, float32."""
+    def points_float32(self) -> np.ndarray:
+        """The points in float32, as Blender stores them."""
         return self.points.astype(np.float32)
 
 
@@ -46,23 +47,23 @@ def read_rest(mesh: Mesh) -> RestShape:
     """The rest shape stored in a mesh datablock."""
     counts, corners = read_faces(mesh)
     points = read_positions(mesh).astype(np.float64)
-    not_finite = np.flatnonzero(~frames.is_place(points))
+    not_finite = np.flatnonzero(~frames.are_valid(points))
     if len(not_finite):
-        points[not_finite] = _stand_ins(points, counts, corners, not_finite)
+        points[not_finite] = _replacement_points(points, counts, corners, not_finite)
     return RestShape(
         mesh.get(Keys.REST_TOKEN, ""),
         points,
         counts,
         corners,
         not_finite=not_finite,
-        kind=named(mesh.get(Keys.REST_KIND)),
+        point_type=point_type_with_id(mesh.get(Keys.REST_POINT_TYPE)),
         structure=mesh.get(Keys.REST_STRUCTURE, ""),
     )
 
 
 def replace_rest(held: Mesh, new: Mesh) -> None:
-    """Let ``held`` be what ``new`` is, to those who read a rest mesh. Its identity stays."""
-    if not _take_weights(held, new):
+    """Replace everything that ``held`` stores as a rest mesh by what ``new`` stores. The datablock stays."""
+    if not _copy_weights(held, new):
         copy = bmesh.new()
         copy.from_mesh(new, face_normals=False)
         copy.to_mesh(held)
@@ -74,8 +75,11 @@ def replace_rest(held: Mesh, new: Mesh) -> None:
             del held[key]
 
 
-def _take_weights(held: Mesh, new: Mesh) -> bool:
-    """Where the shape is the same and all weights are attributes, copy only these: a tenth of the time."""
+def _copy_weights(held: Mesh, new: Mesh) -> bool:
+    """Copy only the weights, which takes a tenth of the time; False if that is not enough.
+
+    It is enough if the shapes are equal and all weights are stored as attributes.
+    """
     wanted = [weights_attribute(index) for index in range(len(group_names(new)))]
     if not all(name in new.attributes for name in wanted):
         return False
@@ -92,17 +96,22 @@ def _take_weights(held: Mesh, new: Mesh) -> bool:
 
 
 def same_topology(a: Mesh, b: Mesh) -> bool:
-    """Equal numbers of vertices, the same faces, made of the same."""
+    """Whether two rest meshes have equally many vertices, the same faces and the same structure."""
     if len(a.vertices) != len(b.vertices):
         return False
-    if any(a.get(key) != b.get(key) for key in (Keys.REST_KIND, Keys.REST_STRUCTURE)):
+    if any(a.get(key) != b.get(key) for key in (Keys.REST_POINT_TYPE, Keys.REST_STRUCTURE)):
         return False
     return all(np.array_equal(x, y) for x, y in zip(read_faces(a), read_faces(b), strict=True))
 
 
-def _stand_ins(points: np.ndarray, counts: np.ndarray, corners: np.ndarray, lost: np.ndarray) -> np.ndarray:
-    """Finite places (k, 3) for the ``lost`` vertices: the mean of the finite corners around, else of all."""
-    finite = frames.is_place(points)
+def _replacement_points(
+    points: np.ndarray, counts: np.ndarray, corners: np.ndarray, lost: np.ndarray
+) -> np.ndarray:
+    """Finite places (k, 3) for the ``lost`` vertices.
+
+    Each is the mean of the finite corners of the faces around the vertex, or else of all finite points.
+    """
+    finite = frames.are_valid(points)
     known = np.where(finite[:, None], points, 0.0)
     everywhere = known.sum(axis=0) / max(int(finite.sum()), 1)
     faces = np.repeat(np.arange(len(counts)), counts)
@@ -118,7 +127,7 @@ def _stand_ins(points: np.ndarray, counts: np.ndarray, corners: np.ndarray, lost
 
 
 def group_names(mesh: Mesh) -> list[str]:
-    """The vertex groups that a rest mesh had, in their order."""
+    """The names of the vertex groups of a rest mesh, in their order."""
     names = mesh.get(Keys.REST_GROUPS)
     if not hasattr(names, "__iter__"):
         return []
@@ -126,14 +135,15 @@ def group_names(mesh: Mesh) -> list[str]:
 
 
 def weights_attribute(index: int) -> str:
-    """Where a rest mesh keeps the weights of its ``index``-th vertex group for a quick read."""
+    """The attribute in which a rest mesh holds the weights of its ``index``-th vertex group."""
     return f"{_WEIGHTS}{index}"
 
 
 def group_weights(mesh: Mesh, names: list[str], wanted: set[str]) -> dict[str, np.ndarray]:
-    """Weights float32 (n,) of the ``wanted`` groups; ``names``: the mesh's groups in order.
+    """Weights float32 (n,) of the ``wanted`` groups. ``names`` are all groups of the mesh, in order.
 
-    Groups kept as attributes take a millisecond a million vertices; the others one slow pass together.
+    Groups that are stored as attributes take a millisecond per million vertices. All others are read
+    together, in one slow pass over the vertices.
     """
     found = {name: np.zeros(len(mesh.vertices), dtype=np.float32) for name in wanted if name in names}
     rows = {}

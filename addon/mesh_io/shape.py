@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The hidden shape mesh that the modifier shows.
 
-It has one vertex per target vertex and one more, whose x is the Factor and whose y says whether the rest
-are positions (0) or displacements (1). One write of one array changes all of it together.
+It has one vertex per point of the target, and one more. The x coordinate of this last vertex is the Factor;
+its y coordinate says whether the other vertices hold positions (0) or displacements (1). Writing one array
+thus changes everything at once.
 """
 
 import bpy
@@ -22,19 +23,19 @@ def shape_mesh(name: str, vertex_count: int) -> Mesh:
 
 
 def resize_shape(mesh: Mesh, vertex_count: int) -> None:
-    """Let a shape mesh show the rest shape of another number of vertices."""
+    """Give a shape mesh another number of vertices. It then shows the rest shape."""
     mesh.clear_geometry()
     mesh.vertices.add(vertex_count + 1)
     write_shape(mesh, np.zeros((vertex_count + 1, 3), dtype=np.float32), 0.0, False)
 
 
 def shape_array(vertex_count: int) -> np.ndarray:
-    """Room for a shape mesh, float32 (n + 1, 3)."""
+    """An uninitialised array for all vertices of a shape mesh, float32 (n + 1, 3)."""
     return np.empty((vertex_count + 1, 3), dtype=np.float32)
 
 
 def write_shape(mesh: Mesh, shape: np.ndarray, factor: float, displacement: bool) -> bool:
-    """Write all of it, a ``shape_array``; False where the mesh has another size."""
+    """Write a ``shape_array``; False if the mesh has another number of vertices."""
     if len(mesh.vertices) != len(shape):
         return False
     shape[-1] = factor, float(displacement), 0.0
@@ -43,7 +44,9 @@ def write_shape(mesh: Mesh, shape: np.ndarray, factor: float, displacement: bool
 
 
 def read_shape(mesh: Mesh) -> np.ndarray | None:
-    """The positions (n, 3) a shape mesh shows, float64; None where it shows rest or displacements."""
+    """The positions (n, 3) that a shape mesh shows, float64; None if it shows the rest shape or
+    displacements.
+    """
     held = read_positions(mesh).astype(np.float64)
     factor, displacement = held[-1, :2]
     return held[:-1] if factor > 0.0 and displacement < 0.5 else None

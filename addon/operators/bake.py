@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bake and unbake. With a window a bake goes on between redraws: progress in the status bar, Esc cancels."""
+"""Bake and unbake. With a window, a bake runs between redraws, with its progress in the status bar."""
 
 import time
 
@@ -11,12 +11,12 @@ from .. import bake
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..properties import BAKE_TARGETS, MAX_FRAME, SinewDeformer
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, target_of
 
 CANCELLED = "The bake was cancelled - everything is as it was"
-_SLICE = 0.1  # seconds of frames between two redraws
-_BREATH = 0.01  # seconds to wait for a thread, without a timer
+_SLICE = 0.1  # seconds for which frames are baked between two redraws
+_PAUSE = 0.01  # seconds to wait for a thread, if there is no timer
 _SKIP = {"SKIP_SAVE"}
 
 _ALL = {
@@ -27,7 +27,7 @@ _ALL = {
 
 
 def _chosen(context: Context, everything: bool) -> list[tuple[Object, SinewDeformer]]:
-    """The deformers to work on: the active one, or all of the mesh and of the other selected ones."""
+    """The active deformer, or all deformers of the mesh and of the other selected meshes."""
     target = target_of(context)
     if not everything:
         return [(target, target.sinew.active)]
@@ -36,9 +36,10 @@ def _chosen(context: Context, everything: bool) -> list[tuple[Object, SinewDefor
 
 
 class SINEW_OT_bake(Operator):
-    """Store the deformed mesh frame by frame, so that it plays without the add-on, on a farm or elsewhere.
+    """Store the deformed mesh frame by frame, so that it plays without the add-on, on a render farm for
+    example.
 
-    The deformer rests until Unbake
+    The deformer is off until Unbake
     """
 
     bl_idname = Operators.BAKE
@@ -49,40 +50,42 @@ class SINEW_OT_bake(Operator):
         name="Target",
         items=BAKE_TARGETS,
         default="PC2",
-        description="What the shapes are written to. Caches suit long shots, shape keys single poses",
+        description="What the shapes are written to. Use caches for long shots and shape keys for single "
+        "poses",
     )
     frame_start: IntProperty(
         name="Start",
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        description="First frame; the scene's where it is not given",
+        description="First frame; if it is not given, the first frame of the scene",
         options=_SKIP,
     )
     frame_end: IntProperty(
         name="End",
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        description="Last frame; the scene's where it is not given",
+        description="Last frame; if it is not given, the last frame of the scene",
         options=_SKIP,
     )
     step: IntProperty(
         name="Step",
         default=1,
         min=1,
-        description="Bake every so many frames; those between are blended",
+        description="Bake every n-th frame; the frames between are blended",
         options=_SKIP,
     )
     filepath: StringProperty(
         name="Path",
         subtype="FILE_PATH",
-        description="The file to write; none means the folder sinew_cache beside the .blend",
+        description="The file to write; if empty, a file in the folder sinew_cache beside the .blend file",
         options=_SKIP,
     )
     all_deformers: BoolProperty(**_ALL)
     exact_keys: BoolProperty(
         name="Exact Shape Keys",
         default=True,
-        description="One more shape key takes the basis out, so that each frame is right to the last bit",
+        description="Add one more shape key that cancels the basis, so that each frame is exact to the "
+        "last bit",
         options=_SKIP,
     )
     choose_path: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
@@ -103,7 +106,7 @@ class SINEW_OT_bake(Operator):
             return self.execute(context)
         return self._browse(context) if self.choose_path else self._begin(context)
 
-    @refusing
+    @reports_errors
     def _begin(self, context: Context) -> set[str]:
         if self.target == "ALEMBIC":
             return self._export(context)
@@ -121,10 +124,10 @@ class SINEW_OT_bake(Operator):
             self.report({"WARNING"}, CANCELLED)
             return {"CANCELLED"}
         if event.type != "TIMER":
-            return {"RUNNING_MODAL"}  # edits in the middle of a bake would come into it
+            return {"RUNNING_MODAL"}  # edits during a bake would change what it bakes
         try:
-            going_on = self._slice(context)
-            if going_on:
+            has_more = self._bake_frames(context)
+            if has_more:
                 return {"RUNNING_MODAL"}
             self._finish(self._baking)
         except SinewError as error:
@@ -136,14 +139,14 @@ class SINEW_OT_bake(Operator):
         return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:
-        """Blender ends us: another file is opened, or the window closed."""
+        """Blender ends the operator, because another file is opened or the window is closed."""
         if hasattr(self, "_baking"):
             self._baking.cancel()
             self._end_modal(context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
-        if self.choose_path and not bpy.app.background:  # the file browser comes back here
+        if self.choose_path and not bpy.app.background:  # the file browser calls this when the user confirms
             return self._bake_to_choice()
         baking = None
         try:
@@ -153,7 +156,7 @@ class SINEW_OT_bake(Operator):
             done = -1
             while baking.step():
                 if baking.done == done:
-                    time.sleep(_BREATH)
+                    time.sleep(_PAUSE)
                 done = baking.done
             self._finish(baking)
         finally:
@@ -173,7 +176,7 @@ class SINEW_OT_bake(Operator):
 
     def _request(self, context: Context) -> bake.Request:
         chosen = _chosen(context, self.all_deformers)
-        if self.all_deformers:  # what shows the rest shape has nothing to bake
+        if self.all_deformers:  # a deformer that is not bound has nothing to bake
             chosen = [pair for pair in chosen if pair[1].is_bound] or chosen
         return bake.Request(
             tuple((obj.name, deformer.uid) for obj, deformer in chosen),
@@ -184,24 +187,24 @@ class SINEW_OT_bake(Operator):
         )
 
     def _frames(self, context: Context) -> range:
-        """The frames asked for; the scene's where they are not given."""
+        """The frames to bake. Those of the scene are used if none are given."""
         for name in ("frame_start", "frame_end"):
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(context.scene, name))
         return range(self.frame_start, self.frame_end + 1, self.step)
 
-    def _slice(self, context: Context) -> bool:
-        """Some frames, and a word about them; True while there are more."""
+    def _bake_frames(self, context: Context) -> bool:
+        """Bake some frames and show the progress; True while there are more."""
         begin, baking = time.perf_counter(), self._baking
-        done, going_on = -1, True
-        while going_on and done != baking.done and time.perf_counter() - begin < _SLICE:
+        done, has_more = -1, True
+        while has_more and done != baking.done and time.perf_counter() - begin < _SLICE:
             done = baking.done
-            going_on = baking.step()
+            has_more = baking.step()
         context.window_manager.progress_update(baking.done)
         context.workspace.status_text_set(
-            f"Sinew bakes: {baking.done} of {baking.total} frames   (Esc cancels)"
+            f"Sinew is baking: {baking.done} of {baking.total} frames   (Esc cancels)"
         )
-        return going_on
+        return has_more
 
     def _end_modal(self, context: Context) -> None:
         context.window_manager.event_timer_remove(self._timer)
@@ -209,10 +212,10 @@ class SINEW_OT_bake(Operator):
         context.workspace.status_text_set(None)
 
     def _finish(self, baking: bake.Baking) -> None:
-        said = baking.finish()
-        for line in said:
+        warnings = baking.finish()
+        for line in warnings:
             self.report({"WARNING"}, line)
-        if not said:
+        if not warnings:
             plural = "" if baking.total == 1 else "s"
             self.report({"INFO"}, f"Baked {baking.total} frame{plural}")
 
@@ -223,7 +226,7 @@ class SINEW_OT_bake(Operator):
         return {"FINISHED"}
 
     def _browse(self, context: Context) -> set[str]:
-        """Let the user choose the path; the last or the default one is offered."""
+        """Let the user choose the path in a file browser, which starts with the last or the default path."""
         obj = target_of(context)
         self._frames(context)
         self.filepath = self.filepath or bake.offered_path(obj, obj.sinew.active, self.target)
@@ -231,7 +234,7 @@ class SINEW_OT_bake(Operator):
         return {"RUNNING_MODAL"}
 
     def _bake_to_choice(self) -> set[str]:
-        """Bake with progress, as without the file browser."""
+        """Start a bake that shows its progress, with the path from the file browser."""
         bpy.ops.sinew.bake(
             "INVOKE_DEFAULT",
             target=self.target,
@@ -241,11 +244,11 @@ class SINEW_OT_bake(Operator):
             filepath=self.filepath,
             all_deformers=self.all_deformers,
         )
-        return {"CANCELLED"}  # the other one is what undo knows
+        return {"CANCELLED"}  # undo records the bake that was just started, not this call
 
 
 class SINEW_OT_unbake(Operator):
-    """Follow the controls again, and remove what Bake added to the mesh"""
+    """Let the deformer follow its controls again, and remove what Bake added to the mesh"""
 
     bl_idname = Operators.UNBAKE
     bl_label = "Unbake"
@@ -271,12 +274,12 @@ class SINEW_OT_unbake(Operator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         chosen = _chosen(context, self.all_deformers)
         if self.all_deformers:
             chosen = [pair for pair in chosen if pair[1].bake.is_baked]
-        said = [line for obj, deformer in chosen for line in bake.unbake(obj, deformer, self.delete_file)]
-        for line in said:
+        warnings = [line for obj, deformer in chosen for line in bake.unbake(obj, deformer, self.delete_file)]
+        for line in warnings:
             self.report({"WARNING"}, line)
         return {"FINISHED"}

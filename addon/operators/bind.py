@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bind and unbind. With a window a heavy mesh binds in a thread: progress in the status bar, Esc cancels."""
+"""Bind and unbind. With a window, a large mesh binds in a thread, with its progress in the status bar."""
 
 from bpy.types import Context, Operator
 
 from .. import session
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, target_of
 from .waiting import BindingOperator
 
 
 class SINEW_OT_bind(BindingOperator, Operator):
-    """Take the mesh as it is now for the rest shape, and prepare it to follow its handles"""
+    """Take the current shape of the mesh as its rest shape, and prepare it to follow its controls"""
 
     bl_idname = Operators.BIND
     bl_label = "Bind"
@@ -21,7 +21,7 @@ class SINEW_OT_bind(BindingOperator, Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
@@ -32,9 +32,9 @@ class SINEW_OT_bind(BindingOperator, Operator):
 
 
 class SINEW_OT_unbind(Operator):
-    """Show the rest shape; regions and settings stay.
+    """Show the rest shape again. Regions and settings stay.
 
-    The next Bind starts from where the controls are then
+    The next Bind takes the places of the controls at that time as their rest
     """
 
     bl_idname = Operators.UNBIND

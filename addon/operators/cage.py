@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add a cage, and let it rest as it is."""
+"""Add a cage, set its rest shape, and turn its faces."""
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Object, Operator
@@ -9,7 +9,7 @@ from ..core.errors import SinewError
 from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, has_target, object_mode, target_of
 from .waiting import BindingOperator
 
@@ -17,7 +17,7 @@ _CANCELLED = "No cage was made"
 
 
 class SINEW_OT_cage_add(BindingOperator, Operator):
-    """Let a closed mesh around this one move it: edit, pose or animate it like any other mesh"""
+    """Let a closed mesh around this one move it. Edit, pose or animate the cage like any other mesh"""
 
     bl_idname = Operators.CAGE_ADD
     bl_label = "Add Cage"
@@ -26,7 +26,12 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
     source: EnumProperty(
         name="Source",
         items=(
-            ("AUTO", "Automatic", "A coarse mesh around this one, as detailed as you like", 0),
+            (
+                "AUTO",
+                "Automatic",
+                "A new coarse mesh around this one, with the number of faces given below",
+                0,
+            ),
             ("OBJECT", "Selected Object", "The other selected mesh becomes the cage", 1),
         ),
         default="AUTO",
@@ -66,7 +71,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
     )
     cage: StringProperty(
         name="Cage",
-        description="A mesh object by name; empty takes the other selected one",
+        description="The name of a mesh object; if empty, the other selected mesh is used",
         options={"SKIP_SAVE"},
     )
 
@@ -81,7 +86,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
             return super().invoke(context, event)
         return self._begin(context)
 
-    @refusing
+    @reports_errors
     def _begin(self, context: Context) -> set[str]:
         self._work = session.Work(self._maker(target_of(context)))
         self.begin(context)
@@ -108,9 +113,9 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
             return {"CANCELLED"}
         return self.watched(context, self.run(context, wait=False, shape=work.result))
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool, shape: object = None) -> set[str]:
-        """``shape`` of an automatic cage, where it is made already."""
+        """``shape`` is that of an automatic cage if a thread has made it already."""
         obj = target_of(context)
         with object_mode(context, obj):
             if self.source == "OBJECT":
@@ -148,7 +153,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
 
 
 def _show(context: Context, cage: Object) -> None:
-    """The cage is selected, so Tab edits it and G moves it; the panel stays that of the mesh."""
+    """Select the cage, so that Tab edits it and G moves it. The panel still shows the mesh."""
     if cage.name not in context.view_layer.objects:
         return
     for other in context.selected_objects:
@@ -157,8 +162,8 @@ def _show(context: Context, cage: Object) -> None:
     context.view_layer.objects.active = cage
 
 
-class _Rebinding(BindingOperator):
-    """Does something to the cage of the active deformer, and binds it anew."""
+class _CageOperator(BindingOperator):
+    """Base of operators that change the cage of the active deformer and bind again."""
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -169,7 +174,7 @@ class _Rebinding(BindingOperator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
@@ -179,8 +184,11 @@ class _Rebinding(BindingOperator):
         return {"FINISHED"}
 
 
-class SINEW_OT_cage_set_rest(_Rebinding, Operator):
-    """Take the cage as it is now for its rest shape: the mesh goes back to rest, and later edits are poses"""
+class SINEW_OT_cage_set_rest(_CageOperator, Operator):
+    """Take the current shape of the cage as its rest shape.
+
+    The mesh goes back to rest; later edits pose it
+    """
 
     bl_idname = Operators.CAGE_REST
     bl_label = "Set Rest Cage"
@@ -190,8 +198,8 @@ class SINEW_OT_cage_set_rest(_Rebinding, Operator):
         session.set_rest_cage(obj, deformer)
 
 
-class SINEW_OT_cage_flip(_Rebinding, Operator):
-    """Turn the faces of a cage that is inside out, and bind it as it is now"""
+class SINEW_OT_cage_flip(_CageOperator, Operator):
+    """Flip the faces of a cage that is inside out, and bind to its current shape"""
 
     bl_idname = Operators.CAGE_FLIP
     bl_label = "Flip Cage"

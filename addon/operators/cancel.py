@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stop a bind under way, and watch one that started by itself."""
+"""Cancel a bind that is running, and watch one that started by itself."""
 
 from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
@@ -11,7 +11,7 @@ from .waiting import WaitsForBind
 
 
 class SINEW_OT_cancel(Operator):
-    """Stop the bind under way. The mesh shows its rest shape, and Bind starts again"""
+    """Cancel the bind that is running. The mesh shows its rest shape; Bind starts again"""
 
     bl_idname = Operators.CANCEL
     bl_label = "Cancel Bind"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the curve of a parameter, or take its default again."""
+"""Draw the curve of a parameter, or restore its default."""
 
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Operator
@@ -8,20 +8,20 @@ from .. import session
 from ..core.errors import OptionError
 from ..core.methods import Curve
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, target_of
 
 
 class SINEW_OT_curve_edit(Operator):
-    """Draw this curve by its points, starting from the one in use"""
+    """Draw this curve by moving its points, starting with the current curve"""
 
     bl_idname = Operators.CURVE_EDIT
     bl_label = "Draw Curve"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    parameter: StringProperty(name="Parameter", description="Which curve of the method, by its id")
+    parameter: StringProperty(name="Parameter", description="The identifier of the curve to draw")
     reset: BoolProperty(
-        name="Reset", description="Forget what was drawn and use the default curve", options={"SKIP_SAVE"}
+        name="Reset", description="Discard the drawn curve and use the default", options={"SKIP_SAVE"}
     )
 
     @classmethod
@@ -30,10 +30,10 @@ class SINEW_OT_curve_edit(Operator):
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_curve_edit") -> str:
-        """The tooltip of what the button does."""
-        return "Forget what was drawn and use the default curve" if properties.reset else cls.__doc__
+        """The tooltip, which depends on what the button does."""
+        return "Discard the drawn curve and use the default" if properties.reset else cls.__doc__
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         deformer = target_of(context).sinew.active
         curves = {

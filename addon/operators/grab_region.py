@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grab Region: a pose of the moment, in Edit Mode."""
+"""Grab Region: pose vertices once, in Edit Mode."""
 
 import math
 from functools import partial
@@ -18,7 +18,7 @@ from ..preferences import preferences
 from .grabbing import Grabbing
 from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, pivot_of, typed_units, view_of
-from .refusing import refusing
+from .reporting import reports_errors
 
 _METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
 _MODES = (
@@ -47,9 +47,9 @@ _CIRCLE = (1.0, 1.0, 1.0, 0.6)
 
 
 class SINEW_OT_grab_region(ViewportTool, Operator):
-    """Move, turn or scale the selected vertices, and let the surface around follow by a Sinew method.
+    """Move, rotate or scale the selected vertices; the surface around them follows by a Sinew method.
 
-    Like proportional editing, with a surface that keeps its details; use it for one-off poses
+    It works like proportional editing, but the surface keeps its details. Use it for single poses
     """
 
     bl_idname = Operators.GRAB_REGION
@@ -98,10 +98,11 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
         default=1.0,
         min=0.0,
         soft_min=0.001,
-        description="How far over the surface it follows; the rest stays",
+        description="How far from the selection, along the surface, vertices follow; the others stay",
     )
     unlimited: BoolProperty(
-        name="Whole Surface", description="Everything connected with the selection follows, without a radius"
+        name="Whole Surface",
+        description="Everything that is connected to the selection follows, at any distance",
     )
     method: EnumProperty(
         name="Method",
@@ -118,13 +119,13 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = context.edit_object
         grab = self._grab(context, obj)
         grab.follow(math.inf if self.unlimited else self.radius)
         grab.show(obj, self._motion().matrix(axes_of(obj), pivot_of(context, grab.selection)))
-        self._mention(obj, grab)
+        self._report_limits(obj, grab)
         return {"FINISHED"}
 
     def invoke(self, context: Context, event: Event) -> set[str]:
@@ -132,7 +133,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
             return self.execute(context)
         return self._begin(context, event)
 
-    @refusing
+    @reports_errors
     def _begin(self, context: Context, event: Event) -> set[str]:
         obj = context.edit_object
         grab = self._grab(context, obj)
@@ -146,7 +147,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
             *typed_units(context.scene.unit_settings),
         )
         tool = Grabbing(grab, typed, pivot, axes, math.inf if self.unlimited else self.radius)
-        self._mention(obj, grab)
+        self._report_limits(obj, grab)
         return self.begin(context, tool, partial(_draw_circle, tool))
 
     def draw(self, _context: Context) -> None:
@@ -183,7 +184,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
             tuple(self.scale),
         )
 
-    def keep(self) -> None:
+    def store_result(self) -> None:
         tool = self.tool
         motion = tool.typed.motion
         self.mode, self.orientation = motion.mode.value, "LOCAL" if motion.local else "GLOBAL"
@@ -193,13 +194,17 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
         if not self.unlimited:
             self.radius = tool.radius
 
-    def _mention(self, obj: Object, grab: session.Grab) -> None:
-        """What an artist might have expected otherwise."""
+    def _report_limits(self, obj: Object, grab: session.Grab) -> None:
+        """Report what an artist may not expect."""
         if obj.data.use_mirror_x or obj.data.use_mirror_y or obj.data.use_mirror_z:
-            self.report({"INFO"}, "Mirror is not followed by Grab Region - the other side stays")
+            self.report(
+                {"INFO"}, "Grab Region ignores the Mirror option of the mesh - the other side stays as it is"
+            )
         if grab.lost:
             count = "1 vertex has" if grab.lost == 1 else f"{grab.lost:,} vertices have"
-            self.report({"WARNING"}, f"{count} coordinates that are no numbers, and stay - Repair the mesh")
+            self.report(
+                {"WARNING"}, f"{count} invalid coordinates (NaN or infinite) and will not move - use Repair"
+            )
         if grab.moves_alone:
             self.report({"WARNING"}, session.NOTHING_FREE)
 
@@ -211,7 +216,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
 
 
 def _draw_circle(tool: Grabbing) -> None:
-    """The radius around the selection, in each 3D Viewport."""
+    """Draw the radius around the selection, in each 3D Viewport."""
     context = bpy.context
     if math.isinf(tool.radius) or context.region is None:
         return

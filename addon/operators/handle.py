@@ -9,18 +9,18 @@ from .. import compat, session
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..preferences import preferences
-from ..properties import HANDLE_KINDS, SinewHandle
-from .refusing import refusing
+from ..properties import HANDLE_ROLES, SinewHandle
+from .reporting import reports_errors
 from .target import handle_index, has_deformer, has_target, object_mode, target_of
 from .waiting import BindingOperator
 
-_LABELS = {identifier: label for identifier, label, *_rest in HANDLE_KINDS}
+_LABELS = {identifier: label for identifier, label, *_rest in HANDLE_ROLES}
 
 
 class SINEW_OT_handle_add(BindingOperator, Operator):
-    """Make a region of the selected vertices in Edit Mode, else of the active vertex group.
+    """Make the selected vertices a region; outside Edit Mode, those of the active vertex group.
 
-    In Pose and Weight Paint Mode the active bone becomes its control, elsewhere a new empty
+    In Pose and Weight Paint Mode the active bone becomes its control, in other modes a new empty
     """
 
     bl_idname = Operators.HANDLE_ADD
@@ -28,17 +28,20 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     kind: EnumProperty(
-        name="Kind",
-        items=HANDLE_KINDS,
+        name="Role",
+        items=HANDLE_ROLES,
         default="HANDLE",
         description="Whether the vertices follow a control, stay, or are the only ones that may move",
     )
     vertex_group: StringProperty(
         name="Vertex Group",
-        description="An existing group; empty takes the selection in Edit Mode, else the active group",
+        description="An existing vertex group; if empty, the selected vertices in Edit Mode, else the "
+        "active group",
     )
     handle_name: StringProperty(
-        name="Name", description="Name of the handle; empty takes that of the group", options={"SKIP_SAVE"}
+        name="Name",
+        description="Name of the region; if empty, the name of its vertex group",
+        options={"SKIP_SAVE"},
     )
     weight: FloatProperty(
         name="Weight",
@@ -47,7 +50,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         max=1.0,
         subtype="FACTOR",
         options={"SKIP_SAVE"},
-        description="1 holds the region exactly, less lets it give way",
+        description="1 holds the region exactly; a lower weight lets it give way",
     )
     control: EnumProperty(
         name="Control",
@@ -58,7 +61,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
             (
                 "SELECTED",
                 "Selected Object or Bone",
-                "The other selected object, its active bone if it is an armature",
+                "The other selected object; if it is an armature, its active bone",
                 1,
             ),
         ),
@@ -66,24 +69,30 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         options={"SKIP_SAVE"},
     )
     control_object: StringProperty(
-        name="Control Object", description="An object by name", options={"SKIP_SAVE"}
+        name="Control Object",
+        description="The name of the object that will move the region",
+        options={"SKIP_SAVE"},
     )
-    bone: StringProperty(name="Bone", description="A pose bone of the control object", options={"SKIP_SAVE"})
+    bone: StringProperty(
+        name="Bone",
+        description="The name of a pose bone, if the control is an armature",
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         return has_target(cls, context, mesh=True)
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         mode = context.mode
         control, bone = self._chosen_control(context, obj)
-        group = self.vertex_group or _group_at_hand(obj, bone)
+        group = self.vertex_group or _default_group(obj, bone)
         owns_group = not group
         if not group:
             if obj.mode != "EDIT":
-                raise SinewError("Name a vertex group, or select vertices in Edit Mode")
+                raise SinewError("Choose a vertex group, or select vertices in Edit Mode")
             group = session.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
         with object_mode(context, obj):
             handle, refusal = session.rig_region(
@@ -106,7 +115,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         return {"FINISHED"}
 
     def _show_control(self, context: Context, obj: Object, handle: SinewHandle) -> None:
-        """The region stands also where its control cannot be selected."""
+        """Select the control. The region is kept even if its control cannot be selected."""
         try:
             _select(context, obj, handle)
         except SinewError as error:
@@ -121,7 +130,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
                 raise SinewError(f"There is no object '{self.control_object}' in the scene")
             return control, self.bone
         if self.control == "AUTO":
-            return _bone_at_hand(obj, context.object)
+            return _active_bone(obj, context.object)
         if self.control == "NEW":
             return None, ""
         others = [other for other in context.selected_objects if other != obj]
@@ -133,7 +142,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
 
 
 class SINEW_OT_handle_remove(Operator):
-    """Remove the region, with the control and the vertex group that were made for it"""
+    """Remove the region, and the control and the vertex group that were made for it"""
 
     bl_idname = Operators.HANDLE_REMOVE
     bl_label = "Remove Handle"
@@ -145,7 +154,7 @@ class SINEW_OT_handle_remove(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
@@ -155,15 +164,15 @@ class SINEW_OT_handle_remove(Operator):
                 session.remove_handle(obj, deformer, index)
                 if deformer.handles:
                     session.bind(obj, deformer)
-        except SinewError as error:  # the region is gone; the panel says what the rest needs
+        except SinewError as error:  # the region is removed all the same
             self.report({"WARNING"}, str(error))
         return {"FINISHED"}
 
 
 class SINEW_OT_select_handle(Operator):
-    """Select what moves or makes the region: its vertices in Edit Mode, its group in Weight Paint Mode.
+    """Select the control of the region; in Edit Mode its vertices, in Weight Paint Mode its vertex group.
 
-    Elsewhere its control; a bone is selected in Pose Mode
+    A control that is a bone is selected in Pose Mode
     """
 
     bl_idname = Operators.SELECT_HANDLE
@@ -171,13 +180,13 @@ class SINEW_OT_select_handle(Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
-    extend: BoolProperty(name="Extend", description="Keep what is selected already", options={"SKIP_SAVE"})
+    extend: BoolProperty(name="Extend", description="Add to the selection", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
@@ -193,8 +202,11 @@ class SINEW_OT_select_handle(Operator):
         return {"FINISHED"}
 
 
-def _group_at_hand(obj: Object, bone: str) -> str:
-    """The group a rigger means outside Edit Mode: the bone's, else the active one. Each once a deformer."""
+def _default_group(obj: Object, bone: str) -> str:
+    """The vertex group to use outside Edit Mode: the one named like the bone, else the active one.
+
+    A vertex group can be used once per deformer.
+    """
     if obj.mode == "EDIT":
         return ""
     active = obj.vertex_groups.active
@@ -202,12 +214,12 @@ def _group_at_hand(obj: Object, bone: str) -> str:
     deformer = obj.sinew.active
     used = {handle.vertex_group for handle in deformer.handles} if deformer else set()
     if group in used:
-        raise SinewError(f"'{group}' is a region already - pick another vertex group, or name it")
+        raise SinewError(f"'{group}' is a region of this deformer already - choose another vertex group")
     return group
 
 
-def _bone_at_hand(obj: Object, active: Object) -> tuple[Object | None, str]:
-    """The armature in Pose Mode and its active, selected bone; while painting, that of the mesh."""
+def _active_bone(obj: Object, active: Object) -> tuple[Object | None, str]:
+    """The armature in Pose Mode and its active bone, if it is selected. While painting, that of the mesh."""
     if active.type == "ARMATURE":
         armatures = [active]
     elif obj.mode == "WEIGHT_PAINT":
@@ -229,13 +241,13 @@ def _select_vertices(obj: Object, handle: SinewHandle, extend: bool) -> None:
 
 
 def _select(context: Context, obj: Object, handle: SinewHandle, extend: bool = False) -> None:
-    """The control is selected, so G, R and S move it; the mesh stays active, and so does its panel."""
+    """Select the control, so that G, R and S move it. The mesh stays active, so the panel still shows it."""
     control = handle.control
     if control is None or control.name not in context.view_layer.objects:
-        raise SinewError(f"{handle.name} has no control to select here")
+        raise SinewError(f"{handle.name} has no control in this view layer - choose one in the Region panel")
     if handle.control_missing:
         raise SinewError(
-            f"{control.name} has no bone '{handle.bone}' - pick the control of {handle.name} again"
+            f"{control.name} has no bone '{handle.bone}' - choose the control of {handle.name} again"
         )
     for other in () if extend else context.selected_objects:
         other.select_set(False)

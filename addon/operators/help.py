@@ -9,15 +9,15 @@ from bpy.types import Context, Operator
 
 from ..core.errors import SinewError
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 
-# (identifier, label, description): the identifier is the name of the page's file.
+# Identifier, label and description; the identifier is the name of the page's file.
 PAGES = (
     ("surface", "Pose a Surface", "From a selection to a pose: handles, fixed regions, support, methods"),
-    ("cage", "Pose with a Cage", "A coarse closed mesh around yours moves it"),
+    ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
     ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
     ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
-    ("baking", "Bake and Apply", "Hand a shape over to shape keys, caches, or the mesh itself"),
+    ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
     ("overlays", "Overlays", "Colours of regions, of influence, and of distortion"),
     ("grab-region", "Grab Region", "Move vertices once, without a handle that stays"),
     ("scripting", "Scripting", "Operators, properties, and the Python module"),
@@ -27,19 +27,19 @@ _ADDON = Path(__file__).resolve().parents[1]
 
 
 def manual_page(page: str) -> Path:
-    """The file of a page: as packaged with the add-on, or as written, beside a source checkout."""
+    """The file of a page: packaged with the add-on or, in a checkout of the source, as it is written."""
     for path in (_ADDON / "manual" / f"{page}.html", _ADDON.parent / "docs" / "manual" / f"{page}.md"):
         if path.is_file():
             return path
     raise SinewError(
-        f"The manual has no page '{page}' here - install the Sinew zip again, it holds the pages"
+        f"The page '{page}' of the manual is missing - install the Sinew zip again, which contains it"
     )
 
 
 class SINEW_OT_help(Operator):
-    """Open the manual that came with the add-on, at the page about this, in the web browser.
+    """Open the page of the manual about this panel in the web browser. It needs no network.
 
-    Needs no network
+    The manual was installed with the add-on
     """
 
     bl_idname = Operators.HELP
@@ -51,11 +51,11 @@ class SINEW_OT_help(Operator):
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:
-        """The tooltip names the page."""
+        """The tooltip, which names the page."""
         _identifier, label, about = next(item for item in PAGES if item[0] == properties.page)
-        return f"{label}. {about}.\nOpens the manual that came with the add-on in the web browser"
+        return f"{label}. {about}.\nOpens the manual in the web browser; it was installed with the add-on"
 
-    @refusing
+    @reports_errors
     def execute(self, _context: Context) -> set[str]:
         path = manual_page(self.page)
         if bpy.app.background:

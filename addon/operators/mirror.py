@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirror handles and their weights to the other side."""
+"""Copy handles and their weights to the other side of the mesh."""
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from bpy.types import Context, Operator
@@ -7,15 +7,15 @@ from bpy.types import Context, Operator
 from .. import session
 from ..core.sides import Side
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import handle_index, has_deformer, object_mode, target_of
 from .waiting import BindingOperator
 
 
 class SINEW_OT_handle_mirror(BindingOperator, Operator):
-    """Mirror handles across the local X of the mesh: Hand.L to Hand.R, with weights, control and pose.
+    """Mirror handles across the local X axis of the mesh: Hand.L to Hand.R, with weights, control and pose.
 
-    Finds the other side by name, or makes it. A handle without a side in its name is evened out
+    The other side is found by its name, or made. A handle without a side in its name becomes symmetric
     """
 
     bl_idname = Operators.HANDLE_MIRROR
@@ -26,16 +26,27 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
         name="Side",
         description="Which handles are mirrored, and to where",
         items=(
-            ("ACTIVE", "Active Handle", "The active handle to its other side", 0),
-            ("LEFT_TO_RIGHT", "Left to Right", "Every handle of the left side, +X, and the even ones", 1),
-            ("RIGHT_TO_LEFT", "Right to Left", "Every handle of the right side, -X, and the even ones", 2),
+            ("ACTIVE", "Active Handle", "Mirror the active handle to the other side", 0),
+            (
+                "LEFT_TO_RIGHT",
+                "Left to Right",
+                "Mirror every handle of the left side (+X), and make those in the middle symmetric",
+                1,
+            ),
+            (
+                "RIGHT_TO_LEFT",
+                "Right to Left",
+                "Mirror every handle of the right side (-X), and make those in the middle symmetric",
+                2,
+            ),
         ),
     )
     weights_only: BoolProperty(
-        name="Weights Only", description="Leave controls and settings of the other side as they are"
+        name="Weights Only", description="Keep the controls and settings of the other side as they are"
     )
     painted_groups: BoolProperty(
-        name="Painted Groups", description="Also even out the mask and the groups of painted parameters"
+        name="Painted Groups",
+        description="Also make the mask and the vertex groups of painted parameters symmetric",
     )
     tolerance: FloatProperty(
         name="Tolerance",
@@ -56,7 +67,7 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
@@ -71,20 +82,21 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
             done = session.mirror(obj, deformer, keys, options)
             context.view_layer.update()  # new empties enter the view layer
             self.report_bind(session.try_bind(obj, deformer, wait))
-        self._say(done)
+        self._report_result(done)
         return {"FINISHED"}
 
-    def _say(self, done: session.Mirrored) -> None:
+    def _report_result(self, done: session.Mirrored) -> None:
         pairs = [f"{source} to {target}" for source, target in done.pairs]
         if pairs:
             self.report({"INFO"}, f"Mirrored {', '.join(pairs)}")
         if done.evened:
-            self.report({"INFO"}, f"Evened out {', '.join(done.evened)}")
+            self.report({"INFO"}, f"Made symmetric: {', '.join(done.evened)}")
         if done.centre:
             vertices = "1 vertex" if done.centre == 1 else f"{done.centre:,} vertices"
-            self.report({"INFO"}, f"{vertices} on the centre stay with the side they came from")
+            self.report({"INFO"}, f"{vertices} on the centre line belong to the side that was mirrored")
         if done.unmatched:
             vertices = "1 vertex has" if done.unmatched == 1 else f"{done.unmatched:,} vertices have"
             self.report(
-                {"WARNING"}, f"{vertices} no mirror image across X - raise the tolerance if it is near"
+                {"WARNING"},
+                f"{vertices} no mirror image across X - raise Tolerance if the two halves differ a little",
             )

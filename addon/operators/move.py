@@ -6,7 +6,7 @@ from bpy.types import Context, Operator
 
 from .. import session
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import deformer_index, handle_index, has_deformer, target_of
 
 DIRECTIONS = (
@@ -16,15 +16,15 @@ DIRECTIONS = (
 
 
 def _neighbour(index: int, direction: str, count: int) -> int:
-    """The row above or below; -1 where the list ends."""
+    """The index of the row above or below; -1 at the end of the list."""
     target = index - 1 if direction == "UP" else index + 1
     return target if 0 <= target < count else -1
 
 
 class SINEW_OT_deformer_move(Operator):
-    """Move the deformer in the list, and its modifier in the stack: the upper one comes first.
+    """Move the deformer in the list, and its modifier in the stack. The upper deformer is applied first.
 
-    Modifiers of others keep their place, keyframes and drivers go with their deformer
+    Other modifiers keep their places; keyframes and drivers move with their deformer
     """
 
     bl_idname = Operators.DEFORMER_MOVE
@@ -32,7 +32,7 @@ class SINEW_OT_deformer_move(Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     direction: EnumProperty(
-        name="Direction", items=DIRECTIONS, description="Up is nearer to the top of the list"
+        name="Direction", items=DIRECTIONS, description="Whether to move up or down in the list"
     )
     index: IntProperty(name="Index", default=-1, min=-1, description="Which deformer; -1 is the active one")
 
@@ -40,7 +40,7 @@ class SINEW_OT_deformer_move(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         index = deformer_index(obj, self.index)
@@ -52,14 +52,14 @@ class SINEW_OT_deformer_move(Operator):
 
 
 class SINEW_OT_handle_move(Operator):
-    """Move the handle in the list. The order has no effect on the shape"""
+    """Move the region in the list. The order does not affect the shape"""
 
     bl_idname = Operators.HANDLE_MOVE
     bl_label = "Move Handle"
     bl_options = {"REGISTER", "UNDO"}
 
     direction: EnumProperty(
-        name="Direction", items=DIRECTIONS, description="Up is nearer to the top of the list"
+        name="Direction", items=DIRECTIONS, description="Whether to move up or down in the list"
     )
     index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
 
@@ -67,7 +67,7 @@ class SINEW_OT_handle_move(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The remedies: mend the mesh, part regions that share vertices."""
+"""Two remedies: mend the mesh, and separate regions that share vertices."""
 
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Object, Operator
@@ -7,14 +7,14 @@ from bpy.types import Context, Object, Operator
 from .. import session
 from ..core.errors import SinewError
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, has_target, object_mode, target_of
 
 
 class SINEW_OT_repair(Operator):
-    """Mend what is broken in the mesh, as far as it is safe, and bind again.
+    """Mend the defects of the mesh that can be mended safely, and bind again.
 
-    Vertex groups, shape keys and UVs stay; what has no safe cure is counted and left as it is
+    Vertex groups, shape keys and UV maps stay. All other defects are counted and stay as they are
     """
 
     bl_idname = Operators.REPAIR
@@ -24,14 +24,14 @@ class SINEW_OT_repair(Operator):
     not_finite: BoolProperty(
         name="Lost Positions",
         default=True,
-        description="Put vertices whose position is not a number between their neighbours; "
-        "remove them where they have none",
+        description="Move vertices with invalid coordinates (NaN or infinite) between their neighbours; "
+        "remove them if they have none",
     )
     coincident: BoolProperty(
         name="Seams",
         default=True,
-        description="Merge vertices of open borders that lie on each other; "
-        "closed parts that touch stay apart",
+        description="Merge vertices of open borders that lie at the same place; "
+        "closed parts that touch stay separate",
     )
     distance: FloatProperty(
         name="Merge Distance",
@@ -40,10 +40,13 @@ class SINEW_OT_repair(Operator):
         soft_max=0.1,
         precision=5,
         subtype="DISTANCE",
-        description="How far vertices of a seam may lie apart; 0 merges only exact ones",
+        description="The largest distance between vertices that are merged; 0 merges only vertices at "
+        "exactly the same place",
     )
     degenerate: BoolProperty(
-        name="Zero-Area Faces", default=True, description="Collapse faces and edges without size"
+        name="Zero-Area Faces",
+        default=True,
+        description="Collapse faces without area and edges without length",
     )
     duplicate: BoolProperty(
         name="Duplicate Faces", default=True, description="Keep one of several faces with the same vertices"
@@ -51,8 +54,8 @@ class SINEW_OT_repair(Operator):
     non_manifold: BoolProperty(
         name="Fins and Inner Walls",
         default=True,
-        description="Remove faces that stick out of an edge, or divide the inside, "
-        "where an ordinary surface remains",
+        description="Remove faces that stick out of an edge or divide the inside, "
+        "if an ordinary surface remains",
     )
     loose: BoolProperty(
         name="Loose Vertices", default=True, description="Remove vertices that are in no face"
@@ -67,7 +70,7 @@ class SINEW_OT_repair(Operator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         cures = session.Cures(
@@ -96,9 +99,9 @@ class SINEW_OT_repair(Operator):
 
 
 class SINEW_OT_part_regions(Operator):
-    """Let vertices that two regions share go from the second one, and bind again.
+    """Remove vertices that two regions share from the second region, and bind again.
 
-    A region that lies wholly inside another one keeps them instead
+    If one region lies completely inside another, it keeps them, and the outer region loses them
     """
 
     bl_idname = Operators.PART_REGIONS
@@ -109,7 +112,7 @@ class SINEW_OT_part_regions(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context, mesh=True)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):
@@ -117,15 +120,15 @@ class SINEW_OT_part_regions(Operator):
         if not parted:
             self.report({"INFO"}, "No vertex is in two regions")
             return {"CANCELLED"}
-        for keeps, gives, count in parted:
-            vertices = "1 vertex" if count == 1 else f"{count:,} vertices"
-            self.report({"INFO"}, f"{vertices} went from {gives} to {keeps} alone")
+        for keeper, loser, count in parted:
+            vertices = "1 vertex is" if count == 1 else f"{count:,} vertices are"
+            self.report({"INFO"}, f"{vertices} now in {keeper} alone, no longer in {loser}")
         _bind_again(self, context, obj, True)
         return {"FINISHED"}
 
 
 def _bind_again(operator: Operator, context: Context, obj: Object, changed: bool) -> None:
-    """Bind the active deformer, and the bound ones where the mesh changed. A refusal is a warning."""
+    """Bind the active deformer and, if the mesh changed, all bound ones. Errors are reported as warnings."""
     active = obj.sinew.active
     for deformer in obj.sinew.deformers:
         is_active = deformer.uid == active.uid

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Show where the surface was distorted most."""
+"""Select the vertex where the surface is distorted most."""
 
 import bpy
 from bpy.props import EnumProperty
@@ -15,16 +15,16 @@ from .target import has_deformer, target_of
 
 
 class SINEW_OT_select_distorted(Operator):
-    """Select, in Edit Mode, the vertex around which the surface was distorted most.
+    """Select, in Edit Mode, the vertex around which the surface is distorted most.
 
-    Add a handle there, or let more of the surface move
+    To reduce the distortion, add a handle there, or let more of the surface move
     """
 
     bl_idname = Operators.SELECT_DISTORTED
     bl_label = "Select Most Distorted"
     bl_options = {"REGISTER", "UNDO"}
 
-    measure: EnumProperty(name="Measure", description="Which kind of distortion", items=MEASURES)
+    measure: EnumProperty(name="Measure", description="The measure of distortion", items=MEASURES)
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -44,7 +44,11 @@ class SINEW_OT_select_distorted(Operator):
             self.report({"ERROR"}, "There is no shape to measure - press Bind")
             return {"CANCELLED"}
         if len(obj.data.vertices) != len(found.values):
-            self.report({"ERROR"}, "A modifier before Sinew adds or removes vertices: none to select here")
+            self.report(
+                {"ERROR"},
+                "A modifier before Sinew adds or removes vertices, so the mesh itself has no such vertex "
+                "to select",
+            )
             return {"CANCELLED"}
         if obj.mode != "EDIT":
             context.view_layer.objects.active = obj

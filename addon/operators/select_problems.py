@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Show the elements that a status line speaks of."""
+"""Select the elements that a status line names."""
 
 import bpy
 from bpy.props import IntProperty
@@ -8,26 +8,29 @@ from bpy.types import Context, Operator
 from .. import session
 from ..core import status
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, target_of
 
 
 class SINEW_OT_select_problems(Operator):
-    """Select, in Edit Mode, the vertices or faces of the mesh or of its cage that the status speaks of"""
+    """Select, in Edit Mode, the vertices or faces of the mesh or of its cage that the status names"""
 
     bl_idname = Operators.SELECT_PROBLEMS
     bl_label = "Select"
     bl_options = {"REGISTER", "UNDO"}
 
     line: IntProperty(
-        name="Line", default=-1, min=-1, description="Which status line; -1 is the first with elements"
+        name="Line",
+        default=-1,
+        min=-1,
+        description="Which of the status lines that name elements; -1 is the first",
     )
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         uid = obj.sinew.active.uid
@@ -35,14 +38,17 @@ class SINEW_OT_select_problems(Operator):
         if self.line >= 0:
             lines = lines[self.line : self.line + 1]
         if not lines:
-            self.report({"INFO"}, "No problem to show")
+            self.report({"INFO"}, "The status names no vertices or faces")
             return {"CANCELLED"}
         shown = session.object_with(obj.sinew.active, lines[0].elements)
         if shown.name not in context.view_layer.objects:
-            self.report({"ERROR"}, f"{shown.name} is not in this view layer - nothing to select")
+            self.report(
+                {"ERROR"},
+                f"{shown.name} is not in this view layer - add its collection to the view layer first",
+            )
             return {"CANCELLED"}
         if not session.is_mesh(shown):
-            self.report({"ERROR"}, f"{shown.name} has no vertices that could be selected")
+            self.report({"ERROR"}, f"{shown.name} is not a mesh, so its points cannot be selected here")
             return {"CANCELLED"}
         if shown.mode != "EDIT":
             if context.object is not None and context.object.mode != "OBJECT":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which object an operator works on: the active one, or the one that the active control poses."""
+"""Finds the object that an operator works on: the active one, or the one that the active control moves."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,7 +15,7 @@ _CONVERTIBLE = ("SURFACE", "META")
 
 
 def target_of(context: Context) -> Object | None:
-    """The object at hand, a mesh mostly."""
+    """The object to work on, mostly a mesh; None if there is none."""
     obj = context.object
     if obj is None:
         return None
@@ -26,18 +26,21 @@ def target_of(context: Context) -> Object | None:
 
 
 def _posed_with(context: Context, armature: Object) -> Object | None:
-    """In Pose Mode: the one mesh that is selected with the armature."""
+    """The only mesh that is selected together with an armature in Pose Mode."""
     if armature.mode != "POSE":
         return None
     meshes = [other for other in context.selected_objects if other.type == "MESH"]
     return meshes[0] if len(meshes) == 1 else None
 
 
-def no_mesh(context: Context) -> tuple[str, bool]:
-    """What to do where there is no mesh object at hand, and whether Convert to Mesh does it."""
+def explain_no_target(context: Context) -> tuple[str, bool]:
+    """What an artist can do if there is no object to work on, and whether Convert to Mesh does it."""
     obj = context.object
     if obj is not None and obj.type == "LATTICE":
-        return f"{obj.name} is a lattice, which Sinew cannot move - put a cage around what it moves", False
+        return (
+            f"{obj.name} is a lattice, which Sinew cannot move - put a cage around the objects that it moves",
+            False,
+        )
     if obj is None or obj.type not in _CONVERTIBLE:
         return "Select a mesh object, or a control of one", False
     return (
@@ -47,23 +50,25 @@ def no_mesh(context: Context) -> tuple[str, bool]:
 
 
 def has_target(operator: type, context: Context, mesh: bool = False) -> bool:
-    """A poll: an editable object is at hand, a ``mesh`` where no other will do."""
+    """For ``poll``: whether there is an editable object to work on. ``mesh`` accepts meshes only."""
     obj = target_of(context)
     if obj is None:
-        operator.poll_message_set(no_mesh(context)[0])
+        operator.poll_message_set(explain_no_target(context)[0])
         return False
     if obj.library is not None:
         operator.poll_message_set("This object is linked - make a library override first")
         return False
     if mesh and not session.is_mesh(obj):
-        kind = session.label(obj)
-        operator.poll_message_set(f"{obj.name} is a {kind} object, which cages move - convert it to a mesh")
+        label = session.label(obj)
+        operator.poll_message_set(
+            f"Only a cage can move {obj.name}, a {label} object - add a cage, or convert it to a mesh"
+        )
         return False
     return True
 
 
 def has_deformer(operator: type, context: Context, mesh: bool = False) -> bool:
-    """A poll: an editable object with a deformer is at hand, a ``mesh`` where no other will do."""
+    """For ``poll``: whether there is an editable object with a deformer. ``mesh`` accepts meshes only."""
     if not has_target(operator, context, mesh):
         return False
     if not deformers_of(target_of(context)):
@@ -73,7 +78,7 @@ def has_deformer(operator: type, context: Context, mesh: bool = False) -> bool:
 
 
 def deformer_index(obj: Object, index: int) -> int:
-    """A deformer's index, the active one's for -1."""
+    """The index of a deformer; -1 means the active one."""
     count = len(obj.sinew.deformers)
     if index >= count:
         raise SinewError(f"{obj.name} has {count} deformers, counted from 0 - there is no number {index}")
@@ -81,7 +86,7 @@ def deformer_index(obj: Object, index: int) -> int:
 
 
 def handle_index(deformer: SinewDeformer, index: int) -> int:
-    """A handle's index, the active one's for -1."""
+    """The index of a handle; -1 means the active one."""
     count = len(deformer.handles)
     chosen = min(deformer.active_handle, count - 1) if index < 0 else index
     if not 0 <= chosen < count:
@@ -91,7 +96,7 @@ def handle_index(deformer: SinewDeformer, index: int) -> int:
 
 @contextmanager
 def object_mode(context: Context, obj: Object) -> Iterator[None]:
-    """Edits of objects happen in Object Mode; the user's mode comes back."""
+    """Leave Edit Mode, since objects can be changed in Object Mode only, and return to it afterwards."""
     mode = obj.mode
     if mode != "EDIT":
         yield

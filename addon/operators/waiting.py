@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that bind: with a window a thread works, Blender stays responsive, and Esc cancels."""
+"""Operators that bind. With a window, a thread binds, Blender stays responsive, and Esc cancels."""
 
 from bpy.types import Context, Event
 
@@ -9,10 +9,10 @@ from .target import target_of
 
 
 class WaitsForBind:
-    """Mixed into an operator. ``wait_for`` ends its ``invoke``."""
+    """Mixin for an operator. Its ``invoke`` ends with ``return self.wait_for(...)``."""
 
     def wait_for(self, context: Context, uid: str, result: set[str]) -> set[str]:
-        """Go on as a modal operator while a thread binds the deformer, else end with ``result``."""
+        """Continue as a modal operator while a thread binds the deformer; else return ``result``."""
         if session.job(uid) is None:
             return result
         self._uid = uid
@@ -21,12 +21,12 @@ class WaitsForBind:
         return {"RUNNING_MODAL"}
 
     def begin(self, context: Context) -> None:
-        """Be called for events, and every tenth of a second."""
+        """Let Blender call ``modal`` for events, and every tenth of a second."""
         self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
         context.window_manager.modal_handler_add(self)
 
     def end(self, context: Context) -> None:
-        """Be called no more."""
+        """Stop the calls of ``modal``."""
         context.window_manager.event_timer_remove(self._timer)
         context.workspace.status_text_set(None)
 
@@ -49,7 +49,10 @@ class WaitsForBind:
 
 
 class BindingOperator(WaitsForBind):
-    """Changes the active deformer and binds it: ``run`` does both, and without ``wait`` a thread may bind."""
+    """Mixin for an operator whose ``run`` changes the active deformer and binds it.
+
+    Without ``wait``, ``run`` may let a thread bind.
+    """
 
     def execute(self, context: Context) -> set[str]:
         return self.run(context, wait=True)
@@ -58,12 +61,12 @@ class BindingOperator(WaitsForBind):
         return self.watched(context, self.run(context, wait=False))
 
     def watched(self, context: Context, result: set[str]) -> set[str]:
-        """Go on while a thread binds the active deformer, else end with ``result``."""
+        """Continue while a thread binds the active deformer; else return ``result``."""
         deformer = target_of(context).sinew.active
         return result if deformer is None else self.wait_for(context, deformer.uid, result)
 
     def report_bind(self, refusal: SinewError | None, success: str = "") -> None:
-        """What was changed stays where its bind is refused, so that is a warning."""
+        """Report the result. A refused bind is only a warning, since the change itself is kept."""
         if refusal is not None:
             self.report({"WARNING"}, str(refusal))
         elif success:

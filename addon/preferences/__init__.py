@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on's page in Blender's Preferences."""
+"""The page of the add-on in Blender's Preferences."""
 
 import bpy
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What new deformers start with, limits, colours, keys, and whether the native module works."""
+"""Defaults of new deformers, limits, colours, shortcuts, and whether the native module works."""
 
 import textwrap
 from types import SimpleNamespace
@@ -45,7 +45,7 @@ def _overlay_colour(name: str, default: tuple[float, float, float], description:
 
 
 class SinewPreferences(AddonPreferences):
-    """What new deformers start with, limits, colours, keys, and whether the native module works"""
+    """Defaults of new deformers, limits, colours, shortcuts, and whether the native module works"""
 
     bl_idname = PACKAGE
 
@@ -53,9 +53,9 @@ class SinewPreferences(AddonPreferences):
         name="Section",
         description="Which of the settings below are shown",
         items=(
-            ("GENERAL", "General", "What new deformers start with, and how much of the machine they use", 0),
+            ("GENERAL", "General", "Defaults of new deformers, and how much of the machine Sinew may use", 0),
             ("OVERLAYS", "Overlays", "Colours of regions and of distortion in the viewport", 1),
-            ("KEYMAP", "Keymap", "Keys of the add-on in the 3D Viewport", 2),
+            ("KEYMAP", "Keymap", "Keyboard shortcuts of the add-on in the 3D Viewport", 2),
         ),
         default="GENERAL",
         options={"SKIP_SAVE"},
@@ -68,14 +68,15 @@ class SinewPreferences(AddonPreferences):
     )
     auto_rebind: BoolProperty(
         name="Automatic Rebind",
-        description="New deformers bind again on their own when the vertices of their mesh change. "
-        "Turn it on where you model and pose in turns",
+        description="New deformers bind again automatically when their mesh gains or loses vertices. "
+        "Turn it on if you switch between modelling and posing",
         default=DEFAULTS.auto_rebind,
     )
     drag_budget: FloatProperty(
         name="Drag Budget",
-        description="Milliseconds that a method which solves in steps may spend on each redraw of a drag. "
-        "The exact shape follows when you stop. Lower is smoother, higher is closer to that shape",
+        description="Milliseconds that an iterative method may spend on each redraw during a drag. "
+        "The exact shape follows when you stop. Lower values are smoother, higher values are closer to the "
+        "exact shape",
         default=DEFAULTS.drag_budget,
         min=1.0,
         max=10000.0,
@@ -87,7 +88,7 @@ class SinewPreferences(AddonPreferences):
     threads: IntProperty(
         name="Threads",
         description="At most this many processor threads for binding and solving; 0 uses all of them. "
-        "Lower it to leave some to a render",
+        "Lower it to leave some of them to a render",
         default=DEFAULTS.threads,
         min=0,
         max=1024,
@@ -97,7 +98,7 @@ class SinewPreferences(AddonPreferences):
     memory_limit: FloatProperty(
         name="Memory Limit",
         description="Refuse to bind a mesh that needs more memory than this, in gigabytes; 0 sets no limit. "
-        "Set it where a bind that is too large must not slow down the machine",
+        "Set it if a large bind must not slow down the machine",
         default=DEFAULTS.memory_limit,
         min=0.0,
         max=100000.0,
@@ -155,7 +156,9 @@ class SinewPreferences(AddonPreferences):
         for keymap, item in found:
             compat.draw_keymap_item(layout, keyconfig, keymap, item)
         if not found:
-            layout.label(text="No keys: another keymap took them off, or there is no window", icon="INFO")
+            layout.label(
+                text="No shortcuts: they were removed from the keymap, or Blender has no window", icon="INFO"
+            )
 
 
 def _draw_native(layout: UILayout) -> None:
@@ -168,6 +171,6 @@ def _draw_native(layout: UILayout) -> None:
 
 
 def preferences(context: Context) -> "SinewPreferences | SimpleNamespace":
-    """Our preferences, also where Blender loaded us without an entry in its Preferences."""
+    """The preferences of the add-on; the defaults if they have no entry in Blender's Preferences."""
     entry = context.preferences.addons.get(PACKAGE)
     return entry.preferences if entry is not None and entry.preferences is not None else DEFAULTS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The keys the add-on asks for: ``ui`` registers them, the page in Preferences lists them for editing."""
+"""The keyboard shortcuts. ``ui`` registers them, and the page in Preferences lists them for editing."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,8 @@ from ..ids import Menus, Operators
 class Shortcut:
     """One item of a keymap.
 
-    ``key`` is Blender's event type. Operator and ``properties`` tell items apart, as keys may be changed.
+    ``key`` is Blender's event type. Since users may change keys, an item is identified by its operator and
+    its ``properties``.
     """
 
     operator: str
@@ -23,7 +24,7 @@ class Shortcut:
     properties: tuple[tuple[str, str], ...] = ()
 
 
-KEYMAP = "3D View"  # every mode has it; Blender's keymaps of the modes come first, and leave these keys alone
+KEYMAP = "3D View"  # used in all modes; Blender's own keymaps come first, and do not use these keys
 SPACE = "VIEW_3D"
 
 SHORTCUTS: tuple[Shortcut, ...] = (
@@ -34,7 +35,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
 
 
 def find_item(keymap: KeyMap, shortcut: Shortcut) -> KeyMapItem | None:
-    """The item of a shortcut, whatever key it has now."""
+    """The keymap item of a shortcut, whatever its key is now."""
     for item in keymap.keymap_items:
         if item.idname == shortcut.operator and all(
             getattr(item.properties, name, None) == value for name, value in shortcut.properties
@@ -44,7 +45,7 @@ def find_item(keymap: KeyMap, shortcut: Shortcut) -> KeyMapItem | None:
 
 
 def find_items(keyconfig: KeyConfig | None) -> list[tuple[KeyMap, KeyMapItem]]:
-    """Our items in a keyconfig; it is None, or empty, where Blender has no window."""
+    """The keymap items of all shortcuts in a keyconfig, which is None or empty without a window."""
     keymap = None if keyconfig is None else keyconfig.keymaps.get(KEYMAP)
     if keymap is None:
         return []

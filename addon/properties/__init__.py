@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings saved in the .blend: the only truth about a deformer."""
+"""The settings of deformers that a .blend file stores. Everything else can be computed from them."""
 
 import bpy
 from bpy.props import PointerProperty
@@ -9,7 +9,7 @@ from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
 from .control import SinewControl, StoredCage
 from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
-from .handle import KINDS as HANDLE_KINDS
+from .handle import ROLES as HANDLE_ROLES
 from .handle import SinewHandle
 from .parameters import BASE
 from .scene import SinewScene
@@ -17,7 +17,7 @@ from .scene import SinewScene
 __all__ = (
     "BAKE_TARGETS",
     "BASE",
-    "HANDLE_KINDS",
+    "HANDLE_ROLES",
     "MAX_FRAME",
     "SinewControl",
     "SinewDeformer",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a deformer is baked, and, once it is, where the baked shapes are and how to take them back."""
+"""The settings of a bake and, once a deformer is baked, the record that unbaking needs."""
 
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
@@ -7,11 +7,17 @@ from bpy.types import PropertyGroup
 
 from .setting import record, setting
 
-MAX_FRAME = 1_048_574  # as Blender's own
+MAX_FRAME = 1_048_574  # Blender's own limit
 _ALEMBIC = "One Alembic file of the result, for other programs; the deformer stays live"
 
 TARGETS = (
-    ("SHAPE_KEYS", "Shape Keys", "One keyframed shape key a frame, inside the .blend", "SHAPEKEY_DATA", 1),
+    (
+        "SHAPE_KEYS",
+        "Shape Keys",
+        "One keyframed shape key per frame, inside the .blend file",
+        "SHAPEKEY_DATA",
+        1,
+    ),
     ("PC2", "PC2", "A point cache file, played by a Mesh Cache modifier", "FILE_CACHE", 2),
     ("MDD", "MDD", "A point cache file for other programs, played by a Mesh Cache modifier", "FILE_CACHE", 3),
     (
@@ -42,7 +48,10 @@ class SinewBake(PropertyGroup):
         description="Where the baked shapes go",
     )
     custom_range: setting(
-        BoolProperty, update=None, name="Custom Range", description="Bake other frames than the scene's range"
+        BoolProperty,
+        update=None,
+        name="Custom Range",
+        description="Bake another range of frames than that of the scene",
     )
     frame_start: setting(
         IntProperty,
@@ -68,15 +77,16 @@ class SinewBake(PropertyGroup):
         name="Step",
         default=1,
         min=1,
-        description="Bake every so many frames; the frames between are blended",
+        description="Bake every n-th frame; the frames between are blended",
     )
     exact_keys: setting(
         BoolProperty,
         update=None,
         name="Exact",
         default=True,
-        description="One more shape key takes the basis out, so that Blender's sum of keys gives each frame "
-        "to the last bit. Off, the keys are ordinary ones for game engines, right to a millionth of the size",
+        description="Add one more shape key that cancels the basis, so that each frame is exact to the last "
+        "bit. Turn it off for game engines: the keys are then ordinary ones, with errors of a millionth of "
+        "the size of the mesh",
     )
 
     result: record(
@@ -98,12 +108,12 @@ class SinewBake(PropertyGroup):
 
     @property
     def is_baked(self) -> bool:
-        """Baked shapes are shown, and the deformer rests."""
+        """Whether baked shapes are shown instead of the deformer."""
         return self.result in ("SHAPE_KEYS", "PC2", "MDD")
 
     @property
     def wanted(self) -> str:
-        """The target; a file may hold a number that stands for none."""
+        """The target. A file may hold an unknown number, for which Blender gives an empty text."""
         return self.target or "PC2"
 
     @property

@@ -1,39 +1,45 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An object that moves a deformer. Handles, which are regions of the mesh too, have their own list."""
+"""An object that moves a deformer. Handles are not among them: they are regions and have their own list."""
 
 from bpy.props import BoolProperty, PointerProperty, StringProperty
 from bpy.types import Context, Mesh, Object, PropertyGroup
 
-from .setting import record, reshape, setting
+from .setting import evaluate_again, record, setting
 
 
 def _object_changed(control: "SinewControl", context: Context) -> None:
-    """Another object rests where it is when it is bound."""
+    """Forget the rest shape, since another object was chosen. The next bind stores its rest shape."""
     control.rest = None
-    reshape(control, context)
+    evaluate_again(control, context)
 
 
 class SinewControl(PropertyGroup):
     """An object that moves a deformer"""
 
-    kind: record(StringProperty, description="The kind of control, as its folder is called")
-    name: setting(StringProperty, update=None, name="Name", description="What the list calls the control")
+    kind: record(StringProperty, description="The kind of control, by the name of its folder")
+    name: setting(StringProperty, update=None, name="Name", description="Name of the control in the list")
     object: setting(
         PointerProperty,
         update=_object_changed,
         name="Object",
         type=Object,
-        description="The object that moves this one, as its own modifiers leave it",
+        description="The object that moves this one, with its own modifiers applied",
     )
-    rest: record(PointerProperty, type=Mesh, description="The object at bind, in the frame of the mesh")
-    owned: record(BoolProperty, description="The object was made for this deformer, and goes with it")
+    rest: record(
+        PointerProperty,
+        type=Mesh,
+        description="The shape of the object at bind, in the object space of the target",
+    )
+    owned: record(
+        BoolProperty, description="Whether the object was made for this deformer, and is removed with it"
+    )
 
 
 class StoredCage:
-    """The cage of a deformer, as a row like ``SinewControl``.
+    """The cage of a deformer, with the same attributes as ``SinewControl``.
 
-    A deformer has one cage, which files keep in properties of the deformer itself. Library overrides and
-    linked files name these, so they stay.
+    Files store the cage in properties of the deformer itself. Library overrides and linked files refer to
+    these properties, so they cannot move into the list of controls.
     """
 
     kind = "cage"

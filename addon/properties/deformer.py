@@ -21,11 +21,11 @@ from .bake import SinewBake
 from .control import SinewControl, StoredCage
 from .handle import SinewHandle
 from .parameters import BASE, GROUPS
-from .setting import record, reshape, setting, setting_list
+from .setting import evaluate_again, record, setting, setting_list
 
 
 def method_items() -> tuple[tuple, ...]:
-    """Items of the method menu, under one heading a family."""
+    """The items of the method menu, with one heading per family."""
     items, family = [], None
     for method in METHODS:
         if method.family is not family:
@@ -37,33 +37,33 @@ def method_items() -> tuple[tuple, ...]:
 
 
 def _cage_changed(deformer: "SinewDeformer", context: Context) -> None:
-    """Another cage rests where it is when it is bound."""
+    """Forget the rest cage, since another cage was chosen. The next bind stores its rest shape."""
     deformer.cage_rest = None
-    reshape(deformer, context)
+    evaluate_again(deformer, context)
 
 
-def _cage_smoother(deformer: "SinewDeformer") -> Modifier | None:
-    """The Subdivision of the cage."""
+def _cage_subdivision(deformer: "SinewDeformer") -> Modifier | None:
+    """The Subdivision modifier of the cage, or None."""
     modifiers = () if deformer.cage is None else deformer.cage.modifiers
     return next((modifier for modifier in modifiers if modifier.type == "SUBSURF"), None)
 
 
 def _cage_levels(deformer: "SinewDeformer") -> int:
-    smoother = _cage_smoother(deformer)
-    return 0 if smoother is None else smoother.levels
+    subdivision = _cage_subdivision(deformer)
+    return 0 if subdivision is None else subdivision.levels
 
 
 def _set_cage_levels(deformer: "SinewDeformer", levels: int) -> None:
-    cage, smoother = deformer.cage, _cage_smoother(deformer)
+    cage, subdivision = deformer.cage, _cage_subdivision(deformer)
     if cage is None or cage.library is not None:
         return
     if levels == 0:
-        if smoother is not None:
-            cage.modifiers.remove(smoother)
+        if subdivision is not None:
+            cage.modifiers.remove(subdivision)
         return
-    if smoother is None:
-        smoother = cage.modifiers.new("Subdivision", "SUBSURF")
-    smoother.levels = smoother.render_levels = levels
+    if subdivision is None:
+        subdivision = cage.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels = subdivision.render_levels = levels
 
 
 def _may_be_cage(deformer: "SinewDeformer", obj: Object) -> bool:
@@ -79,14 +79,14 @@ class SinewDeformer(PropertyGroup):
         update=None,
         name="Name",
         default="Sinew",
-        description="What the list calls the deformer; double-click there to rename it",
+        description="Name of the deformer in the list; double-click it there to rename it",
     )
     method: setting(
         EnumProperty,
         name="Method",
         items=method_items(),
         default=DEFAULT_METHOD,
-        description="How the surface follows its handles",
+        description="How the mesh follows its controls",
     )
     cage: setting(
         PointerProperty,
@@ -94,9 +94,13 @@ class SinewDeformer(PropertyGroup):
         type=Object,
         poll=_may_be_cage,
         update=_cage_changed,
-        description="The closed mesh around this one that moves it, as its own modifiers leave it",
+        description="The closed mesh around this one that moves it, with its own modifiers applied",
     )
-    cage_rest: record(PointerProperty, type=Mesh, description="The cage at bind, in the frame of the mesh")
+    cage_rest: record(
+        PointerProperty,
+        type=Mesh,
+        description="The shape of the cage at bind, in the object space of the target",
+    )
     cage_subdivision: IntProperty(
         name="Subdivision",
         min=0,
@@ -105,10 +109,12 @@ class SinewDeformer(PropertyGroup):
         get=_cage_levels,
         set=_set_cage_levels,
         options={"SKIP_SAVE"},
-        description="Levels of the cage's Subdivision modifier, which makes it smooth; 0 for none. "
-        "The cage then has other vertices: Set Rest Cage",
+        description="Levels of the cage's Subdivision modifier, which makes it smooth; 0 removes it. "
+        "This changes the vertices of the cage, so press Set Rest Cage afterwards",
     )
-    owns_cage: record(BoolProperty, description="The cage was made for this deformer, and goes with it")
+    owns_cage: record(
+        BoolProperty, description="Whether the cage was made for this deformer, and is removed with it"
+    )
     controls: setting_list(type=SinewControl)
     active_control: record(IntProperty)
     handles: setting_list(type=SinewHandle)
@@ -125,17 +131,21 @@ class SinewDeformer(PropertyGroup):
     mask_group: setting(
         StringProperty,
         name="Mask",
-        description="Vertex group that limits where the deformation is shown; none means the whole mesh",
+        description="Vertex group that limits where the deformation is shown; if empty, it is shown "
+        "everywhere",
     )
     live: setting(
-        BoolProperty, name="Live", default=True, description="Follow the controls; off, the last shape stays"
+        BoolProperty,
+        name="Live",
+        default=True,
+        description="Follow the controls. If it is off, the last shape stays",
     )
     auto_rebind: setting(
         BoolProperty,
         update=None,
         name="Automatic Rebind",
-        description="Bind again by itself when the mesh, or its cage, gains or loses vertices. "
-        "The regions are vertex groups, so they follow; the cage rests as it is then",
+        description="Bind again automatically when the mesh, or its cage, gains or loses vertices. "
+        "Regions are vertex groups, so they are kept; the cage takes its current shape as its rest shape",
     )
     topology_changed: record(BoolProperty)
     proxy: record(PointerProperty, type=Object)
@@ -144,12 +154,13 @@ class SinewDeformer(PropertyGroup):
     rest_render: record(
         PointerProperty,
         type=Mesh,
-        description="What enters in renders, where modifiers before Sinew give other vertices there",
+        description="The rest shape for renders, if modifiers before Sinew give another number of vertices "
+        "there",
     )
     bake: setting(PointerProperty, update=None, type=SinewBake)
     status: StringProperty(
         name="Status",
-        description="What the deformer is doing, or what to do about it",
+        description="What the deformer is doing, or what is wrong and what to do about it",
         options={"SKIP_SAVE"},
         get=lambda deformer: status.current(deformer.uid).text,
     )
@@ -162,7 +173,7 @@ class SinewDeformer(PropertyGroup):
 
     @property
     def definition(self) -> Method:
-        """The registry row of the method in use; the default's where a file names an unknown one."""
+        """The registry row of the method in use; that of the default if a file names an unknown method."""
         return BY_ID.get(self.method, BY_ID[DEFAULT_METHOD])
 
     @property
@@ -172,7 +183,7 @@ class SinewDeformer(PropertyGroup):
 
     @property
     def methods(self) -> tuple[tuple[Method, PropertyGroup], ...]:
-        """The rows in use, each with its parameters: the method, then the one that it is put around."""
+        """The methods in use, each with its parameters: the method, then the one that it is put around."""
         own = (self.definition, self.parameters)
         if not self.definition.wraps:
             return (own,)
@@ -181,47 +192,48 @@ class SinewDeformer(PropertyGroup):
 
     @property
     def is_iterative(self) -> bool:
-        """A drag can show an early step."""
+        """Whether a method in use is iterative, so that a drag can show an early step."""
         return any(method.iterative for method, _values in self.methods)
 
     def complete(self) -> None:
-        """Let Blender make all settings now, so that no render thread has to: see ``deformers_of``."""
+        """Let Blender create all settings now, so that no render thread has to (see ``deformers_of``)."""
         for group in ("bake", *BY_ID):
             getattr(self, group)
 
     @property
     def is_bound(self) -> bool:
-        """The rest shape is stored; the factor is built from it when needed."""
+        """Whether a rest shape is stored. The factor is computed from it when needed."""
         return self.rest_in("VIEWPORT") is not None
 
     @property
     def all_controls(self) -> list[StoredCage | SinewControl]:
-        """The objects that move the deformer, by whatever method: first the cage, where there is one."""
+        """The objects that move the deformer with any of its methods; first the cage, if there is one."""
         cage = StoredCage(self)
         return [*([] if cage.object is None and cage.rest is None else [cage]), *self.controls]
 
     @property
     def cage_missing(self) -> bool:
-        """The cage was deleted, or taken out of every scene."""
+        """Whether the cage was deleted, or removed from all scenes."""
         cage = self.cage
         return cage is None or not any(cage.name in scene.objects for scene in bpy.data.scenes)
 
     @property
     def renders_differ(self) -> bool:
-        """Other vertices enter in renders. Else ``rest_render`` is an empty mesh, or not there at all."""
+        """Whether renders have another number of vertices. If not, ``rest_render`` is empty or None."""
         return isinstance(self.rest_render, Mesh) and len(self.rest_render.vertices) > 0
 
     def shape(self, mode: str) -> Object | None:
-        """The hidden object that shows the deformation in VIEWPORT or RENDER, where Sinew made it."""
+        """The hidden object that holds the shape for VIEWPORT or RENDER; None if Sinew did not make it."""
         shape = self.proxy_render if mode == "RENDER" else self.proxy
         if not isinstance(shape, Object) or shape.type != "MESH" or Keys.SHAPE not in shape.data:
             return None
-        if len(shape.data.vertices) == 0:  # their truth value would ask for write access, which copies them
+        # "not vertices" would ask Blender for write access, which copies the data.
+        if len(shape.data.vertices) == 0:
             return None
         return None if mode == "RENDER" and shape == self.proxy else shape
 
     def rest_in(self, mode: str) -> Mesh | None:
-        """What entered at bind, in VIEWPORT or RENDER."""
+        """The rest shape for VIEWPORT or RENDER; None if the deformer is not bound."""
         rest = self.rest_render if mode == "RENDER" and self.renders_differ else self.rest
         return rest if isinstance(rest, Mesh) else None
 
@@ -233,8 +245,8 @@ for _method in METHODS:
 def deformers_of(obj: Object) -> Sequence[SinewDeformer]:
     """The deformers of any object.
 
-    Blender makes settings that are not there when they are first read, off the main thread too, where two
-    may write at once. This leaves an object without settings as it is.
+    When settings are read that do not exist, Blender creates them, even in another thread, where two threads
+    could write at once. This function leaves an object without settings as it is.
     """
     return obj.sinew.deformers if obj.is_property_set("sinew") else ()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A region of the mesh and what moves it."""
+"""A region of the mesh, its role and its control."""
 
 import bpy
 from bpy.props import (
@@ -14,15 +14,15 @@ from bpy.types import Context, Object, PropertyGroup
 
 from ..core.methods import HANDLE_PARAMETERS
 from .parameters import declare
-from .setting import record, reshape, setting
+from .setting import evaluate_again, record, setting
 
-KINDS = (
+ROLES = (
     ("HANDLE", "Handle", "Follows a control: an empty, any object, or a bone", "EMPTY_AXIS", 0),
     ("FIXED", "Fixed", "Stays where it is", "PINNED", 1),
     (
         "SUPPORT",
         "Support",
-        "May move: everything outside of it, and of the handles, is fixed",
+        "May move, while everything outside of it and of the handles is fixed",
         "MOD_MESHDEFORM",
         2,
     ),
@@ -31,11 +31,11 @@ KINDS = (
 
 def _control_changed(handle: "SinewHandle", context: Context) -> None:
     handle.has_rest = False
-    reshape(handle, context)
+    evaluate_again(handle, context)
 
 
 class SinewHandle(PropertyGroup):
-    """A region of the mesh and what moves it"""
+    """A region of the mesh, its role and its control"""
 
     uid: record(StringProperty)
     name: setting(
@@ -43,20 +43,20 @@ class SinewHandle(PropertyGroup):
         update=None,
         name="Name",
         default="Handle",
-        description="What the list calls the region; ends in .L or .R where it has a mirror image",
+        description="Name of the region in the list; ends in .L or .R if the region has a mirror image",
     )
     kind: setting(
         EnumProperty,
-        name="Kind",
-        items=KINDS,
+        name="Role",
+        items=ROLES,
         default="HANDLE",
         description="Whether the vertices follow a control, stay, or are the only ones that may move",
     )
     vertex_group: setting(
         StringProperty,
         name="Vertex Group",
-        description="The vertices of this region, by their weights: 1 holds a vertex exactly, "
-        "less lets it give way",
+        description="The vertices of this region and their weights: 1 holds a vertex exactly, "
+        "a lower weight lets it give way",
     )
     control: setting(
         PointerProperty,
@@ -68,12 +68,14 @@ class SinewHandle(PropertyGroup):
     bone: setting(
         StringProperty,
         name="Bone",
-        description="The pose bone that moves this region, where the control is an armature",
+        description="The pose bone that moves this region, if the control is an armature",
         update=_control_changed,
     )
-    owns_control: record(BoolProperty, description="The control was made for this handle, and goes with it")
+    owns_control: record(
+        BoolProperty, description="Whether the control was made for this handle, and is removed with it"
+    )
     owns_group: record(
-        BoolProperty, description="The vertex group was made for this handle, and goes with it"
+        BoolProperty, description="Whether the vertex group was made for this handle, and is removed with it"
     )
     weight: setting(
         FloatProperty,
@@ -82,17 +84,20 @@ class SinewHandle(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        description="1 holds the region exactly, less lets it give way, 0 lets it go. "
-        "Multiplied by the weights of the vertex group",
+        description="1 holds the region exactly, a lower weight lets it give way, 0 frees it. "
+        "It is multiplied by the weights of the vertex group",
     )
     enabled: setting(
-        BoolProperty, name="Use", default=True, description="Use this region; off, its vertices are free"
+        BoolProperty,
+        name="Use",
+        default=True,
+        description="Use this region. If it is off, its vertices are free",
     )
     from_rest: setting(
         BoolProperty,
         name="From Rest",
-        description="Move the rest shape instead of the posed one. "
-        "For a handle on the same bone that already moved the mesh",
+        description="Move the rest shape of the region instead of its posed shape. "
+        "Use it if the bone that moves the handle has moved the mesh already",
     )
     colour: setting(
         FloatVectorProperty,
@@ -102,7 +107,7 @@ class SinewHandle(PropertyGroup):
         default=(0.9, 0.5, 0.1),
         min=0.0,
         max=1.0,
-        description="How the region is shown in the list and in overlays; it changes no shape",
+        description="Colour of the region in the list and in overlays; it does not affect the shape",
     )
     has_rest: record(BoolProperty)
     rest_matrix: record(
@@ -110,7 +115,7 @@ class SinewHandle(PropertyGroup):
         name="Rest Matrix",
         size=16,
         subtype="MATRIX",
-        description="The control relative to the mesh object, when the region is at rest",
+        description="The matrix of the control relative to the mesh object, at rest",
     )
 
     has_last_pose: record(BoolProperty)
@@ -118,12 +123,13 @@ class SinewHandle(PropertyGroup):
         FloatVectorProperty,
         name="Last Pose",
         size=12,
-        description="Where the region stays while its control is missing: three rows of an affine map",
+        description="The pose that the region keeps while its control is missing: three rows of an affine "
+        "map",
     )
 
     @property
     def control_missing(self) -> bool:
-        """The handle's control was deleted, or its bone is gone."""
+        """Whether the control of the handle, or its bone, was deleted."""
         if self.kind != "HANDLE":
             return False
         control = self.control
@@ -133,7 +139,7 @@ class SinewHandle(PropertyGroup):
 
     @property
     def control_label(self) -> str:
-        """What the list shows: the control, or how many vertices stay."""
+        """The text in the list: the control, or the vertex group of a region without one."""
         if self.control_missing:
             return "control missing"
         if self.control is None:

@@ -29,7 +29,7 @@ from ..core.methods import (
 from ..ids import Keys
 from .setting import setting
 
-BASE = "base"  # the property, and the native keyword, of the method that another one is put around
+BASE = "base"  # the property, and the native keyword, for the method that another method is put around
 _SUBTYPES = {"length": "DISTANCE", "angle": "ANGLE"}
 
 
@@ -37,7 +37,7 @@ def _holds_curve(_values: PropertyGroup, tree: NodeTree) -> bool:
     return Keys.CURVE in tree
 
 
-def _suits(types: tuple[str, ...]) -> Callable[[PropertyGroup, Object], bool]:
+def _poll_for(types: tuple[str, ...]) -> Callable[[PropertyGroup, Object], bool]:
     def poll(values: PropertyGroup, obj: Object) -> bool:
         return obj != values.id_data and (not types or obj.type in types)
 
@@ -45,12 +45,12 @@ def _suits(types: tuple[str, ...]) -> Callable[[PropertyGroup, Object], bool]:
 
 
 def declare(parameter: Parameter):
-    """The property of a parameter."""
+    """The Blender property of a parameter."""
     names = {"name": parameter.label, "description": parameter.description}
     if isinstance(parameter, Curve):
         return setting(PointerProperty, type=NodeTree, poll=_holds_curve, **names)
     if isinstance(parameter, Pointer):
-        return setting(PointerProperty, type=Object, poll=_suits(parameter.types), **names)
+        return setting(PointerProperty, type=Object, poll=_poll_for(parameter.types), **names)
     common = {**names, "default": parameter.default}
     if isinstance(parameter, Choice):
         items = tuple((*item, number) for number, item in enumerate(parameter.items))
@@ -82,14 +82,15 @@ def _group_of(method: Method) -> type:
         annotations[group_property(parameter)] = setting(
             StringProperty,
             name=f"{parameter.label} Group",
-            description=f"Vertex group that scales {parameter.label} per vertex; none means the whole mesh",
+            description=f"Vertex group that scales {parameter.label} per vertex; if empty, it is the same "
+            "everywhere",
         )
     if method.wraps:
         annotations[BASE] = setting(
             EnumProperty,
             name="Base Method",
             items=tuple((base.id, base.label, base.summary, "NONE", base.number) for base in wrapped(method)),
-            description="The method that moves the surface, before this one adds to it",
+            description="The method that moves the surface before this method adds to it",
         )
     names = {"__annotations__": annotations, "__doc__": method.summary, "__module__": __name__}
     return type(f"SINEW_PG_{method.id}", (PropertyGroup,), names)

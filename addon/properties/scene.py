@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the 3D viewports show over the meshes. Part of the scene, so a file opens as it was left."""
+"""The settings of overlays in the 3D viewports. They are stored on the scene, so files keep them."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,13 @@ from bpy.types import Context, PropertyGroup
 from ..core.methods import METHODS
 
 OVERLAYS = (
-    ("REGIONS", "Regions", "Each handle in its colour, what stays in place in grey", "GROUP_VERTEX", 0),
+    (
+        "REGIONS",
+        "Regions",
+        "Each handle in its colour; regions that stay in place in one common colour",
+        "GROUP_VERTEX",
+        0,
+    ),
     ("WEIGHT", "Handle Weight", "How firmly the active handle holds each vertex", "MOD_VERTEX_WEIGHT", 1),
     ("PARAMETER", "Parameter", "A parameter of the method, as painted by its vertex group", "BRUSH_DATA", 2),
     ("MASK", "Mask", "Where the deformation is shown", "MOD_MASK", 3),
@@ -26,11 +32,11 @@ OVERLAYS = (
 MEASURES = (
     ("STRETCH", "Largest Stretch", "How much longer the surface became, in the direction that grew most", 0),
     ("AREA", "Area", "How much larger or smaller each part of the surface became", 1),
-    ("ANGLE", "Shear", "How much angles changed: the length of a circle for its width, whatever its size", 2),
+    ("ANGLE", "Shear", "How much angles changed: the length of a former circle divided by its width", 2),
     (
         "DIRICHLET",
         "Symmetric Dirichlet",
-        "Any change of shape or size, stretched and compressed alike: what keeps a texture from showing it",
+        "Any change of shape or size; stretching and compression count alike",
         3,
     ),
 )
@@ -38,13 +44,13 @@ MEASURES = (
 _observers: list[Callable[[Context], None]] = []
 
 
-def observe(observer: Callable[[Context], None]) -> None:
-    """Call this whenever a setting was changed by a user or a script."""
+def add_observer(observer: Callable[[Context], None]) -> None:
+    """Let ``observer`` be called whenever a user or a script changes a setting."""
     _observers.append(observer)
 
 
-def forget(observer: Callable[[Context], None]) -> None:
-    """Stop calling it."""
+def remove_observer(observer: Callable[[Context], None]) -> None:
+    """Stop calling ``observer``."""
     if observer in _observers:
         _observers.remove(observer)
 
@@ -55,7 +61,10 @@ def _changed(_settings: "SinewScene", context: Context) -> None:
 
 
 def _parameters() -> tuple[tuple, ...]:
-    """Every parameter that a vertex group may scale; equal ones of several methods once."""
+    """Every parameter that a vertex group may scale.
+
+    A parameter that several methods share is listed once.
+    """
     items: dict[str, tuple] = {}
     for method in METHODS:
         for position, parameter in enumerate(method.parameters):
@@ -66,7 +75,7 @@ def _parameters() -> tuple[tuple, ...]:
 
 
 class SinewScene(PropertyGroup):
-    """What Sinew stores on a scene"""
+    """The settings of Sinew that a scene stores"""
 
     show_overlay: BoolProperty(
         name="Overlays",
@@ -80,7 +89,7 @@ class SinewScene(PropertyGroup):
         name="Parameter", items=_parameters(), update=_changed, description="Which painted parameter is shown"
     )
     measure: EnumProperty(
-        name="Measure", items=MEASURES, update=_changed, description="Which kind of distortion is shown"
+        name="Measure", items=MEASURES, update=_changed, description="The measure of distortion that is shown"
     )
     distortion_range: FloatProperty(
         name="Range",
@@ -90,7 +99,7 @@ class SinewScene(PropertyGroup):
         soft_min=1.1,
         soft_max=10.0,
         update=_changed,
-        description="The distortion that has the full colour: 2 means twice as much, and half as much",
+        description="The distortion that is shown in full colour: 2 means twice the size and half the size",
     )
     opacity: FloatProperty(
         name="Opacity",
@@ -99,11 +108,12 @@ class SinewScene(PropertyGroup):
         max=1.0,
         subtype="FACTOR",
         update=_changed,
-        description="How much the colours cover the mesh, as a share of the opacity in the preferences",
+        description="Opacity of the colours, as a share of the opacity in the preferences",
     )
     all_viewports: BoolProperty(
         name="All Viewports",
         default=True,
         update=_changed,
-        description="Draw in every 3D viewport; off, in the one where you changed this last",
+        description="Draw in every 3D viewport. If it is off, draw only in the viewport where it was "
+        "turned off",
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a property is declared: library overrides may change all of them, and a change redraws the shape."""
+"""How properties are declared. Library overrides may change all of them."""
 
 from collections.abc import Callable
 
@@ -9,23 +9,26 @@ from bpy.types import Context, PropertyGroup
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 
 
-def reshape(values: PropertyGroup, _context: Context) -> None:
-    """The object is evaluated again, since its shape may be another."""
+def evaluate_again(values: PropertyGroup, _context: Context) -> None:
+    """Let Blender evaluate the object again, since its shape may have changed."""
     values.id_data.update_tag(refresh={"OBJECT"})
 
 
-def setting(declare: Callable, update: Callable | None = reshape, **keywords):
-    """What an artist sets. ``declare`` is a function of bpy.props, ``update`` None where no shape changes."""
+def setting(declare: Callable, update: Callable | None = evaluate_again, **keywords):
+    """A property that an artist sets. ``declare`` is a function of bpy.props.
+
+    ``update`` is None if the property does not affect the shape.
+    """
     return declare(override=OVERRIDABLE, update=update, **keywords)
 
 
 def record(declare: Callable, **keywords):
-    """What the add-on notes for itself, unseen by the artist."""
+    """A property that the add-on sets, hidden from the artist."""
     if declare is CollectionProperty:
         return setting_list(options={"HIDDEN"}, **keywords)
     return declare(override=OVERRIDABLE, options={"HIDDEN"}, **keywords)
 
 
 def setting_list(**keywords):
-    """A list that library overrides may also add to."""
+    """A list to which library overrides may also add items."""
     return CollectionProperty(override={*OVERRIDABLE, "USE_INSERTION"}, **keywords)

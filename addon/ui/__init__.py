@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Panels, lists and menus: they draw, and never solve."""
+"""Panels, lists, menus and overlays, which draw and never solve."""
 
 from . import bake, data_tab, keymap, lists, menus, overlay, panel, pie
 

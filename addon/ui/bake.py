@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Bake sub-panel: where the shapes go, which frames, and back."""
+"""The Bake sub-panel: where the shapes are written, which frames are baked, and Unbake."""
 
 import bpy
 from bpy.types import Context, Object, Panel, UILayout
@@ -13,11 +13,11 @@ from .places import ROOT, SidebarPanel
 from .text import draw_text
 
 _LABELS = {identifier: label for identifier, label, *_rest in BAKE_TARGETS}
-_KEY = 12  # bytes of a vertex in a shape key or a cache
+_BYTES = 12  # per vertex of a shape key or of a cached frame
 
 
 class SINEW_PT_bake(SidebarPanel, Panel):
-    """Shapes that play without the add-on"""
+    """Store shapes that play without the add-on"""
 
     bl_label = "Bake"
     bl_parent_id = ROOT
@@ -45,7 +45,7 @@ class SINEW_PT_bake(SidebarPanel, Panel):
 
 
 def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
-    """What plays now, and the way back."""
+    """Draw what is baked, and Unbake."""
     settings = deformer.bake
     box = layout.box().column()
     draw_text(context, box, f"{settings.summary} to {_LABELS[settings.result]}", "CHECKMARK")
@@ -57,10 +57,10 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
 
 
 def _draw_export(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    """What is no mesh goes into Alembic files at most."""
-    text = f"Bakes hold meshes, and this is a {session.label(obj)} object - convert it to bake it"
+    """Draw the panel for an object that is not a mesh, which can be baked to Alembic at most."""
+    text = f"Only meshes can be baked, and this is a {session.label(obj)} object - convert it to a mesh first"
     if session.is_exported(obj) and bake.can_write_alembic():
-        text = f"A {session.label(obj)} object goes into Alembic files"
+        text = f"A {session.label(obj)} object can be baked to Alembic only"
         _bake(context, layout, deformer, "Bake to Alembic", "RENDER_ANIMATION").target = "ALEMBIC"
     draw_text(context, layout, text, "INFO")
 
@@ -88,7 +88,7 @@ def _draw_settings(context: Context, layout: UILayout, obj: Object, deformer: Si
             context, layout, f"{_count(source, settings.step):,} keys, {_size(source, settings, vertices)}"
         )
     elif bpy.data.filepath:
-        draw_text(context, layout, "Goes into sinew_cache beside the file", "FILE_FOLDER")
+        draw_text(context, layout, "Written to the folder sinew_cache beside the file", "FILE_FOLDER")
     else:
         draw_text(context, layout, "Save the file first, or choose a path", "INFO")
 
@@ -98,7 +98,7 @@ def _count(frames: object, step: int) -> int:
 
 
 def _size(frames: object, settings: object, vertices: int) -> str:
-    return f"{_count(frames, settings.step) * vertices * _KEY / 1e6:,.1f} MB"
+    return f"{_count(frames, settings.step) * vertices * _BYTES / 1e6:,.1f} MB"
 
 
 def _draw_buttons(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
@@ -114,7 +114,7 @@ def _draw_buttons(context: Context, layout: UILayout, obj: Object, deformer: Sin
 
 
 def _bake(context: Context, layout: UILayout, deformer: SinewDeformer, text: str, icon: str):
-    """A button that bakes with the settings of the panel."""
+    """Draw a button that bakes with the settings of the panel."""
     settings = deformer.bake
     button = layout.operator(Operators.BAKE, text=text, icon=icon)
     source = settings if settings.custom_range else context.scene

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Our panels once more, in the Modifiers tab of the Properties editor, where a rigger looks for deformers."""
+"""The same panels in the Modifiers tab of the Properties editor, where riggers look for deformers."""
 
 from bpy.utils import register_classes_factory
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Our keys, in the keyconfig that Blender keeps for add-ons: the user's changes lie on top of it and stay."""
+"""Register the shortcuts in Blender's keyconfig for add-ons. Changes by the user are kept apart from it."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from ..preferences import KEYMAP, SHORTCUTS, SPACE, find_items
 
 def register() -> None:
     keyconfig = bpy.context.window_manager.keyconfigs.addon
-    if keyconfig is None:  # without a window Blender has none
+    if keyconfig is None:  # Blender has none without a window
         return
     keymap = keyconfig.keymaps.new(name=KEYMAP, space_type=SPACE)
     for shortcut in SHORTCUTS:
@@ -25,6 +25,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """By what they are, not by kept references: those would dangle after another keyconfig was loaded."""
+    """Find the items again instead of keeping references, which dangle once another keyconfig is loaded."""
     for keymap, item in find_items(bpy.context.window_manager.keyconfigs.addon):
         keymap.keymap_items.remove(item)

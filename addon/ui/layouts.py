@@ -5,26 +5,26 @@ from bpy.types import UILayout
 
 
 def split(layout: UILayout) -> UILayout:
-    """Labels to the left, as in Blender's own panels; without the dots of animation, as in its sidebar."""
+    """Draw labels to the left as in Blender's own panels, without animation dots as in its sidebar."""
     layout.use_property_split = True
     layout.use_property_decorate = False
     return layout
 
 
 def invoking(layout: UILayout) -> UILayout:
-    """Entries run with the mouse over the viewport, from whichever editor the menu was opened."""
+    """Let the entries of a menu run as if the mouse were over the viewport, in whichever editor it opens."""
     layout.operator_context = "INVOKE_REGION_WIN"
     return layout
 
 
 def draw_move_buttons(side: UILayout, operator: str) -> None:
-    """Beside a list."""
+    """Draw the buttons beside a list that move its active row."""
     side.separator()
     side.operator(operator, text="", icon="TRIA_UP").direction = "UP"
     side.operator(operator, text="", icon="TRIA_DOWN").direction = "DOWN"
 
 
 def draw_move_entries(layout: UILayout, operator: str) -> None:
-    """In a menu."""
+    """Draw the entries of a menu that move the active row of a list."""
     layout.operator(operator, text="Move Up", icon="TRIA_UP").direction = "UP"
     layout.operator(operator, text="Move Down", icon="TRIA_DOWN").direction = "DOWN"

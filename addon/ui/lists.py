@@ -8,18 +8,18 @@ from .. import session
 from ..core import status
 from ..core.status import Level
 from ..ids import Operators
-from ..properties import HANDLE_KINDS, SinewDeformer, SinewHandle, SinewObject
+from ..properties import HANDLE_ROLES, SinewDeformer, SinewHandle, SinewObject
 from .text import columns
 
-_ICONS = {identifier: icon for identifier, _label, _description, icon, _number in HANDLE_KINDS}
-# Characters that the region holds, from which on a column is shown.
+_ICONS = {identifier: icon for identifier, _label, _description, icon, _number in HANDLE_ROLES}
+# A column is shown if the region is wide enough for this number of characters.
 _RENDER_FROM = 26
 _WEIGHT_FROM = 28
 _CONTROL_FROM = 44
 
 
 class SINEW_UL_deformers(UIList):
-    """Deformers of the mesh: name, whether they follow their controls, and where they are shown"""
+    """The deformers of an object: name, whether they are live, and where they are shown"""
 
     def draw_item(
         self,
@@ -43,7 +43,7 @@ class SINEW_UL_deformers(UIList):
 
 
 class SINEW_UL_handles(UIList):
-    """Regions of a deformer: colour, name, control, weight, select, use"""
+    """The regions of a deformer: colour, name, control, weight, a select button, and whether they are used"""
 
     def draw_item(
         self,
@@ -62,7 +62,7 @@ class SINEW_UL_handles(UIList):
         swatch.ui_units_x = 0.6
         if handle.kind == "HANDLE":
             swatch.prop(handle, "colour", text="")
-        else:  # overlays show what stays in one colour, that of the preferences
+        else:  # overlays show all other regions in one colour, which the preferences set
             swatch.label(text="")
         row.prop(handle, "name", text="", emboss=False, icon=_ICONS[handle.kind])
         if handle.control_missing:

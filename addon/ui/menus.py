@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Menus: in the header of Edit Mode, in Object > Sinew, under the right mouse button, beside the lists.
+"""The menus: in the header of Edit Mode, in Object > Sinew, in context menus, and beside the lists.
 
-Blender's search looks through menus, so each operator stands in one that is shown where it works.
+Blender's search finds operators through menus, so each operator is in a menu that is shown where it works.
 """
 
 import bpy
@@ -15,7 +15,7 @@ from .layouts import draw_move_entries, invoking
 
 
 class SINEW_MT_edit_mesh(Menu):
-    """Make regions of the selected vertices, and tend the deformer"""
+    """Make the selected vertices a region, and work on the deformer"""
 
     bl_idname = Menus.EDIT_MESH
     bl_label = "Sinew"
@@ -31,15 +31,15 @@ class SINEW_MT_edit_mesh(Menu):
 
 
 class SINEW_MT_object(Menu):
-    """Deformers of the mesh, and their handles"""
+    """Work on the deformers of the mesh and their regions"""
 
     bl_idname = Menus.OBJECT
     bl_label = "Sinew"
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        for kind, name in Menus.OF_GROUPS.items():
-            layout.menu(name, icon=_ADDING[kind][1])
+        for role, name in Menus.FOR_GROUPS.items():
+            layout.menu(name, icon=_ADDING[role][1])
         layout.separator()
         _draw_common(layout)
 
@@ -59,8 +59,8 @@ class SINEW_MT_add_region(Menu):
             add_entry(layout, "FIXED", "Fixed", "PINNED")
             add_entry(layout, "SUPPORT", "Support", "MOD_MESHDEFORM")
             layout.separator()
-        for kind, name in Menus.OF_GROUPS.items():
-            layout.menu(name, icon=_ADDING[kind][1])
+        for role, name in Menus.FOR_GROUPS.items():
+            layout.menu(name, icon=_ADDING[role][1])
 
 
 class SINEW_MT_deformer(Menu):
@@ -83,7 +83,7 @@ class SINEW_MT_deformer(Menu):
 
 
 class SINEW_MT_manual(Menu):
-    """Pages of the manual that came with the add-on"""
+    """Open a page of the manual that was installed with the add-on"""
 
     bl_idname = Menus.MANUAL
     bl_label = "Sinew Manual"
@@ -101,9 +101,9 @@ _ADDING = {
 
 
 class _GroupsMenu:
-    """Vertex groups of the mesh; one becomes a region of ``kind``."""
+    """Lists the vertex groups of the mesh. The chosen one becomes a region with a ``role``."""
 
-    kind = ""
+    role = ""
 
     def draw(self, context: Context) -> None:
         layout = invoking(self.layout)
@@ -113,7 +113,7 @@ class _GroupsMenu:
             layout.label(text="No vertex groups - select vertices in Edit Mode", icon="INFO")
         for name in groups:
             settings = layout.operator(Operators.HANDLE_ADD, text=name, icon="GROUP_VERTEX")
-            settings.kind, settings.vertex_group = self.kind, name
+            settings.kind, settings.vertex_group = self.role, name
 
 
 _GROUP_MENUS = tuple(
@@ -121,21 +121,21 @@ _GROUP_MENUS = tuple(
         name,
         (_GroupsMenu, Menu),
         {
-            "__doc__": "Make a region of one of the mesh's vertex groups",
+            "__doc__": "Make a vertex group of the mesh a region",
             "__module__": __name__,
             "bl_idname": name,
-            "bl_label": _ADDING[kind][0],
-            "kind": kind,
+            "bl_label": _ADDING[role][0],
+            "role": role,
         },
     )
-    for kind, name in Menus.OF_GROUPS.items()
+    for role, name in Menus.FOR_GROUPS.items()
 )
 
 
-def add_entry(layout: UILayout, kind: str, text: str, icon: str, control: str = "NEW") -> None:
-    """Make a region of the selection."""
+def add_entry(layout: UILayout, role: str, text: str, icon: str, control: str = "NEW") -> None:
+    """Draw an entry that makes the selection a region with a ``role``."""
     settings = layout.operator(Operators.HANDLE_ADD, text=text, icon=icon)
-    settings.kind, settings.control = kind, control
+    settings.kind, settings.control = role, control
 
 
 def _draw_common(layout: UILayout) -> None:
@@ -167,7 +167,7 @@ def _at_the_end(menu: Menu, context: Context) -> None:
 
 
 def _in_object_context_menu(menu: Menu, context: Context) -> None:
-    """Only for meshes that have a deformer, and for controls: the menu is long already."""
+    """Draw the entry only for objects with a deformer and for controls, since this menu is long already."""
     obj = target_of(context)
     if obj is not None and deformers_of(obj):
         _at_the_end(menu, context)
@@ -182,7 +182,7 @@ _CLASSES = (
     SINEW_MT_edit_mesh,
     SINEW_MT_object,
 )
-# Blender's menus, and what draws our entry at their end.
+# The menus of Blender that have an entry of Sinew, and the functions that draw it.
 _PLACES = (
     ("VIEW3D_MT_editor_menus", _in_header),
     ("VIEW3D_MT_edit_mesh_context_menu", _at_the_end),

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Overlays of the 3D viewports: when they are drawn, where, and their panel.
+"""Overlays in the 3D viewports: when and where they are drawn, and their panel.
 
-Drawing is asked of Blender only while some scene shows an overlay, and never without a window.
+Drawing callbacks are registered only while a scene shows an overlay, and never without a window.
 """
 
 from collections.abc import Iterator
@@ -20,51 +20,51 @@ from ..properties import scene as settings
 from ..session.shown import result
 from . import overlay_draw
 from .overlay_colours import number
-from .overlay_picture import Gallery, look_of
+from .overlay_mesh import OverlayCache, overlay_settings
 from .places import ROOT, SidebarPanel
 from .text import draw_text
 
-gallery = Gallery()
-_PAINT_MODES = ("VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT")  # Blender shows colours of its own there
-_drawing: list = []  # the two callbacks, as Blender knows them
-_home: list[int] = [0]  # the viewport in which the settings were changed last
+cache = OverlayCache()
+_PAINT_MODES = ("VERTEX_PAINT", "WEIGHT_PAINT", "TEXTURE_PAINT")  # Blender shows its own colours in these
+_callbacks: list = []  # the two drawing callbacks, as Blender identifies them
+_last_viewport: list[int] = [0]  # the address of the viewport in which the settings were changed last
 
 
 def has_window() -> bool:
-    """There is something to draw in."""
+    """Whether Blender has a window to draw in."""
     return not bpy.app.background
 
 
 def is_drawing() -> bool:
-    """Blender calls us in each redraw of a viewport."""
-    return bool(_drawing)
+    """Whether Blender calls the drawing callbacks in each redraw of a viewport."""
+    return bool(_callbacks)
 
 
 def follow(context: Context | None = None) -> None:
-    """Draw while some scene wants it, and only then."""
+    """Start or stop drawing: overlays are drawn only while a scene shows them."""
     space = getattr(context, "space_data", None)
     if isinstance(space, SpaceView3D):
-        _home[0] = space.as_pointer()
+        _last_viewport[0] = space.as_pointer()
     wanted = has_window() and any(scene.sinew.show_overlay for scene in bpy.data.scenes)
-    if wanted and not _drawing:
+    if wanted and not _callbacks:
         for draw, moment in ((_draw_meshes, "POST_VIEW"), (_draw_legend, "POST_PIXEL")):
-            _drawing.append(SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment))
+            _callbacks.append(SpaceView3D.draw_handler_add(draw, (), "WINDOW", moment))
         for event, handler in _HANDLERS:
             getattr(bpy.app.handlers, event).append(handler)
-    elif _drawing and not wanted:
+    elif _callbacks and not wanted:
         stop()
     _redraw()
 
 
 def stop() -> None:
-    """Draw no more, and free what drawing needed."""
-    while _drawing:
-        SpaceView3D.draw_handler_remove(_drawing.pop(), "WINDOW")
+    """Stop drawing, and free what drawing needed."""
+    while _callbacks:
+        SpaceView3D.draw_handler_remove(_callbacks.pop(), "WINDOW")
     for event, handler in _HANDLERS:
         handlers = getattr(bpy.app.handlers, event)
         if handler in handlers:
             handlers.remove(handler)
-    gallery.clear()
+    cache.clear()
     result.forget()
     overlay_draw.release()
 
@@ -78,14 +78,14 @@ def _redraw() -> None:
 
 @persistent
 def on_update(_scene: object, depsgraph: Depsgraph) -> None:
-    """Meshes that Blender evaluated anew are drawn anew."""
+    """Mark the meshes that Blender evaluated again, so that their overlays are computed again."""
     if depsgraph.mode != "VIEWPORT":
         return
     for update in depsgraph.updates:
         if not update.is_updated_geometry:
             continue
         if isinstance(update.id, Object):
-            gallery.outdate(update.id.original)
+            cache.mark_changed(update.id.original)
         elif isinstance(update.id, Mesh):
             _repainted(update.id.original)
 
@@ -93,7 +93,7 @@ def on_update(_scene: object, depsgraph: Depsgraph) -> None:
 def _repainted(mesh: Mesh) -> None:
     for obj in session.owners():
         if obj.data == mesh:
-            gallery.outdate(obj)
+            cache.mark_changed(obj)
             for deformer in obj.sinew.deformers:
                 result.repainted(deformer)
 
@@ -102,13 +102,13 @@ def _repainted(mesh: Mesh) -> None:
 def on_frame(_scene: object, depsgraph: Depsgraph) -> None:
     if depsgraph.mode == "VIEWPORT":
         for obj in session.owners():
-            gallery.outdate(obj)
+            cache.mark_changed(obj)
 
 
 @persistent
 def on_other_state(*_args: object) -> None:
-    """Undo, redo and load bring other settings, without telling."""
-    gallery.clear()
+    """Undo, redo and load change settings without calling their update functions."""
+    cache.clear()
     result.forget()
     follow()
 
@@ -118,11 +118,11 @@ _ALWAYS = ("load_post", "undo_post", "redo_post")
 
 
 def shown(context: Context) -> Iterator[tuple[Object, SinewDeformer]]:
-    """Objects with an overlay in this viewport, and the deformer it speaks of."""
+    """The objects with an overlay in this viewport, each with the deformer that the overlay shows."""
     space, wanted = context.space_data, context.scene.sinew
     if not wanted.show_overlay or not space.overlay.show_overlays:
         return
-    if not wanted.all_viewports and not _is_home(space):
+    if not wanted.all_viewports and not _is_last_viewport(space):
         return
     for obj in session.owners():
         if obj.mode in _PAINT_MODES or obj.name not in context.view_layer.objects:
@@ -131,12 +131,12 @@ def shown(context: Context) -> Iterator[tuple[Object, SinewDeformer]]:
             yield obj, obj.sinew.active
 
 
-def _is_home(space: SpaceView3D) -> bool:
-    """The settings were changed here last, or in a viewport that is gone."""
-    if _home[0] == space.as_pointer():
+def _is_last_viewport(space: SpaceView3D) -> bool:
+    """Whether the settings were last changed in this viewport, or in one that no longer exists."""
+    if _last_viewport[0] == space.as_pointer():
         return True
     return not any(
-        area.spaces.active.as_pointer() == _home[0]
+        area.spaces.active.as_pointer() == _last_viewport[0]
         for window in bpy.context.window_manager.windows
         for area in window.screen.areas
     )
@@ -145,11 +145,11 @@ def _is_home(space: SpaceView3D) -> bool:
 def _draw_meshes() -> None:
     context = bpy.context
     depsgraph = context.evaluated_depsgraph_get()
-    look = look_of(context)
+    chosen = overlay_settings(context)
     for obj, deformer in shown(context):
-        picture = gallery.picture(obj, deformer, look, depsgraph)
-        if picture is not None:
-            overlay_draw.draw_picture(context, deformer.uid, obj.evaluated_get(depsgraph), picture)
+        mesh = cache.overlay_mesh(obj, deformer, chosen, depsgraph)
+        if mesh is not None:
+            overlay_draw.draw_mesh(context, deformer.uid, obj.evaluated_get(depsgraph), mesh)
 
 
 def _draw_legend() -> None:
@@ -157,9 +157,10 @@ def _draw_legend() -> None:
     target = target_of(context)
     for obj, deformer in shown(context):
         if obj == target:
-            picture = gallery.picture(obj, deformer, look_of(context), context.evaluated_depsgraph_get())
-            if picture is not None:
-                overlay_draw.draw_legend(context, picture.legend)
+            chosen = overlay_settings(context)
+            mesh = cache.overlay_mesh(obj, deformer, chosen, context.evaluated_depsgraph_get())
+            if mesh is not None:
+                overlay_draw.draw_legend(context, mesh.legend)
 
 
 class SINEW_PT_overlays(SidebarPanel, Panel):
@@ -193,13 +194,13 @@ class SINEW_PT_overlays(SidebarPanel, Panel):
         layout.prop(wanted, "opacity", slider=True)
         layout.prop(wanted, "all_viewports")
         if wanted.overlay == "DISTORTION":
-            _draw_figure(context, layout, obj, wanted)
+            _draw_largest(context, layout, obj, wanted)
 
 
 def _draw_parameters(layout: UILayout, wanted: settings.SinewScene, deformer: SinewDeformer) -> None:
     paintable = deformer.definition.paintable
     if not paintable:
-        layout.label(text=f"{deformer.definition.label} has none to paint", icon="INFO")
+        layout.label(text=f"{deformer.definition.label} has no parameter to paint", icon="INFO")
         return
     column = layout.column(align=True)
     column.use_property_split = False
@@ -207,8 +208,8 @@ def _draw_parameters(layout: UILayout, wanted: settings.SinewScene, deformer: Si
         column.prop_enum(wanted, "parameter", parameter.id)
 
 
-def _draw_figure(context: Context, layout: UILayout, obj: Object, wanted: settings.SinewScene) -> None:
-    """The worst place, where a viewport has measured it already."""
+def _draw_largest(context: Context, layout: UILayout, obj: Object, wanted: settings.SinewScene) -> None:
+    """The vertex with the largest distortion, once a viewport has measured it."""
     found = result.measured(obj, obj.sinew.active, Measure(wanted.measure))
     text = next(label for identifier, label, *_rest in settings.MEASURES if identifier == wanted.measure)
     if found is not None:
@@ -224,7 +225,7 @@ _register, _unregister = register_classes_factory(PANELS)
 
 def register() -> None:
     _register()
-    settings.observe(follow)
+    settings.add_observer(follow)
     for event in _ALWAYS:
         getattr(bpy.app.handlers, event).append(on_other_state)
     if has_window():
@@ -232,7 +233,7 @@ def register() -> None:
 
 
 def _begin() -> None:
-    """A file may show overlays already; while add-ons register, Blender does not let us look."""
+    """A file may show overlays already; while add-ons register, Blender does not allow access to scenes."""
     follow()
 
 
@@ -240,7 +241,7 @@ def unregister() -> None:
     if bpy.app.timers.is_registered(_begin):
         bpy.app.timers.unregister(_begin)
     stop()
-    settings.forget(follow)
+    settings.remove_observer(follow)
     for event in _ALWAYS:
         handlers = getattr(bpy.app.handlers, event)
         if on_other_state in handlers:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colours of overlays, and the legends that explain them: NumPy only, nothing is drawn here.
+"""The colours of overlays, and the legends that explain them, as NumPy arrays. Nothing is drawn here.
 
-Colours are as the screen shows them (not scene-linear), (n, 4), and premultiplied by how much they cover, so
-that they can be mixed; ``straight`` makes of them what is drawn.
+Colours (n, 4) are those of the screen (not scene-linear), and premultiplied by their opacity, so that they
+can be mixed. ``straight`` divides by the opacity before they are drawn.
 """
 
 import math
@@ -14,9 +14,9 @@ import numpy as np
 Colour = tuple[float, float, float]
 
 NEUTRAL: Colour = (0.80, 0.80, 0.79)
-HIDDEN: Colour = (0.07, 0.07, 0.08)  # what the mask keeps from moving
+HIDDEN: Colour = (0.07, 0.07, 0.08)  # where the mask hides the deformation
 
-# From dark to light, the same order for the colour-blind and in black and white.
+# From dark to light, so that the order is also visible to the colour-blind and in black and white.
 _SCALE = np.array(
     (
         (0.18, 0.11, 0.36),
@@ -27,15 +27,18 @@ _SCALE = np.array(
         (0.98, 0.90, 0.20),
     )
 )
-_FAINT = 0.3  # the cover of what was not distorted, as a share of the rest's
-_FAINT_FIELD = 0.6  # of the value 0
-_EVEN = 2  # rounds over vertices in between
-_STEPS = 33  # of a legend's bar
+_FAINT = 0.3  # opacity of what is not distorted, as a share of the full opacity
+_FAINT_FIELD = 0.6  # opacity of the value 0, as a share of the full opacity
+_SMOOTHINGS = 2  # how often the colours of vertices in between are averaged
+_STEPS = 33  # colours along the bar of a legend
 
 
 @dataclass(frozen=True)
 class Legend:
-    """``rows`` of a name and an opaque colour; or a bar, its colours from left to right and its numbers."""
+    """A legend: either ``rows`` of a name and an opaque colour each, or a ``bar`` of colours.
+
+    ``bar`` (k, 3) holds colours from left to right, and ``ticks`` the numbers below it.
+    """
 
     title: str
     rows: tuple[tuple[str, Colour], ...] = ()
@@ -58,9 +61,10 @@ def regions(
     opacity: float,
     mask: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Each part (members, weights, colour) in its colour, soft ones fading, mixed where they overlap.
+    """The colours of regions. ``parts`` are their members, weights and colours.
 
-    Free vertices stay bare; what the ``mask`` (n,) hides is dark.
+    Low weights make a region transparent, and where regions overlap, their colours are mixed. Free vertices
+    have no colour. Where the ``mask`` (n,) hides the deformation, the colour is dark.
     """
     mixed = np.zeros((count, 4), dtype=np.float32)
     for members, weights, colour in parts:
@@ -73,17 +77,17 @@ def regions(
 
 
 def field(values: np.ndarray, opacity: float) -> np.ndarray:
-    """Values from 0 (dark and faint) to 1 (bright)."""
+    """The colours of values from 0 (dark and half transparent) to 1 (bright)."""
     share = np.clip(values, 0.0, 1.0)
-    return _covered(scale(share), opacity * (_FAINT_FIELD + (1.0 - _FAINT_FIELD) * share))
+    return _with_opacity(scale(share), opacity * (_FAINT_FIELD + (1.0 - _FAINT_FIELD) * share))
 
 
 def influence(
     values: np.ndarray, opposed: Colour, lost: Colour, outside: np.ndarray, opacity: float
 ) -> np.ndarray:
-    """Weights (n,): from 0 to 1 as a field; negative ones in the ``opposed`` colour, full at -0.25.
+    """The colours of weights (n,): from 0 to 1 as in ``field``, below 0 towards the colour ``opposed``.
 
-    Vertices ``outside`` the cage (indices) are ``lost``.
+    At -0.25 that colour is reached. The vertices ``outside`` the cage (indices) have the colour ``lost``.
     """
     painted = field(values, opacity)
     against = np.clip(-4.0 * values, 0.0, 1.0)[:, None]
@@ -101,25 +105,29 @@ def scale(share: np.ndarray) -> np.ndarray:
 def ratios(
     values: np.ndarray, largest: float, opacity: float, compressed: Colour, stretched: Colour
 ) -> np.ndarray:
-    """Ratios (n,) around 1: below it towards one colour, above towards the other, in full at ``largest``."""
+    """The colours of ratios (n,): below 1 towards ``compressed``, above 1 towards ``stretched``.
+
+    The full colours are those of 1 / ``largest`` and of ``largest``.
+    """
     signed = np.clip(np.log(values) / math.log(largest), -1.0, 1.0)
-    return _covered(
+    return _with_opacity(
         two_sided(signed, compressed, stretched), opacity * (_FAINT + (1.0 - _FAINT) * np.abs(signed))
     )
 
 
 def two_sided(signed: np.ndarray, compressed: Colour, stretched: Colour) -> np.ndarray:
-    """The colours (n, 3) of ``signed`` (n,): -1 compressed, 0 grey, 1 stretched."""
+    """The colours (n, 3) of the values ``signed`` (n,): -1 is compressed, 0 is grey, 1 is stretched."""
     amount = np.abs(signed)[:, None]
     full = np.where(signed[:, None] < 0.0, compressed, stretched)
     return NEUTRAL + amount * (full - NEUTRAL)
 
 
 def spread(colours: np.ndarray, origin: np.ndarray, edges: np.ndarray) -> np.ndarray:
-    """Colours (m, 4) of a surface with more vertices, from those (n, 4) of its ``origin`` (m,).
+    """The colours (m, 4) of a surface with more vertices, from the colours (n, 4) of the coarser surface.
 
-    Vertices in between (-1) take the mean of their neighbours along the ``edges`` (e, 2), ring after ring,
-    and are then evened out; those that no coloured vertex reaches stay bare.
+    ``origin`` (m,) is the coarse vertex of each vertex, or -1 for a vertex in between. Such a vertex takes
+    the mean colour of its neighbours along the ``edges`` (e, 2), ring after ring; then these colours are
+    averaged again. A vertex that is not connected to any coloured one has no colour.
     """
     finer = np.where(origin[:, None] >= 0, colours[origin], np.float32(0.0))
     known = origin >= 0
@@ -137,13 +145,13 @@ def spread(colours: np.ndarray, origin: np.ndarray, edges: np.ndarray) -> np.nda
         waiting = waiting[~ready]
         waiting = waiting[~known[here[waiting]]]
     linked = known[there]
-    for _ in range(_EVEN):
+    for _ in range(_SMOOTHINGS):
         _average(finer, here[linked], there[linked])
     return finer
 
 
 def _average(colours: np.ndarray, here: np.ndarray, there: np.ndarray) -> np.ndarray:
-    """Give each vertex of ``here`` the mean colour of its partners ``there``; the vertices, once each."""
+    """Give each vertex of ``here`` the mean colour of its partners ``there``. Returns these vertices."""
     reached = np.bincount(here, minlength=len(colours))
     found = np.flatnonzero(reached)
     sums = [np.bincount(here, channel[there], len(colours))[found] for channel in colours.T]
@@ -152,36 +160,36 @@ def _average(colours: np.ndarray, here: np.ndarray, there: np.ndarray) -> np.nda
 
 
 def straight(colours: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Colours (n, 4) not premultiplied.
+    """Colours (n, 4) that are not premultiplied.
 
-    Bare vertices take on the colour of their neighbours, but cover nothing: where a colour ends it then fades
-    without a dark seam.
+    Vertices without a colour take the colour of their neighbours, with opacity 0. So the border of a coloured
+    area fades out without a dark seam.
     """
     drawn = colours.copy()
-    bare = colours[:, 3] <= 0.0
-    if not bare.any():
+    uncoloured = colours[:, 3] <= 0.0
+    if not uncoloured.any():
         drawn[:, :3] /= colours[:, 3:]
         return drawn
-    drawn[~bare, :3] /= colours[~bare, 3:]
-    seam = triangles[bare[triangles].any(axis=1) & ~bare[triangles].all(axis=1)]
+    drawn[~uncoloured, :3] /= colours[~uncoloured, 3:]
+    seam = triangles[uncoloured[triangles].any(axis=1) & ~uncoloured[triangles].all(axis=1)]
     pairs = [seam[:, sides] for sides in ((0, 1), (1, 2), (2, 0), (1, 0), (2, 1), (0, 2))]
     here, there = np.concatenate(pairs).T
-    use = bare[here] & ~bare[there]
+    use = uncoloured[here] & ~uncoloured[there]
     if use.any():
         found = _average(drawn, here[use], there[use])
         drawn[found, 3] = 0.0
     return drawn
 
 
-def _covered(rgb: np.ndarray, cover: np.ndarray) -> np.ndarray:
+def _with_opacity(rgb: np.ndarray, opacity: np.ndarray) -> np.ndarray:
     coloured = np.empty((len(rgb), 4), dtype=np.float32)
-    coloured[:, :3] = rgb * cover[:, None]
-    coloured[:, 3] = cover
+    coloured[:, :3] = rgb * opacity[:, None]
+    coloured[:, 3] = opacity
     return coloured
 
 
 def field_legend(title: str, largest: float = 1.0, note: str = "") -> Legend:
-    """A bar from 0 to ``largest``."""
+    """A legend with a bar from 0 to ``largest``."""
     ticks = tuple((share, f"{share * largest:.3g}") for share in (0.0, 0.25, 0.5, 0.75, 1.0))
     return Legend(title, bar=scale(np.linspace(0.0, 1.0, _STEPS)), ticks=ticks, note=note)
 
@@ -195,7 +203,10 @@ def ratio_legend(
     stretched: Colour,
     found: np.ndarray,
 ) -> Legend:
-    """A bar up to ``largest``, from 1, or from 1 over it for ``both`` sides; a note of what was ``found``."""
+    """A legend with a bar from 1, or for ``both`` sides from 1 / ``largest``, to ``largest``.
+
+    Its note gives the range of the ratios that were ``found``.
+    """
     signed = np.linspace(-1.0 if both else 0.0, 1.0, _STEPS)
     marks = (-1.0, -0.5, 0.0, 0.5, 1.0) if both else (0.0, 0.25, 0.5, 0.75, 1.0)
     ticks = tuple(
@@ -207,5 +218,5 @@ def ratio_legend(
 
 
 def number(value: float) -> str:
-    """A ratio as short as it can be said."""
+    """A ratio as a short text."""
     return f"{value:.0f}" if value >= 10.0 else f"{value:.2f}".rstrip("0").rstrip(".")

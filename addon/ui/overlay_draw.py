@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw pictures and their legend. The only file that touches the graphics card, and only while it draws."""
+"""Draw overlay meshes and their legend. Only this file uses the graphics card, and only while it draws."""
 
 from dataclasses import dataclass
 
@@ -8,10 +8,10 @@ from bpy.types import Area, Context, Object, Region, SpaceView3D
 
 from .. import compat
 from .overlay_colours import Legend
-from .overlay_picture import Picture
+from .overlay_mesh import OverlayMesh
 
-_NEARER = 5e-4  # of the distance: wins over the mesh's own surface, and hides behind what is in front
-_NEARER_EDIT = 1e-4  # stays behind the vertices and edges that Edit Mode draws
+_NEARER = 5e-4  # share of the distance: in front of the mesh's own surface, behind everything nearer
+_NEARER_EDIT = 1e-4  # the same, but behind the vertices and edges that Edit Mode draws
 _CARD = (0.09, 0.09, 0.10, 0.72)
 _TEXT = (0.92, 0.92, 0.92, 1.0)
 _DIM = (0.66, 0.66, 0.66, 1.0)
@@ -20,18 +20,18 @@ _FONT = 0
 
 @dataclass
 class _Batch:
-    """On the card, for one picture."""
+    """The buffers on the graphics card for one overlay mesh."""
 
-    picture: Picture
+    mesh: OverlayMesh
     batch: object
 
 
 _batches: dict[str, _Batch] = {}
-_legend_batch: list = [None, None]  # what it was made for, and the batch
+_legend_batch: list = [None, None]  # the legend; its place on the screen and its batch
 
 
 def release() -> None:
-    """Free what lies on the card."""
+    """Free all buffers on the graphics card."""
     _batches.clear()
     _legend_batch[:] = None, None
 
@@ -39,7 +39,8 @@ def release() -> None:
 def nearer(projection: np.ndarray, distance: float, share: float) -> np.ndarray:
     """The projection (4, 4) that moves everything a little towards the viewer, in depth alone.
 
-    Perspective: by a ``share`` of its distance. Orthographic: by that share of ``distance``, the view's own.
+    In perspective it moves a point by the ``share`` of its distance from the viewer, else by this share of
+    ``distance``, the distance of the view.
     """
     moved = projection.copy()
     if projection[3, 3] == 0.0:
@@ -49,17 +50,15 @@ def nearer(projection: np.ndarray, distance: float, share: float) -> np.ndarray:
     return moved
 
 
-def draw_picture(context: Context, key: str, obj: Object, picture: Picture) -> None:
-    """Over the mesh, in the 3D space of the viewport."""
+def draw_mesh(context: Context, key: str, obj: Object, mesh: OverlayMesh) -> None:
+    """Draw an overlay mesh over the object, in the 3D space of the viewport."""
     import gpu
     from mathutils import Matrix
 
     shader = compat.smooth_colour_shader()
     known = _batches.get(key)
-    if known is None or known.picture is not picture:
-        known = _batches[key] = _Batch(
-            picture, _make_batch(picture.points, picture.colours, picture.triangles)
-        )
+    if known is None or known.mesh is not mesh:
+        known = _batches[key] = _Batch(mesh, _make_batch(mesh.points, mesh.colours, mesh.triangles))
     projection = np.array(gpu.matrix.get_projection_matrix(), dtype=np.float64)
     share = _NEARER_EDIT if obj.mode == "EDIT" else _NEARER
     gpu.state.blend_set("ALPHA")
@@ -69,7 +68,8 @@ def draw_picture(context: Context, key: str, obj: Object, picture: Picture) -> N
             Matrix(nearer(projection, context.region_data.view_distance, share).tolist())
         )
         gpu.matrix.multiply_matrix(obj.matrix_world)
-        if _sees_through(context.space_data):  # no surface hides the far side: ours does
+        # Blender hides no far sides here: draw the depth first, so that ours are hidden.
+        if _sees_through(context.space_data):
             gpu.state.depth_mask_set(True)
             gpu.state.color_mask_set(False, False, False, False)
             known.batch.draw(shader)
@@ -81,13 +81,13 @@ def draw_picture(context: Context, key: str, obj: Object, picture: Picture) -> N
 
 
 def _sees_through(space: SpaceView3D) -> bool:
-    """The viewport draws meshes without hiding what lies behind them."""
+    """Whether the viewport draws meshes that do not hide what lies behind them."""
     shading = space.shading
     return shading.type == "WIREFRAME" or (shading.type == "SOLID" and shading.show_xray)
 
 
 def draw_legend(context: Context, legend: Legend) -> None:
-    """A card at the lower right corner of the viewport, clear of the sidebar."""
+    """Draw the legend on a card at the lower right corner of the viewport, beside the sidebar."""
     import blf
     import gpu
 
@@ -120,7 +120,7 @@ def _make_batch(points: np.ndarray, colours: np.ndarray, triangles: np.ndarray):
 
 
 class _Card:
-    """Shapes and texts in pixels of the region; ``place`` is all that its layout depends on."""
+    """Shapes and texts in pixels of the region. The layout depends on ``place`` alone."""
 
     def __init__(self, place: tuple) -> None:
         self.place = place
@@ -131,14 +131,14 @@ class _Card:
         self._count = 0
 
     def add(self, points: np.ndarray, colours: np.ndarray, triangles: np.ndarray) -> None:
-        """Points (k, 2), colours (k, 4) or (4,), triangles (t, 3)."""
+        """Add a shape: points (k, 2), colours (k, 4) or (4,), triangles (t, 3)."""
         self._points.append(np.column_stack((points, np.zeros(len(points)))))
         self._colours.append(np.broadcast_to(colours, (len(points), 4)))
         self._triangles.append(triangles + self._count)
         self._count += len(points)
 
     def rounded(self, x: float, y: float, width: float, height: float, radius: float, colour: tuple) -> None:
-        """A box with round corners."""
+        """Add a box with round corners."""
         turn = np.linspace(0.0, 0.5 * np.pi, 6)
         arc = np.column_stack((np.cos(turn), np.sin(turn))) * radius
         corners = (
@@ -153,7 +153,7 @@ class _Card:
         self.add(points, np.array((*colour[:3], colour[3] if len(colour) == 4 else 1.0)), fan)
 
     def band(self, x: float, y: float, width: float, height: float, rgb: np.ndarray) -> None:
-        """Colours (k, 3) from left to right."""
+        """Add a bar with the colours (k, 3) from left to right."""
         at = np.repeat(np.linspace(x, x + width, len(rgb)), 2)
         points = np.column_stack((at, np.tile((y, y + height), len(rgb))))
         colours = np.column_stack((np.repeat(rgb, 2, axis=0), np.ones(2 * len(rgb))))
@@ -161,11 +161,11 @@ class _Card:
         self.add(points, colours, np.concatenate((left + (0, 2, 1), left + (1, 2, 3))))
 
     def text(self, x: float, y: float, text: str, colour: tuple = _TEXT) -> None:
-        """One line, its base line at ``y``."""
+        """Add one line of text, with its base line at ``y``."""
         self.texts.append((x, y, text, colour))
 
     def shapes(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """All of it as one mesh."""
+        """All shapes as one mesh."""
         return (
             np.concatenate(self._points),
             np.concatenate(self._colours),
@@ -174,7 +174,7 @@ class _Card:
 
 
 def _corner(area: Area, region: Region) -> tuple[int, int]:
-    """The lower right corner of what other regions leave free, in pixels of the region."""
+    """The lower right corner of the area that other regions leave free, in pixels of the region."""
     right, bottom = region.width, 0
     for other in area.regions:
         if other.type == "UI" and other.alignment == "RIGHT" and other.width > 1:

@@ -11,7 +11,7 @@ from ..backend import availability
 from ..core.methods import METHODS, Moved, Parameter
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
-from ..operators import no_mesh, target_of
+from ..operators import explain_no_target, target_of
 from ..properties import BASE, SinewDeformer
 from . import control
 from .control import draw_start, drawing_of
@@ -22,7 +22,6 @@ from .status_box import NATIVE_MISSING, draw_error, draw_message, draw_remedy, d
 from .text import draw_text
 
 LINKED = "This object is linked from another file - make a library override to pose it here"
-_WIDE_MENUS = 36  # characters, from which on two menu buttons fit beside each other
 
 
 class SINEW_PT_sinew(SidebarPanel, Panel):
@@ -32,7 +31,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        """The sidebar's tab is always there and says what to do; elsewhere there must be a mesh."""
+        """The tab in the sidebar is always shown and says what to do. Elsewhere there must be an object."""
         return cls.bl_space_type == "VIEW_3D" or target_of(context) is not None
 
     def draw(self, context: Context) -> None:
@@ -46,7 +45,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
             return
         deformer = obj.sinew.active
         if deformer is None:
-            _draw_start(context, layout, obj)
+            _draw_first_step(context, layout, obj)
             return
         _draw_deformers(layout, obj)
         draw_error(context, layout, deformer)
@@ -59,7 +58,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
 
 
 class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
-    """What is seldom changed"""
+    """Settings that are seldom changed"""
 
     bl_label = "Advanced"
     bl_order = 40
@@ -74,7 +73,7 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
 
 
 def _parameters(deformer: SinewDeformer, advanced: bool) -> Iterator[tuple[PropertyGroup, Parameter]]:
-    """Those of the methods in use; ``advanced`` is also how far an iterative one goes on its way."""
+    """The parameters of the methods in use. Those of the iteration of a method count as ``advanced``."""
     for method, values in deformer.methods:
         for parameter in method.parameters:
             if advanced == (parameter.advanced or (method.iterative and not parameter.rebinds)):
@@ -82,14 +81,14 @@ def _parameters(deformer: SinewDeformer, advanced: bool) -> Iterator[tuple[Prope
 
 
 def _draw_no_mesh(context: Context, layout: UILayout) -> None:
-    text, convertible = no_mesh(context)
+    text, convertible = explain_no_target(context)
     draw_text(context, layout, text, "INFO")
     if convertible:
         draw_remedy(layout, Remedy.CONVERT)
 
 
-def _draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-    """An object without a deformer: the first step."""
+def _draw_first_step(context: Context, layout: UILayout, obj: Object) -> None:
+    """Draw the first step for an object without a deformer."""
     if availability().module is None:
         draw_message(context, layout, NATIVE_MISSING)
     draw_start(context, layout, obj)

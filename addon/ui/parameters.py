@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A parameter of a method, drawn by its kind."""
+"""Draw a parameter of a method, by its type."""
 
 from bpy.types import PropertyGroup, UILayout
 
@@ -9,7 +9,7 @@ from ..ids import Operators
 
 
 def draw_parameter(layout: UILayout, values: PropertyGroup, parameter: Parameter) -> None:
-    """Its value; and the vertex group that scales it, where one may."""
+    """Draw the value of a parameter, and the vertex group that scales it if it can be painted."""
     if isinstance(parameter, Curve):
         _draw_curve(layout, values, parameter)
         return
@@ -21,7 +21,7 @@ def draw_parameter(layout: UILayout, values: PropertyGroup, parameter: Parameter
 
 
 def _draw_curve(layout: UILayout, values: PropertyGroup, parameter: Curve) -> None:
-    """A button while the curve is the default one, then its points."""
+    """Draw a button while the curve is the default one, and its points once it is drawn."""
     row = layout.row(align=True)
     node = session.curve_node(values, parameter)
     if node is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pie menu: what is used again and again, by one key and a flick."""
+"""The pie menu: the operators that are used most often."""
 
 from bpy.types import Context, Menu, UILayout
 from bpy.utils import register_classes_factory
@@ -10,7 +10,7 @@ from .menus import add_entry
 
 
 class SINEW_MT_pie(Menu):
-    """Regions in Edit Mode, controls in the other modes, and what both need"""
+    """Work on regions in Edit Mode, and on controls in the other modes"""
 
     bl_idname = Menus.PIE
     bl_label = "Sinew"
@@ -28,7 +28,7 @@ class SINEW_MT_pie(Menu):
 
 
 def _draw_edit_mode(pie: UILayout) -> None:
-    """West, east, south, north, then the corners from the upper left on."""
+    """Blender places the entries left, right, below and above, then in the corners from the upper left."""
     add_entry(pie, "HANDLE", "Add Handle", "ADD")
     add_entry(pie, "FIXED", "Add Fixed", "PINNED")
     pie.operator(Operators.BIND, icon="FILE_REFRESH")

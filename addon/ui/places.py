@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where our panels stand: in the sidebar of the 3D Viewport, and in the Properties editor's Modifiers tab.
+"""Where the panels are: in the sidebar of the 3D Viewport, and in the Modifiers tab of the Properties editor.
 
-A panel is written once, for the sidebar. ``in_properties`` makes the other one of it, the way Blender itself
-puts its node panels into two editors.
+A panel is written once, for the sidebar. ``in_properties`` derives the other panel from it.
 """
 
 from bpy.types import Context, Panel
@@ -11,7 +10,7 @@ from ..ids import Operators
 from ..operators import target_of
 from ..properties import SinewDeformer
 
-ROOT = "SINEW_PT_sinew"  # the panel that all others are children of
+ROOT = "SINEW_PT_sinew"  # the parent of all other panels
 _SUFFIX = "_properties"
 
 # The manual page behind the question mark of each panel that has one.
@@ -24,7 +23,7 @@ PAGES = {
 
 
 class SidebarPanel:
-    """Mixed into a panel: the Sinew tab of the sidebar, a question mark where the manual has a page."""
+    """Mixin for a panel in the Sinew tab of the sidebar, with a question mark that opens the manual."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -37,7 +36,7 @@ class SidebarPanel:
 
 
 class ActiveDeformerPanel(SidebarPanel):
-    """Below the panel of deformers, where there is one that can be edited."""
+    """Mixin for a sub-panel that is shown if there is a deformer that can be edited."""
 
     bl_parent_id = ROOT
     bl_options = {"DEFAULT_CLOSED"}
@@ -48,18 +47,18 @@ class ActiveDeformerPanel(SidebarPanel):
 
 
 def active_deformer(context: Context) -> SinewDeformer | None:
-    """The deformer that the panels are about."""
+    """The deformer that the panels show, or None."""
     obj = target_of(context)
     return obj.sinew.active if obj is not None and obj.library is None else None
 
 
 def in_properties(panel: type[Panel]) -> type[Panel]:
-    """The same panel for the Modifiers tab of the Properties editor."""
+    """Derive the same panel for the Modifiers tab of the Properties editor."""
     attributes = {key: value for key, value in vars(panel).items() if key != "bl_rna"}
-    twin = type(panel.__name__ + _SUFFIX, panel.__bases__, attributes)
-    twin.bl_space_type, twin.bl_region_type, twin.bl_context = "PROPERTIES", "WINDOW", "modifier"
-    twin.bl_category = ""
-    twin.bl_options = {*getattr(panel, "bl_options", ()), "DEFAULT_CLOSED"}
+    derived = type(panel.__name__ + _SUFFIX, panel.__bases__, attributes)
+    derived.bl_space_type, derived.bl_region_type, derived.bl_context = "PROPERTIES", "WINDOW", "modifier"
+    derived.bl_category = ""
+    derived.bl_options = {*getattr(panel, "bl_options", ()), "DEFAULT_CLOSED"}
     if hasattr(panel, "bl_parent_id"):
-        twin.bl_parent_id = panel.bl_parent_id + _SUFFIX
-    return twin
+        derived.bl_parent_id = panel.bl_parent_id + _SUFFIX
+    return derived

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a deformer is doing, what is wrong, and the buttons that help."""
+"""The status of a deformer: what it is doing, what is wrong, and the buttons that help."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from ..properties import SinewDeformer
 from .text import columns, draw_text
 
 _ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}
-_WIDE = 44  # characters; from there on, buttons stand beside their line instead of below it
+_WIDE = 44  # characters; in a wider region, buttons are drawn beside their line instead of below it
 _BUTTON = 72  # pixels at scale 1
 
 
@@ -28,7 +28,7 @@ NATIVE_MISSING = Status(
 
 @dataclass(frozen=True)
 class Button:
-    """An operator, and how the button that calls it looks."""
+    """A button: the operator that it calls, its text and its icon."""
 
     operator: str
     text: str
@@ -51,7 +51,7 @@ REMEDIES: dict[Remedy, Button] = {
 
 
 def draw_remedy(layout: UILayout, remedy: Remedy) -> None:
-    """The button of a remedy."""
+    """Draw the button of a remedy."""
     button = REMEDIES[remedy]
     settings = layout.operator(button.operator, text=button.text, icon=button.icon)
     for name, value in button.properties:
@@ -59,7 +59,7 @@ def draw_remedy(layout: UILayout, remedy: Remedy) -> None:
 
 
 def draw_message(context: Context, layout: UILayout, line: Status, problem: int = -1) -> None:
-    """One line with its buttons; ``problem`` is its number among the lines that **Select** can show."""
+    """Draw one line with its buttons. ``problem`` is its number among the lines that name elements, or -1."""
     count = (problem >= 0) + (line.remedy in REMEDIES)
     wide = columns(context) >= _WIDE
     group = layout.row() if wide else layout.column(align=True)
@@ -77,17 +77,17 @@ def draw_message(context: Context, layout: UILayout, line: Status, problem: int 
 
 
 def draw_error(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
-    """Why the deformer does not work, at the top of the panel, where nobody has to scroll for it."""
+    """Draw why the deformer does not work, at the top of the panel, where it is seen without scrolling."""
     line = headline(deformer)
     if line.level is Level.ERROR and session.job(deformer.uid) is None:
         draw_message(context, layout.box().column(), line, 0 if line.elements else -1)
 
 
 def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
-    """The box at the end of the panel, and Bind below it."""
-    under_way = session.job(deformer.uid)
-    if under_way is not None:
-        _draw_progress(layout.box().column(), under_way)
+    """Draw the status at the end of the panel, and Bind below it."""
+    job = session.job(deformer.uid)
+    if job is not None:
+        _draw_progress(layout.box().column(), job)
         return
     line = headline(deformer)
     problem = int(bool(line.elements))
@@ -111,7 +111,7 @@ def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
 
 
 def headline(deformer: SinewDeformer) -> Status:
-    """The main line: what the session says, with the time of the last solve where all is well."""
+    """The main line: the status of the session and, if nothing is wrong, the time of the last solve."""
     if availability().module is None:
         return NATIVE_MISSING
     main = status.current(deformer.uid)

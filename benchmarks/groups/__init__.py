@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One module a group of rows. Each has ``plan`` (what to measure, under the options) and ``measure``."""
+"""One module per group of rows. ``plan`` returns its tasks under the options, ``measure`` runs a task."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,16 +11,16 @@ class Options:
     own_sizes: tuple[int, ...]  # measured without peers
     threads: tuple[int, ...]
     quick: bool
-    meshes: Path | None  # scanned meshes that the project does not carry
-    smallest: bool = False  # each row once, for the tests: whether it runs, not how fast
+    meshes: Path | None  # folder of scanned meshes that are not part of the project
+    smallest: bool = False  # for tests: each row runs once, and its time does not matter
 
 
 @dataclass(frozen=True)
 class Task:
-    """What runs in a process of its own; the keywords go to the group's ``measure``."""
+    """A measurement that runs in a process of its own. The keywords go to ``measure`` of its group."""
 
     group: str
-    works: tuple[str, ...]  # what its rows may be called, for --only
+    works: tuple[str, ...]  # the ids of its rows, for --only
     keywords: dict[str, object] = field(default_factory=dict)
 
     def __str__(self) -> str:

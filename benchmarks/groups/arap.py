@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""As-rigid-as-possible next to libigl: an iteration, a bend to 1 %, and a cold solve of a scanned model.
+"""As-rigid-as-possible next to libigl: one iteration, a bent bar, and a scanned model solved from rest.
 
-An iteration of ours is a step of L-BFGS with its energy test, one of libigl's a plain pair of local and
-global step; the two rows "to 1 %" tell what an iteration is worth.
+An iteration of Sinew is a step of L-BFGS with a test of the energy; an iteration of libigl is a local and a
+global step. Since these are not equally effective, two rows count the time until the energy is 1 % above its
+least value.
 """
 
 import time
@@ -19,16 +20,16 @@ import sinew_native
 
 from . import Options, Task
 
-LARGEST_BOTH = 200_000  # above, libigl is measured with one kind of cells alone
-SHORT, LONG, LONG_OF_LARGE = 2, 12, 7  # iterations, whose difference is timed
-# Part -> kind of iteration -> options; those of one part take turns.
+LARGEST_BOTH = 200_000  # above this size, libigl is measured with one of its energies only
+SHORT, LONG, LONG_OF_LARGE = 2, 12, 7  # numbers of iterations; the difference of their times is measured
+# Part -> id of the row -> options. The rows of a part run by turns.
 ITERATIONS = {
     "rims": {"arap_iteration": {"smoothness": 0.0, "cells": "rims"}},
     "spokes": {"arap_spokes": {"smoothness": 0.0}, "arap_smooth": {}},
 }
 WITHIN = 1.01
-LONG_RUN = {"max_iterations": 2000, "tolerance": 1e-7}  # what the rest is compared with; to 1e-5 of the end
-PATIENCE, MOST_PATIENCE = 55.0, 90.0  # for libigl to arrive: times as long as ours, but no more seconds
+LONG_RUN = {"max_iterations": 2000, "tolerance": 1e-7}  # gives the least energy to 1e-5
+PATIENCE, MOST_PATIENCE = 55.0, 90.0  # the longest time for libigl: a multiple of Sinew's, and seconds
 
 
 def plan(options: Options) -> list[Task]:
@@ -36,7 +37,7 @@ def plan(options: Options) -> list[Task]:
     for size in (*options.sizes, *options.own_sizes):
         keywords = {"size": size, "threads": options.threads, "peers": size in options.sizes}
         tasks += [
-            Task("arap", tuple(kinds), {"part": part, **keywords}) for part, kinds in ITERATIONS.items()
+            Task("arap", tuple(variants), {"part": part, **keywords}) for part, variants in ITERATIONS.items()
         ]
     bend = 10_000 if options.quick else 50_000
     tasks.append(Task("arap", ("arap_bend",), {"part": "bend", "size": bend, "threads": options.threads}))
@@ -93,14 +94,14 @@ def _set_threads(count: int) -> Callable[[], None]:
     return lambda: sinew_native.limit_threads(count)
 
 
-def _iteration(case: Case, kinds: dict[str, dict], threads: list[int], peers: bool) -> list[Row]:
+def _iteration(case: Case, variants: dict[str, dict], threads: list[int], peers: bool) -> list[Row]:
     large = case.vertex_count > 1.1 * LARGEST_BOTH
     short, long = (SHORT, LONG) if not large else (SHORT, LONG_OF_LARGE)
     libigl = {"arap_iteration": igl.ARAP_ENERGY_TYPE_SPOKES_AND_RIMS}
     if not large:
         libigl["arap_spokes"] = igl.ARAP_ENERGY_TYPE_SPOKES
     works: dict[tuple, Work] = {}
-    for kind, options in kinds.items():
+    for variant, options in variants.items():
         arap = bound(case, **options)
         start = arap.solve(case.poses, max_iterations=0)[0]
         for budget in (short, long):
@@ -108,39 +109,39 @@ def _iteration(case: Case, kinds: dict[str, dict], threads: list[int], peers: bo
             def solve(arap=arap, start=start, budget=budget) -> None:
                 arap.solve(case.poses, start=start, max_iterations=budget, tolerance=0.0)
 
-            works |= {(kind, count, budget): Work(solve, _set_threads(count)) for count in threads}
-    for kind in kinds if peers else ():
-        if kind not in libigl:
+            works |= {(variant, count, budget): Work(solve, _set_threads(count)) for count in threads}
+    for variant in variants if peers else ():
+        if variant not in libigl:
             continue
-        peer = Libigl(case, libigl[kind])
+        peer = Libigl(case, libigl[variant])
         for budget in (short, long):
             run = lambda peer=peer, start=start, budget=budget: peer.solve(start, budget)  # noqa: E731
-            works[kind, "peer", budget] = Work(run)
+            works[variant, "peer", budget] = Work(run)
     alternate(works, budget=8.0, least=rounds(case.vertex_count))
 
     def iteration(*key: object) -> float:
         return (works[*key, long].best - works[*key, short].best) / (long - short)
 
     rows = []
-    for kind in kinds:
+    for variant in variants:
         for count in threads:
-            row = {"work": kind, "threads": count, "vertices": case.vertex_count}
-            row["ours"] = iteration(kind, count)
-            if kind == "arap_smooth":
+            row = {"work": variant, "threads": count, "vertices": case.vertex_count}
+            row["ours"] = iteration(variant, count)
+            if variant == "arap_smooth":
                 row["peer"] = iteration("arap_spokes", count)
-            elif (kind, "peer", long) in works:
-                row["peer"] = iteration(kind, "peer")
+            elif (variant, "peer", long) in works:
+                row["peer"] = iteration(variant, "peer")
             rows.append(row)
     return rows
 
 
 def _fewest(arap: "sinew_native.Arap", case: Case, energy: float) -> int:
-    """Iterations to come down to an energy; no step of ours raises it."""
+    """The least number of iterations that reaches an energy, which no step raises."""
     low, high = 0, 1
     while _energy_after(arap, case, high) > energy:
         low, high = high, 2 * high
         if high > 2 * LONG_RUN["max_iterations"]:
-            raise SystemExit("our own solve does not arrive")
+            raise SystemExit("Sinew does not reach the energy")
     while high - low > 1:
         middle = (low + high) // 2
         low, high = (middle, high) if _energy_after(arap, case, middle) > energy else (low, middle)
@@ -159,7 +160,7 @@ def _timed(arap: "sinew_native.Arap", case: Case, iterations: int, threads: list
 
 
 def _bend(case: Case, threads: list[int]) -> list[Row]:
-    """Each runs to within 1 % of where its own long run ends: plain energies have many minima."""
+    """Each solver runs to 1 % above the end of its own long run, since the energy has many minima."""
     arap = bound(case, smoothness=0.0)
     reference = arap.solve(case.poses, **LONG_RUN)[1].energy
     iterations = _fewest(arap, case, WITHIN * reference)
@@ -181,7 +182,7 @@ def _bend(case: Case, threads: list[int]) -> list[Row]:
 
 
 def _libigl_to_one_percent(case: Case, arap: "sinew_native.Arap", patience: float) -> dict[str, object]:
-    """Seconds of libigl, its start not counted. Where it does not arrive, "peer" is what it has spent."""
+    """The seconds of libigl without its start. If it does not reach 1 %, "peer" is the time that it had."""
     libigl = Libigl(case, igl.ARAP_ENERGY_TYPE_SPOKES)
     shape = libigl.start()
     energies, seconds, chunk = [arap.energy(shape)], [0.0], 20

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A cage of 300 faces around a scan, next to what Blender offers for it: remesh, displace, decimate.
+"""A cage of 300 faces around a scan, next to a cage by Blender's remesh, displace and decimate.
 
-The time is held against two seconds. How many of the target's faces meet the cage is counted for both.
+The time is compared with two seconds. For both cages, the faces of the target that cross the cage are
+counted.
 """
 
 import tempfile
@@ -53,7 +54,7 @@ def measure(mesh: str) -> list[Row]:
 
 
 def poking(cage: np.ndarray, triangles: np.ndarray, points: np.ndarray, faces: np.ndarray) -> int:
-    """How many faces of the target meet the cage."""
+    """The number of faces of the target that cross the cage."""
     whole = sinew_native.SurfaceMesh(
         np.vstack((cage, points)), np.vstack((triangles, np.asarray(faces) + len(cage)))
     )

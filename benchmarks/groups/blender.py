@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whole frames and binds in Debian's Blender and in the newest one, next to Blender's own deformers.
 
-The measuring is done inside Blender by blender_frame.py and handler_cost.py, which know nothing of this
-suite; here their rows get the names of the table.
+blender_frame.py and handler_cost.py measure inside Blender, without this suite. Here their rows get the ids
+of the table.
 """
 
 import contextlib
@@ -23,7 +23,7 @@ sys.path.append(str(HERE.parent / "tools"))
 from workshop import debian, environments, layers, shell  # noqa: E402
 
 BLENDERS = ("3.4", "5.2")
-# Row of blender_frame.py -> the work it is, and which of its times are ours and the peer's.
+# Row of blender_frame.py -> the id of the work, and the names of Sinew's time and of the peer's.
 FRAMES = {
     "frame thin_shell": ("frame_thin_shell", "ours", "peer"),
     "frame arap": ("frame_arap", "ours", "peer"),
@@ -45,7 +45,7 @@ LONGEST = 120.0  # seconds, for one row
 def plan(options: Options) -> list[Task]:
     if options.quick and not options.smallest:
         return []
-    # Most of what a small row takes is starting Blender.
+    # Starting Blender takes most of the time of a small row, so these share one Blender.
     parts = [list(FRAMES)] if options.smallest else [[row] for row in FRAMES]
     tasks = []
     for version in BLENDERS:
@@ -58,14 +58,14 @@ def plan(options: Options) -> list[Task]:
 
 
 def measure(version: str, rows: list[str], small: bool = False) -> list[Row]:
-    """The rows of one Blender: some of blender_frame.py, or the cost of a handler where none is named."""
-    script, name = ("blender_frame.py", named) if rows else ("handler_cost.py", handler)
+    """The rows of one Blender: those of blender_frame.py that are named, else the cost of a handler."""
+    script, convert = ("blender_frame.py", table_row) if rows else ("handler_cost.py", handler_row)
     found = run_in(version, HERE / script, [*rows, *(["--small"] if small else [])])
-    return [name(entry, version) for entry in found]
+    return [convert(entry, version) for entry in found]
 
 
-def named(entry: Row, version: str) -> Row:
-    """A row of blender_frame.py as one of the table: seconds, and the rest of it as it is."""
+def table_row(entry: Row, version: str) -> Row:
+    """A row of blender_frame.py as a row of the table, with times in seconds."""
     work, ours, peer = FRAMES[entry["row"]]
     details = {key: value for key, value in entry.items() if key not in ("row", "ratio", "goal", "at_most")}
     size = round(entry["vertices"], -5) or entry["vertices"]
@@ -73,7 +73,7 @@ def named(entry: Row, version: str) -> Row:
     return {**details, "work": work, "size": size, "case": version, "unit": "s", **times}
 
 
-def handler(entry: Row, version: str) -> Row:
+def handler_row(entry: Row, version: str) -> Row:
     case = f"{version}, {entry['deformers']} deformers, {entry['vertices']} vertices"
     return {**entry, "work": "handler_cost", "size": entry["vertices"], "case": case}
 
@@ -81,16 +81,16 @@ def handler(entry: Row, version: str) -> Row:
 def run_in(version: str, script: Path, words: list[str]) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "rows.json"
-        with contextlib.redirect_stdout(io.StringIO()):  # the same words for each row
+        with contextlib.redirect_stdout(io.StringIO()):  # it prints the same lines for each row
             blender, env = _installed(version)
         status = shell.run([*blender(script), *words, "--json", out], env=env, timeout=LONGEST, quiet=True)
         if not out.is_file():
-            raise SystemExit(f"{script.name} in Blender {version} left no rows (status {status})")
+            raise SystemExit(f"{script.name} in Blender {version} wrote no rows (status {status})")
         return json.loads(out.read_text(encoding="utf-8"))["rows"]
 
 
 def _installed(version: str) -> tuple[Callable[[Path], list], dict[str, object]]:
-    """How that Blender runs a script, and its environment with the packed add-on in it."""
+    """The command that runs a script in this Blender, and an environment with the installed add-on."""
     name = f"benchmarks-{version}"
     if version == "3.4":
         debian.install(debian.BLENDER)

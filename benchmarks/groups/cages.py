@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed forms of cage coordinates next to their papers' loops, and warps next to BLAS."""
+"""Cage coordinates with closed forms next to the loops of their papers, and warps next to BLAS."""
 
 import numpy as np
 import sinew_peers
@@ -12,7 +12,7 @@ from . import Options, Task
 
 CAGES = {100: (14, 8), 300: (25, 13), 1000: (37, 28)}  # vertices -> meridians, parallels
 POINTS = (10_000, 100_000)
-SAMPLE = 30_000  # weights of points that the papers' loops compute: points all cost them the same
+SAMPLE = 30_000  # weights that the loops of the papers compute; each point takes them the same time
 BINDS = {
     "mean_value_double": (sinew_native.MeanValue, "double"),
     "mean_value": (sinew_native.MeanValue, "single"),
@@ -31,7 +31,7 @@ def plan(options: Options) -> list[Task]:
 
 
 def bumpy_sphere(vertices: int) -> tuple[np.ndarray, np.ndarray]:
-    """A closed sphere of triangles with bumps, of about so many vertices."""
+    """A closed sphere of triangles with bumps, of about that number of vertices."""
     around, down = CAGES[vertices]
     latitude = np.pi * np.arange(1, down)[:, None] / down
     longitude = 2 * np.pi * np.arange(around)[None] / around
@@ -89,22 +89,22 @@ def _bind(work: str, vertices, triangles, points, threads: list[int]) -> list[Ro
     works["peer"] = Work(peer)
     alternate(works)
     coordinates.bind(sample)
-    _hold_equal(coordinates.vertex_weights, weights)
+    _require_equal(coordinates.vertex_weights, weights)
     share = len(points) / len(sample)
     return [
         {"threads": count, "ours": works[count].best, "peer": share * works["peer"].best} for count in counts
     ]
 
 
-def _hold_equal(ours: np.ndarray, peers: np.ndarray) -> None:
-    """A fast wrong answer is no measurement. Weights are kept in single precision."""
+def _require_equal(ours: np.ndarray, peers: np.ndarray) -> None:
+    """Stop if the results differ, since a wrong result must not be timed. Weights have single precision."""
     worst = np.abs(ours - peers).max()
     if not worst < 1e-6:
-        raise SystemExit(f"our weights and the paper's differ by {worst:.1e}")
+        raise SystemExit(f"the weights of Sinew and of the paper differ by {worst:.1e}")
 
 
 def _warp(vertices, triangles, points, threads: list[int]) -> list[Row]:
-    """Both from the posed cage to single positions, in arrays that stand already."""
+    """Both compute positions in single precision from the posed cage, in arrays that exist already."""
     coordinates = sinew_native.MeanValue(sinew_native.SurfaceMesh(vertices, triangles))
     coordinates.bind(points)
     posed = vertices * (1.2, 1.0, 0.8) + (0.1, 0.2, 0.3)
@@ -120,7 +120,7 @@ def _warp(vertices, triangles, points, threads: list[int]) -> list[Row]:
     }
     works["peer"] = Work(lambda: sinew_peers.sgemm(weights, factors, peers))
     alternate(works)
-    _hold_equal(ours / 10, peers / 10)
+    _require_equal(ours / 10, peers / 10)
     return [
         {
             "threads": count,

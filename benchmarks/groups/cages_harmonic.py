@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Harmonic coordinates next to Blender's Mesh Deform, exact positive mean values next to sampled ones.
 
-Both binds of harmonic weights get the same cage and points. Errors are the largest of a weight, on a cube
-against the trilinear functions, which are harmonic there, on cages of 150 faces (a ball, the automatic cage
-of a cow, an uneven ring) against our own weights at their finest. What Mesh Deform takes depends on how much
-of its box a cage fills; at precision 6 it asks for more than 16 GB on the cube, which is left out. On large
-cages the lattice stands next to the boundary elements, each in a process of its own.
+Both methods bind the same points to the same cage. The error is the largest error of a weight. On a cube it
+is measured against trilinear functions, which are harmonic there; on cages of 150 faces (a ball, the
+automatic cage of a cow, an uneven ring) against Sinew's weights at the finest quality. The time of Mesh
+Deform depends on how much of its box a cage fills. At precision 6 it needs more than 16 GB for the cube, so
+this case is left out. On large cages Sinew's lattice is compared with its boundary elements, each in a
+process of its own.
 """
 
 import itertools
@@ -33,7 +34,7 @@ from workshop import debian, shell  # noqa: E402
 POINTS = 10_000
 LONGEST = 900.0  # seconds: precision 6 takes minutes
 RAYS = 4096
-MANY_RAYS = 1_000_000  # for the truth, cast anew with the cage turned, as many times as it takes
+MANY_RAYS = 1_000_000  # for the reference, which is the mean over eight rotations of the cage
 
 
 def plan(options: Options) -> list[Task]:
@@ -45,7 +46,7 @@ def plan(options: Options) -> list[Task]:
         small, large = list(QUALITIES), [case for case in LARGE if case != SMALLEST_LARGE]
     tasks = []
     for case in small:
-        works = tuple(f"harmonic_{kind}{number}" for number in QUALITIES[case] for kind in ("", "error_"))
+        works = tuple(f"harmonic_{prefix}{number}" for number in QUALITIES[case] for prefix in ("", "error_"))
         reference = "fine" if options.smallest else "finest"
         tasks.append(Task("cages_harmonic", works, {"case": case, "reference": reference}))
     for case in large:
@@ -89,7 +90,7 @@ def ring(around: int, across: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def ball(around: int, down: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of 2 around (down - 1) triangles."""
+    """A sphere of 2 * around * (down - 1) triangles."""
     theta, phi = np.pi * np.arange(1, down) / down, 2.0 * np.pi * np.arange(around) / around
     rings = np.stack(
         np.broadcast_arrays(
@@ -122,7 +123,7 @@ CAGES = {
     "cow, 150 faces": around_cow,
     "ring of 150 faces": lambda: ring(15, 5),
 }
-QUALITIES = {  # ours, by the precision of Mesh Deform
+QUALITIES = {  # of Sinew, by the precision of Mesh Deform that it is compared with
     "cube": {5: "fast"},
     "ball of 150 faces": {5: "fast", 6: "fine"},
     "cow, 150 faces": {5: "fast", 6: "medium"},
@@ -192,7 +193,7 @@ def _harmonic(case: str, reference: str) -> list[Row]:
 
 
 def _large(case: str) -> list[Row]:
-    """Boundary elements have three unknowns a face there, whatever the quality."""
+    """Boundary elements have three unknowns per face on such cages, at any quality."""
     apart = {}
     for side, solver in (("ours", "lattice"), ("peer", "boundary")):
         command = [sys.executable, "-m", "groups.cages_harmonic", solver, case]
@@ -251,7 +252,7 @@ def _positive(threads: int, rays: int) -> list[Row]:
     turns = [turn * np.sign(np.linalg.det(turn)) for turn in turns]
     truth = np.mean([weights(few, turn, exact=False, directions=rays) for turn in turns], axis=0)
     errors = {
-        "ours": float(np.abs(weights(few) - truth).max()),  # as good as that of the many rays
+        "ours": float(np.abs(weights(few) - truth).max()),  # as exact as the reference allows
         "peer": float(np.abs(weights(few, exact=False, directions=RAYS) - truth).max()),
     }
     sinew_native.limit_threads(threads)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far as-rigid-as-possible is from its minimum after a few iterations.
+"""How far the energy of as-rigid-as-possible is above its minimum after a few iterations.
 
-Excess energy in per cent over a long run from the same start. Figures count iterations, so they are the
-same on every machine. "bend 179" is a saddle: a symmetric shape, at which the steps become tiny after 20
-iterations and which a run of hundreds leaves sideways, to an energy 0.4 % lower.
+The excess is in per cent of the energy after a long run from the same start. The figures depend on numbers of
+iterations, so they are the same on every machine. "bend 179" leads to a saddle, a symmetric shape: after 20
+iterations the steps become tiny, and only after hundreds the shape leaves it, to an energy that is 0.4 %
+lower.
 """
 
 from pathlib import Path
@@ -16,7 +17,7 @@ import sinew_native
 
 from . import Options, Task
 
-LIMITS = {10: 1.0, 40: 0.1}  # per cent: what the method promises with its default smoothness
+LIMITS = {10: 1.0, 40: 0.1}  # per cent that the method promises with its default smoothness
 REFERENCE = 400  # iterations of the long run
 LARGEST, LARGEST_QUICK = 50_000, 2_000
 BARS = [
@@ -31,28 +32,28 @@ def plan(options: Options) -> list[Task]:
     largest = LARGEST_QUICK if options.quick else max(LARGEST, *options.own_sizes, 0)
     work = ("convergence",)
     tasks = [
-        Task("convergence", work, {"kind": "bar", "pose": pose, "size": size})
+        Task("convergence", work, {"model": "bar", "pose": pose, "size": size})
         for pose, size in BARS
         if size <= largest
     ]
     if OWN_MODEL.is_file():
-        tasks.append(Task("convergence", work, {"kind": "own", "size": 0}))
+        tasks.append(Task("convergence", work, {"model": "own", "size": 0}))
     if options.meshes is not None and not options.quick:
-        for kind in ("knight", "armadillo turned", "armadillo moved"):
-            keywords = {"kind": kind, "size": 0, "meshes": str(options.meshes)}
+        for model in ("knight", "armadillo turned", "armadillo moved"):
+            keywords = {"model": model, "size": 0, "meshes": str(options.meshes)}
             tasks.append(Task("convergence", work, keywords))
     return tasks
 
 
-def measure(kind: str, size: int, pose: str = "", meshes: str = "") -> list[Row]:
-    if kind == "bar":
+def measure(model: str, size: int, pose: str = "", meshes: str = "") -> list[Row]:
+    if model == "bar":
         case = bar(pose, size)
-    elif kind == "own":
+    elif model == "own":
         case = own_model()
-    elif kind == "knight":
+    elif model == "knight":
         case = knight(Path(meshes))
     else:
-        case = armadillo(Path(meshes), turned=kind.endswith("turned"))
+        case = armadillo(Path(meshes), turned=model.endswith("turned"))
     return [{"work": "convergence", "size": size, "vertices": case.vertex_count, **_excess(case)}]
 
 

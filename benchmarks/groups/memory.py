@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Memory of a bound thin shell and of its bind, next to CHOLMOD's on the same matrix.
 
-Each side runs in a process of its own. What is counted is what the process grew by: of ours from the mesh on,
-of CHOLMOD's from the matrix on, which is given to it.
+Sinew and CHOLMOD each run in a process of their own. The growth of the process is counted: for Sinew from the
+mesh on, for CHOLMOD from the matrix on.
 """
 
 import json
@@ -47,7 +47,7 @@ def _apart(*words: object) -> dict[str, int]:
 
 
 def _status(field: str) -> int:
-    """Bytes, from the kernel's account of this process: VmRSS is now, VmHWM was the most."""
+    """The memory of this process in bytes, from the kernel: VmRSS is the memory now, VmHWM the maximum."""
     for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
         if line.startswith(field + ":"):
             return 1024 * int(line.split()[1])
@@ -55,10 +55,10 @@ def _status(field: str) -> int:
 
 
 class Growth:
-    """What this process grew by since the object was made."""
+    """The growth of this process since the object was made."""
 
     def __init__(self) -> None:
-        Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")  # VmHWM starts anew
+        Path("/proc/self/clear_refs").write_text("5", encoding="utf-8")  # resets VmHWM
         self._begin = _status("VmRSS")
 
     def counted(self) -> dict[str, int]:

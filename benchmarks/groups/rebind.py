@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a small change costs a bound object, next to a new one: one more handle, painted stiffness."""
+"""The time of a small change of a bound thin shell (a handle, painted stiffness), next to a new bind."""
 
 import numpy as np
 from cases import Case, bar, patch
@@ -41,7 +41,7 @@ def measure(work: str, size: int, threads: list[int]) -> list[Row]:
 
 
 class Change:
-    """A shell of one's own for each turn, bound before it or not."""
+    """A new shell for each turn, which is bound before the turn or not."""
 
     def __init__(self, case: Case, threads: int) -> None:
         self.mesh = sinew_native.SurfaceMesh(case.points, case.faces)

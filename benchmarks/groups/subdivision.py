@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A mesh refined to a million vertices every frame, next to OpenSubdiv's evaluator and Blender's modifier.
 
-Blender's frame moves the vertices of the mesh and evaluates its Subdivision modifier; ours of that name
-is the refinement alone; ``subdivision_frame`` has what Blender takes for such a mesh on top.
+A frame of Blender moves the vertices of the mesh and evaluates its Subdivision modifier. The row
+``subdivision_blender`` compares it with the refinement alone; the row ``subdivision_frame`` adds the time
+that Blender takes to write and evaluate the refined mesh.
 """
 
 from pathlib import Path
@@ -49,7 +50,7 @@ def _next_to_evaluator(threads: list[int]) -> list[Row]:
     out = np.empty((ours.vertex_count, 3), np.float32)
     peer.refine(points)
     if np.abs(peer.result - ours.refine(points, out)).max() > 1e-5:
-        raise SystemExit("ours and OpenSubdiv's points differ")
+        raise SystemExit("the points of Sinew and of OpenSubdiv differ")
     works = {"peer": Work(lambda: peer.refine(points))}
     for count in threads:
         works[count] = Work(

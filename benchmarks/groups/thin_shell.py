@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bind, solve and affine basis of the thin shell, next to CHOLMOD, Eigen's LDLT and memory bandwidth.
 
-All factors get the same matrix: the bi-Laplacian of a bar over its free vertices. What is timed of ours is
-the whole call, energy assembly and report included; of a peer, the factor or the triangular solves alone.
+All solvers get the same matrix: the bi-Laplacian of a bar at its free vertices. Of Sinew the whole call is
+timed, with the assembly of the energy and the report; of a peer, only the factorisation or the triangular
+solves.
 """
 
 import numpy as np
@@ -37,7 +38,7 @@ def measure(part: str, size: int, threads: list[int], peers: bool) -> list[Row]:
 
 
 def lower_matrix(case: Case) -> tuple[sparse.csc_matrix, np.ndarray]:
-    """The lower triangle over the free vertices, and which vertices are free."""
+    """The lower triangle of the matrix at the free vertices, and a mask of these vertices."""
     mesh = sinew_native.SurfaceMesh(case.points, case.faces)
     free = np.ones(case.vertex_count, bool)
     free[np.concatenate(case.handles)] = False
@@ -51,7 +52,7 @@ def cholmod(lower: sparse.csc_matrix, ordering: str = "amd") -> "sinew_peers.Cho
 
 
 class Binder:
-    """A thin shell that was never bound, at each turn."""
+    """Binds a new thin shell in each turn."""
 
     def __init__(self, case: Case, threads: int) -> None:
         self._mesh = sinew_native.SurfaceMesh(case.points, case.faces)
@@ -109,7 +110,7 @@ def _ldlt(size: int, threads: list[int], peers: bool) -> list[Row]:
 
 
 def _solve(size: int, threads: list[int], peers: bool) -> list[Row]:
-    """CHOLMOD's solve keeps its workspace and its result from call to call."""
+    """CHOLMOD keeps its workspace and its result from one solve to the next."""
     case = bar("bend 90", size)
     mesh = sinew_native.SurfaceMesh(case.points, case.faces)
     shell = sinew_native.ThinShell(mesh, affine_basis=False)
@@ -133,7 +134,7 @@ def _solve(size: int, threads: list[int], peers: bool) -> list[Row]:
         factor_bytes = both["peer"].value_bytes
     alternate(works, least=rounds(size))
     if peers:
-        _hold_equal(shell.solve(case.poses)[0][free], case.points[free] + both["peer"].solution, case)
+        _require_equal(shell.solve(case.poses)[0][free], case.points[free] + both["peer"].solution, case)
     rows = []
     for count in threads:
         bound = 2 * factor_bytes / sinew_peers.read_bandwidth(factor_bytes, count)
@@ -146,15 +147,15 @@ def _solve(size: int, threads: list[int], peers: bool) -> list[Row]:
     return rows
 
 
-def _hold_equal(ours: np.ndarray, peers: np.ndarray, case: Case) -> None:
-    """A fast wrong answer is no measurement. The condition number of the largest costs half the digits."""
+def _require_equal(ours: np.ndarray, peers: np.ndarray, case: Case) -> None:
+    """Stop if the results differ. The condition number of the largest matrix costs half of the digits."""
     worst = np.abs(ours - peers).max() / np.ptp(case.points)
     if not worst < 1e-5:
         raise SystemExit(f"ThinShell and CHOLMOD differ by {worst:.1e} of the size")
 
 
 def _basis(size: int, threads: list[int], peers: bool) -> list[Row]:
-    """The bound reads basis and rest points and writes the result, all once."""
+    """The bound is the time to read the basis and the rest points and to write the result, once each."""
     case = quartered(bar("bend 90", size))
     shell = sinew_native.ThinShell(sinew_native.SurfaceMesh(case.points, case.faces))
     shell.set_handles(case.handles)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Counts the instructions of the per-frame loops with callgrind and compares them with table.json.
 
-Unlike times they do not depend on what else the machine does; they do on the compiler and on whether the
-processor has AVX2, so a table from elsewhere is not compared with (status 77). With each count comes where in
-the library the instructions are, also for the two binds, which are not compared: they are mostly BLAS, which
-differs from processor to processor.
+Unlike times, they do not depend on other load on the machine. They depend on the compiler and on whether the
+processor has AVX2, so a table from another compiler or processor is not compared (status 77). The functions
+that hold the instructions are listed, too. Binds are listed without a comparison, since they consist mostly
+of BLAS, which differs between processors.
 
     python benchmarks/instructions/count.py [--check | --store]
 """
@@ -20,11 +20,11 @@ from pathlib import Path
 
 TABLE = Path(__file__).with_name("table.json")
 FRAMES = Path(__file__).resolve().parents[2] / ".build" / "native" / "benchmarks" / "sinew_frames"
-MOST_GROWTH = 10.0  # per cent: far more than an innocent edit gives, far less than a lost trick
-LEAST_SHARE = 0.02  # of a profile: below, functions are not named
+MOST_GROWTH = 10.0  # per cent: far more than the effect of a harmless edit, far less than a lost optimisation
+LEAST_SHARE = 0.02  # of a profile; functions with a smaller share are not listed
 SKIPPED = 77
 
-# Loop -> the runs whose counts are subtracted (second from first), and by what the rest is divided.
+# Loop -> the runs whose counts are subtracted (the second from the first), and the divisor of the difference.
 LOOPS = {
     "ThinShell.solve": ((("thin_shell",),), 1),
     "AffineBasis.solve, 4 handles": ((("affine_basis",),), 1),
@@ -50,12 +50,12 @@ LIBRARIES = {
 
 
 def about(frames: Path) -> dict[str, object]:
-    """The compiler that made the loops, and whether this processor takes their AVX2 twins."""
+    """The compiler of the loops, and whether this processor runs their AVX2 variants."""
     return json.loads(subprocess.run([frames, "about"], check=True, capture_output=True, text=True).stdout)
 
 
 def instructions(frames: Path, valgrind: str, words: tuple[str, ...]) -> Counter[str]:
-    """Place in the library -> instructions, within frame()."""
+    """The instructions within frame(), by function of the library."""
     with tempfile.TemporaryDirectory() as folder:
         out = f"{folder}/out"
         options = [f"--callgrind-out-file={out}", "--collect-atstart=no", "--toggle-collect=frame"]
@@ -73,7 +73,7 @@ def instructions(frames: Path, valgrind: str, words: tuple[str, ...]) -> Counter
 
 
 def place(function: str, file: str) -> str:
-    """A name that says something: our function without its arguments, or whose library it is."""
+    """A readable name: a function of Sinew without its arguments, or the name of another library."""
     for library, name in LIBRARIES.items():
         if library in file:
             return name
@@ -87,7 +87,7 @@ def place(function: str, file: str) -> str:
 
 
 def count(frames: Path, valgrind: str, loops: dict) -> dict[str, Counter[str]]:
-    """Loop -> place -> instructions."""
+    """The instructions of each loop, by function."""
     counts = {}
     for loop, (runs, divisor) in loops.items():
         first, *rest = (instructions(frames, valgrind, words) for words in runs)
@@ -98,7 +98,7 @@ def count(frames: Path, valgrind: str, loops: dict) -> dict[str, Counter[str]]:
 
 
 def profile(counts: Counter[str]) -> dict[str, float]:
-    """Shares of the places that matter, the largest first."""
+    """The functions with the largest shares, in descending order."""
     total = counts.total()
     return {
         name: round(number / total, 3)
@@ -108,7 +108,7 @@ def profile(counts: Counter[str]) -> dict[str, float]:
 
 
 def compare(counts: dict[str, int], stored: dict[str, int]) -> tuple[list[str], list[str]]:
-    """One line a loop with its change in per cent, and the per-frame ones that grew too much."""
+    """One line per loop with its change in per cent, and the loops of a frame that grew too much."""
     lines, grown = [], []
     for loop, now in counts.items():
         if loop not in stored:
@@ -133,7 +133,7 @@ def main() -> None:
     made_by = about(options.frames)
     same = all(stored.get(key) == value for key, value in made_by.items())
     if options.check and not same:
-        print(f"The table was counted elsewhere: {stored.get('compiler')}, AVX2 {stored.get('avx2')}")
+        print(f"The stored table is from elsewhere: {stored.get('compiler')}, AVX2 {stored.get('avx2')}")
         sys.exit(SKIPPED)
     places = count(options.frames, options.valgrind, LOOPS if options.check else LOOPS | BINDS)
     counts = {loop: found.total() for loop, found in places.items()}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// frames LOOP: one frame or bind of a method on a sheet of 10,000 vertices, in frame(), whose instructions
-// count.py has counted. One thread, so that every run counts the same.
+// frames LOOP: runs one frame or bind of a method on a sheet of 10,000 vertices, within frame(). count.py
+// counts the instructions there. It uses one thread, so that every run gives the same count.
 #include "native/core/parallel.h"
 #include "native/space/cage/green.h"
 #include "native/space/cage/mean_value.h"
@@ -16,7 +16,7 @@
 
 using namespace sinew;
 
-/// The name by which callgrind finds what to count.
+/// callgrind counts the instructions within this function, which it finds by its name.
 extern "C" __attribute__((noinline, visibility("default"))) void frame(const std::function<void()>& work)
 {
     work();
@@ -98,7 +98,7 @@ SurfaceMesh box(int cells)
             std::vector<int>(corners.size() / 3, 3), corners};
 }
 
-/// Only the second time counts: the first starts oneTBB and allocates.
+/// Only the second call is counted, since the first starts oneTBB and allocates memory.
 void twice(const std::function<void()>& work)
 {
     work();

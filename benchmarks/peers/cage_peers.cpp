@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the cage methods are compared with: the closed forms as their papers print them, one point after the
-// other in plain doubles.
+// The peers of the cage methods: the closed forms as the papers print them, for one point after the other, in
+// double precision.
 #include "benchmarks/peers/cage_peers.h"
 
 #include <Eigen/Geometry>

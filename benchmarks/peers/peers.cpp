@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The peers of the benchmarks as a Python module: CHOLMOD called directly, Eigen's LDL^T, and how fast
-// the machine reads memory.
+// The peers of the benchmarks as a Python module: CHOLMOD, Eigen's LDL^T, and the bandwidth of the memory.
 #include "benchmarks/peers/cage_peers.h"
 
 #include <cholmod.h>
@@ -33,7 +32,7 @@ using Doubles = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Singles = py::array_t<float, py::array::c_style>;
 using Columns = py::array_t<double, py::array::f_style | py::array::forcecast>;
 
-/// One thread for CHOLMOD's own OpenMP loops and for its BLAS, which are its fastest settings here.
+/// CHOLMOD's own OpenMP loops and its BLAS use one thread, which is the fastest setting here.
 struct Tamed
 {
     Tamed()
@@ -89,7 +88,7 @@ public:
     Cholmod(const Cholmod&) = delete;
     Cholmod& operator=(const Cholmod&) = delete;
 
-    /// Ordering, symbolic and numeric factor, anew.
+    /// Computes the ordering, the symbolic and the numeric factor.
     void factorize()
     {
         const Tamed tamed;
@@ -99,7 +98,7 @@ public:
             throw std::runtime_error("CHOLMOD failed with status " + std::to_string(common_.status));
     }
 
-    /// The solution is kept, together with CHOLMOD's workspace, for the next call.
+    /// The solution and CHOLMOD's workspace are kept for the next call.
     void solve(const Columns& rhs)
     {
         if (rhs.ndim() != 2 || static_cast<std::size_t>(rhs.shape(0)) != matrix_.nrow)
@@ -129,7 +128,7 @@ public:
         return value_bytes() + static_cast<std::int64_t>(
                                    (factor_->ssize + 3 * factor_->nsuper + 2 * factor_->n) * sizeof(int));
     }
-    /// The most that CHOLMOD had allocated at a time, and what it has now.
+    /// The largest memory that CHOLMOD had allocated, and its memory now, in bytes.
     std::int64_t peak_bytes() const { return static_cast<std::int64_t>(common_.memory_usage); }
     std::int64_t current_bytes() const { return static_cast<std::int64_t>(common_.memory_inuse); }
 
@@ -160,7 +159,7 @@ private:
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver_;
 };
 
-/// Runs work(begin, end) on `threads` slices of [0, count) at once; seconds.
+/// Runs work(begin, end) on `threads` slices of [0, count) in parallel, and returns the seconds.
 double timed(std::size_t count, int threads, const std::function<void(std::size_t, std::size_t)>& work)
 {
     const auto begin = std::chrono::steady_clock::now();
@@ -173,8 +172,8 @@ double timed(std::size_t count, int threads, const std::function<void(std::size_
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Bytes a second of the fastest of several readings of a block of `bytes`; a small block is read many
-/// times over, so that starting threads does not count.
+/// The bandwidth, in bytes per second, of the fastest of several readings of a block of `bytes`. A small
+/// block is read many times, so that the start of the threads does not count.
 double read_bandwidth(std::size_t bytes, int threads, int repeats)
 {
     const std::size_t count = std::max<std::size_t>(bytes / sizeof(double), 4096);
@@ -190,7 +189,7 @@ double read_bandwidth(std::size_t bytes, int threads, int repeats)
                                 for (std::size_t i = begin; i + 16 <= end; i += 16)
                                     for (int l = 0; l < 16; ++l)
                                         lanes[l] += block[i + l];
-                                asm volatile("" ::: "memory"); // each pass reads anew
+                                asm volatile("" ::: "memory"); // the compiler must not skip a pass
                             }
                             double sum = 0.0;
                             for (double lane : lanes)

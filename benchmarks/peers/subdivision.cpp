@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OpenSubdiv's own evaluator of stencils on the CPU, as its tutorials use it: Catmull-Clark, three floats a
-// point.
+// OpenSubdiv's own evaluator of stencils on the CPU, as its tutorials use it: Catmull-Clark, with three
+// floats per point.
 #include <opensubdiv/far/stencilTable.h>
 #include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>

@@ -61,24 +61,32 @@ void add(py::module_& module, const char* name, const char* doc, const py::handl
 void bind_core(py::module_& module)
 {
     add<Error>(module, "Error",
-               "Base class of the library's errors. `elements` lists the indices of the elements at fault, "
-               "`element_kind` says what they are: 'vertex', 'face', 'handle' or ''.",
+               "Base class of all errors that the library raises. `elements` lists the indices at fault, and "
+               "`element_kind` says what they count: 'vertex', 'face', 'handle' or ''.",
                PyExc_Exception);
     const py::object base = module.attr("Error");
     base.attr("elements") = py::list();
     base.attr("element_kind") = "";
-    add<InvalidMesh>(module, "InvalidMesh", "The rest shape cannot be read.", base);
-    add<InvalidConstraint>(module, "InvalidConstraint",
-                           "Handles, weights, poses or incoming points do not fit.", base);
-    add<InvalidOption>(module, "InvalidOption", "An option is outside its documented range.", base);
-    add<FactorizationFailed>(module, "FactorizationFailed",
-                             "The system has no unique solution, or there is no memory for its factor.",
-                             base);
-    add<OutOfMemory>(module, "OutOfMemory",
-                     "A factor or the weights would take more memory than limit_memory() allows, or more "
-                     "than the machine has.",
-                     module.attr("FactorizationFailed"));
-    add<Cancelled>(module, "Cancelled", "The progress callback returned False.", base);
+    add<InvalidMesh>(
+        module, "InvalidMesh",
+        "Raised when a mesh has no vertices, a point that is not finite, or an index out of range.", base);
+    add<InvalidConstraint>(
+        module, "InvalidConstraint",
+        "Raised when handles, weights, poses or incoming points do not fit the mesh or each other.", base);
+    add<InvalidOption>(module, "InvalidOption", "Raised when an option is outside its documented range.",
+                       base);
+    add<FactorizationFailed>(
+        module, "FactorizationFailed",
+        "Raised when a system of equations has no unique solution, or when there is no memory for "
+        "its factor.",
+        base);
+    add<OutOfMemory>(
+        module, "OutOfMemory",
+        "Raised when a bind needs more memory than limit_memory() allows, or than the machine has.",
+        module.attr("FactorizationFailed"));
+    add<Cancelled>(
+        module, "Cancelled",
+        "Raised when the progress callback returned False. The object is as it was before the call.", base);
 
     py::register_exception_translator([](std::exception_ptr pointer) {
         try {

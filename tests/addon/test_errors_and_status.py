@@ -17,7 +17,7 @@ def test_every_error_is_a_sinew_error_and_carries_elements():
         error = kind("message", Elements(Owner.CONTROL, "vertex", (np.int64(3), 5)))
         assert isinstance(error, errors.SinewError)
         assert error.elements == Elements(Owner.CONTROL, "vertex", (3, 5))
-        other = error.about(Elements(Owner.TARGET, "face", (1,)), status.Remedy.REPAIR)
+        other = error.with_elements(Elements(Owner.TARGET, "face", (1,)), status.Remedy.REPAIR)
         assert type(other) is kind
         assert (str(other), other.elements.owner, other.remedy) == (
             "message",
@@ -91,7 +91,7 @@ def test_native_refusals_name_the_elements(backend):
     with pytest.raises(errors.ConstraintError) as refused:
         build(backend, handles=[np.arange(4), np.arange(2, 6)])
     assert set(refused.value.elements.indices) == {2, 3}
-    assert refused.value.elements.kind == "vertex"
+    assert refused.value.elements.element == "vertex"
 
 
 def test_cancel(backend):

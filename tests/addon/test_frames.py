@@ -56,7 +56,7 @@ def test_placed_keeps_the_normal_under_unequal_scale():
     """Normals go by the inverse transpose: a slope of 45 degrees, stretched along x, gets steeper normals."""
     tilted = rotation((0.0, 1.0, 0.0), np.pi / 4.0)
     world = np.diag((3.0, 1.0, 1.0, 1.0))
-    placed = frames.placed(world, tilted)
+    placed = frames.in_world(world, tilted)
     expected = np.array((1.0 / 3.0, 0.0, 1.0))
     assert np.allclose(placed[:3, 2], expected / np.linalg.norm(expected))
     assert np.allclose(placed[:3, :3].T @ placed[:3, :3], np.eye(3))

@@ -53,7 +53,7 @@ def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **opt
 
 
 def rebuilt(backend, factor, wanted, progress=None):
-    return backend.build_factor(wanted, progress, factor.hand_over(wanted))
+    return backend.build_factor(wanted, progress, factor.prepare_rebind(wanted))
 
 
 def solved(factor, count: int) -> np.ndarray:
@@ -79,8 +79,8 @@ def test_a_handle_more_or_less_is_one_native_call(backend, calls: Counter, metho
         held, factor = factor, rebuilt(backend, factor, wanted)
         assert calls == {"rebind": 1}
         assert (factor.report.reuse, factor.report.changed) == ("updated", "handles")
-        assert held.is_spent
-        assert not factor.is_spent
+        assert held.is_released
+        assert not factor.is_released
         same_as_new(backend, factor, wanted)
 
 
@@ -131,8 +131,8 @@ def test_what_needs_a_new_solver_leaves_the_factor_as_it_is(backend, method: str
         recipe(backend, method, (*ENDS, MIDDLE), **needs_new),
         recipe(backend, method, **needs_new),
     ):
-        assert factor.hand_over(wanted) is None
-        assert not factor.is_spent
+        assert factor.prepare_rebind(wanted) is None
+        assert not factor.is_released
     np.testing.assert_array_equal(solved(factor, 2), before)
 
 
@@ -142,7 +142,7 @@ def test_nobody_takes_a_factor_from_under_a_solve(backend):
     asked = []
 
     def progress(_fraction: float, _stage: str) -> bool:
-        asked.append(factor.hand_over(wanted))
+        asked.append(factor.prepare_rebind(wanted))
         return True
 
     poses = np.stack([np.eye(4)[:3]] * 2)
@@ -150,14 +150,14 @@ def test_nobody_takes_a_factor_from_under_a_solve(backend):
     factor.solve(poses, progress=progress)
     assert asked
     assert set(asked) == {None}
-    assert factor.hand_over(wanted) is not None
+    assert factor.prepare_rebind(wanted) is not None
 
 
 def test_a_spent_factor_answers_nobody(backend):
     factor = backend.build_factor(recipe(backend, "thin_shell"))
     wanted = recipe(backend, "thin_shell", (*ENDS, MIDDLE))
-    assert factor.hand_over(wanted) is not None
-    assert factor.hand_over(wanted) is None
+    assert factor.prepare_rebind(wanted) is not None
+    assert factor.prepare_rebind(wanted) is None
     with pytest.raises(errors.CancelledError):
         solved(factor, 2)
 

@@ -25,8 +25,8 @@ ADDON_RANKS = {
 INNER_RANKS = {
     "core": {
         "elements": 0,
-        "kinds": 0,
         "memory": 0,
+        "point_types": 0,
         "sides": 0,
         "status": 1,
         "errors": 2,

@@ -40,13 +40,13 @@ ROWS = [
 ]  # fmt: skip
 
 
-def of(work: str, rows: list[record.Row] = ROWS) -> record.Row:
+def row_of(work: str, rows: list[record.Row] = ROWS) -> record.Row:
     return next(found for found in rows if found["work"] == work)
 
 
 def test_ratio_of_a_faster_work_is_above_one() -> None:
-    assert works.BY_ID["bind"].ratio(of("bind")) == pytest.approx(2.0)
-    assert works.BY_ID["bind"].met(of("bind")) is True
+    assert works.BY_ID["bind"].ratio(row_of("bind")) == pytest.approx(2.0)
+    assert works.BY_ID["bind"].met(row_of("bind")) is True
 
 
 def test_size_of_its_own_has_a_goal_of_its_own() -> None:
@@ -57,8 +57,8 @@ def test_size_of_its_own_has_a_goal_of_its_own() -> None:
 
 def test_at_most_divides_the_other_way() -> None:
     work = works.BY_ID["memory"]
-    assert work.ratio(of("memory")) == pytest.approx(2.0)
-    assert work.met(of("memory")) is False
+    assert work.ratio(row_of("memory")) == pytest.approx(2.0)
+    assert work.met(row_of("memory")) is False
 
 
 def test_goal_of_one_thread_is_not_that_of_two() -> None:
@@ -83,11 +83,11 @@ def test_wanted_is_written_by_size() -> None:
 
 
 def test_line_says_what_falls_short() -> None:
-    assert "SHORT" not in report.line(of("bind"))
+    assert "SHORT" not in report.line(row_of("bind"))
     assert "wanted >= 1.2  SHORT" in report.line(ROWS[2])
-    assert "wanted <= 1.6  SHORT" in report.line(of("arap_smooth"))
+    assert "wanted <= 1.6  SHORT" in report.line(row_of("arap_smooth"))
     assert report.line(ROWS[3]).endswith("25 s")  # no peer, no ratio
-    assert "ratio    >80" in report.line(of("arap_bend"))  # the peer was stopped on its way
+    assert "ratio    >80" in report.line(row_of("arap_bend"))  # the peer was stopped on its way
 
 
 def test_exponent_is_that_of_a_power() -> None:
@@ -117,7 +117,7 @@ def test_table_slants_what_falls_short() -> None:
 
 
 def test_summary_counts() -> None:
-    assert report.summary(ROWS)[-1] == "6 ratios as wanted, 4 short"
+    assert report.summary(ROWS)[-1] == "6 ratios as wanted, 4 fall short"
 
 
 @pytest.fixture
@@ -147,11 +147,11 @@ def test_documents_are_renewed_between_their_marks_and_twice_is_once(
     assert after.partition(mark)[0] == before.partition(mark)[0]
     assert "libigl" not in after.partition(mark)[2].partition("<!-- end")[0]  # was not measured here
     assert "500k: *1.10*" in page.read_text()
-    assert "still 7 % above, to arrive after 90 s" in page.read_text()
+    assert "still 7 % above, extrapolated to 1 % after 90 s" in page.read_text()
 
 
 def test_missing_mark_is_told() -> None:
-    with pytest.raises(SystemExit, match="no place for times"):
+    with pytest.raises(SystemExit, match="has no <!-- times -->"):
         pages.replaced("text", "times", "")
 
 
@@ -230,7 +230,7 @@ def test_rows_of_blender_get_the_names_of_the_table() -> None:
         "bare_ms": 10.0,
         "ours_ms": 90.0,
     }
-    found = blender.named({**entry, "ratio": 1.2, "goal": 1.2, "at_most": True}, "5.2")
+    found = blender.table_row({**entry, "ratio": 1.2, "goal": 1.2, "at_most": True}, "5.2")
     assert (found["work"], found["size"], found["case"]) == ("overhead_arap", 100_000, "5.2")
     assert works.BY_ID["overhead_arap"].ratio(found) == pytest.approx(1.2)
     assert "overhead_arap" in report.line(found)

@@ -130,9 +130,13 @@ def test_stubs_and_module_agree_on_parameters(name: str, node: ast.FunctionDef, 
 def test_every_error_is_an_error(name: str) -> None:
     error = ERRORS[name]
     assert issubclass(error, sn.Error)
-    assert error.__doc__
     assert error("x").elements == []
     assert error("x").element_kind == ""
+
+
+@pytest.mark.parametrize("name", [name for name in ERRORS if name != "Error"])
+def test_every_error_says_when_it_is_raised(name: str) -> None:
+    assert vars(ERRORS[name])["__doc__"].startswith("Raised when ")
 
 
 def test_version_is_three_numbers() -> None:
@@ -142,6 +146,13 @@ def test_version_is_three_numbers() -> None:
 @EVERY_CLASS
 def test_every_class_tells_what_it_is(name: str) -> None:
     assert len(inspect.getdoc(PUBLIC[name]) or "") > 15
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_every_public_name_has_a_docstring_of_its_own(name: str) -> None:
+    """A class does not count the docstring of its base."""
+    value = PUBLIC[name]
+    assert vars(value).get("__doc__") if inspect.isclass(value) else value.__doc__, name
 
 
 @EVERY_CALLABLE

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The installed add-on, a fresh scene for each test, and the ways to look at a result."""
+"""The installed add-on, a new scene for each test, and the rigs that tests share."""
 
 import importlib
 import os
@@ -100,7 +100,7 @@ def plate() -> Rig:
 @pytest.fixture
 def posed_plate(plate: Rig) -> tuple[Rig, Expected]:
     """The plate, bound and lifted by a half; what to see of it."""
-    expected = Expected.of(plate.bind())
+    expected = Expected.of_rig(plate.bind())
     plate.lift(0.5)
     assert close(plate.points(), expected.lifted(0.5))
     return plate, expected

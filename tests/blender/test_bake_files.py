@@ -140,7 +140,7 @@ def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: Rig, tmp_path: 
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (room_left, limits[1]))
     try:
-        with pytest.raises(RuntimeError, match=r"Cannot write .*make room"):
+        with pytest.raises(RuntimeError, match=r"Cannot write .*free some disk space"):
             bake(saved, "PC2", path)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)

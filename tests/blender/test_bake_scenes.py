@@ -82,7 +82,7 @@ def test_all_deformers_of_all_selected_meshes_are_baked_at_once(saved: Rig, targ
 
 def test_one_path_for_several_deformers_is_refused(saved: Rig, tmp_path: Path):
     two_deformers(saved)
-    with pytest.raises(RuntimeError, match="One path"):
+    with pytest.raises(RuntimeError, match="One file"):
         bake(saved, "PC2", tmp_path / "x", all_deformers=True)
 
 

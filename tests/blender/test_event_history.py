@@ -197,7 +197,7 @@ BEFORE_THE_PRESS = {"unbake": bake_keys}  # of the pose, not of the rest shape
 def pose(plate: Rig, name: str = "") -> Expected:
     """Bound and lifted by a half, with an undo step of its own."""
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     if name:
         OPERATORS[name].prepare(plate)
     if name == "repair":
@@ -438,7 +438,7 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
     make_active(plate.obj)
     story.tell("start", plate.rest())
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     story.tell("bound", plate.rest())
     plate.lift(0.5)
     story.tell("moved", expected.lifted(0.5))
@@ -452,7 +452,7 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
     bpy.ops.object.mode_set(mode="OBJECT")
     story.tell("topology changed", plate.rest())
     move_world(plate.control, LIFT.inverted())
-    fine = Expected.of(plate)
+    fine = Expected.of_rig(plate)
     move_world(plate.control, LIFT)
     bpy.ops.sinew.bind()
     story.tell("rebound", fine.lifted(0.5))
@@ -477,7 +477,7 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
 def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
     """Moves, a turn, a constraint, a parent: whatever moves a control is taken back with it."""
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     story = Story(plate)
     story.tell("bound", plate.rest())
     for height in (0.1, 0.2, 0.3):
@@ -500,7 +500,7 @@ def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
 
 def test_undo_of_deleting_a_vertex_and_redo_after_the_rebind(plate: Rig):
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     plate.lift(0.5)
     make_active(plate.obj)
     story = Story(plate)
@@ -515,7 +515,7 @@ def test_undo_of_deleting_a_vertex_and_redo_after_the_rebind(plate: Rig):
     bpy.ops.object.mode_set(mode="OBJECT")
     story.tell("hole", plate.rest())
     move_world(plate.control, LIFT.inverted())
-    holed = Expected.of(plate)
+    holed = Expected.of_rig(plate)
     move_world(plate.control, LIFT)
     bpy.ops.sinew.bind()
     story.tell("rebound", holed.lifted(0.5))

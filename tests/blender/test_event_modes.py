@@ -320,7 +320,7 @@ def test_multires(plate: Rig, below: bool):
         assert np.abs(lifted[far] - points[far] - (0.0, 0.0, 0.5)).max() < 1e-5
     else:
         plate.bind()
-        expected = Expected.of(plate)
+        expected = Expected.of_rig(plate)
         obj.modifiers.new("Multires", "MULTIRES")
         plate.lift(0.5)
         assert close(plate.points(), expected.lifted(0.5))

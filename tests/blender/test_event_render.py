@@ -152,7 +152,7 @@ def test_f12_while_the_viewport_shows_an_unkeyed_pose(animated):
 
 def test_f12_right_after_an_edit_that_nothing_evaluated(plate: Rig):
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     plate.control.location.z += 0.5
     assert close(render_points(plate.obj), expected.lifted(0.5))
     plate.deformer.factor = 0.5
@@ -181,7 +181,7 @@ def test_an_animation_leaves_the_viewport_at_its_frame(animated, persistent: boo
 
 def test_edits_between_renders_with_persistent_data(plate: Rig):
     plate.bind()
-    expected = Expected.of(plate)
+    expected = Expected.of_rig(plate)
     bpy.context.scene.render.use_persistent_data = True
     for height in (0.25, 0.5, 0.75):
         plate.lift(0.25)

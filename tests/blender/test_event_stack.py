@@ -328,7 +328,7 @@ def second_deformer(plate: Rig) -> tuple[bpy.types.Object, Expected]:
 
 def test_our_modifiers_in_another_order_keep_their_own_settings(plate: Rig):
     plate.bind()
-    first = Expected.of(plate)
+    first = Expected.of_rig(plate)
     control = plate.control
     corner, second = second_deformer(plate)
     control.matrix_world.translation.z += 0.5
@@ -356,7 +356,7 @@ def test_our_modifiers_in_another_order_keep_their_own_settings(plate: Rig):
 
 def test_a_modifier_between_two_of_ours_comes_and_goes(plate: Rig):
     plate.bind()
-    first = Expected.of(plate)
+    first = Expected.of_rig(plate)
     control = plate.control
     corner, second = second_deformer(plate)
     control.matrix_world.translation.z += 0.5

@@ -55,7 +55,7 @@ class Hand:
             mouse_x=self.x,
             mouse_y=self.y,
         )
-        return self.tool.handle(self.obj, event, self.view)
+        return self.tool.process(self.obj, event, self.view)
 
     def move(self, x: float, y: float, **modifiers: bool):
         self.x, self.y = self.x + x, self.y + y

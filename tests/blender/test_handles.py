@@ -44,7 +44,7 @@ def test_the_active_group_becomes_the_region(plate: Rig, mode: str):
     assert handle.vertex_group == "Top"
     assert not handle.owns_group
     assert handle.control.type == "EMPTY"
-    with pytest.raises(RuntimeError, match="'Top' is a region already"):
+    with pytest.raises(RuntimeError, match="'Top' is a region of this deformer already"):
         bpy.ops.sinew.handle_add(kind="FIXED")
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.sinew.handle_remove(index=0)

@@ -12,11 +12,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 from rig import Rig, make_active, update
-from sheet import NARROW, WIDE, DrawContext, Sheet, draw
-
-
-def draw_panel(width: int = NARROW) -> Sheet:
-    return draw(bpy.types.SINEW_PT_sinew, DrawContext(width))
+from sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
 
 
 def operator_types(room) -> dict[str, bpy.types.Struct]:
@@ -74,13 +70,13 @@ def is_internal(name: str) -> bool:
 
 
 def test_object_mode_offers_each_vertex_group_as_a_region(plate: Rig, room):
-    for kind, name in room("ids").Menus.OF_GROUPS.items():
+    for role, name in room("ids").Menus.FOR_GROUPS.items():
         offered = [
             (settings.kind, settings.vertex_group)
             for operator, settings in draw(getattr(bpy.types, name)).operators()
             if operator == "sinew.handle_add"
         ]
-        assert offered == [(kind, "Top"), (kind, "Base")]
+        assert offered == [(role, "Top"), (role, "Base")]
 
 
 def test_add_buttons_take_the_selection_in_edit_mode(bound_plate: Rig):
@@ -129,7 +125,7 @@ def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
 
 def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig, room):
     sheet = draw_panel()
-    assert set(room("ids").Menus.OF_GROUPS.values()) <= set(sheet.menus())
+    assert set(room("ids").Menus.FOR_GROUPS.values()) <= set(sheet.menus())
     assert "sinew.deformer_add" in sheet.operator_names()
 
 

@@ -198,7 +198,7 @@ def test_vertices_on_the_centre_stay_with_the_source(capfd):
     make_active(plate.obj)
     capfd.readouterr()
     bpy.ops.sinew.handle_mirror()
-    assert "11 vertices on the centre stay" in capfd.readouterr().out
+    assert "11 vertices on the centre line belong" in capfd.readouterr().out
     assert plate.deformer.status_level == "INFO"
     left, right = weights(plate.obj, "Half.L"), weights(plate.obj, "Half.R")
     assert len(left) == 66

@@ -104,7 +104,7 @@ def test_another_rest_shape_needs_a_new_solver(plate: Rig, room, native: Counter
     native.clear()
     bind(plate)
     assert native == NEW
-    assert not old.factor.is_spent
+    assert not old.factor.is_released
     assert bound(plate, room) is not old
 
 
@@ -150,7 +150,7 @@ def test_while_a_thread_binds_the_last_shape_stays(plate: Rig, room, heavy, nati
     old = bound(plate, room)
     native.clear()
     rebind_in_thread(plate, room)
-    assert old.factor.is_spent
+    assert old.factor.is_released
     assert room("session").find(plate.deformer.uid).bound is old
     room("session").job(plate.deformer.uid).thread.join()
     np.testing.assert_array_equal(
@@ -175,7 +175,7 @@ def test_a_region_that_returns_while_a_thread_binds_is_bound_again(plate: Rig, r
     while catch_up():
         pass
     update()
-    assert not bound(plate, room).factor.is_spent
+    assert not bound(plate, room).factor.is_released
     np.testing.assert_allclose(plate.points(), shown, atol=1e-6)
 
 

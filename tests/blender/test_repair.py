@@ -265,7 +265,7 @@ def test_notes_name_each_fault_with_elements_and_remedy(room):
     assert any("loose vert" in text for text in by_text)
     lost = np.flatnonzero(~np.isfinite(points).all(axis=1))
     assert set(by_text["2 vertices without a finite position"].elements.indices) == set(lost)
-    assert by_text["1 duplicate face"].elements.kind == "face"
+    assert by_text["1 duplicate face"].elements.element == "face"
     hidden = session.notes(room("backend").diagnose(points, (counts, corners)), selectable=False)
     assert [line.text for line in hidden] == [line.text for line in lines]
     assert not any(line.elements for line in hidden)
@@ -299,7 +299,7 @@ def test_shared_vertices_stay_in_the_first_region(plate: Rig, room, capfd):
     assert line.remedy is room("core.status").Remedy.PART_REGIONS
     capfd.readouterr()
     assert bpy.ops.sinew.part_regions() == {"FINISHED"}
-    assert "22 vertices went from Overlap to Top alone" in capfd.readouterr().out
+    assert "22 vertices are now in Top alone, no longer in Overlap" in capfd.readouterr().out
     assert members(plate.obj, "Top") == set(plate.top)
     assert members(plate.obj, "Overlap") == set(shared) - set(plate.top)
     assert plate.deformer.status_level == "INFO"

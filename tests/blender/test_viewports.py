@@ -70,18 +70,18 @@ def test_no_two_overlays_are_alike(room, viewport, plate: Rig):
     plate.bind("arap")
     move_world(plate.control, Matrix.Translation((0.2, 0.5, 0.4)) @ Matrix.Rotation(0.6, 4, "Z"))
     plate.deformer.arap.rigidity_group = "Firm"
-    gallery, painted = room("ui.overlay").gallery, {}
+    cache, painted = room("ui.overlay").cache, {}
     for name, look in LOOKS.items():
         plate.deformer.mask_group = "Front" if name == "mask" else ""
         update()
         for key, value in look.items():
             setattr(viewport.scene.sinew, key, value)
-        wanted = room("ui.overlay_picture").look_of(viewport)
-        gallery.clear()
-        picture = gallery.picture(plate.obj, plate.deformer, wanted, bpy.context.evaluated_depsgraph_get())
+        wanted = room("ui.overlay_mesh").overlay_settings(viewport)
+        cache.clear()
+        picture = cache.overlay_mesh(plate.obj, plate.deformer, wanted, bpy.context.evaluated_depsgraph_get())
         painted[name] = picture.colours
         assert picture.colours[:, 3].any(), name
-    gallery.clear()
+    cache.clear()
     for (one, colours), (other, others) in itertools.combinations(painted.items(), 2):
         assert np.abs(colours - others).max() > 0.01, (one, other)
 

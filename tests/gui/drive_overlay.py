@@ -114,7 +114,7 @@ def show(**wanted: object) -> None:
 
 def state(name: str) -> None:
     """What the add-on holds, with the screenshot of the same moment."""
-    seen[name] = {"drawing": overlays().is_drawing(), "painted": overlays().gallery.painted}
+    seen[name] = {"drawing": overlays().is_drawing(), "painted": overlays().cache.computed}
     screenshot(name)
 
 
@@ -190,7 +190,7 @@ def journey():
     for _ in range(4):
         viewport().tag_redraw()
         yield
-    seen["painted_after_idle"] = overlays().gallery.painted
+    seen["painted_after_idle"] = overlays().cache.computed
     show(show_overlay=False)
     yield
     state("off-again")

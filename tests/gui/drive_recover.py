@@ -26,7 +26,7 @@ move_world(control, plate.matrix_world.__class__.Translation((0.0, 0.0, 0.25)))
 later = evaluated_points(plate)
 
 fresh = Rig(grid_object("Fresh", cells=24)).bind("thin_shell")
-expected = Expected.of(fresh)
+expected = Expected.of_rig(fresh)
 rise = plate.matrix_world.to_3x3().inverted() @ plate.location.__class__((0.0, 0.0, 0.25))
 moved = np.eye(4)
 moved[:3, 3] = np.array(rise) + (0.0, 0.0, height)

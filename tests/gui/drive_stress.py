@@ -33,11 +33,11 @@ class Stage:
             bpy.data.objects.remove(obj)
         self.rig = Rig(grid_object("Plate", cells=24))
         self.rig.bind("thin_shell")
-        self.expected = Expected.of(self.rig)
+        self.expected = Expected.of_rig(self.rig)
         self.rig.obj.rotation_euler.x = TILT  # else the camera sees an edge
         self.dragged = Rig(grid_object("Dragged", cells=16))
         self.dragged.bind("arap")
-        self.dragged_expected = Expected.of(self.dragged, "arap")
+        self.dragged_expected = Expected.of_rig(self.dragged, "arap")
         self.dragged.obj.location.x = 50.0
         control = self.rig.control
         for frame in (0, FRAMES):

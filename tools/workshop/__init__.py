@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parts behind the commands in ``tools/`` and behind ``tests/run``: Debian's Python 3.11, no packages."""
+"""The modules behind the commands in ``tools/`` and ``tests/run``. They need Debian's Python 3.11 alone."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes pages about the module `sinew_native`, by pdoc, and the C++ headers, by Doxygen, into `dist/api`."""
+"""Writes pages about the module `sinew_native` (by pdoc) and the C++ headers (by Doxygen) into `dist/api`."""
 
 import argparse
 import re
@@ -18,7 +18,7 @@ NATIVE = ROOT / "native"
 RENDER = Path(__file__).parent / "inside" / "render_api.py"
 MODULE = "sinew_native"
 _NAME = r'class \1: __module__ = "builtins"'
-# Bindings hold no algorithms: the Python pages show what they offer.
+# The Python pages describe the bindings, so the C++ pages leave them out.
 LEFT_OUT = ("bindings", "cmake")
 SETTINGS = {
     "EXTRACT_ALL": "YES",
@@ -39,25 +39,25 @@ SETTINGS = {
     "WARN_IF_INCOMPLETE_DOC": "NO",
     "WARN_IF_UNDOCUMENTED": "NO",
 }
-# Tables in comments are indented by three spaces. Markdown keeps the columns from five on.
+# Tables in comments are indented by three spaces. Markdown keeps their columns from five spaces on.
 KEEP_TABLES = "sed -E 's|^( *///)   |\\1     |'"
 
 
 def rooms() -> dict[str, str]:
-    """Path of each room of the library -> the sentence in its README."""
+    """The path of each room of the library, with the sentence in its README."""
     readmes = sorted(NATIVE.rglob("README.md"))
     found = {path.parent.relative_to(ROOT).as_posix(): path.read_text("utf-8").strip() for path in readmes}
     return {room: text for room, text in found.items() if not set(LEFT_OUT) & set(room.split("/"))}
 
 
 def first_page() -> str:
-    """Markdown for Doxygen's first page: a room per row."""
+    """Markdown for Doxygen's first page: one row per room."""
     rows = [f"| `{room}` | {text} |" for room, text in rooms().items()]
     return "\n".join(["# The C++ library", "", "| room | what it holds |", "|---|---|", *rows, ""])
 
 
 def settings(main_page: Path, target: Path) -> str:
-    """Doxygen's configuration."""
+    """The configuration of Doxygen."""
     values = SETTINGS | {
         "EXCLUDE": " ".join(f'"{NATIVE / room}"' for room in LEFT_OUT),
         "INPUT_FILTER": f'"{KEEP_TABLES}"',
@@ -71,9 +71,9 @@ def settings(main_page: Path, target: Path) -> str:
 
 
 def one_stub(stubs: list[Path]) -> str:
-    """The type stubs of the module as one file: pdoc reads no more than that.
+    """The type stubs of the module joined into one file, since pdoc reads only one.
 
-    Names of array types stand for themselves in the pages; written out they would hide the signatures.
+    Names of array types are kept as names, since their definitions would make the signatures unreadable.
     """
     texts = [path.read_text(encoding="utf-8") for path in stubs]
     joined = re.sub(r"^from \.\w* import (\([^)]*\)|.*)\n", "", "\n".join(texts), flags=re.M)
@@ -82,7 +82,7 @@ def one_stub(stubs: list[Path]) -> str:
 
 
 def stubs() -> list[Path]:
-    """One file, or one per room; a file stands behind those that it imports from."""
+    """The stub files, one per room. Each file comes after the files that it imports."""
     paths = {path.stem: path for path in sorted((NATIVE / "bindings").rglob("*.pyi"))}
     imports = {
         name: re.findall(r"^from \.(\w+) import", path.read_text(encoding="utf-8"), re.M)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Zips and wheels as dictionaries of path -> content; written, the same content gives the same bytes."""
+"""Reads and writes zips and wheels as dictionaries of path -> content. Equal content gives equal bytes."""
 
 import base64
 import hashlib
@@ -29,7 +29,7 @@ def write_zip(target: Path, files: dict[str, bytes]) -> Path:
 
 
 def write_wheel(target: Path, files: dict[str, bytes]) -> Path:
-    """As write_zip(), with the wheel's RECORD made anew."""
+    """Does the same as write_zip(), and writes the RECORD of the wheel again."""
     record = next(name for name in files if name.endswith(".dist-info/RECORD"))
     lines = [
         f"{name},{_digest(content)},{len(content)}\n"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All of tests/blender in every release between the oldest and the newest, or in those that are named.
+"""Runs all of tests/blender in every release between the oldest and the newest, or in the given ones.
 
-Each release takes 1 GB in ``.build/venv-bpy-<version>``, which may be deleted afterwards.
+Each release takes 1 GB in ``.build/venv-bpy-<version>``, which can be deleted afterwards.
 """
 
 import argparse
@@ -16,7 +16,7 @@ BETWEEN = (*environments.LONG_TERM_BLENDERS, "4.3.0", "4.4.0", "5.0.1", "5.1.2")
 
 
 def pinned() -> list[str]:
-    """The releases that a requirements file exists for."""
+    """The releases that have a requirements file."""
     names = (file.name for file in environments.REQUIREMENTS.glob("bpy-*.txt"))
     return sorted(re.fullmatch(r"bpy-(.*)\.txt", name).group(1) for name in names)
 
@@ -25,7 +25,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/blender_matrix", description=__doc__)
     known = ", ".join(pinned())
     parser.add_argument(
-        "versions", nargs="*", metavar="VERSION", help=f"{known}; {', '.join(BETWEEN)} when none is named"
+        "versions", nargs="*", metavar="VERSION", help=f"one of {known}; without any, {', '.join(BETWEEN)}"
     )
     chosen = parser.parse_args().versions or BETWEEN
     unknown = sorted(set(chosen) - set(pinned()))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which share of each room's lines the tests reach.
+"""Prints which share of the lines of each room the tests reach.
 
-``native``   the library, by its own tests and those of the Python module (compiled for it, some 15 minutes)
+``native``   the library, by its own tests and those of the Python module (it compiles for 15 minutes)
 ``addon``    ``core`` and ``backend``, by the tests without Blender
 ``blender``  all of the add-on, by the tests in Debian's Blender
 """
@@ -43,7 +43,7 @@ def native() -> Lines:
 
 
 def _gcov(notes: Path) -> list[tuple[Path, int, bool]]:
-    """The lines below native/ that one object file holds."""
+    """The lines below native/ that are compiled into one object file."""
     command = ["gcov", "--json-format", "--stdout", notes]
     text = subprocess.run(command, check=True, capture_output=True, text=True, cwd=TREE).stdout
     files = [
@@ -82,7 +82,7 @@ def _fresh(name: str) -> Path:
 
 
 def _reported(data: Path) -> Lines:
-    """What coverage.py says, with the files of an installed add-on as those of addon/."""
+    """The report of coverage.py. Files of an installed add-on count as the files of addon/."""
     report = data.with_suffix(".json")
     python = environments.dev().python
     run([python, "-m", "coverage", "json", "-q", f"--data-file={data}", "-o", report])
@@ -121,7 +121,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         prog="tools/coverage", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("parts", nargs="*", metavar="PART", help="all when none is named")
+    parser.add_argument("parts", nargs="*", metavar="PART", help="the parts to run; without any, all")
     chosen = parser.parse_args().parts or list(PARTS)
     unknown = sorted(set(chosen) - set(PARTS))
     if unknown:

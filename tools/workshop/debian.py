@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Debian 12 packages that each kind of work needs."""
+"""The Debian 12 packages that each purpose needs."""
 
 from pathlib import Path
 
@@ -15,20 +15,20 @@ BUILD = (
     "ccache",
     "binutils",
     "libsuitesparse-dev",
-    "libopenblas-pthread-dev",  # the serial build is not thread-safe, the OpenMP build collapses
+    "libopenblas-pthread-dev",  # the serial build is not thread-safe, and the OpenMP build is far too slow
     "libtbb-dev",
     "libeigen3-dev",
     "libgtest-dev",
     "libosd-dev",
-    "libcgal-dev",  # headers alone, as Boost's
+    "libcgal-dev",  # only headers
 )
 API = ("doxygen",)
 BENCHMARKS = ("valgrind",)  # counts instructions
-# Blender does not pull NumPy although its add-ons need it; without libegl1 Workbench aborts.
+# Blender does not depend on NumPy, although its add-ons need it. Without libegl1, Workbench aborts.
 BLENDER = ("blender", "python3-numpy", "libegl1", "libgl1")
 BLENDER_TESTS = (*BLENDER, "python3-pytest", "python3-hypothesis")
 GUI = (*BLENDER_TESTS, "xvfb", "xauth", "xdotool", "imagemagick")
-# What Blender as a Python module opens on a bare machine.
+# The libraries that Blender as a Python module needs.
 BPY = (
     *PYTHON,
     "libx11-6",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the documents say of each method, written from its row in the registry and its C++ header.
+"""Writes the parts of the documents about methods, from rows of the registry and C++ headers.
 
-Only what stands between the marks is written; a page may go on below as its author likes.
+Only the text between two marks is written. The rest of a page belongs to its author.
 """
 
 import argparse
@@ -33,7 +33,10 @@ CONTROLS = {
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of the tables. ``link``: its page, or its header, below the root; empty while it is to come."""
+    """A line of the tables.
+
+    ``link`` is its page or its header, relative to the root; empty if it is planned.
+    """
 
     id: str
     label: str
@@ -46,7 +49,7 @@ class Entry:
 
 @cache
 def registry(root: Path) -> ModuleType:
-    """The rows, which need no Blender."""
+    """The registry, imported without Blender."""
     folder = root / "addon/core/methods"
     spec = importlib.util.spec_from_file_location(
         "described_methods", folder / "__init__.py", submodule_search_locations=[str(folder)]
@@ -76,7 +79,7 @@ def entries(root: Path) -> list[Entry]:
 
 
 def documents(root: Path) -> dict[Path, str]:
-    """Each page that has a part from here -> all its text as it should be."""
+    """The pages that have a part from here, each with the text that it should have."""
     found = entries(root)
     parts = {
         root / "README.md": overview(found),
@@ -87,8 +90,8 @@ def documents(root: Path) -> dict[Path, str]:
 
 
 def overview(found: Iterable[Entry]) -> str:
-    """One line per group: what is there, and what is to come."""
-    lines = ["| | there | to come |", "|---|---|---|"]
+    """One line per group, with the available and the planned methods."""
+    lines = ["| | available | planned |", "|---|---|---|"]
     for group, members in _grouped(found):
         there = ", ".join(f"[{entry.label}]({entry.link})" for entry in members if entry.link)
         to_come = ", ".join(entry.label for entry in members if not entry.link)
@@ -109,16 +112,16 @@ def tables(found: Iterable[Entry]) -> str:
         ]
         for entry in members:
             link = Path(entry.link).name if entry.link.startswith(PAGES) else f"../../{entry.link}"
-            state = f"[there]({link})" if entry.link else "to come"
+            state = f"[available]({link})" if entry.link else "planned"
             lines.append(f"| `{entry.id}` | {entry.section} | {entry.summary} | {entry.paper} | {state} |")
     return "\n".join(lines[1:])
 
 
 def head(root: Path, row) -> str:
-    """What a page says of a method before its own words."""
+    """The head of the page of a method."""
     header = _header(root, f"{row.id}.h")
-    moved = ", and of ".join(kind.value for kind in registry(root).Moved if kind in row.moves)
-    steps = "step by step, so that a drag shows an early step" if row.iterative else "at once"
+    moved = ", and of ".join(target.value for target in registry(root).Moved if target in row.moves)
+    steps = "step by step, so that a drag shows an early step" if row.iterative else "in one step"
     wraps = (
         [("around", "a method of " + " or ".join(family.value for family in row.wraps))] if row.wraps else []
     )
@@ -206,7 +209,7 @@ def _grouped(found: Iterable[Entry]) -> Iterator[tuple[str, list[Entry]]]:
 
 
 def _with(page: Path, part: str) -> str:
-    """The page's text with another part between the marks; a new page has nothing else."""
+    """The text of a page with a new part between the marks. A new page has no other text."""
     text = page.read_text(encoding="utf-8") if page.is_file() else f"{BEGIN}\n{END}\n"
     before, begin, rest = text.partition(BEGIN)
     _old, end, after = rest.partition(END)
@@ -216,7 +219,7 @@ def _with(page: Path, part: str) -> str:
 
 
 def outdated(root: Path) -> list[Path]:
-    """The pages that say something else than the rows and headers."""
+    """The pages that differ from the rows and headers."""
     return [
         page
         for page, text in documents(root).items()
@@ -227,7 +230,7 @@ def outdated(root: Path) -> list[Path]:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/describe_methods", description=__doc__)
     parser.add_argument(
-        "--check", action="store_true", help="change nothing, fail where something would change"
+        "--check", action="store_true", help="change nothing, and fail if a page is out of date"
     )
     if parser.parse_args().check:
         pages = outdated(ROOT)

@@ -11,7 +11,7 @@ BENCHMARK_TARGETS = ("sinew_native", "sinew_peers", "sinew_frames")
 
 
 def configure_tree(preset: str) -> None:
-    """Configures where the presets or the tools changed."""
+    """Configures the tree if the presets or the tools changed."""
     debian.install(debian.BUILD)
     environments.build().make()
     tree = BUILD / {"dev": "native"}.get(preset, preset)
@@ -22,7 +22,7 @@ def configure_tree(preset: str) -> None:
 
 
 def build_tree(preset: str, target: str = "all") -> None:
-    """Builds what changed, configured first."""
+    """Configures the tree if needed, and builds what changed."""
     configure_tree(preset)
     must(["cmake", "--build", "--preset", preset, "--target", target, "-j", str(jobs())])
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renews the picture of the rooms in docs/developer from the ranks that the tests enforce."""
+"""Draws the picture of the rooms in docs/developer from the ranks that the tests enforce."""
 
 import argparse
 import sys
@@ -7,7 +7,7 @@ import sys
 from .places import ROOT
 from .shell import say
 
-sys.path.insert(0, str(ROOT / "tests"))  # the tests own the ranks
+sys.path.insert(0, str(ROOT / "tests"))  # the tests define the ranks
 
 from architecture.picture import PICTURE, draw
 

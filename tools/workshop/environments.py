@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The virtual environments in ``.build``: pinned, made once, renewed when their pins change."""
+"""The virtual environments in ``.build``. Each is made once, and again when its pinned versions change."""
 
 import functools
 import shutil
@@ -12,7 +12,10 @@ from .places import BUILD, PYTHON311, ROOT
 from .shell import Stamp, fingerprint, must, say
 
 REQUIREMENTS = ROOT / "tools" / "requirements"
-LONG_TERM_BLENDERS = ("4.2.23", "4.5.15")  # what studios stay on, beside Debian's 3.4.1 and the newest
+LONG_TERM_BLENDERS = (
+    "4.2.23",
+    "4.5.15",
+)  # the long-term releases, tested beside Debian's 3.4.1 and the newest
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Environment:
         return next((self.folder / "lib").glob("python3*")) / "site-packages"
 
     def make(self) -> "Environment":
-        """Sets the environment up unless it stands already."""
+        """Sets the environment up unless this is done already."""
         debian.install(self.packages)
         files = [REQUIREMENTS / f"{name}.txt" for name in self.requirements]
         pins = fingerprint(included(files))
@@ -48,7 +51,7 @@ class Environment:
             return self
         say(f"Making {self.folder.relative_to(ROOT)} from {self.interpreter}")
         stamp.forget()
-        if not _runs(self.python) or not _stands_here(self.folder):
+        if not _runs(self.python) or not _was_made_here(self.folder):
             shutil.rmtree(self.folder, ignore_errors=True)
             must([self.interpreter, "-m", "venv", self.folder])
         pip = [self.python, "-m", "pip", "--quiet", "--disable-pip-version-check"]
@@ -59,7 +62,7 @@ class Environment:
 
 
 def included(files: list[Path]) -> list[Path]:
-    """Requirement files with those that they take in by ``-r``."""
+    """Requirement files, with those that they include by ``-r``."""
     lines = [(file, line) for file in files for line in file.read_text(encoding="utf-8").splitlines()]
     further = [file.parent / line.removeprefix("-r ") for file, line in lines if line.startswith("-r ")]
     return [*files, *included(further)] if further else files
@@ -69,8 +72,8 @@ def _runs(python: Path) -> bool:
     return python.exists() and subprocess.run([python, "-c", ""], capture_output=True).returncode == 0
 
 
-def _stands_here(folder: Path) -> bool:
-    """Whether the environment was made at this path; a moved one has scripts that point elsewhere."""
+def _was_made_here(folder: Path) -> bool:
+    """Whether the environment was made at this path. The scripts of a moved one point to the old path."""
     return str(folder) in (folder / "pyvenv.cfg").read_text(encoding="utf-8")
 
 
@@ -109,7 +112,7 @@ def api() -> Environment:
 
 
 def blender(version: str) -> Environment | None:
-    """Blender as a Python module; None where its Python (3.13 from Blender 5.1 on) is missing."""
+    """Blender as a Python module; None if its Python (3.13 from Blender 5.1 on) is missing."""
     major, minor = (int(part) for part in version.split(".")[:2])
     interpreter = python313() if (major, minor) >= (5, 1) else PYTHON311
     if interpreter is None:
@@ -118,5 +121,5 @@ def blender(version: str) -> Environment | None:
 
 
 def newest_blender() -> Environment:
-    """5.2 where there is a Python 3.13 to run it, else 5.0."""
+    """Blender 5.2 if there is a Python 3.13 to run it, else 5.0."""
     return blender("5.2.3") or blender("5.0.1")

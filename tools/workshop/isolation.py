@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keeps a wheel's own BLAS, CHOLMOD and TBB from being replaced by those of the program that loads it.
 
-On Linux a name that the executable or one of its libraries defines wins over the same name in a library that
-a module brings. Blender brings a BLAS and a TBB; with the wrong build of OpenBLAS, two binds at once give
-wrong answers. So the names are changed, alike in the module and in its libraries. (RTLD_DEEPBIND would choose
-ours too, but then the module frees by libc what Blender's allocator gave, and Blender aborts when it quits.)
+On Linux, a symbol of the executable or of its libraries takes precedence over the same symbol in a library
+that a module brings. Blender brings a BLAS and a TBB, and with the wrong build of OpenBLAS, two binds at once
+give wrong results. So the symbols are renamed, both in the module and in its libraries. (RTLD_DEEPBIND would
+choose ours, too, but then the module frees memory of Blender's allocator by libc, and Blender aborts when it
+quits.)
 """
 
 import re
@@ -17,13 +18,13 @@ from .shell import must
 
 PREFIX = "sinew_"
 OWNED = re.compile(r"lib(openblas|blas|lapack|cholmod|c?amd|c?colamd|metis|suitesparse|tbb)")
-# C++ names of the standard library stay, and those of OpenSubdiv, which tell its version; so do the marks
-# that every linker sets.
+# Not renamed: C++ symbols of the standard library, those of OpenSubdiv, which contain its version, and the
+# symbols that every linker sets.
 RENAMED = re.compile(r"(?!_Z)(?!_init$|_fini$|__bss_start$|_edata$|_end$)|_Z(?:T[ISVT]|GV)?NK?3tbb")
 
 
 def isolated(files: dict[str, bytes], builder: Environment) -> dict[str, bytes]:
-    """The wheel's files, with the names that its own libraries export changed wherever they occur."""
+    """The files of a wheel, with all symbols renamed that its own libraries export."""
     binaries = [name for name in files if re.search(r"\.so(\.|$)", name)]
     with tempfile.TemporaryDirectory() as folder:
         paths = {name: Path(folder) / str(number) for number, name in enumerate(binaries)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The layers of the tests, from fast to slow: each sets up what it needs, runs, and counts."""
+"""The layers of the tests, from fast to slow. Each sets up what it needs, runs, and counts its tests."""
 
 import os
 import shutil
@@ -23,13 +23,13 @@ RESULTS = BUILD / "results"
 TESTS = ROOT / "tests"
 INSIDE = Path(__file__).parent / "inside"
 LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
-# A line for each of hundreds of tests that passed would hide the one that did not.
+# Tests that passed are not listed, since hundreds of lines would hide the one that failed.
 CTEST = """ctest "$@" | grep -vE "^ *Start +[0-9]+:| Passed +[0-9.]+ sec" """
 OPTIONS = ("-p", "no:cacheprovider", "-q")
 RANDOM_SEQUENCES = 50  # in each of four releases: 200 per run
-# What runs in the releases between the oldest and the newest, which run everything: the tests that pass
-# through addon/compat, where releases differ (meshes, modifier inputs, stack, animation, shape keys, bones,
-# drawing, layout, kinds of objects), files from other releases, and random sequences of everything.
+# The oldest and the newest release run all tests. Those between run the tests that use addon/compat, where
+# releases differ (meshes, modifier inputs, stack, animation, shape keys, bones, drawing, layout, types of
+# objects), the tests with files of other releases, and random sequences.
 CORE_TESTS = (
     "test_bake.py",
     "test_cage_kinds.py",
@@ -99,7 +99,7 @@ def benchmarks(timeout: float) -> Outcome:
     debian.install(debian.BLENDER)
     for target in BENCHMARK_TARGETS:
         build_tree("dev", target)
-    package()  # here, so that no row waits for wheels
+    package()  # done first, so that no row has to wait for it
     environments.newest_blender().make()
     return _pytest("benchmarks", timeout, {"PYTHONPATH": DEV_MODULE})
 
@@ -119,7 +119,7 @@ def blender_3_4(timeout: float) -> Outcome:
 
 
 def blender_module(name: str, blender: Environment, tests: tuple[str, ...], timeout: float) -> Outcome:
-    """The same tests, or some of them, on the extension, in a Blender that is a Python module."""
+    """Runs ``tests``, or all, on the installed extension in a Blender that is a Python module."""
     env = install_extension(blender.make(), name)
     junit = _junit(name)
     script = TESTS / "blender" / "run_pytest.py"
@@ -128,7 +128,9 @@ def blender_module(name: str, blender: Environment, tests: tuple[str, ...], time
 
 
 def _conditions(name: str) -> dict[str, str]:
-    """Freed memory is overwritten, so that a pointer into it shows; random sequences are the layer's own."""
+    """Lets freed memory be overwritten, so that dangling pointers are found, and gives each layer its own
+    seed.
+    """
     seed = str(zlib.crc32(name.encode()))
     wanted = {
         "MALLOC_PERTURB_": "165",
@@ -139,7 +141,7 @@ def _conditions(name: str) -> dict[str, str]:
 
 
 def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
-    """That layer, named after the series of a release; all tests where none are named."""
+    """A layer for a release of Blender, named after its series. It runs ``tests``, or all."""
     name = f"blender-{version.rpartition('.')[0]}"
     return Layer(name, 900, partial(blender_module, name, environments.blender(version), tests))
 
@@ -148,7 +150,7 @@ def blender_5(timeout: float) -> Outcome:
     newest = environments.newest_blender()
     found = blender_module("blender-5", newest, (), timeout)
     if newest.name != "bpy-5.2.3":
-        found += Outcome(note="Blender 5.0.1 stands in: without a Python 3.13, 5.2 was not run")
+        found += Outcome(note="Blender 5.0.1 ran instead of 5.2, which needs a Python 3.13")
     return found
 
 
@@ -162,7 +164,10 @@ def gui(timeout: float) -> Outcome:
 
 
 def install_legacy(name: str) -> dict[str, str | Path]:
-    """Installs the legacy zip in Debian's Blender, in a fresh user folder; the environment to run it with."""
+    """Installs the legacy zip in Debian's Blender, in a new user folder.
+
+    Returns the environment variables.
+    """
     _, zip_file = package()
     user = _emptied(BUILD / "blender-users" / name)
     env = {
@@ -177,7 +182,7 @@ def install_legacy(name: str) -> dict[str, str | Path]:
 
 
 def install_extension(blender: Environment, name: str) -> dict[str, str | Path]:
-    """Installs the extension in Blender as a Python module, likewise."""
+    """Installs the extension in a Blender that is a Python module, in the same way."""
     zip_file, _ = package()
     validate(zip_file, blender)
     env = {

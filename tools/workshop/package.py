@@ -37,7 +37,7 @@ PLATFORMS = {
 
 
 def addon_files() -> dict[str, bytes]:
-    """Path inside the add-on -> content, of all that belongs to it."""
+    """All files of the add-on: path inside the add-on -> content."""
     found = {}
     for path in sorted(ADDON.rglob("*")):
         inside = path.relative_to(ADDON)
@@ -50,13 +50,13 @@ def addon_files() -> dict[str, bytes]:
         ):
             found[inside.as_posix()] = path.read_bytes()
     if MANIFEST not in found or "__init__.py" not in found:
-        raise SystemExit(f"{ADDON} is no add-on: {MANIFEST} or __init__.py is missing")
+        raise SystemExit(f"{ADDON} is not an add-on: {MANIFEST} or __init__.py is missing")
     found["LICENSE"] = (ROOT / "LICENSE").read_bytes()
     return found
 
 
 def manual_files() -> dict[str, bytes]:
-    """Path inside the add-on -> content, of the manual that its ``?`` buttons open."""
+    """The manual that the ``?`` buttons open: path inside the add-on -> content."""
     with tempfile.TemporaryDirectory() as folder:
         must([environments.build().make().python, RENDER, MANUAL, folder])
         pages = sorted(path for path in Path(folder).rglob("*") if path.is_file())
@@ -78,7 +78,7 @@ def legacy_files(wheel: Path, manual: dict[str, bytes]) -> dict[str, bytes]:
 
 
 def filled_manifest(text: str, wheel_names: list[str]) -> str:
-    """The manifest with its ``wheels`` and ``platforms`` set to what is packed."""
+    """The manifest with the ``wheels`` and ``platforms`` of the wheels that are packed."""
     values = {
         "platforms": sorted({_platform(name) for name in wheel_names}),
         "wheels": [f"./wheels/{name}" for name in wheel_names],
@@ -113,7 +113,7 @@ def pack(target: Path, files: dict[str, bytes]) -> Path:
 
 
 def validate(extension: Path, blender: Environment) -> None:
-    """A Blender's own check of an extension, if that Blender is set up (``tools/setup tests``)."""
+    """Lets a Blender check an extension, if that Blender is set up (``tools/setup tests``)."""
     tools = sorted(
         blender.folder.glob("lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
     )
@@ -126,7 +126,7 @@ def validate(extension: Path, blender: Environment) -> None:
 
 @functools.cache
 def package() -> tuple[Path, Path]:
-    """The extension and the legacy zip; packed once in a run."""
+    """Packs the extension and the legacy zip, once per run."""
     wheels, manual = build_wheels(), manual_files()
     DIST.mkdir(exist_ok=True)
     for old in DIST.glob("sinew-*.zip"):

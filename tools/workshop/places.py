@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where things lie in a checkout, and which version this is."""
+"""The folders of a checkout, and its version."""
 
 import re
 from pathlib import Path
@@ -17,7 +17,7 @@ PYTHON311 = Path("/usr/bin/python3.11")
 
 
 def version(root: Path = ROOT) -> str:
-    """The version of everything, which CMakeLists.txt alone states."""
+    """The version of the project, which CMakeLists.txt states."""
     text = (root / "CMakeLists.txt").read_text(encoding="utf-8")
     found = re.search(r"project\(sinew\s+VERSION\s+(\d+\.\d+\.\d+)", text)
     if found is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Counting what a layer of tests did, from the JUnit files of ctest and pytest."""
+"""Counts the results of a layer of tests, from the JUnit files of ctest and pytest."""
 
 import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
@@ -23,24 +23,27 @@ class Outcome:
 
 
 def outcome(junit: Path, status: int) -> Outcome:
-    """What the file counts; a run that ended badly without a failed test, or left no test, is one failure."""
+    """The counts of a file.
+
+    A run that failed without a failed test, or had no test, counts as one failure.
+    """
     try:
         root = ElementTree.parse(junit).getroot()
     except (OSError, ElementTree.ParseError):
         return Outcome(failed=1, note=f"no result was written (status {status})")
     passed = failed = skipped = 0
     for case in root.iter("testcase"):
-        kinds = {child.tag for child in case}
-        if kinds & {"failure", "error"} or case.get("status") == "fail":
+        outcomes = {child.tag for child in case}
+        if outcomes & {"failure", "error"} or case.get("status") == "fail":
             failed += 1
-        elif "skipped" in kinds or case.get("status") in ("notrun", "disabled"):
+        elif "skipped" in outcomes or case.get("status") in ("notrun", "disabled"):
             skipped += 1
         else:
             passed += 1
     if passed + failed + skipped == 0:
         return Outcome(failed=1, note="no test was found")
     if status != 0 and failed == 0:
-        return Outcome(passed, 1, skipped, f"all tests passed, yet the run ended with status {status}")
+        return Outcome(passed, 1, skipped, f"all tests passed, but the run ended with status {status}")
     return Outcome(passed, failed, skipped)
 
 

@@ -18,13 +18,13 @@ def run_layer(layer: Layer) -> Outcome:
     say(f"\n==== {layer.name} " + "=" * (72 - len(layer.name)))
     try:
         return layer.run(layer.timeout)
-    except SystemExit as stop:  # a tool that could not set the layer up has said why
+    except SystemExit as stop:  # the tool that failed has printed the reason
         say(str(stop.code))
         return Outcome(failed=1, note="could not be set up")
 
 
 def run_layers(layers: Iterable[Layer]) -> int:
-    """Runs one layer after the other and prints the table; how many tests failed."""
+    """Runs one layer after the other and prints a table. Returns how many tests failed."""
     rows = []
     for layer in layers:
         start = time.monotonic()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Installs the Debian packages and virtual environments that some kind of work needs."""
+"""Installs the Debian packages and virtual environments for a purpose."""
 
 import argparse
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Running commands, and remembering what was already done."""
+"""Runs commands, and remembers what was already done."""
 
 import hashlib
 import os
@@ -23,9 +23,9 @@ def jobs() -> int:
 
 
 def environment(extra: Mapping[str, str | Path] | None = None) -> dict[str, str]:
-    """This process's environment, without what would lead a build or a Blender astray."""
-    strays = ("PYTHONPATH", "PYTHONHOME", "PYTHONSTARTUP", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "LD_PRELOAD")
-    kept = {name: value for name, value in os.environ.items() if name not in strays}
+    """The environment of this process, without variables that would disturb a build or a Blender."""
+    disturbing = ("PYTHONPATH", "PYTHONHOME", "PYTHONSTARTUP", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "LD_PRELOAD")
+    kept = {name: value for name, value in os.environ.items() if name not in disturbing}
     kept |= {"CCACHE_DIR": str(BUILD / "ccache"), "PYTHONDONTWRITEBYTECODE": "1"}
     return kept | {name: str(value) for name, value in (extra or {}).items()}
 
@@ -38,7 +38,11 @@ def run(
     timeout: float | None = None,
     quiet: bool = False,
 ) -> int:
-    """The exit status; a command past its time is stopped with all it started. ``quiet`` hides a success."""
+    """Runs a command and returns its exit status.
+
+    After ``timeout`` the command is stopped, with all processes that it started. ``quiet`` shows its output
+    only if it fails.
+    """
     sink = subprocess.PIPE if quiet else None
     with subprocess.Popen(
         [str(word) for word in command],
@@ -69,7 +73,7 @@ def run(
 
 
 def must(command: Iterable[str | Path], **options) -> None:
-    """As run(), but a failure ends the tool."""
+    """Does the same as run(), but ends the tool if the command fails."""
     words = [str(word) for word in command]
     status = run(words, **options)
     if status != 0:
@@ -77,7 +81,7 @@ def must(command: Iterable[str | Path], **options) -> None:
 
 
 def fingerprint(paths: Iterable[Path], *words: str) -> str:
-    """A digest of names and contents of files, folders included, and of some words."""
+    """A digest of the names and contents of files, also those in folders, and of some words."""
     digest = hashlib.sha256("\0".join(words).encode())
     for path in sorted(set(_files(paths))):
         digest.update(str(path.relative_to(ROOT)).encode() + b"\0")
@@ -94,7 +98,7 @@ def _files(paths: Iterable[Path]) -> Iterable[Path]:
 
 
 class Stamp:
-    """A file that says from what a result was made; a result is fresh while that still holds."""
+    """A file that records what a result was made from. The result is fresh while this has not changed."""
 
     def __init__(self, file: Path, content: str) -> None:
         self._file = file

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""clang-tidy over native/: each source once, and again only when it or something it depends on has changed.
+"""Runs clang-tidy on each source of native/, and again only if the source or what it depends on has changed.
 
 Kernels, which are compiled once for each set of instructions, are read as compiled for the baseline.
 
-A source that passed leaves an empty file beside what ccache keeps, named by a digest of its command, of the
-settings, and of the source with all that it includes from this repository.
+For each source that passed, an empty file is kept beside the files of ccache. Its name is a digest of the
+compile command, the settings, and the source with all files of this repository that it includes.
 """
 
 import json
@@ -26,7 +26,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
 def tidy() -> bool:
-    """Whether all sources of native/ pass; says what does not."""
+    """Whether all sources of native/ pass. Prints the complaints about those that do not."""
     environments.dev().make()
     configure_tree("dev")
     must(
@@ -47,7 +47,7 @@ def tidy() -> bool:
 
 
 def commands() -> dict[Path, str]:
-    """How the dev preset compiles each source of native/, and the baseline of the kernels."""
+    """The commands by which the dev preset compiles native/; of the kernels, only their baseline."""
     entries = json.loads((NATIVE_TREE / "compile_commands.json").read_text(encoding="utf-8"))
     found = {Path(entry["file"]): entry["command"] for entry in entries}
     native, kernels = ROOT / "native", NATIVE_TREE / "native"
@@ -82,7 +82,7 @@ def directly_included(file: Path) -> tuple[Path, ...]:
 
 
 def complaints_about(file: Path) -> str:
-    """What clang-tidy says of one source, or nothing."""
+    """What clang-tidy says about one source; empty if it passes."""
     clang_tidy = environments.dev().bin / "clang-tidy"
     command = [clang_tidy, "--quiet", "-p", NATIVE_TREE, *compiler_arguments(), file]
     done = subprocess.run(command, capture_output=True, text=True, errors="replace")
@@ -92,10 +92,10 @@ def complaints_about(file: Path) -> str:
 
 @cache
 def compiler_arguments() -> tuple[str, ...]:
-    """What Clang needs to read what GCC compiles.
+    """The arguments that Clang needs to read what GCC compiles.
 
-    GCC's own headers, after all others, for those that Clang has not, such as OpenMP's; and templates that
-    are never used stay unread, as CGAL has some that refer to members that are not there.
+    GCC's own headers come after all others, for headers that Clang does not have, such as OpenMP's. Templates
+    that are never used are not checked, since some of CGAL's refer to members that do not exist.
     """
     answer = subprocess.run(["g++", "-print-file-name=include"], check=True, capture_output=True, text=True)
     return (f"--extra-arg=-idirafter{answer.stdout.strip()}", "--extra-arg=-fdelayed-template-parsing")

@@ -30,11 +30,11 @@ INPUTS = (
     *(f"tools/workshop/{name}.py" for name in ("archives", "isolation", "notices", "wheels")),
 )
 CHECK = Path(__file__).parent / "inside" / "check_module.py"
-EPOCH = "315532800"  # 1 January 1980, the first day a zip can name
+EPOCH = "315532800"  # 1 January 1980, the first date that a zip can store
 
 
 def build_wheels() -> list[Path]:
-    """The repaired wheels, rebuilt only where their inputs changed."""
+    """The repaired wheels. They are built again only if their inputs changed."""
     debian.install(debian.BUILD)
     builders = [environments.build(), environments.build313()]
     return [build_wheel(builder.make()) for builder in builders if builder]
@@ -56,7 +56,7 @@ def build_wheel(builder: Environment) -> Path:
         path = f"{builder.bin}{os.pathsep}{os.environ['PATH']}"
         settings = {
             "PATH": path,
-            "CC": "gcc",  # the same for every Python, so that ccache knows the library again
+            "CC": "gcc",  # the same for every Python, so that ccache can reuse the compiled library
             "CXX": "g++",
             "CMAKE_BUILD_PARALLEL_LEVEL": str(jobs()),
             "CMAKE_CXX_COMPILER_LAUNCHER": "ccache",
@@ -76,7 +76,7 @@ def build_wheel(builder: Environment) -> Path:
 
 
 def check_wheel(wheel: Path, builder: Environment) -> None:
-    """Loads the wheel where no build library can help it: plain CPython, and Blender's if installed."""
+    """Loads the wheel without the libraries of the build, in plain CPython and, if installed, in Blender."""
     unpacked = BUILD / "wheel-check" / _tag(builder)
     shutil.rmtree(unpacked, ignore_errors=True)
     for name, content in read_zip(wheel).items():
@@ -92,7 +92,10 @@ def check_wheel(wheel: Path, builder: Environment) -> None:
 
 
 def _require_threaded_blas() -> None:
-    """Several OpenBLAS builds may be installed; two binds at once in the serial one give wrong answers."""
+    """Several builds of OpenBLAS may be installed.
+
+    With the serial one, two binds at once give wrong results.
+    """
     chosen = Path("/usr/lib/x86_64-linux-gnu/libblas.so.3").resolve()
     if "openblas-pthread" not in str(chosen):
         raise SystemExit(

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a surface was stretched on its way from rest to the shape shown.
+"""How much a surface is stretched between its rest shape and the shape that is shown.
 
-On each triangle the map is linear, and its singular values say all that turns and moves leave out: a small
-circle becomes an ellipse with the half axes s1 >= s2. Both come from the 2x2 metric tensors G (rest) and H
-(shown), whose entries are the scalar products of two edges: with the Cholesky factors G = R'R and H = S'S,
-the map in the plane of the triangle is J = S R^-1, upper triangular, and
+On each triangle the map is linear. Its singular values s1 >= s2 do not depend on rotations and translations:
+a small circle becomes an ellipse whose half axes are s1 and s2 times the radius of the circle. Both follow
+from the 2x2 metric tensors G (rest) and H (shown), whose entries are the scalar products of two edges: with
+the Cholesky factors G = R'R and H = S'S, the map in the plane of the triangle is J = S R^-1, upper
+triangular, and
 
     s1 + s2 = |(J11 + J22, J12)|        s1 - s2 = |(J11 - J22, J12)|
 
-which stays exact where s1 = s2, other than the roots of the characteristic polynomial. P. Sander, J. Snyder,
+which stays exact where s1 = s2, unlike the roots of the characteristic polynomial. P. Sander, J. Snyder,
 S. Gortler, H. Hoppe, "Texture Mapping Progressive Meshes", SIGGRAPH 2001, pp. 409-416, section 3.
 """
 
@@ -17,43 +18,47 @@ from enum import Enum
 
 import numpy as np
 
-COLLAPSED = 1e-3  # flatter is shown as this; keeps all measures finite
-_FLAT = 1e-12  # a rest triangle whose height is a smaller share of its longest edge has no shape to compare
+COLLAPSED = 1e-3  # smaller singular values count as this one, which keeps all measures finite
+_FLAT = 1e-12  # a rest triangle has no shape to compare if its height is a smaller share of its longest edge
 
 
 class Measure(Enum):
-    """What a colour stands for. All are ratios, 1 where nothing happened, and blind to turns and moves."""
+    """What a colour means.
+
+    Each measure is a ratio: 1 at rest, and the same under rotations and translations.
+    """
 
     AREA = "AREA"
     """s1 s2, the change of area. P. Degener, J. Meseth, R. Klein, "An Adaptable Surface Parameterization
     Method", IMR 2003, pp. 201-213."""
 
     ANGLE = "ANGLE"
-    """s1 / s2 >= 1, the shear: how long a circle became for its width, whatever its size. K. Hormann,
+    """s1 / s2 >= 1, the shear: the length of an ellipse that was a circle, divided by its width. K. Hormann,
     G. Greiner, "MIPS: An Efficient Global Parametrization Method", Curve and Surface Design 1999,
-    pp. 153-162 (its sum with 1 over itself)."""
+    pp. 153-162 (they use the sum of this ratio and its inverse)."""
 
     STRETCH = "STRETCH"
-    """s1, the stretch along the direction that is stretched most; below 1 only where all directions are
+    """s1, the stretch along the direction that is stretched most. It is below 1 only if all directions are
     compressed. P. Sander, J. Snyder, S. Gortler, H. Hoppe 2001 (as above), its worst-case norm."""
 
     DIRICHLET = "DIRICHLET"
-    """(s1^2 + s2^2 + 1 / s1^2 + 1 / s2^2) / 4 >= 1, any change of shape or size in one number, from 4 to 1
-    at rest. J. Smith, S. Schaefer, "Bijective Parameterization with Free Boundaries", SIGGRAPH 2015,
-    article 70."""
+    """(s1^2 + s2^2 + 1 / s1^2 + 1 / s2^2) / 4 >= 1, any change of shape or size in one number. The paper's
+    energy is 4 at rest; divided by 4 it is 1. J. Smith, S. Schaefer, "Bijective Parameterization with Free
+    Boundaries", SIGGRAPH 2015, article 70."""
 
     @property
     def two_sided(self) -> bool:
-        """Also tells the compressed, below 1, from the stretched, above."""
+        """Whether values below 1 mean compressed, and values above 1 stretched."""
         return self in (Measure.AREA, Measure.STRETCH)
 
 
 @dataclass(frozen=True)
 class RestMetric:
-    """What the rest shape contributes, computed once.
+    """The part of the computation that depends on the rest shape alone.
 
-    ``triangles`` (t, 3); ``length`` of the first edge, ``shift`` and ``height`` of the second along and
-    across it, (t,) each: the factor R. ``area`` (t,), 0 for triangles without a shape: these are unchanged.
+    ``triangles`` (t, 3). The factor R of each triangle, (t,) each: ``length`` of the first edge, ``shift`` of
+    the second edge along the first, ``height`` of the second edge across the first. ``area`` (t,) is 0 for
+    triangles without a shape, which count as unchanged.
     """
 
     count: int
@@ -62,23 +67,26 @@ class RestMetric:
     shift: np.ndarray
     height: np.ndarray
     area: np.ndarray
-    vertex_area: np.ndarray  # (n,), of the triangles around
+    vertex_area: np.ndarray  # (n,), the sum over the triangles around each vertex
 
 
 def rest_metric(points: np.ndarray, triangles: np.ndarray) -> RestMetric:
-    """Prepare for ``points`` (n, 3) at rest and ``triangles`` (t, 3)."""
+    """The metric of a rest shape with ``points`` (n, 3) and ``triangles`` (t, 3)."""
     length, shift, height = _factor(points, triangles)
     longest = np.maximum(length, np.hypot(shift, height))
     sound = (height > _FLAT * longest) & (length > _FLAT * longest) & np.isfinite(height)
     area = np.where(sound, 0.5 * length * height, 0.0)
     length, height = np.where(sound, length, 1.0), np.where(sound, height, 1.0)
     shift = np.where(sound, shift, 0.0)
-    vertex_area = _gather(area, triangles, len(points))
+    vertex_area = _sum_at_vertices(area, triangles, len(points))
     return RestMetric(len(points), triangles, length, shift, height, area, vertex_area)
 
 
 def singular_values(rest: RestMetric, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """s1 >= s2 >= 0, (t,) each, from rest to ``points`` (n, 3); 1 and 1 where rest has no shape."""
+    """s1 >= s2 >= 0, (t,) each, from rest to ``points`` (n, 3).
+
+    Both are 1 where the rest triangle has no shape.
+    """
     length, shift, height = _factor(points, rest.triangles)
     a, d = length / rest.length, height / rest.height
     b = (shift - a * rest.shift) / rest.height
@@ -91,7 +99,7 @@ def singular_values(rest: RestMetric, points: np.ndarray) -> tuple[np.ndarray, n
 
 
 def ratio(measure: Measure, largest: np.ndarray, smallest: np.ndarray) -> np.ndarray:
-    """The measure of singular values, (t,)."""
+    """The value (t,) of a measure for singular values (t,)."""
     s1, s2 = np.maximum(largest, COLLAPSED), np.maximum(smallest, COLLAPSED)
     if measure is Measure.AREA:
         return s1 * s2
@@ -104,18 +112,21 @@ def ratio(measure: Measure, largest: np.ndarray, smallest: np.ndarray) -> np.nda
 
 
 def at_vertices(rest: RestMetric, values: np.ndarray) -> np.ndarray:
-    """Geometric means (n,) of the ratios (t,) of triangles around each vertex, by rest area; 1 where bare."""
-    total = _gather(rest.area * np.log(values), rest.triangles, rest.count)
+    """The geometric mean (n,) of the ratios (t,) of the triangles around each vertex, weighted by rest area.
+
+    A vertex without triangles has the ratio 1.
+    """
+    total = _sum_at_vertices(rest.area * np.log(values), rest.triangles, rest.count)
     return np.exp(total / np.where(rest.vertex_area > 0.0, rest.vertex_area, 1.0))
 
 
 def worst(values: np.ndarray) -> int:
-    """The vertex whose ratio is farthest from 1, up or down."""
+    """The vertex whose ratio differs most from 1, as a factor."""
     return int(np.argmax(np.abs(np.log(values))))
 
 
 def _factor(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The upper triangular factor of each triangle's metric tensor, its diagonal not negative, (t,) each."""
+    """The upper triangular factor of each triangle's metric tensor, with a diagonal >= 0; (t,) each."""
     x, y, z = (np.ascontiguousarray(axis, dtype=np.float64) for axis in points.T)
     first, second, third = (np.ascontiguousarray(corner) for corner in triangles.T)
     e = [axis[second] - axis[first] for axis in (x, y, z)]
@@ -133,6 +144,6 @@ def _factor(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.n
     return length, shared / divisor, height
 
 
-def _gather(values: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
-    """Sums of triangle values (t,) at their corners, (count,)."""
+def _sum_at_vertices(values: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
+    """For each vertex the sum (count,) of the values (t,) of its triangles."""
     return sum(np.bincount(corner, values, count) for corner in triangles.T) + np.zeros(count)

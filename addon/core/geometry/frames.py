@@ -7,11 +7,11 @@ import numpy as np
 
 from ..errors import ConstraintError
 
-FARTHEST = 1e18  # Blender keeps an infinite coordinate as the largest float
+FARTHEST = 1e18  # Blender stores an infinite coordinate as the largest float, which is farther than this
 
 
-def is_place(points: np.ndarray) -> np.ndarray:
-    """Which points (n, 3) lie somewhere: not NaN, not infinite, not so far that squares overflow."""
+def are_valid(points: np.ndarray) -> np.ndarray:
+    """Which points (n, 3) are valid: neither NaN nor infinite, nor so far away that squares overflow."""
     return (np.abs(points) < FARTHEST).all(axis=1)
 
 
@@ -30,7 +30,7 @@ def region_frame(
 ) -> np.ndarray:
     """Centre and mean normal of a region as a 4x4 rigid matrix whose z axis is the normal.
 
-    A closed or flat-less region has no mean normal: then the axes are the object's.
+    A region that is closed, or that has no faces, has no mean normal. Then the axes are those of the object.
     """
     frame = np.eye(4)
     frame[:3, 3] = points[members].mean(axis=0)
@@ -51,44 +51,46 @@ def region_frame(
 
 
 def axes_from_normal(normal: np.ndarray) -> np.ndarray:
-    """A rotation whose third column is ``normal``, its first as near to x (else y) as can be."""
+    """A rotation whose third column is ``normal``, whose first column is as near to x, else to y, as
+    possible.
+    """
     toward = np.array([1.0, 0.0, 0.0]) if abs(normal[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     side = toward - normal * (normal @ toward)
     side /= np.linalg.norm(side)
     return np.column_stack((side, np.cross(normal, side), normal))
 
 
-def inverse(matrix: np.ndarray, whose: str) -> np.ndarray:
-    """The inverse of a 4x4 matrix, read-only; a flattened object is refused by name."""
-    return _inverse(np.asarray(matrix, dtype=np.float64).tobytes(), whose)
+def inverse(matrix: np.ndarray, name: str) -> np.ndarray:
+    """The inverse of a 4x4 matrix, read-only. The error for a singular matrix names the object ``name``."""
+    return _inverse(np.asarray(matrix, dtype=np.float64).tobytes(), name)
 
 
-@lru_cache(maxsize=256)  # rest frames, and objects at rest: most matrices come again in the next frame
-def _inverse(data: bytes, whose: str) -> np.ndarray:
+@lru_cache(maxsize=256)  # most matrices are the same in the next frame: rest frames, and objects that stay
+def _inverse(data: bytes, name: str) -> np.ndarray:
     matrix = np.frombuffer(data).reshape(4, 4)
     linear = matrix[:3, :3]
     scale = np.prod(np.linalg.norm(linear, axis=0))
     if not np.isfinite(matrix).all() or abs(np.linalg.det(linear)) <= 1e-9 * max(scale, 1e-30):
-        raise ConstraintError(f"{whose} is scaled to zero - give it a scale other than 0")
+        raise ConstraintError(f"{name} is scaled to zero - give it a scale other than 0")
     found = np.linalg.inv(matrix)
     found.setflags(write=False)
     return found
 
 
-def pose(target: np.ndarray, control: np.ndarray, rest: np.ndarray, whose: str = "The control") -> np.ndarray:
+def pose(target: np.ndarray, control: np.ndarray, rest: np.ndarray, name: str = "The control") -> np.ndarray:
     """The affine map of a handle in the target's object space, (3, 4).
 
-    ``target`` and ``control`` are world matrices now, ``rest`` the control's matrix relative to the target
-    at rest.
+    ``target`` and ``control`` are the world matrices of this moment. ``rest`` is the matrix of the control
+    relative to the target, both at rest.
     """
-    return (inverse(target, "The mesh object") @ control @ inverse(rest, whose))[:3]
+    return (inverse(target, "The mesh object") @ control @ inverse(rest, name))[:3]
 
 
 def fit(before: np.ndarray, after: np.ndarray, rigid: bool = False) -> np.ndarray:
-    """The pose (3, 4) that moves ``before`` to ``after`` with least squares.
+    """The pose (3, 4) that moves the points ``before`` to ``after``, in the sense of least squares.
 
-    The rigid part is fitted first. Unless ``rigid``, the rest is fitted by a linear map of least norm, so
-    that points on a plane or a line give a proper motion too.
+    The rigid motion is fitted first. Unless ``rigid``, a linear map of least norm then fits what remains, so
+    that points on a plane or a line give a regular motion, too.
     """
     centre, moved = before.mean(axis=0), after.mean(axis=0)
     local, target = before - centre, after - moved
@@ -105,8 +107,11 @@ def transformed(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def placed(world: np.ndarray, frame: np.ndarray) -> np.ndarray:
-    """A rigid frame of object space in the world, (4, 4): its z stays the normal under any scale."""
+def in_world(world: np.ndarray, frame: np.ndarray) -> np.ndarray:
+    """A rigid frame of object space as a rigid frame of the world, (4, 4).
+
+    Its z axis stays a normal at any scale.
+    """
     rigid = np.eye(4)
     rigid[:3, 3] = transformed(world, frame[None, :3, 3])[0]
     normal = inverse(world, "The mesh object")[:3, :3].T @ frame[:3, 2]
@@ -115,5 +120,5 @@ def placed(world: np.ndarray, frame: np.ndarray) -> np.ndarray:
 
 
 def radius(points: np.ndarray) -> float:
-    """The distance of the farthest point from the mean."""
+    """The distance between the mean of the points and the point farthest from it."""
     return float(np.linalg.norm(points - points.mean(axis=0), axis=1).max())

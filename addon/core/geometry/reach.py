@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a surface reaches from a selection, and the part of a mesh that such a reach needs.
+"""Distances along a surface from a selection, and the part of a mesh that lies within a distance.
 
 Polygons are ``counts`` (m,) and ``corners`` (sum of counts,), as in ``frames``; masks are bool (n,).
 """
 
 import numpy as np
 
-_CLOSE = 1e-3  # a way that is shorter by less than this share changes nothing that one could see
+_MINIMAL_GAIN = 1e-3  # a path that is shorter by less than this share makes no visible difference
 
 
 def triangulated(counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Each polygon as a fan, (t, 3)."""
+    """The polygons divided into triangles (t, 3) around their first corners."""
     starts = np.concatenate(([0], np.cumsum(counts)[:-1])) if len(counts) else np.zeros(0, dtype=int)
     fans = np.maximum(counts - 2, 0)
     polygon = np.repeat(np.arange(len(counts)), fans)
@@ -20,43 +20,45 @@ def triangulated(counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
 
 
 def _rows(starts: np.ndarray, chosen: np.ndarray) -> np.ndarray:
-    """Positions of all entries of the chosen rows of a compressed table."""
+    """The positions of all entries in the chosen rows of a compressed sparse table."""
     lengths = starts[chosen + 1] - starts[chosen]
     shift = np.repeat(starts[chosen] - (np.cumsum(lengths) - lengths), lengths)
     return np.arange(len(shift)) + shift
 
 
-class Surface:
-    """The triangles of a mesh, and which of them each vertex knows."""
+class TriangleMesh:
+    """The triangles of a mesh, and the triangles around each vertex."""
 
     def __init__(self, size: int, counts: np.ndarray, corners: np.ndarray) -> None:
         self._triangles = triangulated(counts, corners)
         flat = self._triangles.ravel()
         self._starts = np.concatenate(([0], np.cumsum(np.bincount(flat, minlength=size))))
-        self._known = np.argsort(flat, kind="stable") // 3
+        self._triangles_of = np.argsort(flat, kind="stable") // 3
 
     def _around(self, vertices: np.ndarray) -> np.ndarray:
-        """The triangles (t, 3) that name some of these vertices."""
-        return self._triangles[np.unique(self._known[_rows(self._starts, vertices)])]
+        """The triangles (t, 3) that have one of these vertices as a corner."""
+        return self._triangles[np.unique(self._triangles_of[_rows(self._starts, vertices)])]
 
     def connected(self, sources: np.ndarray, barred: np.ndarray) -> np.ndarray:
-        """What one comes to from the sources without setting foot on ``barred``: a mask."""
+        """Mask of the vertices that are connected to ``sources`` without crossing ``barred``."""
         reached = sources & ~barred
         front = np.flatnonzero(reached)
         while len(front):
-            met = np.unique(self._around(front))
-            front = met[~reached[met] & ~barred[met]]
+            neighbours = np.unique(self._around(front))
+            front = neighbours[~reached[neighbours] & ~barred[neighbours]]
             reached[front] = True
         return reached
 
     def lengths(
         self, points: np.ndarray, sources: np.ndarray, barred: np.ndarray, limit: float
     ) -> np.ndarray:
-        """The shortest ways over the surface from the sources, (n,), infinite beyond ``limit``.
+        """The lengths of the shortest paths over the surface from the sources, (n,); infinite beyond
+        ``limit``.
 
-        ``points`` (n, 3). Two known corners give the third by unfolding the triangle into the plane of the
-        source (Kimmel & Sethian 1998); the front walks on while anything becomes shorter. In a plane that is
-        exact but for the first ring, which takes a row of sources for a curved one.
+        ``points`` (n, 3). The lengths at two corners give the length at the third: the triangle is unfolded
+        into the plane of the source (Kimmel & Sethian 1998). This repeats while any length becomes shorter.
+        On a plane the lengths are exact, except in the first ring around several sources, which treats a
+        straight row of sources as a curved one.
         """
         found = np.full(len(points), np.inf)
         found[sources & ~barred] = 0.0
@@ -67,17 +69,22 @@ class Surface:
             sides = np.concatenate((near[:, (1, 2)], near[:, (2, 0)], near[:, (0, 1)]))
             behind = (found[corner] > found[sides].min(axis=1)) & ~barred[corner]
             corner, sides = corner[behind], sides[behind]
-            way = _unfolded(points[corner], points[sides], found[sides])
-            better = (way <= limit) & (way < found[corner] * (1.0 - _CLOSE))
-            corner, way = corner[better], way[better]
-            order = np.argsort(-way, kind="stable")  # of several ways to a corner the shortest comes last
-            found[corner[order]] = way[order]
+            length = _unfolded(points[corner], points[sides], found[sides])
+            better = (length <= limit) & (length < found[corner] * (1.0 - _MINIMAL_GAIN))
+            corner, length = corner[better], length[better]
+            order = np.argsort(
+                -length, kind="stable"
+            )  # the last assignment wins: the shortest path to a corner
+            found[corner[order]] = length[order]
             front = np.unique(corner)
         return found
 
 
 def _unfolded(points: np.ndarray, sides: np.ndarray, known: np.ndarray) -> np.ndarray:
-    """Lengths (k,) at ``points`` (k, 3) across from the sides (k, 2, 3) whose ends have lengths (k, 2)."""
+    """Lengths (k,) at ``points`` (k, 3), which lie opposite to the sides (k, 2, 3).
+
+    ``known`` (k, 2) are the lengths at the ends of the sides.
+    """
     along, out = sides[:, 1] - sides[:, 0], points - sides[:, 0]
     by_edge = np.minimum(
         known[:, 0] + np.linalg.norm(out, axis=1), known[:, 1] + np.linalg.norm(points - sides[:, 1], axis=1)
@@ -95,26 +102,29 @@ def _unfolded(points: np.ndarray, sides: np.ndarray, known: np.ndarray) -> np.nd
     return np.where(usable, np.minimum(straight, by_edge), by_edge)
 
 
-def met(counts: np.ndarray, corners: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Which faces have a corner inside: a mask (m,)."""
+def touching_faces(counts: np.ndarray, corners: np.ndarray, inside: np.ndarray) -> np.ndarray:
+    """Mask (m,) of the faces with at least one corner in the mask ``inside``."""
     faces = np.zeros(len(counts), dtype=bool)
     faces[np.repeat(np.arange(len(counts)), counts)[inside[corners]]] = True
     return faces
 
 
-def surrounded(counts: np.ndarray, corners: np.ndarray, inside: np.ndarray, rings: int) -> np.ndarray:
-    """The mask with ``rings`` more rings of vertices, as faces connect them."""
+def with_rings(counts: np.ndarray, corners: np.ndarray, inside: np.ndarray, rings: int) -> np.ndarray:
+    """The mask ``inside``, grown by ``rings`` rings of vertices that faces connect to it."""
     for _ in range(rings):
-        ring = corners[np.repeat(met(counts, corners, inside), counts)]
+        ring = corners[np.repeat(touching_faces(counts, corners, inside), counts)]
         inside = inside.copy()
         inside[ring] = True
     return inside
 
 
-def part(
+def submesh(
     counts: np.ndarray, corners: np.ndarray, inside: np.ndarray
 ) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-    """Indices (k,) of the vertices inside, and the faces between them, by their place among those indices."""
+    """The vertices in the mask ``inside`` as indices (k,), and the faces between them.
+
+    The corners of these faces count among the k vertices.
+    """
     members = np.flatnonzero(inside)
     place = np.full(len(inside), -1, dtype=np.int32)
     place[members] = np.arange(len(members), dtype=np.int32)

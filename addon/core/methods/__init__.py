@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The method registry: one row per method. Menus, properties, sessions and tests are made from these rows.
 
-Every module of this folder that has ``ROWS`` adds to it, so a new row or a new module is named nowhere else.
+Every module of this folder that has ``ROWS`` is read, so no other file has to name a new row or module.
 """
 
 from importlib import import_module
@@ -43,12 +43,12 @@ __all__ = (
     "wrapped",
 )
 
-DEFAULT_METHOD = "arap"  # what Add Handle makes on a mesh without a deformer
-DEFAULT_CAGE_METHOD = "mean_value"  # what Add Cage makes
+DEFAULT_METHOD = "arap"  # the method of a deformer that Add Handle makes
+DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Add Cage makes
 
 
-def _place(method: Method) -> tuple:
-    """Where the menu shows a method: by family, then by the tutorial's sections."""
+def _menu_order(method: Method) -> tuple:
+    """The order of the menu: by family, then by section of the tutorial."""
     section = tuple(map(int, method.section.split(".")))
     return list(Family).index(method.family), section, method.number
 
@@ -58,7 +58,7 @@ def _rows() -> list[Method]:
     return [row for module in modules for row in getattr(module, "ROWS", ())]
 
 
-METHODS: tuple[Method, ...] = tuple(sorted(_rows(), key=_place))
+METHODS: tuple[Method, ...] = tuple(sorted(_rows(), key=_menu_order))
 BY_ID: dict[str, Method] = {method.id: method for method in METHODS}
 HANDLE_PARAMETERS: tuple[Parameter, ...] = tuple(
     {parameter.id: parameter for method in METHODS for parameter in method.handle_parameters}.values()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a row of the method registry says, and which kinds of parameter there are."""
+"""The fields of a row of the method registry, and the types of parameters."""
 
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum
@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 
 class Family(Enum):
-    """Sections of the method menu, in its order."""
+    """The families of methods, which are the sections of the method menu, in its order."""
 
     SURFACE_LINEAR = "Linear Surface"
     SURFACE_NONLINEAR = "Nonlinear Surface"
@@ -18,7 +18,7 @@ class Family(Enum):
 
 
 class Control(Enum):
-    """What an artist moves to steer a method."""
+    """The kinds of control: what an artist moves to steer a method."""
 
     HANDLES = "Handles"
     CAGE = "Cage"
@@ -28,7 +28,7 @@ class Control(Enum):
 
 
 class Moved(Enum):
-    """What a method can move."""
+    """The targets that a method can move."""
 
     MESH = "meshes"
     POINTS = "curves, text, hair and point clouds"
@@ -38,9 +38,10 @@ class Moved(Enum):
 class Parameter:
     """A value that the artist may set.
 
-    ``rebinds``: a keyword of the native constructor, so a change makes a new factor; else a keyword of
-    ``solve``. ``advanced``: seldom changed, so the panel shows it further down. ``unit``: what a number
-    counts or measures, in words; Blender shows a "length" and an "angle" in the units of the scene.
+    ``rebinds``: the parameter is a keyword of the native constructor, so a change needs another bind.
+    Otherwise it is a keyword of ``solve``. ``advanced``: it is seldom changed, so the panel shows it under
+    Advanced. ``unit``: what a number counts or measures, in words. Blender shows a "length" and an "angle" in
+    the units of the scene.
     """
 
     id: str
@@ -56,9 +57,10 @@ class Parameter:
 
 @dataclass(frozen=True, kw_only=True)
 class Float(Parameter):
-    """A real number. ``step``: what one step of its arrows adds.
+    """A real number.
 
-    Where it is ``paintable``, a vertex group may scale it per vertex.
+    ``step`` is how much one click on an arrow of its field adds. If it is ``paintable``, a vertex group may
+    scale it per vertex.
     """
 
     minimum: float = 0.0
@@ -66,7 +68,7 @@ class Float(Parameter):
     soft_maximum: float = 10.0
     precision: int = 3
     step: float = 0.01
-    paintable: bool = False  # type: ignore[misc]  # of a row here, of the class elsewhere
+    paintable: bool = False  # type: ignore[misc]  # rows set it, while all other types share one value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +82,7 @@ class Int(Parameter):
 
 @dataclass(frozen=True, kw_only=True)
 class Bool(Parameter):
-    """A switch."""
+    """A value that is on or off."""
 
 
 @dataclass(frozen=True)
@@ -92,9 +94,10 @@ class Choice(Parameter):
 
 @dataclass(frozen=True, kw_only=True)
 class Curve(Parameter):
-    """A function on [0, 1] that the artist draws. ``default``: points that straight lines join.
+    """A function on [0, 1] that the artist draws.
 
-    The native module gets its values at so many even steps, (samples,) float64.
+    ``default`` holds points that straight lines join. The native module gets the values at evenly spaced
+    places, (samples,) float64.
     """
 
     samples: int = 257
@@ -102,9 +105,10 @@ class Curve(Parameter):
 
 @dataclass(frozen=True, kw_only=True)
 class Pointer(Parameter):
-    """An object, of one of ``types`` as Blender calls them, or of any.
+    """An object whose type is one of ``types``, by Blender's names; any type if this is empty.
 
-    The native module gets its frame in the space of the target, (3, 4) float64; None where none is chosen.
+    The native module gets the frame of the object in the space of the target, (3, 4) float64, or None if no
+    object is chosen.
     """
 
     types: tuple[str, ...] = ()
@@ -113,13 +117,13 @@ class Pointer(Parameter):
 
 @dataclass(frozen=True)
 class Method:
-    """One row. ``number`` is stored in files: never reuse or change it.
+    """One row of the registry. Files store ``number``, so never reuse or change it.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
-    ``wraps``: the families of the methods that this one can be put around, which its native constructor gets
-    as ``base``; none for a method of its own.
-    ``handle_parameters``: every handle has its own value, and the native ``set_handles`` takes one keyword
-    for each of them, with one value per handle.
+    ``wraps``: the families of the methods that this method can be put around. Its native constructor gets
+    such a method as ``base``. It is empty for a method that works alone. ``handle_parameters``: every handle
+    has its own value of these. The native ``set_handles`` takes one keyword per parameter, with one value per
+    handle.
     """
 
     id: str
@@ -139,12 +143,12 @@ class Method:
 
     @cached_property
     def references(self) -> tuple[Parameter, ...]:
-        """The parameters whose value lies in another datablock."""
+        """The parameters whose value is stored in another datablock."""
         return tuple(parameter for parameter in self.parameters if isinstance(parameter, Curve | Pointer))
 
     @cached_property
     def paintable(self) -> tuple[Parameter, ...]:
-        """The parameters a vertex group may scale."""
+        """The parameters that a vertex group may scale."""
         return tuple(parameter for parameter in self.parameters if parameter.paintable)
 
 

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linear space methods: each point is a weighted sum of what moves it."""
+"""Linear space methods: each point is a weighted sum of the vertices of its control."""
 
 from .schema import Bool, Choice, Control, Family, Float, Int, Method, Moved
 
 PRECISIONS = (
-    ("single", "Single", "Half the memory and time of a frame; exact to a ten-millionth of the cage's size"),
+    (
+        "single",
+        "Single",
+        "Half the memory, and half the time per frame; errors of a ten-millionth of the cage's size",
+    ),
     ("double", "Double", "As exact as the coordinates themselves"),
 )
 
@@ -19,8 +23,8 @@ CAGE_PARAMETERS = (
         advanced=True,
         unit="weight of a cage vertex",
         label="Sparse Threshold",
-        description="Leave out smaller weights, so that each point follows the near part of the cage "
-        "alone: faster, less exact. 0 keeps all",
+        description="Leave out weights below this value, so that each point follows only the near part of "
+        "the cage: faster, but less exact. 0 keeps all weights",
     ),
     Choice(
         "precision",
@@ -29,7 +33,7 @@ CAGE_PARAMETERS = (
         rebinds=True,
         advanced=True,
         label="Precision",
-        description="How exactly the weights are kept",
+        description="The precision with which the weights are stored",
     ),
 )
 
@@ -37,19 +41,23 @@ OUTSIDE_REFUSED = Choice(
     "outside",
     "error",
     (
-        ("error", "Refuse", "Vertices outside the cage are named, and nothing moves until they are inside"),
+        (
+            "error",
+            "Refuse",
+            "The vertices outside are named in an error; nothing moves until they are inside",
+        ),
         ("mean_value", "Mean Value", "Vertices outside the cage follow it by mean value coordinates"),
     ),
     rebinds=True,
     label="Outside",
-    description="What becomes of vertices outside the cage",
+    description="What happens to vertices outside the cage",
 )
 
 QUALITIES = (
-    ("fast", "Fast", "Some hundredths of a second for 150 faces; weights to a fiftieth"),
-    ("medium", "Medium", "Some tenths of a second for 150 faces; weights to a two-hundredth"),
+    ("fast", "Fast", "Some hundredths of a second for 150 faces; errors of the weights up to 1/50"),
+    ("medium", "Medium", "Some tenths of a second for 150 faces; errors of the weights up to 1/200"),
     ("fine", "Fine", "A second or two for 150 faces"),
-    ("finest", "Finest", "A minute and a gigabyte; for references"),
+    ("finest", "Finest", "A minute and a gigabyte of memory; for comparisons"),
 )
 
 
@@ -63,7 +71,7 @@ ROWS = (
         native="MeanValue",
         section="5.4",
         paper="Ju, Schaefer & Warren 2005",
-        summary="Any points, inside the cage or outside; limbs that lie side by side pull at each other",
+        summary="Works inside and outside the cage; limbs that lie side by side pull at each other",
         iterative=False,
         moves=frozenset(Moved),
         parameters=CAGE_PARAMETERS,
@@ -77,7 +85,7 @@ ROWS = (
         native="PositiveMeanValue",
         section="5.4",
         paper="Lipman, Kopf, Cohen-Or & Levin 2007",
-        summary="Each point follows what it sees of the cage, so limbs do not pull at each other",
+        summary="Each point follows only the visible part of the cage, so limbs do not pull at each other",
         iterative=False,
         moves=frozenset(Moved),
         parameters=(
@@ -86,7 +94,8 @@ ROWS = (
                 True,
                 rebinds=True,
                 label="Exact",
-                description="Off, what is seen is guessed by rays: a quicker preview that is a little rough",
+                description="Compute the weights exactly. Turn it off to estimate them with rays: faster, "
+                "but a little rough",
             ),
             Int(
                 "directions",
@@ -97,7 +106,7 @@ ROWS = (
                 rebinds=True,
                 unit="rays per point",
                 label="Rays",
-                description="How many rays a point has where the weights are not exact",
+                description="The number of rays per point, if the weights are not exact",
             ),
             OUTSIDE_REFUSED,
             *CAGE_PARAMETERS,
@@ -112,7 +121,7 @@ ROWS = (
         native="Harmonic",
         section="5.4",
         paper="Joshi, Meyer, DeRose, Green & Sanocki 2007",
-        summary="Influence flows inside the cage, along limbs and never across gaps; smooth inside",
+        summary="Influence spreads inside the cage, along limbs and never across gaps; smooth inside",
         iterative=False,
         moves=frozenset(Moved),
         parameters=(
@@ -122,7 +131,7 @@ ROWS = (
                 QUALITIES,
                 rebinds=True,
                 label="Quality",
-                description="How exactly the weights are computed, once, at bind",
+                description="How exactly the weights are computed at bind",
             ),
             OUTSIDE_REFUSED,
             *CAGE_PARAMETERS,
@@ -137,7 +146,7 @@ ROWS = (
         native="Green",
         section="5.4",
         paper="Lipman, Levin & Cohen-Or 2008",
-        summary="Keeps shapes: parts turn instead of shearing, and bulge out of the cage a little",
+        summary="Keeps details in shape: parts rotate instead of shearing, and bulge a little out of it",
         iterative=False,
         moves=frozenset(Moved),
         parameters=(
@@ -145,16 +154,16 @@ ROWS = (
                 "outside",
                 "nearest",
                 (
-                    ("nearest", "Nearest Face", "Each vertex outside follows through the nearest face"),
+                    ("nearest", "Nearest Face", "Each vertex outside the cage follows its nearest face"),
                     (
                         "error",
                         "Refuse",
-                        "Vertices outside are named, and nothing moves until they are inside",
+                        "The vertices outside are named in an error; nothing moves until they are inside",
                     ),
                 ),
                 rebinds=True,
                 label="Outside",
-                description="What becomes of vertices outside the cage",
+                description="What happens to vertices outside the cage",
             ),
             *CAGE_PARAMETERS,
         ),

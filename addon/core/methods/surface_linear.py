@@ -4,12 +4,16 @@
 from .schema import Choice, Control, Family, Float, Method, Moved
 
 LAPLACIANS = (
-    ("uniform", "Uniform", "Counts neighbours only: for meshes so messy that angles and areas mean nothing"),
-    ("cotan", "Cotangent", "Follows the shape of the faces, not their size"),
+    (
+        "uniform",
+        "Uniform",
+        "Treats all neighbours equally: for messy meshes, whose angles and areas mean nothing",
+    ),
+    ("cotan", "Cotangent", "Takes the angles of the faces into account, but not their sizes"),
     (
         "cotan_voronoi",
         "Cotangent + Area",
-        "Follows shape and size of the faces: the least dependent on the meshing",
+        "Takes the angles and sizes of the faces into account: depends least on how the mesh is divided",
     ),
 )
 
@@ -23,7 +27,7 @@ CONTINUITY = Float(
     rebinds=True,
     unit="derivatives kept",
     label="Continuity",
-    description="How smoothly the surface leaves this region: 0 leaves a crease, 1 keeps the slope, "
+    description="How smoothly the surface leaves this region: 0 allows a crease, 1 keeps the slope, "
     "2 keeps the curvature",
 )
 
@@ -52,7 +56,7 @@ ROWS = (
                 unit="relative weight",
                 label="Stretching",
                 description="k_s: how much the surface resists being stretched, like a rubber skin. "
-                "Raise it for a tauter, straighter transition",
+                "Raise it for a tighter, straighter transition",
             ),
             Float(
                 "bending",
@@ -63,7 +67,7 @@ ROWS = (
                 unit="relative weight",
                 label="Bending",
                 description="k_b: how much the surface resists being bent, like a thin plate. "
-                "Keeps the transition smooth at the edge of a handle",
+                "It keeps the transition smooth at the border of a handle",
             ),
             Float(
                 "variation",
@@ -74,7 +78,7 @@ ROWS = (
                 unit="relative weight",
                 label="Variation",
                 description="How much the surface resists a change of its curvature. "
-                "Gives the roundest, fairest shapes, and needs wider handles",
+                "It gives the roundest shapes, and needs wider handles",
             ),
             Choice(
                 "laplacian",
@@ -82,7 +86,7 @@ ROWS = (
                 LAPLACIANS,
                 rebinds=True,
                 label="Laplacian",
-                description="How the mesh is measured",
+                description="How the faces are taken into account",
             ),
         ),
     ),

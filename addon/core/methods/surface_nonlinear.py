@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Nonlinear surface methods: steps from a start to the least energy."""
+"""Nonlinear surface methods: they minimise an energy, step by step, from a start."""
 
 from .schema import Choice, Control, Family, Float, Int, Method, Moved
 
 CELLS = (
     ("spokes", "Spokes", "Each vertex keeps the edges that meet it rigid"),
-    ("rims", "Spokes and Rims", "Also the edges opposite to it: firmer, and steadier on sharp triangles"),
+    (
+        "rims",
+        "Spokes and Rims",
+        "Each vertex also keeps the edges opposite to it rigid: firmer, and more stable on thin triangles",
+    ),
 )
 
 
@@ -32,8 +36,8 @@ ROWS = (
                 rebinds=True,
                 unit="share of the rest area",
                 label="Smooth Rotations",
-                description="How much neighbouring parts turn together, as a share of the surface's size. "
-                "0 is the textbook energy, which buckles on fine meshes",
+                description="How much neighbouring parts rotate together, as a share of the surface's area. "
+                "0 gives the energy of the paper, which buckles on fine meshes",
             ),
             Choice(
                 "cells",
@@ -53,7 +57,7 @@ ROWS = (
                 unit="relative weight",
                 label="Rigidity",
                 description="How firmly a region keeps its shape. "
-                "Paint a vertex group to let soft parts give way before hard ones",
+                "Paint a vertex group to let soft parts deform more than hard ones",
             ),
             Int(
                 "max_iterations",
@@ -62,8 +66,8 @@ ROWS = (
                 soft_maximum=100,
                 unit="iterations",
                 label="Iterations",
-                description="The most steps a frame or a render may spend. "
-                "While you drag, fewer are taken and the rest follow when you stop",
+                description="The largest number of steps per frame. "
+                "While you drag, fewer steps are computed; the others follow when you stop",
             ),
             Float(
                 "tolerance",

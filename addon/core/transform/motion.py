@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A move, a turn or a scaling about a pivot, as a matrix."""
+"""A move, a rotation or a scaling about a pivot, as a matrix."""
 
 from dataclasses import dataclass
 from enum import Enum
@@ -10,7 +10,7 @@ Triple = tuple[float, float, float]
 
 
 class Mode(Enum):
-    """Which motion."""
+    """The type of a motion."""
 
     TRANSLATE = "TRANSLATE"
     ROTATE = "ROTATE"
@@ -19,7 +19,7 @@ class Mode(Enum):
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion, along the world's axes or along local ones: only what ``mode`` names counts."""
+    """A motion along the axes of the world or along local axes. Only the fields for its ``mode`` count."""
 
     mode: Mode = Mode.TRANSLATE
     local: bool = False
@@ -30,7 +30,9 @@ class Motion:
 
     @property
     def rounded(self) -> "Motion":
-        """With float32 numbers, as Blender's properties keep them: what is shown is what a repeat will do."""
+        """The motion in float32, as Blender's properties store it, so that repeating it gives the same
+        result.
+        """
 
         def stored(values: Triple) -> Triple:
             x, y, z = np.asarray(values, np.float32).tolist()
@@ -46,7 +48,7 @@ class Motion:
         )
 
     def matrix(self, axes: np.ndarray, pivot: np.ndarray) -> np.ndarray:
-        """The motion of world points, (4, 4). ``axes`` (3, 3): local axes as unit columns; ``pivot`` (3,)."""
+        """The motion of points in the world, (4, 4). ``axes`` (3, 3) are the local axes as unit columns."""
         frame = axes if self.local else np.eye(3)
         linear, offset = np.eye(3), np.zeros(3)
         if self.mode is Mode.TRANSLATE:
@@ -68,5 +70,5 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
         return np.eye(3)
     x, y, z = axis / length
     K = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-    with np.errstate(invalid="ignore"):  # an infinite angle is no rotation, and shows as NaN
+    with np.errstate(invalid="ignore"):  # an infinite angle gives NaN
         return np.eye(3) + np.sin(angle) * K + 2.0 * np.sin(0.5 * angle) ** 2 * (K @ K)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What mouse and keys of a modal transform mean: constraints, typed numbers, snapping, precision -> a motion.
+"""The motion that mouse and keys of a modal tool describe, with constraints, typed numbers and snapping.
 
 Signs, increments and the order of constraints are those of Blender's own Move, Rotate and Scale. Lengths are
-world units, angles radians, mouse positions pixels.
+in world units, angles in radians, mouse positions in pixels.
 """
 
 from collections.abc import Callable
@@ -14,22 +14,24 @@ import numpy as np
 from .motion import Mode, Motion
 from .typed_numbers import TypedNumbers
 
-PRECISION = 0.1  # of the mouse motion, while Shift is held
-_EDGE_ON = sin(radians(5.0))  # an axis this near to the line of sight cannot follow the mouse on the screen
+PRECISION = 0.1  # factor of the mouse motion while Shift is held
+_EDGE_ON = sin(radians(5.0))  # an axis that is nearer to the line of sight cannot follow the mouse
 _LETTERS = ("X", "Y", "Z")
 
 
 _MODE_KEYS = {"G": Mode.TRANSLATE, "R": Mode.ROTATE, "S": Mode.RESIZE}
 _INCREMENTS = {Mode.TRANSLATE: 1.0, Mode.ROTATE: radians(5.0), Mode.RESIZE: 0.1}
-_FINE = {Mode.TRANSLATE: 0.1, Mode.ROTATE: 0.2, Mode.RESIZE: 0.1}  # of the increment, with Shift
+# Factors of the increments while Shift is held.
+_FINE = {Mode.TRANSLATE: 0.1, Mode.ROTATE: 0.2, Mode.RESIZE: 0.1}
 
 
 @dataclass(frozen=True)
 class View:
-    """How the screen sees the pivot: directions (3,) in the world, and the world length of a pixel there.
+    """The view of the pivot on the screen.
 
-    ``centre`` is the pivot on the screen; ``eye`` the position of the viewer relative to the pivot, None for
-    an orthographic view.
+    ``right``, ``up`` and ``toward`` are directions (3,) in the world, and ``pixel`` is the length of a pixel
+    in the world, at the depth of the pivot. ``centre`` is the pivot on the screen. ``eye`` is the position of
+    the viewer relative to the pivot, or None for an orthographic view.
     """
 
     right: np.ndarray
@@ -40,13 +42,16 @@ class View:
     eye: np.ndarray | None = None
 
     def same_as(self, other: "View") -> bool:
-        """Nobody turned, shifted or zoomed the view."""
+        """Whether the view was not rotated, moved or zoomed."""
         return self.centre == other.centre and self.pixel == other.pixel and np.array_equal(self.up, other.up)
 
 
 @dataclass(frozen=True)
 class _Constraint:
-    """``letter`` is the axis that moves, or with ``plane`` the one that is locked; none: free."""
+    """A constraint. ``letter`` is the axis that moves, or with ``plane`` the axis that is locked.
+
+    Without a letter all axes move.
+    """
 
     letter: str = ""
     plane: bool = False
@@ -54,31 +59,35 @@ class _Constraint:
 
     @property
     def rows(self) -> list[int]:
-        """The axes that move, by number."""
+        """The numbers of the axes that move."""
         if not self.letter:
             return [0, 1, 2]
         chosen = _LETTERS.index(self.letter)
         return [row for row in range(3) if (row == chosen) != self.plane]
 
     def after(self, letter: str, plane: bool) -> "_Constraint":
-        """The same axis again goes on from global to local to free; another one starts at global."""
+        """The constraint after a key.
+
+        The same axis again changes global to local to free; another starts global.
+        """
         if letter != self.letter:
             return _Constraint(letter, plane)
         return _Constraint() if self.local else _Constraint(letter, plane, local=True)
 
     @property
     def text(self) -> str:
-        """As the header says it."""
+        """The text for the header."""
         if not self.letter:
             return ""
         return f" {'locking' if self.plane else 'along'} {'local' if self.local else 'global'} {self.letter}"
 
 
 class TypedMotion:
-    """The state of a modal transform. Feed it ``press``, ``drag`` and ``look``; read ``motion``.
+    """The state of a modal tool. Call ``press``, ``drag`` and ``change_view`` for events, and read
+    ``motion``.
 
-    ``axes`` (3, 3): the local axes as unit columns. ``grid``: what Ctrl snaps moves to. ``unit``: world units
-    of a typed 1; ``turn``: radians of a typed 1.
+    ``axes`` (3, 3) are the local axes as unit columns. Ctrl snaps moves to steps of ``grid``. A typed 1 means
+    ``unit`` world units, or ``turn`` radians.
     """
 
     def __init__(
@@ -97,30 +106,31 @@ class TypedMotion:
         self.numbers = TypedNumbers()
         self._axes, self._grid, self._unit, self._turn = axes, grid, unit, turn
         self._constraint = _Constraint()
-        self._begun = mouse
+        self._mouse_at_start = mouse
         self._start()
 
     def _start(self) -> None:
-        """From rest, and from where the mouse was when the tool began."""
-        self._mouse = self._begun
+        """Start without a motion, with the mouse where it was when the tool started."""
+        self._mouse = self._mouse_at_start
         self._base, self._dragged = np.zeros(3), np.zeros(3)
         self._turned = 0.0  # counterclockwise on the screen
         self._factor = 1.0
-        self._grip = self._hand = self._mouse  # where scaling began, and where Shift lets the mouse be
+        # The mouse when scaling began, and now; Shift slows the latter.
+        self._scale_start = self._scale_mouse = self._mouse
         self.numbers = TypedNumbers(self._components)
 
     @property
     def _components(self) -> int:
         return 1 if self.mode is Mode.ROTATE else len(self._constraint.rows)
 
-    # What happens
+    # Events
 
     def hold(self, shift: bool, ctrl: bool) -> None:
-        """The modifier keys that are down."""
+        """Note which modifier keys are held."""
         self.precise, self.snaps = shift, ctrl
 
     def press(self, key: str, character: str = "", shift: bool = False, ctrl: bool = False) -> bool:
-        """Take a key, by Blender's name of it and the character it types; False where it means nothing."""
+        """Process a key, by Blender's name and the character that it types; False if it has no meaning."""
         if key in _MODE_KEYS and not ctrl:
             if self.mode is not _MODE_KEYS[key]:
                 self.mode, mouse = _MODE_KEYS[key], self._mouse
@@ -138,29 +148,29 @@ class TypedMotion:
         return True
 
     def drag(self, x: float, y: float) -> None:
-        """The mouse went there."""
+        """Process a motion of the mouse to a position."""
         view, (cx, cy) = self.view, self.view.centre
         slow = PRECISION if self.precise else 1.0
         right, up = (x - self._mouse[0]) * slow, (y - self._mouse[1]) * slow
         self._dragged = self._dragged + (right * view.right + up * view.up) * view.pixel
-        self._hand = (self._hand[0] + right, self._hand[1] + up)
+        self._scale_mouse = (self._scale_mouse[0] + right, self._scale_mouse[1] + up)
         before = atan2(self._mouse[1] - cy, self._mouse[0] - cx)
         self._turned += remainder(atan2(y - cy, x - cx) - before, 2.0 * pi) * slow
         self._mouse = (x, y)
 
-    def look(self, view: View, x: float, y: float) -> None:
-        """The view changed: what was done so far stays, and the mouse goes on from here."""
+    def change_view(self, view: View, x: float, y: float) -> None:
+        """Process a change of the view. The motion so far stays, and the mouse continues from here."""
         self._base = self._moved()
         self._dragged = np.zeros(3)
         self._factor = self._resized()
-        self._begun = self._mouse = self._grip = self._hand = (x, y)
+        self._mouse_at_start = self._mouse = self._scale_start = self._scale_mouse = (x, y)
         self.view = view
 
-    # What it means
+    # Results
 
     @property
     def motion(self) -> Motion:
-        """The motion that mouse, keys and numbers ask for now."""
+        """The current motion."""
         local, values = self._constraint.local, self._values()
         if self.mode is Mode.ROTATE:
             axis = self._turning_axis()
@@ -174,7 +184,7 @@ class TypedMotion:
         return Motion(self.mode, local, scale=(x, y, z))
 
     def header(self, length: Callable[[float], str]) -> str:
-        """One line for the header; ``length`` writes a length in the scene's units."""
+        """The text for the header. ``length`` formats a length in the units of the scene."""
         values, where = self._values(), self._constraint.text
         if self.mode is Mode.ROTATE:
             return f"Rotation: {self.numbers.shown(0, f'{degrees(values[0]):.2f}°')}{where}"
@@ -191,7 +201,7 @@ class TypedMotion:
         return f"{each} ({length(float(np.linalg.norm(values)))}){where}"
 
     def _values(self) -> list[float]:
-        """One number a component: typed ones, else those of the mouse, snapped."""
+        """One number per component: the typed numbers or, if there are none, those of the mouse, snapped."""
         if self.numbers:
             return self._typed()
         values = self._from_mouse()
@@ -202,7 +212,7 @@ class TypedMotion:
         return [round(value / step) * step for value in values]
 
     def _typed(self) -> list[float]:
-        """What is typed; a single factor scales all axes."""
+        """The typed numbers. A single factor scales all axes."""
         numbers = [self.numbers.value(component) for component in range(self._components)]
         if self.mode is Mode.RESIZE:
             other = 1.0 if numbers[0] is None else numbers[0]
@@ -224,21 +234,24 @@ class TypedMotion:
         return self._axes if self._constraint.local else np.eye(3)
 
     def _turning_axis(self) -> np.ndarray:
-        """Along the constraint; else away from the viewer, which makes a clockwise turn positive."""
+        """The axis of the constraint; without one, away from the viewer, so that clockwise is positive."""
         if not self._constraint.letter:
             return -self.view.toward
         return np.eye(3)[_LETTERS.index(self._constraint.letter)]
 
     def _resized(self) -> float:
-        """Mouse distances from the centre, now against then; negative on the other side of it."""
+        """The scale: the mouse's distance from the centre now, divided by that at the start.
+
+        It is negative if the mouse is on the other side of the centre.
+        """
         cx, cy = self.view.centre
-        then = (self._grip[0] - cx, self._grip[1] - cy)
-        now = (self._hand[0] - cx, self._hand[1] - cy)
+        then = (self._scale_start[0] - cx, self._scale_start[1] - cy)
+        now = (self._scale_mouse[0] - cx, self._scale_mouse[1] - cy)
         side = copysign(1.0, then[0] * now[0] + then[1] * now[1])
         return self._factor * side * hypot(*now) / max(hypot(*then), 1.0)
 
     def _moved(self) -> np.ndarray:
-        """The unsnapped move in the world, (3,): on the constraint, under the mouse."""
+        """The move in the world, (3,), before snapping: on the constraint, under the mouse."""
         letter, frame = self._constraint.letter, self._frame
         if not letter:
             return self._base + self._dragged
@@ -249,17 +262,17 @@ class TypedMotion:
         return kept + axis * self._along(axis)
 
     def _sight(self, point: np.ndarray) -> np.ndarray:
-        """The direction (3,) in which one looks at a point (3,), given relative to the pivot."""
+        """The direction of sight (3,) at a point (3,) that is given relative to the pivot."""
         if self.view.eye is None:
             return -self.view.toward
         sight = point - self.view.eye
         return sight / np.linalg.norm(sight)
 
     def _along(self, axis: np.ndarray) -> float:
-        """How far along an axis through the pivot the point is that the mouse covers."""
+        """How far along an axis through the pivot the point under the mouse is."""
         dragged, sight = self._dragged, self._sight(np.zeros(3))
         aside = np.cross(sight, axis)
-        if aside @ aside < _EDGE_ON**2:  # as Blender: up and down, slow at first
+        if aside @ aside < _EDGE_ON**2:  # as in Blender: the mouse moves it up and down, slowly at first
             lift = 2.0 * float(dragged @ self.view.up)
             return -copysign(lift * lift, lift)
         dragged = dragged - aside * (aside @ dragged) / (aside @ aside)
@@ -268,7 +281,7 @@ class TypedMotion:
         return float(dragged @ across / max(across @ across, 1e-12))
 
     def _on_plane(self, normal: np.ndarray) -> np.ndarray:
-        """The point under the mouse of a plane through the pivot, (3,)."""
+        """The point (3,) under the mouse, on a plane through the pivot."""
         sight = self._sight(self._dragged)
         slope = float(sight @ normal)
         height = float(self._dragged @ normal)

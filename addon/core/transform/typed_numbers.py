@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers typed while a tool runs, one a component, as in Blender's own transforms."""
+"""Numbers that are typed while a tool runs, one per component, as in Blender's own transforms."""
 
-_LONGEST = 24  # characters; more than a float can tell apart, and far from overflow
+_LONGEST = 24  # characters: more digits than a float has, and far from an overflow
 
 
 class TypedNumbers:
-    """One text a component; the ``active`` one takes the keys. Nothing typed leaves the mouse in charge."""
+    """One text per component, of which the ``active`` one receives the keys.
+
+    While nothing is typed, the mouse decides.
+    """
 
     def __init__(self, count: int = 3) -> None:
         self.texts = [""] * count
@@ -15,17 +18,17 @@ class TypedNumbers:
         return any(self.texts)
 
     def resize(self, count: int) -> None:
-        """Another number of components, of which as many as fit keep their text."""
+        """Change the number of components. Those that remain keep their text."""
         self.texts = (self.texts + [""] * count)[:count]
         self.active = min(self.active, count - 1)
 
     def clear(self) -> None:
-        """Give the mouse the lead again."""
+        """Remove all texts, so that the mouse decides again."""
         self.texts = [""] * len(self.texts)
         self.active = 0
 
     def type(self, character: str) -> bool:
-        """Take a digit, a decimal sign, or the minus that turns the sign; False for any other key."""
+        """Process a digit, a decimal point, or a minus, which changes the sign; False for any other key."""
         text = self.texts[self.active]
         if character == "-":
             text = text[1:] if text.startswith("-") else "-" + text
@@ -39,7 +42,7 @@ class TypedNumbers:
         return True
 
     def erase(self, everything: bool = False) -> None:
-        """Take the last character back; from an empty component go to the one before."""
+        """Remove the last character. From an empty component go to the previous one."""
         if everything:
             self.clear()
         elif self.texts[self.active]:
@@ -48,18 +51,18 @@ class TypedNumbers:
             self.active -= 1
 
     def step(self, by: int) -> None:
-        """Go to another component."""
+        """Activate another component."""
         self.active = (self.active + by) % len(self.texts)
 
     def value(self, component: int) -> float | None:
-        """The number of a component; None where nothing was typed."""
+        """The number of a component; None if nothing is typed."""
         text = self.texts[component]
         if not text:
             return None
         return float(text) if any(character.isdigit() for character in text) else 0.0
 
     def shown(self, component: int, value: str) -> str:
-        """A component for the header: the text with its cursor where it is being typed."""
+        """A component for the header. The active one shows its text with a cursor."""
         if component == self.active and self.texts[component]:
             return f"[{self.texts[component]}|] = {value}"
         return value

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shell of a tool that runs in Edit Mode: timer, drawing, header, status bar, and every way out."""
+"""What every tool in Edit Mode needs: a timer, drawing, header, status bar, and a clean end in all cases."""
 
 from collections.abc import Callable
 from enum import Enum
@@ -16,11 +16,11 @@ from .view import view_of
 
 _TICK = 0.05  # seconds between two looks at threads and previews
 
-Keys = tuple[tuple[tuple[str, ...], str], ...]  # icons, and what these keys do
+Keys = tuple[tuple[tuple[str, ...], str], ...]  # the icons of keys, and what these keys do
 
 
 class Outcome(Enum):
-    """What an event led to."""
+    """What the tool does after an event."""
 
     GO_ON = "GO_ON"
     PASS = "PASS"
@@ -29,33 +29,39 @@ class Outcome(Enum):
 
 
 class Tool(Protocol):
-    """What has the mesh in hand. It needs no window, only events like Blender's."""
+    """A tool that changes the mesh. It needs no window, only events like Blender's."""
 
-    pivot: np.ndarray  # (3,) in the world: depths are measured there
-    notice: str  # a refusal that did not end the tool
+    pivot: np.ndarray  # (3,) in the world; motions of the mouse are measured at its depth
+    notice: str  # an error that does not end the tool
 
     @property
     def job(self) -> Work | None:
-        """What a thread works out."""
+        """The work of a thread, if any."""
 
-    def handle(self, obj: Object, event: Event, view: View) -> Outcome:
-        """Take an event in. ``view`` is how the mesh is seen now."""
+    def process(self, obj: Object, event: Event, view: View) -> Outcome:
+        """Process an event. ``view`` describes the viewport at this moment."""
 
     def restore(self, obj: Object) -> None:
-        """Put everything back."""
+        """Restore the mesh."""
 
 
 class ViewportTool:
-    """Mixed into an operator: ``begin`` ends its ``invoke``, and a ``Tool`` gets the events from there on."""
+    """Mixin for an operator.
+
+    Its ``invoke`` ends with ``return self.begin(...)``; a ``Tool`` gets the events.
+    """
 
     KEYS: Keys = ()
 
     def header(self, context: Context) -> str:
-        """What the header of the viewport says."""
+        """The text in the header of the viewport."""
         raise TypeError(f"{type(self).__name__} has no header")
 
-    def keep(self) -> None:
-        """The tool is confirmed: store what it did as properties, for Adjust Last Operation and scripts."""
+    def store_result(self) -> None:
+        """Store what the tool did as properties, for Adjust Last Operation and scripts.
+
+        Called on confirmation.
+        """
 
     def begin(self, context: Context, tool: Tool, draw: Callable[[], None]) -> set[str]:
         """Run until the artist confirms or cancels; ``draw`` is called in each 3D Viewport."""
@@ -67,7 +73,7 @@ class ViewportTool:
         manager.modal_handler_add(self)
         keys = self.KEYS
         context.workspace.status_text_set(lambda header, _context: _draw_keys(header.layout, keys))
-        self._speak(context)
+        self._write_header(context)
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Context, event: Event) -> set[str]:
@@ -78,7 +84,7 @@ class ViewportTool:
             self._restore(obj)
             return self._leave(context, {"CANCELLED"})
         try:
-            outcome = self.tool.handle(obj, event, view_of(context, self.tool.pivot))
+            outcome = self.tool.process(obj, event, view_of(context, self.tool.pivot))
         except SinewError as error:
             self.report({"ERROR"}, str(error))
             self._restore(obj)
@@ -87,22 +93,22 @@ class ViewportTool:
             self.report({"WARNING"}, self.tool.notice)
             self.tool.notice = ""
         if outcome is Outcome.CONFIRMED:
-            self.keep()
+            self.store_result()
             return self._leave(context, {"FINISHED"})
         if outcome is Outcome.CANCELLED:
             return self._leave(context, {"CANCELLED"})
-        self._speak(context)
+        self._write_header(context)
         return {"PASS_THROUGH"} if outcome is Outcome.PASS else {"RUNNING_MODAL"}
 
     def cancel(self, context: Context) -> None:
-        """Blender ends the tool, as with its window."""
+        """Blender ends the tool, for example because its window is closed."""
         obj = context.edit_object
         if obj is not None and obj.name == self._name:
             self._restore(obj)
         self._leave(context, {"CANCELLED"})
 
-    def _speak(self, context: Context) -> None:
-        """The header, as Blender's own transforms write it, or the progress of a thread."""
+    def _write_header(self, context: Context) -> None:
+        """Write the header as Blender's own transforms do, or the progress of a thread."""
         if context.area is None:
             return
         job = self.tool.job
@@ -113,7 +119,7 @@ class ViewportTool:
             context.area.header_text_set(f"Sinew is working: {job.fraction:.0%} {job.stage}   (Esc cancels)")
 
     def _restore(self, obj: Object) -> None:
-        """After an error: what can be put back is put back."""
+        """Restore the mesh as far as possible, after an error."""
         try:
             self.tool.restore(obj)
         except SinewError as error:
@@ -131,7 +137,7 @@ class ViewportTool:
 
 
 def _draw_keys(layout: UILayout, keys: Keys) -> None:
-    """The status bar while the tool runs."""
+    """Draw the keys of the tool in the status bar."""
     for icons, text in keys:
         row = layout.row(align=True)
         for icon in icons[:-1]:

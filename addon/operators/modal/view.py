@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a tool in a viewport sees the scene: its view, axes, pivot, and lengths in the scene's units."""
+"""What a tool reads from the viewport and the scene: view, axes, pivot, and the units of lengths."""
 
 import math
 
@@ -9,7 +9,7 @@ from bpy.types import Context, Object
 
 from ...core.transform.typed_motion import View
 
-_UNITS = {  # metres of a unit, and how it is written
+_UNITS = {  # the length of a unit in metres, and its symbol
     "KILOMETERS": (1000.0, " km"),
     "METERS": (1.0, " m"),
     "CENTIMETERS": (0.01, " cm"),
@@ -23,21 +23,21 @@ _UNITS = {  # metres of a unit, and how it is written
 
 
 def view_of(context: Context, pivot: np.ndarray) -> View:
-    """How a 3D Viewport sees a world point (3,); pixels are those of the window."""
+    """The view of a 3D Viewport at a point (3,) of the world. Pixels are those of the window."""
     region = context.region
     if region is None or region.type != "WINDOW":
         region = next(other for other in context.area.regions if other.type == "WINDOW")
-    seen = context.space_data.region_3d if context.region_data is None else context.region_data
-    to_view = np.array(seen.view_matrix, dtype=np.float64)
+    view = context.space_data.region_3d if context.region_data is None else context.region_data
+    to_view = np.array(view.view_matrix, dtype=np.float64)
     right, up, toward = to_view[:3, :3] / np.linalg.norm(to_view[:3, :3], axis=1, keepdims=True)
-    x, y, _z, w = np.array(seen.perspective_matrix, dtype=np.float64) @ (*pivot, 1.0)
+    x, y, _z, w = np.array(view.perspective_matrix, dtype=np.float64) @ (*pivot, 1.0)
     depth = max(abs(w), 1e-6)
-    eye = np.linalg.inv(to_view)[:3, 3] - pivot if seen.is_perspective else None
+    eye = np.linalg.inv(to_view)[:3, 3] - pivot if view.is_perspective else None
     return View(
         right,
         up,
         toward,
-        pixel=2.0 * depth / (abs(seen.window_matrix[0][0]) * region.width),
+        pixel=2.0 * depth / (abs(view.window_matrix[0][0]) * region.width),
         centre=(
             region.x + 0.5 * region.width * (1.0 + x / depth),
             region.y + 0.5 * region.height * (1.0 + y / depth),
@@ -60,12 +60,12 @@ def length_text(settings: bpy.types.UnitSettings, value: float) -> str:
 
 
 def _plain(value: float) -> str:
-    """Four decimals at most, and never a negative nothing."""
+    """At most four decimals, and 0 instead of -0."""
     return f"{round(value, 4) + 0.0:.4f}".rstrip("0").rstrip(".")
 
 
 def typed_units(settings: bpy.types.UnitSettings) -> tuple[float, float]:
-    """World units, and radians, of a typed 1."""
+    """The world units and the radians that a typed 1 means."""
     turn = 1.0 if settings.system_rotation == "RADIANS" else math.pi / 180.0
     if settings.system == "NONE":
         return 1.0, turn

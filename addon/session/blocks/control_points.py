@@ -9,12 +9,12 @@ import numpy as np
 from bpy.types import GeometryNodeTree, Mesh, NodeSocket, Object
 
 from ... import compat
-from ...core.kinds import BEZIER, CURVE, POINTCLOUD, SURFACE, Kind
+from ...core.point_types import BEZIER, CURVE, POINTCLOUD, SURFACE, PointType
 from ...ids import Datablocks
 from .node_group import attach
 from .nodes import Builder
 
-_PART = ".sinew_part"  # in a mesh of control points: which part of which kind a vertex is, 0 for a surface
+_PART = ".sinew_part"  # in a mesh of control points: which points a vertex stands for, 0 for a surface
 _POINT, _LEFT, _RIGHT, _CLOUD = 1, 2, 3, 4
 _KINDS = {0: SURFACE, _POINT: CURVE, _RIGHT: BEZIER, _CLOUD: POINTCLOUD}  # by the last part there is
 _BEZIER = 2.0  # the number of the type of curve
@@ -24,8 +24,8 @@ _BEZIER = 2.0  # the number of the type of curve
 def showing_points(obj: Object) -> Iterator[Object]:
     """For a while, a mesh object that shows what ``obj``, of another type, is after its modifiers.
 
-    That is the surface where it has one, else its control points as loose vertices, in parts as ``Kind``
-    says. Where a point has no handles, they are where it is.
+    That is the surface where it has one, else its control points as loose vertices, in the order that
+    ``PointType`` describes. The handles of a point without handles lie at the point.
     """
     group = bpy.data.node_groups.new(Datablocks.NODE_GROUP, "GeometryNodeTree")
     mesh = bpy.data.meshes.new(Datablocks.REST)
@@ -50,8 +50,8 @@ def _points_of(group: GeometryNodeTree, obj: Object) -> None:
     components = build.add("GeometryNodeSeparateComponents", Geometry=given).outputs
     position = build.add("GeometryNodeInputPosition").outputs[0]
     index = build.add("GeometryNodeInputIndex").outputs[0]
-    kind = build.add("GeometryNodeInputNamedAttribute", {"data_type": "INT"}, Name="curve_type")
-    is_bezier = build.math("COMPARE", build.out(kind, "Attribute"), _BEZIER)
+    curve_type = build.add("GeometryNodeInputNamedAttribute", {"data_type": "INT"}, Name="curve_type")
+    is_bezier = build.math("COMPARE", build.out(curve_type, "Attribute"), _BEZIER)
     statistic = {"data_type": "FLOAT", "domain": "POINT"}
     any_bezier = build.out(
         build.add(
@@ -81,7 +81,7 @@ def _vertices(build: Builder, points: NodeSocket, part: int, selection: object =
     return build.store(build.out(made, "Mesh"), "INT", _PART, part)
 
 
-def take_point_type(mesh: Mesh) -> Kind:
+def take_point_type(mesh: Mesh) -> PointType:
     """What a mesh made by ``showing_points`` holds. The attribute that tells goes."""
     attribute = mesh.attributes.get(_PART)
     if attribute is None:

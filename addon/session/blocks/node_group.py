@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node groups of a file, one for each kind of points. They show a shape mesh.
+"""The node groups of a file, one per point type. They show a shape mesh.
 
-That of vertices also stores what came in for the next solve.
+The group for vertices also stores the incoming positions, which the next solve reads.
 
     incoming -> store position and index -> Set Position(mix(incoming, shape, Factor * Mask)) where the
     counts agree
 
-Factor and the kind of shape ride in the last vertex of the shape mesh (``mesh_io/shape.py``).
+The last vertex of the shape mesh holds Factor and the type of shape (``mesh_io/shape.py``).
 """
 
 from collections.abc import Callable
@@ -16,7 +16,7 @@ import bpy
 from bpy.types import GeometryNodeTree, Modifier, NodesModifier, NodeSocket
 
 from ... import compat
-from ...core.kinds import BEZIER, MESH, Kind
+from ...core.point_types import BEZIER, MESH, PointType
 from ...ids import Datablocks, Inputs, Keys
 from .nodes import Builder
 
@@ -25,32 +25,32 @@ _SIDES = ("LEFT", "RIGHT")
 _COMPONENTS = {"MESH": "Mesh", "CURVE": "Curve", "POINTCLOUD": "Point Cloud"}  # as sockets are called
 
 
-def ensure(kind: Kind) -> GeometryNodeTree:
-    """The file's group for a kind, made when missing. Recognised by custom properties, never by name."""
+def ensure(point_type: PointType) -> GeometryNodeTree:
+    """The file's group for a point type, made if it is missing. Custom properties tell it, never its name."""
     for group in bpy.data.node_groups:
         is_current = group.get(Keys.GROUP_VERSION) == _VERSION and group.library is None
-        if is_current and _fits(group, kind) and _is_whole(group):
+        if is_current and _fits(group, point_type) and _is_whole(group):
             return group
     group = bpy.data.node_groups.new(Datablocks.NODE_GROUP, "GeometryNodeTree")
     group[Keys.GROUP_VERSION] = _VERSION
-    group[Keys.GROUP_KIND] = _name(kind)
+    group[Keys.GROUP_POINT_TYPE] = _name(point_type)
     _interface(group)
-    _nodes(group, kind)
+    _nodes(group, point_type)
     return group
 
 
-def shows(modifier: NodesModifier, kind: Kind) -> bool:
-    """The modifier has the group for this kind."""
-    return modifier.node_group is not None and _fits(modifier.node_group, kind)
+def shows(modifier: NodesModifier, point_type: PointType) -> bool:
+    """The modifier has the group for this point type."""
+    return modifier.node_group is not None and _fits(modifier.node_group, point_type)
 
 
-def _fits(group: GeometryNodeTree, kind: Kind) -> bool:
-    return group.get(Keys.GROUP_KIND, _name(MESH)) == _name(kind)
+def _fits(group: GeometryNodeTree, point_type: PointType) -> bool:
+    return group.get(Keys.GROUP_POINT_TYPE, _name(MESH)) == _name(point_type)
 
 
-def _name(kind: Kind) -> str:
+def _name(point_type: PointType) -> str:
     """Kinds of one name share a group."""
-    return f"{kind.component} {kind.parts}"
+    return f"{point_type.component} {point_type.points_per_element}"
 
 
 def _is_whole(group: GeometryNodeTree) -> bool:
@@ -93,18 +93,18 @@ def _interface(group: GeometryNodeTree) -> None:
     )
 
 
-def _nodes(group: GeometryNodeTree, kind: Kind) -> None:
+def _nodes(group: GeometryNodeTree, point_type: PointType) -> None:
     build = Builder(group)
     entry = build.add("NodeGroupInput")
     position = build.add("GeometryNodeInputPosition").outputs[0]
     index = build.add("GeometryNodeInputIndex").outputs[0]
 
     kept = entry.outputs["Geometry"]
-    if kind.component == MESH.component:
+    if point_type.component == MESH.component:
         for name, typ, value in ((Inputs.INCOMING, "FLOAT_VECTOR", position), (Inputs.INDEX, "INT", index)):
             kept = build.store(kept, typ, entry.outputs[name], value)
     else:
-        kept, rejoin = _apart(build, kept, kind.component)
+        kept, rejoin = _apart(build, kept, point_type.component)
     alone = kept
 
     shapes = [
@@ -114,8 +114,9 @@ def _nodes(group: GeometryNodeTree, kind: Kind) -> None:
     in_viewport = build.add("GeometryNodeIsViewport").outputs[0]
     shape = build.switch("GEOMETRY", in_viewport, *(build.out(node, "Geometry") for node in shapes))
 
-    points = build.count(entry.outputs["Geometry"], kind.component)
-    count = points if kind.parts == 1 else build.math("MULTIPLY", points, float(kind.parts))
+    points = build.count(entry.outputs["Geometry"], point_type.component)
+    per_element = point_type.points_per_element
+    count = points if per_element == 1 else build.math("MULTIPLY", points, float(per_element))
     fits = build.math("COMPARE", build.math("ADD", count, 1.0), build.count(shape, "MESH"))
     last = build.add("ShaderNodeSeparateXYZ", Vector=build.sample(shape, position, count)).outputs
     is_displacement = build.math("GREATER_THAN", last[1], 0.5)
@@ -141,14 +142,14 @@ def _nodes(group: GeometryNodeTree, kind: Kind) -> None:
         settings = {"data_type": "VECTOR", "clamp_factor": False}
         return build.out(build.add("ShaderNodeMix", settings, Factor=share, A=before, B=goal), "Result")
 
-    if kind is BEZIER:  # handles of other types would follow rules of their own
+    if point_type is BEZIER:  # handles of other types would follow rules of their own
         settings = {"handle_type": "FREE", "mode": {"LEFT", "RIGHT"}}
         kept = build.out(
             build.add("GeometryNodeCurveSetHandles", settings, Curve=kept, Selection=fits), "Curve"
         )
     node = build.add("GeometryNodeSetPosition", Geometry=kept, Selection=fits, Position=moved(position, 0))
     shown = build.out(node, "Geometry")
-    for part, side in enumerate(_SIDES[: kind.parts - 1], 1):
+    for part, side in enumerate(_SIDES[: point_type.points_per_element - 1], 1):
         handle = build.handle(side)
         before = build.sample(alone, handle, index)  # in ``shown`` points took their handles along
         node = build.add(
@@ -159,7 +160,7 @@ def _nodes(group: GeometryNodeTree, kind: Kind) -> None:
             Position=moved(before, part),
         )
         shown = build.out(node, "Curve")
-    if kind.component != MESH.component:
+    if point_type.component != MESH.component:
         shown = rejoin(shown)
     build.feed(build.add("NodeGroupOutput").inputs["Geometry"], shown)
 

@@ -10,8 +10,8 @@ from bpy.types import ID, Curve, Object, Spline
 
 from ...compat import write_positions
 from ...core.errors import OptionError, SinewError
-from ...core.kinds import MESH, SURFACE, Kind, named
 from ...core.methods import Method, Moved
+from ...core.point_types import MESH, SURFACE, PointType, point_type_with_id
 from ...core.status import Remedy
 from ...ids import Keys
 from ...properties import SinewDeformer
@@ -39,10 +39,10 @@ def label(obj: Object) -> str:
     return obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
 
 
-def point_type(deformer: SinewDeformer) -> Kind:
+def point_type(deformer: SinewDeformer) -> PointType:
     """What the deformer moves, as it was bound."""
     rest = deformer.rest_in("VIEWPORT")
-    return MESH if rest is None else named(rest.get(Keys.REST_KIND))
+    return MESH if rest is None else point_type_with_id(rest.get(Keys.REST_POINT_TYPE))
 
 
 def is_exported(obj: Object) -> bool:
@@ -68,15 +68,15 @@ def vertex_count(obj: Object) -> int:
     return len(obj.data.vertices) if is_mesh(obj) else -1
 
 
-def holds_points(obj: Object, kind: Kind) -> bool:
-    """The object itself has the points of this kind, which Blender has not made of something else."""
-    return kind is not SURFACE and obj.type != "FONT"
+def holds_points(obj: Object, point_type: PointType) -> bool:
+    """Whether the object itself has the points of this type, which Blender has not made of something else."""
+    return point_type is not SURFACE and obj.type != "FONT"
 
 
-def point_count(obj: Object, kind: Kind) -> int:
-    """How many points, in all parts, a deformer of this kind moves where no modifiers come before it."""
+def point_count(obj: Object, point_type: PointType) -> int:
+    """How many points of this type, with their handles, a deformer moves if no modifier comes before it."""
     if obj.type == "CURVE":
-        return kind.parts * sum(map(_length, obj.data.splines))
+        return point_type.points_per_element * sum(map(_length, obj.data.splines))
     return size(obj)
 
 

@@ -39,7 +39,7 @@ def select_elements(obj: Object, elements: Elements) -> int:
     for vertex in edit.verts:
         vertex.select = False
     edit.select_flush(False)
-    sequence = edit.faces if elements.kind == "face" else edit.verts
+    sequence = edit.faces if elements.element == "face" else edit.verts
     sequence.ensure_lookup_table()
     wanted = [index for index in elements.indices if index < len(sequence)]
     for index in wanted:

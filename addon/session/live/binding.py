@@ -8,12 +8,12 @@ from functools import partial
 
 import bpy
 
-from ...backend import Factor, Inheritance, Progress, availability, build_factor
+from ...backend import Factor, PreparedBind, Progress, availability, build_factor
 from ...core import status
 from ...core.elements import NO_ELEMENTS, Owner
 from ...core.errors import BackendMissingError, CancelledError, SinewError
-from ...core.kinds import MESH
 from ...core.memory import remember
+from ...core.point_types import MESH
 from ...core.status import Level, Remedy, Status
 from ...ids import Keys
 from ...mesh_io import read_rest
@@ -66,7 +66,7 @@ def ensure(
     """The factor for these settings; None while a thread builds it, or where an earlier refusal still stands.
 
     Where few things changed, the factor so far becomes the new one; the last shape stays meanwhile. The
-    caller holds the session's lock.
+    caller holds the session's lock, and shows a refusal.
 
     ``deformer`` is the original settings, ``settings`` the evaluated ones (animated values); ``session`` is
     that of the mode.
@@ -79,7 +79,7 @@ def ensure(
         _keep_job_for(deformer.uid, key)
         under_way = None if wait else _jobs.get(deformer.uid)
     bound = session.bound
-    is_wanted = bound is not None and bound.key == key and not bound.factor.is_spent
+    is_wanted = bound is not None and bound.key == key and not bound.factor.is_released
     if is_wanted and (under_way is not None or not bound.is_preview):
         return bound
     require_backend()
@@ -94,27 +94,26 @@ def ensure(
         if rest == deformer.rest:
             abandon(deformer.uid)
         session.drop_work()  # its answer would be one of the old factor
-        inherited = None if session.bound is None else session.bound.factor.hand_over(request.recipe)
+        prepared = None if session.bound is None else session.bound.factor.prepare_rebind(request.recipe)
         if not wait and may_wait(len(request.rest.points)):
-            _jobs[deformer.uid] = _begin(request, inherited)
+            _jobs[deformer.uid] = _begin(request, prepared)
             return None
         begin = time.perf_counter()
-        factor = build_factor(request.recipe, progress, inherited)
+        factor = build_factor(request.recipe, progress, prepared)
     except SinewError as error:
-        told = _told(error, request)
-        _refuse(session, deformer.uid, key, told)
-        raise told from error
+        _note_refusal(session, deformer.uid, key)
+        raise _told(error, request) from error
     return _install(
         session, deformer.uid, request, factor, time.perf_counter() - begin, rest == deformer.rest
     )
 
 
-def _begin(request: BindInput, inherited: Inheritance | None) -> Work:
+def _begin(request: BindInput, prepared: PreparedBind | None) -> Work:
     """A thread that builds a factor; where a quick one is worth showing, that one first."""
     preview = request.recipe.preview()
-    if preview is not None and inherited is None:
+    if preview is not None and prepared is None:
         return Work(partial(build_factor, preview), replace(request, recipe=preview, after=request))
-    return Work(partial(build_factor, request.recipe, inherited=inherited), request)
+    return Work(partial(build_factor, request.recipe, prepared=prepared), request)
 
 
 def _told(error: SinewError, request: BindInput | None) -> SinewError:
@@ -122,9 +121,9 @@ def _told(error: SinewError, request: BindInput | None) -> SinewError:
     if request is None:
         return error
     elements = kinds.kind_of_method(request.recipe.method).selectable(error.elements, request)
-    if request.rest.kind is not MESH and elements.owner is Owner.TARGET:
-        return error.about(NO_ELEMENTS, Remedy.NONE)  # nothing of it can be selected, or repaired
-    return error.about(elements, error.remedy)
+    if request.rest.point_type is not MESH and elements.owner is Owner.TARGET:
+        return error.with_elements(NO_ELEMENTS, Remedy.NONE)  # nothing of it can be selected, or repaired
+    return error.with_elements(elements, error.remedy)
 
 
 def _keep_job_for(uid: str, key: tuple) -> None:
@@ -138,10 +137,10 @@ def _keep_job_for(uid: str, key: tuple) -> None:
         _take_in(uid)
 
 
-def _refuse(session: Session, uid: str, key: tuple, error: SinewError) -> None:
+def _note_refusal(session: Session, uid: str, key: tuple) -> None:
+    """The same bind is not tried again."""
     session.bound, session.failed = None, key
     status.put_notes(uid, ())
-    status.fail(uid, error)
 
 
 def _install(
@@ -170,7 +169,9 @@ def _install(
 def summary(bound: Bound) -> str:
     """The status line of a deformer that is well."""
     time_spent = duration(bound.milliseconds)
-    return f"{len(bound.rest.points):,} {bound.rest.kind.nouns[1]}, {bound.control}, bound in {time_spent}"
+    return (
+        f"{len(bound.rest.points):,} {bound.rest.point_type.nouns[1]}, {bound.control}, bound in {time_spent}"
+    )
 
 
 def duration(milliseconds: float) -> str:
@@ -183,7 +184,7 @@ def duration(milliseconds: float) -> str:
 def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
     """What is unusual about the mesh. Elements count the vertices that enter: Select shows the base mesh."""
     warnings = kinds.kind_of_method(request.recipe.method).notes(factor.report, request)
-    if request.rest.kind is not MESH:
+    if request.rest.point_type is not MESH:
         return warnings  # there is nothing to repair
     diagnosis = replace(factor.diagnosis, not_finite=request.rest.not_finite)
     return (*warnings, *mesh_notes.notes(diagnosis, request.on_base))
@@ -222,7 +223,8 @@ def cancel(uid: str) -> None:
     if stopped is None:
         return
     abandon(uid)
-    _refuse(sessions.open_session(uid), uid, stopped.subject.key, CancelledError(CANCELLED))
+    _note_refusal(sessions.open_session(uid), uid, stopped.subject.key)
+    status.fail(uid, CancelledError(CANCELLED))
 
 
 def collect() -> list[str]:
@@ -244,7 +246,8 @@ def _take_in(uid: str) -> None:
     """A finished job becomes the factor or the refusal of its deformer; a preview starts the real bind."""
     job, session = _jobs.pop(uid), sessions.open_session(uid)
     if job.error is not None:
-        _refuse(session, uid, job.subject.key, _told(job.error, job.subject))
+        _note_refusal(session, uid, job.subject.key)
+        status.fail(uid, _told(job.error, job.subject))
         return
     _install(session, uid, job.subject, job.result, job.seconds)
     real = job.subject.after

@@ -58,11 +58,11 @@ def find(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray | None, bool]
     )
     if found.points is not None and len(bound.rest.not_finite):
         points = found.points.copy()
-        points[bound.rest.not_finite] = bound.rest.compact[bound.rest.not_finite]
+        points[bound.rest.not_finite] = bound.rest.points_float32[bound.rest.not_finite]
         found = replace(found, points=points)
     if found.points is not None:
         evaluation.note("")
-        return (None if np.array_equal(found.points, bound.rest.compact) else found.points), False
+        return (None if np.array_equal(found.points, bound.rest.points_float32) else found.points), False
     if found.count < 0 and evaluation.obj.mode == "EDIT":
         return evaluation.shown.incoming, False
     if found.count > expected or _entering(evaluation) not in (None, expected):
@@ -104,6 +104,6 @@ def after(evaluation: Evaluation) -> Chain:
         return Chain(broken=True)
     if shown.factor == 1.0:
         return Chain(points=shown.positions)
-    before = evaluation.session.bound.rest.compact if shown.incoming is None else shown.incoming
+    before = evaluation.session.bound.rest.points_float32 if shown.incoming is None else shown.incoming
     factor = np.float32(shown.factor)
     return Chain(points=before * (np.float32(1.0) - factor) + shown.positions * factor)

@@ -130,7 +130,7 @@ def selected(deformer: SinewDeformer) -> tuple[int, ...]:
 def influence(deformer: SinewDeformer) -> Influence | None:
     """How far each vertex goes with those selected on the control; None where it has no weights."""
     session = sessions.find(deformer.uid)
-    if session is None or session.bound is None or session.bound.factor.is_spent:
+    if session is None or session.bound is None or session.bound.factor.is_released:
         return None  # a thread may be binding another
     return kinds.kind_of_method(session.bound.factor.recipe.method).influence(deformer, session.bound)
 
@@ -184,7 +184,7 @@ def _blend(
     mask: np.ndarray | None,
 ) -> np.ndarray:
     """As the node group does: from what came in to the solution, by Factor and mask."""
-    before = rest.compact if incoming is None else incoming
+    before = rest.points_float32 if incoming is None else incoming
     if positions is None:
         return before
     after = before + positions if displacement else positions

@@ -65,7 +65,7 @@ class Patch:
         self._inverse = frames.inverse(world, obj.name)[:3, :3]
         self._linear, self.origin = world[:3, :3], world[:3, 3]
         self._read(obj)
-        self._surface = reach.Surface(len(self._rest), self._counts, self._corners)
+        self._triangles = reach.TriangleMesh(len(self._rest), self._counts, self._corners)
         self._lengths: np.ndarray | None = None
         self._measured = 0.0
         self._written: Region | None = None  # whose vertices are not at rest
@@ -90,7 +90,7 @@ class Patch:
             painted = group_weights(mesh, [group.name for group in obj.vertex_groups], groups)
         finally:
             bpy.data.meshes.remove(mesh)
-        self._rest, self._counts, self._corners = shape.compact, shape.counts, shape.corners
+        self._rest, self._counts, self._corners = shape.points_float32, shape.counts, shape.corners
         self.points = shape.points @ self._linear.T
         stays = hidden.copy()
         stays[shape.not_finite] = True
@@ -116,12 +116,12 @@ class Patch:
         sources = np.zeros(len(self._rest), dtype=bool)
         sources[self.selected] = True
         if np.isinf(radius):
-            free = self._surface.connected(sources, self._stays)
+            free = self._triangles.connected(sources, self._stays)
         else:
             free = self._measure(sources, radius) <= radius
         free &= ~sources
-        inside = reach.surrounded(self._counts, self._corners, free, _RINGS)
-        members, faces = reach.part(self._counts, self._corners, inside)
+        inside = reach.with_rings(self._counts, self._corners, free, _RINGS)
+        members, faces = reach.submesh(self._counts, self._corners, inside)
         return Region(
             radius,
             moving=np.concatenate((self.selected, np.flatnonzero(free))),
@@ -135,7 +135,7 @@ class Patch:
         )
 
     def _shaded(self, moving: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-        faces = reach.met(self._counts, self._corners, moving)
+        faces = reach.touching_faces(self._counts, self._corners, moving)
         vertices = np.unique(self._corners[np.repeat(faces, self._counts)])
         few = len(vertices) < _FEW * len(self._rest)
         return (vertices, np.flatnonzero(faces)) if few else None
@@ -144,7 +144,7 @@ class Patch:
         """Lengths (n,) over the surface, measured again only where the radius outgrew what is known."""
         if self._lengths is None or radius > self._measured:
             self._measured = radius if self._lengths is None else radius * _HEADROOM
-            self._lengths = self._surface.lengths(self.points, sources, self._stays, self._measured)
+            self._lengths = self._triangles.lengths(self.points, sources, self._stays, self._measured)
         return self._lengths
 
     def write(self, obj: Object, region: Region, places: np.ndarray, final: bool = True) -> None:

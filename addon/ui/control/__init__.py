@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel shows of each kind of control: the module here with the name of the kind."""
+"""What the panel shows of each kind of control. The module of a kind has the name of the kind."""
 
 from importlib import import_module
 from pathlib import Path
@@ -12,19 +12,19 @@ from ...properties import SinewDeformer
 
 
 class ControlDrawing(Protocol):
-    """A module of this folder."""
+    """What each module of this folder implements."""
 
     MENUS: tuple[type[Menu], ...]
     PANELS: tuple[type[Panel], ...]
-    ABOVE_PARAMETERS: bool  # drawn between the method and its parameters, else below them
+    ABOVE_PARAMETERS: bool  # whether the controls are drawn above the parameters of the method, or below them
 
     @staticmethod
     def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-        """The first step on an object that has no deformer."""
+        """Draw the first step for an object that has no deformer."""
 
     @staticmethod
     def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-        """The controls of the active deformer."""
+        """Draw the controls of the active deformer."""
 
 
 _DRAWINGS: dict[Control, ControlDrawing] = {
@@ -38,11 +38,11 @@ PANELS = tuple(panel for drawing in _DRAWINGS.values() for panel in drawing.PANE
 
 
 def drawing_of(method: Method) -> ControlDrawing:
-    """How the controls of a method are drawn."""
+    """The module that draws the controls of a method."""
     return _DRAWINGS[method.control]
 
 
 def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-    """The first steps on an object that has no deformer, by each kind of control."""
+    """Draw the first steps for an object that has no deformer, for all kinds of control."""
     for drawing in _DRAWINGS.values():
         drawing.draw_start(context, layout, obj)

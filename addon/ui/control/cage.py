@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cage of a deformer in the panel, and its menu."""
+"""Draws the cage of a deformer in the panel, and its menu."""
 
 from bpy.types import Context, Menu, Object, UILayout
 
@@ -33,14 +33,14 @@ MENUS = (SINEW_MT_cage,)
 
 
 def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-    """Add a cage; what is no mesh can only be moved by one."""
+    """Draw the buttons that add a cage. An object that is not a mesh can only be moved by a cage."""
     if not session.is_mesh(obj):
         draw_text(context, layout, f"A cage moves this {session.label(obj)} object - add one", "INFO")
     _draw_add(layout)
 
 
 def draw(_context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
-    """The cage, or how to get one."""
+    """Draw the cage, or the buttons that add one."""
     column = split(layout.column())
     row = column.row()
     row.alert = deformer.is_bound and deformer.cage_missing

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The handles of a deformer in the panel, the panel of the active one, and its menu."""
+"""Draws the handles of a deformer, the sub-panel of the active handle, and its menu."""
 
 from bpy.types import Context, Menu, Object, Panel, UILayout
 
@@ -12,7 +12,7 @@ from ..places import ActiveDeformerPanel, active_deformer
 from ..text import columns, draw_text
 
 ABOVE_PARAMETERS = False
-_WIDE_MENUS = 36  # characters, from which on two menu buttons fit beside each other
+_WIDE_MENUS = 36  # characters; in a wider region, two menu buttons fit beside each other
 
 
 class SINEW_PT_region(ActiveDeformerPanel, Panel):
@@ -70,7 +70,7 @@ PANELS = (SINEW_PT_region,)
 
 
 def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-    """Mark the first region."""
+    """Draw how to make the first region."""
     if not session.is_mesh(obj):
         return
     if obj.mode == "EDIT":
@@ -82,7 +82,7 @@ def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
 
 
 def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    """The list of handles, and the buttons that add some."""
+    """Draw the list of handles, and the buttons that add handles."""
     layout.label(text="Handles")
     row = layout.row()
     several = len(deformer.handles) > 1
@@ -99,7 +99,7 @@ def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeforme
 
 
 def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:
-    """In Edit Mode they take the selection, else a vertex group from a menu."""
+    """Draw the buttons that add regions: from the selection in Edit Mode, else from a vertex group."""
     column = layout.column(align=True)
     _draw_add(column, obj, "HANDLE", "Add Handle", "ADD")
     beside = obj.mode == "EDIT" or columns(context) >= _WIDE_MENUS
@@ -108,8 +108,8 @@ def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:
     _draw_add(others, obj, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
 
 
-def _draw_add(layout: UILayout, obj: Object, kind: str, text: str, icon: str) -> None:
+def _draw_add(layout: UILayout, obj: Object, role: str, text: str, icon: str) -> None:
     if obj.mode == "EDIT":
-        layout.operator(Operators.HANDLE_ADD, text=text, icon=icon).kind = kind
+        layout.operator(Operators.HANDLE_ADD, text=text, icon=icon).kind = role
     else:
-        layout.menu(Menus.OF_GROUPS[kind], text=text, icon=icon)
+        layout.menu(Menus.FOR_GROUPS[role], text=text, icon=icon)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Loads sinew_native and poses a small sheet; run by any Python, Blender's included.
+"""Loads sinew_native and poses a small sheet, in any Python, also Blender's.
 
 With ``--own-libraries FOLDER`` it also holds that CHOLMOD, BLAS, TBB and OpenSubdiv came from FOLDER, where
 the wheel lies, and with ``--alone`` that no second copy of them was mapped from anywhere else.
@@ -13,7 +13,7 @@ BUNDLED = ("libcholmod", "libopenblas", "libtbb", "libgomp", "libosdCPU")
 
 
 def pose_a_sheet(sinew_native):
-    """A sheet of 41 x 41 points, one side fixed, the other lifted: both methods follow and stay finite."""
+    """Poses a sheet of 41 x 41 points, with one side fixed and the other lifted, by both handle methods."""
     import numpy
 
     side = 41
@@ -34,7 +34,7 @@ def pose_a_sheet(sinew_native):
 
 
 def refine_and_enclose(sinew_native):
-    """A cube, subdivided, and a cage around that."""
+    """Subdivides a cube, and makes a cage around it."""
     import numpy
 
     points = numpy.array([(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)], float)

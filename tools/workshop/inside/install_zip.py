@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Installs one of the two zips in the Blender that runs this, in the user folder its environment names.
+"""Installs one of the two zips in the Blender that runs this, in the user folder that its environment names.
 
 Then it loads the native module through the add-on, and lets Blender quit as it does for an artist.
 """

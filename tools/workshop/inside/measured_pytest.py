@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""tests/blender/run_pytest.py in Blender, with coverage.py watching the installed add-on.
+"""Runs tests/blender/run_pytest.py in Blender, while coverage.py records the installed add-on.
 
 SINEW_COVERAGE names the file to write and the folder that holds coverage.py, apart from Blender's packages.
 """
@@ -24,6 +24,7 @@ def save_and_leave(status: int) -> None:
     leave(status)
 
 
-os._exit = save_and_leave  # run_pytest.py leaves by it, past everything that Python does at its end
+# Run_pytest.py ends by os._exit, which skips everything that Python does at its end.
+os._exit = save_and_leave
 measured.start()
 runpy.run_path(str(Path(__file__).resolve().parents[3] / "tests" / "blender" / "run_pytest.py"))

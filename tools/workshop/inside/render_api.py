@@ -25,10 +25,14 @@ TEMPLATE = """{% extends "default/module.html.jinja2" %}
 """
 
 
-def plain_docstring(of: Doc) -> str:
+def plain_docstring(documented: Doc) -> str:
     """The docstring without the signature that pybind11 puts above it."""
-    first, _, rest = of.docstring.partition("\n")
-    return (rest if isinstance(of, Function) and first.startswith(f"{of.name}(") else of.docstring).strip()
+    first, _, rest = documented.docstring.partition("\n")
+    return (
+        rest
+        if isinstance(documented, Function) and first.startswith(f"{documented.name}(")
+        else documented.docstring
+    ).strip()
 
 
 def main(module: str, target: Path) -> None:

@@ -36,7 +36,7 @@ BACK = '<nav><a href="index.html">Sinew manual</a></nav>\n'
 
 
 def render(source: Path) -> dict[str, bytes]:
-    """Name -> content, of every file of the manual."""
+    """Every file of the manual: name -> content."""
     bodies = {path.name: body(path) for path in sorted(source.glob("*.md"))}
     found = {name: Links(text) for name, text in bodies.items()}
     files = {STYLE.name: STYLE.read_bytes()}
@@ -55,7 +55,7 @@ def render(source: Path) -> dict[str, bytes]:
 
 
 def body(path: Path) -> str:
-    """The page's HTML, its links as they were written."""
+    """The HTML of a page, with its links as they are written."""
     text = re.sub(r"\A<!--.*?-->\s*", "", path.read_text(encoding="utf-8"), flags=re.S)  # the licence line
     return markdown.markdown(
         text, extensions=["tables", "fenced_code", "toc", "sane_lists"], output_format="html"
@@ -67,14 +67,14 @@ def page_name(markdown_name: str) -> str:
 
 
 def linked(text: str) -> str:
-    """Links to other pages lead to their HTML."""
+    """The text with links to the HTML of other pages instead of their Markdown."""
     return re.sub(
         r'href="([^"#/]+\.md)(#[^"]*)?"', lambda match: f'href="{page_name(match[1])}{match[2] or ""}"', text
     )
 
 
 class Links(HTMLParser):
-    """What a page points to, the anchors it has, and its title."""
+    """The links of a page, its anchors, and its title."""
 
     def __init__(self, text: str) -> None:
         super().__init__()
@@ -104,7 +104,7 @@ def is_elsewhere(link: str) -> bool:
 
 
 def broken(link: str, page: str, source: Path, pages: dict[str, Links]) -> str:
-    """What is wrong with a link, or nothing."""
+    """What is wrong with a link; empty if it is right."""
     if is_elsewhere(link):
         return ""
     parts = urlsplit(link)

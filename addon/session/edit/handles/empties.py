@@ -30,7 +30,7 @@ def make_empty(
     """
     target = np.array(obj.matrix_world, dtype=np.float64)
     relative = frames.inverse(target, obj.name)
-    at_rest = frames.placed(target, frames.region_frame(rest.points, rest.counts, rest.corners, members))
+    at_rest = frames.in_world(target, frames.region_frame(rest.points, rest.counts, rest.corners, members))
     moved = target @ np.vstack((pose, (0.0, 0.0, 0.0, 1.0))) @ relative
     radius = frames.radius(frames.transformed(target, rest.points[members]))
     if radius == 0.0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What happens when Sinew refuses: the artist reads why, and the operator ends without a change."""
+"""How operators report errors: the artist reads the message, and the operator is cancelled."""
 
 from collections.abc import Callable
 from functools import wraps
@@ -9,10 +9,10 @@ from bpy.types import Context
 from ..core.errors import SinewError
 
 
-def refusing(run: Callable) -> Callable:
-    """A method of an operator, ``(context, ...)``, that reports a ``SinewError`` and then is cancelled.
+def reports_errors(run: Callable) -> Callable:
+    """Decorate a method ``(self, context, ...)`` of an operator: a ``SinewError`` is reported and cancels it.
 
-    Not for ``invoke`` and ``modal``: Blender counts the named arguments of those.
+    Do not use it for ``invoke`` and ``modal``, since Blender counts their arguments.
     """
 
     @wraps(run)

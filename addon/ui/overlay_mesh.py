@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an overlay shows on one mesh: points, triangles, a colour a vertex, and the legend.
+"""What an overlay draws over one mesh: points, triangles, one colour per vertex, and the legend.
 
-A picture is kept until the shape, the regions or the settings are others; asking for it again costs some
-microseconds. No graphics card is needed, so all of it runs in background too.
+It is kept until the shape, the regions or the settings change, and costs some microseconds until then. It
+needs no graphics card, so it also works without a window.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from ..session.shown.result import Result
 from . import overlay_colours as colours
 from .overlay_colours import Colour, Legend
 
-_SUPPORT = "support"  # the bound region around a support, see ``session.regions``
+_SUPPORT = "support"  # key of the fixed region around a support, see ``session/control/handles/regions.py``
 _MOST_ROWS = 12
 _MEASURE_LABELS = {identifier: label for identifier, label, *_rest in MEASURES}
 _ENDS = {
@@ -32,8 +32,8 @@ _ENDS = {
 
 
 @dataclass(frozen=True)
-class Look:
-    """The settings, as plain values."""
+class OverlaySettings:
+    """The settings of the overlays, as plain values."""
 
     overlay: str
     parameter: str
@@ -46,10 +46,10 @@ class Look:
 
 
 @dataclass(frozen=True)
-class Picture:
-    """``points`` float32 (m, 3) object space, ``triangles`` int32 (t, 3).
+class OverlayMesh:
+    """``points`` float32 (m, 3) in object space, ``triangles`` int32 (t, 3), ``colours`` float32 (m, 4).
 
-    ``colours`` float32 (m, 4) as drawn: not premultiplied.
+    The colours are not premultiplied by their opacity.
     """
 
     key: tuple
@@ -60,51 +60,56 @@ class Picture:
     legend: Legend
 
 
-class Gallery:
-    """The pictures of all deformers, by key; ``painted`` counts how many were made."""
+class OverlayCache:
+    """The overlay meshes of all deformers, by key; ``computed`` counts how many were computed."""
 
     def __init__(self) -> None:
-        self.painted = 0
-        self._pictures: dict[str, Picture] = {}
+        self.computed = 0
+        self._meshes: dict[str, OverlayMesh] = {}
         self._revisions: dict[str, int] = {}
 
-    def outdate(self, obj: Object) -> None:
-        """The mesh that Blender shows of this object may be another."""
+    def mark_changed(self, obj: Object) -> None:
+        """Note that the mesh that Blender shows of this object may have changed."""
         self._revisions[obj.name_full] = self._revisions.get(obj.name_full, 0) + 1
 
     def clear(self) -> None:
-        """Forget everything."""
-        self._pictures.clear()
+        """Forget all overlay meshes."""
+        self._meshes.clear()
         self._revisions.clear()
 
-    def picture(
-        self, obj: Object, deformer: SinewDeformer, look: Look, depsgraph: Depsgraph
-    ) -> Picture | None:
-        """What to draw over this object now; None where nothing is bound, or another mesh was."""
+    def overlay_mesh(
+        self, obj: Object, deformer: SinewDeformer, settings: OverlaySettings, depsgraph: Depsgraph
+    ) -> OverlayMesh | None:
+        """What to draw over this object now; None if the deformer is not bound to the mesh as it is."""
         source = result.source(obj, deformer)
         if source is None or not surface.is_current(obj, deformer):
             return None
-        key = (look, obj.mode == "EDIT", self._revisions.get(obj.name_full, 0), _subject(deformer, look))
-        known = self._pictures.get(deformer.uid)
+        key = (
+            settings,
+            obj.mode == "EDIT",
+            self._revisions.get(obj.name_full, 0),
+            _subject(deformer, settings),
+        )
+        known = self._meshes.get(deformer.uid)
         if known is not None and known.key == key and result.same(known.source, source):
             return known
         shape = result.shape_shown(obj, deformer)
         if not len(shape.triangles):
             return None
-        painted, legend = _paint(obj, deformer, look, shape)
+        painted, legend = _paint(obj, deformer, settings, shape)
         drawn = surface.find(obj, depsgraph, deformer, shape)
         if drawn.origin is not None:
             painted = colours.spread(painted, drawn.origin, drawn.edges)
         painted = colours.straight(painted, drawn.triangles)
-        self._pictures[deformer.uid] = Picture(key, source, drawn.points, drawn.triangles, painted, legend)
-        self.painted += 1
-        return self._pictures[deformer.uid]
+        self._meshes[deformer.uid] = OverlayMesh(key, source, drawn.points, drawn.triangles, painted, legend)
+        self.computed += 1
+        return self._meshes[deformer.uid]
 
 
-def look_of(context: Context) -> Look:
+def overlay_settings(context: Context) -> OverlaySettings:
     """The settings of the scene and of the preferences."""
     settings, chosen = context.scene.sinew, preferences(context)
-    return Look(
+    return OverlaySettings(
         overlay=settings.overlay,
         parameter=settings.parameter,
         measure=Measure(settings.measure),
@@ -117,22 +122,22 @@ def look_of(context: Context) -> Look:
 
 
 def shown_parameter(deformer: SinewDeformer, chosen: str) -> Parameter | None:
-    """The chosen parameter, or another that the method has, where it has not that one."""
+    """The parameter ``chosen``; if the method does not have it, another one; None if none can be painted."""
     paintable = deformer.definition.paintable
     return next((parameter for parameter in paintable if parameter.id == chosen), next(iter(paintable), None))
 
 
-def _subject(deformer: SinewDeformer, look: Look) -> tuple:
-    """What the colours depend on besides the settings and the shape: names, colours and numbers."""
-    if look.overlay == "REGIONS":
+def _subject(deformer: SinewDeformer, settings: OverlaySettings) -> tuple:
+    """The names, colours and numbers that the colours depend on besides the settings and the shape."""
+    if settings.overlay == "REGIONS":
         return tuple((handle.uid, handle.name, tuple(handle.colour)) for handle in deformer.handles)
-    if look.overlay == "WEIGHT":
+    if settings.overlay == "WEIGHT":
         handle = _active(deformer)
         return () if handle is None else (handle.uid, handle.name, handle.weight)
-    if look.overlay == "CAGE":
+    if settings.overlay == "CAGE":
         return result.selected(deformer)
-    if look.overlay == "PARAMETER":
-        parameter = shown_parameter(deformer, look.parameter)
+    if settings.overlay == "PARAMETER":
+        parameter = shown_parameter(deformer, settings.parameter)
         return () if parameter is None else (parameter.id, *_painted_by(deformer, parameter))
     return ()
 
@@ -150,7 +155,9 @@ def _painted_by(deformer: SinewDeformer, parameter: Parameter) -> tuple[float, s
     return getattr(values, parameter.id), getattr(values, group_property(parameter))
 
 
-def _paint(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+def _paint(
+    obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
     return {
         "REGIONS": _regions,
         "WEIGHT": _weight,
@@ -158,17 +165,19 @@ def _paint(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> t
         "MASK": _mask,
         "CAGE": _cage,
         "DISTORTION": _distortion,
-    }[look.overlay](obj, deformer, look, shape)
+    }[settings.overlay](obj, deformer, settings, shape)
 
 
-def _regions(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+def _regions(
+    obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
     by_key = {handle.uid: handle for handle in deformer.handles}
     parts, rows = [], {}
     for key, members in zip(shape.handles, shape.indices):
         handle = by_key.get(key)
         if handle is None and key != _SUPPORT:
             continue
-        strength, name, colour = 1.0, "Fixed", look.fixed
+        strength, name, colour = 1.0, "Fixed", settings.fixed
         if handle is not None:
             strength = _strength(shape, handle, members)
             if handle.kind == "HANDLE":
@@ -181,7 +190,7 @@ def _regions(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) ->
         rows["Masked out"] = colours.HIDDEN
     shown = tuple(rows.items())[:_MOST_ROWS]
     note = f"and {len(rows) - len(shown)} more" if len(rows) > len(shown) else ""
-    painted = colours.regions(len(shape.points), parts, look.opacity, mask)
+    painted = colours.regions(len(shape.points), parts, settings.opacity, mask)
     return painted, Legend("Regions", rows=shown, note=note)
 
 
@@ -190,43 +199,51 @@ def _only(rows: dict[str, Colour], name: str) -> dict[str, Colour]:
 
 
 def _strength(shape: Result, handle: SinewHandle, members: np.ndarray) -> np.ndarray | float:
-    """How firmly a region holds its members, as bound."""
+    """How firmly a region holds its members, as the deformer is bound."""
     painted = shape.rest.weights.get(handle.vertex_group)
     return handle.weight if painted is None else painted[members] * np.float32(handle.weight)
 
 
-def _weight(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+def _weight(
+    obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
     handle, values = _active(deformer), np.zeros(len(shape.points), dtype=np.float32)
     if handle is None:
-        return colours.field(values, look.opacity), Legend("Handle Weight", note="No handle")
+        return colours.field(values, settings.opacity), Legend("Handle Weight", note="No handle")
     painted = result.weights(obj, deformer, handle.vertex_group)
     if painted is not None:
         values = painted * np.float32(handle.weight)
-    return colours.field(values, look.opacity), colours.field_legend(f"Weight of {handle.name}")
+    return colours.field(values, settings.opacity), colours.field_legend(f"Weight of {handle.name}")
 
 
-def _parameter(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
-    count, parameter = len(shape.points), shown_parameter(deformer, look.parameter)
+def _parameter(
+    obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
+    count, parameter = len(shape.points), shown_parameter(deformer, settings.parameter)
     if parameter is None:
         nothing = np.zeros((count, 4), dtype=np.float32)
-        return nothing, Legend("Parameter", note=f"{deformer.definition.label} has none to paint")
+        return nothing, Legend("Parameter", note=f"{deformer.definition.label} has no parameter to paint")
     value, group = _painted_by(deformer, parameter)
     painted = result.weights(obj, deformer, group)
     note = f"Painted by {group}" if painted is not None else "The same everywhere"
     values = np.ones(count, dtype=np.float32) if painted is None else painted
-    if value <= 0.0:  # nothing to scale: 0 everywhere
+    if value <= 0.0:  # there is nothing to scale, so the value is 0 everywhere
         value, values = 1.0, np.zeros(count, dtype=np.float32)
-    return colours.field(values, look.opacity), colours.field_legend(parameter.label, value, note)
+    return colours.field(values, settings.opacity), colours.field_legend(parameter.label, value, note)
 
 
-def _mask(obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+def _mask(
+    obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
     mask = result.weights(obj, deformer, deformer.mask_group)
     note = f"Painted by {deformer.mask_group}" if mask is not None else "No mask: shown everywhere"
     values = np.ones(len(shape.points), dtype=np.float32) if mask is None else mask
-    return colours.field(values, look.opacity), colours.field_legend("Mask", note=note)
+    return colours.field(values, settings.opacity), colours.field_legend("Mask", note=note)
 
 
-def _cage(_obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> tuple[np.ndarray, Legend]:
+def _cage(
+    _obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
     found = result.influence(deformer)
     if found is None:
         bare = np.zeros((len(shape.points), 4), dtype=np.float32)
@@ -235,23 +252,25 @@ def _cage(_obj: Object, deformer: SinewDeformer, look: Look, shape: Result) -> t
     title = (
         f"Weight of cage vertex {found.vertices[0]:,}" if count == 1 else f"Weight of {count:,} cage vertices"
     )
-    painted = colours.influence(found.values, look.compressed, look.stretched, found.outside, look.opacity)
+    painted = colours.influence(
+        found.values, settings.compressed, settings.stretched, found.outside, settings.opacity
+    )
     notes = [
         "Select vertices of the cage" if count == 0 else "",
-        f"Against it down to {found.values.min():.2g}" if found.values.min() < -0.005 else "",
+        f"Negative down to {found.values.min():.2g}" if found.values.min() < -0.005 else "",
         f"{len(found.outside):,} outside the cage" if len(found.outside) else "",
     ]
     return painted, colours.field_legend(title, note=", ".join(filter(None, notes)))
 
 
 def _distortion(
-    obj: Object, deformer: SinewDeformer, look: Look, _shape: Result
+    obj: Object, deformer: SinewDeformer, settings: OverlaySettings, _shape: Result
 ) -> tuple[np.ndarray, Legend]:
-    values = result.measure(obj, deformer, look.measure).values
-    ends = look.compressed, look.stretched
-    painted = colours.ratios(values, look.distortion_range, look.opacity, *ends)
-    label = _MEASURE_LABELS[look.measure.value]
+    values = result.measure(obj, deformer, settings.measure).values
+    ends = settings.compressed, settings.stretched
+    painted = colours.ratios(values, settings.distortion_range, settings.opacity, *ends)
+    label = _MEASURE_LABELS[settings.measure.value]
     legend = colours.ratio_legend(
-        label, _ENDS[look.measure], look.distortion_range, look.measure.two_sided, *ends, values
+        label, _ENDS[settings.measure], settings.distortion_range, settings.measure.two_sided, *ends, values
     )
     return painted, legend

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The positions that leave a deformer, read at its place in the stack.
+"""Reads the positions after a deformer, at its place in the modifier stack.
 
-Where no shown modifier follows, that is what the object shows. Otherwise a copy without the later modifiers,
-which shows the same shape mesh, is evaluated beside the object while the bake lasts; the user's stack is not
-touched.
+If no visible modifier follows, these are the positions that the object shows. Otherwise a copy of the object
+without the later modifiers is evaluated during the bake. It shows the same shape mesh, and the modifiers of
+the object itself stay as they are.
 """
 
 from dataclasses import dataclass
@@ -20,18 +20,21 @@ from ..properties import SinewDeformer
 
 
 @dataclass
-class Stage:
-    """Names only, no Blender data: ``object`` owns the deformer ``uid``, ``stand_in`` is the copy to read."""
+class ShapeReader:
+    """Where to read a deformer. It keeps names only, no Blender data.
+
+    ``object`` is the owner of the deformer with the key ``uid``, ``copy_name`` the copy to read, if any.
+    """
 
     object: str
     uid: str
-    stand_in: str = ""
+    copy_name: str = ""
 
     def owner(self) -> Object:
         """The object of the deformer."""
         obj = bpy.data.objects.get((self.object, None))
         if obj is None or not any(deformer.uid == self.uid for deformer in obj.sinew.deformers):
-            raise SinewError(f"{self.object} is gone - bake again")
+            raise SinewError(f"{self.object} was removed or renamed during the bake - bake again")
         return obj
 
     def deformer(self) -> SinewDeformer:
@@ -42,73 +45,77 @@ class Stage:
         """The modifier that shows the deformer."""
         found = session.find_modifier(self.owner(), self.deformer())
         if found is None:
-            raise SinewError(f"{self.deformer().name} has no modifier any more - press Bind, then bake again")
+            raise SinewError(
+                f"The modifier of {self.deformer().name} was removed - press Bind, then bake again"
+            )
         return found
 
     def earlier(self) -> list[Modifier]:
         """Modifiers that act before the deformer."""
         modifiers = list(self.owner().modifiers)
-        return [other for other in modifiers[: modifiers.index(self.modifier())] if _acts(other)]
+        return [other for other in modifiers[: modifiers.index(self.modifier())] if _is_shown(other)]
 
     def open(self) -> None:
-        """Make the copy, where one is needed."""
+        """Make the copy, if it is needed."""
         obj = self.owner()
         position = list(obj.modifiers).index(self.modifier())
         if not any(other.show_viewport for other in list(obj.modifiers)[position + 1 :]):
             return
         with session.suspended():
             copy = obj.copy()
-            self.stand_in = copy.name
+            self.copy_name = copy.name
             copy.sinew.deformers.clear()
             for modifier in list(copy.modifiers)[position + 1 :]:
                 copy.modifiers.remove(modifier)
-            _without_our_drivers(copy)
+            _remove_our_drivers(copy)
             copy.hide_render = True
             bpy.context.scene.collection.objects.link(copy)
         session.forget_owners()
 
     def close(self) -> None:
         """Remove the copy."""
-        copy = bpy.data.objects.get((self.stand_in, None)) if self.stand_in else None
-        self.stand_in = ""
+        copy = bpy.data.objects.get((self.copy_name, None)) if self.copy_name else None
+        self.copy_name = ""
         if copy is not None:
             with session.suspended():
                 bpy.data.objects.remove(copy)
             session.forget_owners()
 
     def positions(self, depsgraph: Depsgraph) -> np.ndarray:
-        """What leaves the deformer now, float32 (n, 3), object space."""
+        """The positions after the deformer, float32 (n, 3), in object space."""
         return read_positions(self._evaluated(depsgraph))
 
     def incoming(self, depsgraph: Depsgraph) -> np.ndarray:
-        """What enters the deformer now, float32 (n, 3)."""
+        """The positions before the deformer, float32 (n, 3)."""
         mesh = self._evaluated(depsgraph)
         found = read_incoming(mesh, *session.attribute_names(self.uid), len(mesh.vertices))
         if found.points is None:
-            raise SinewError("What enters the deformer is not known - press Bind, then bake again")
+            raise SinewError(
+                f"The shape before {self.deformer().name} is not known - press Bind, then bake again"
+            )
         return found.points
 
     def _evaluated(self, depsgraph: Depsgraph) -> Mesh:
-        obj = bpy.data.objects[self.stand_in, None] if self.stand_in else self.owner()
+        obj = bpy.data.objects[self.copy_name, None] if self.copy_name else self.owner()
         return obj.evaluated_get(depsgraph).data
 
 
-def _without_our_drivers(copy: Object) -> None:
-    """What drives a deformer's settings finds none on a copy, and Blender would complain."""
+def _remove_our_drivers(copy: Object) -> None:
+    """Remove drivers of deformers, which the copy does not have, since Blender would print warnings."""
     for curve in list(copy.animation_data.drivers) if copy.animation_data else ():
         if curve.data_path.startswith("sinew."):
             copy.animation_data.drivers.remove(curve)
 
 
-def _acts(modifier: Modifier) -> bool:
+def _is_shown(modifier: Modifier) -> bool:
     return modifier.show_viewport or modifier.show_render
 
 
 def changes_count(obj: Object, deformer: SinewDeformer) -> bool:
-    """The deformer does not work on the vertices of the mesh itself: modifiers before it made others."""
+    """Whether modifiers before the deformer change the number of vertices."""
     return deformer.rest is not None and len(deformer.rest.vertices) != len(obj.data.vertices)
 
 
 def labels(modifiers: list[Modifier]) -> str:
-    """Names for a message."""
+    """The names of modifiers, for a message."""
     return ", ".join(modifier.name for modifier in modifiers)
