@@ -286,8 +286,7 @@ private:
     const bool parallel_;
     const SupernodalTree tree_;
     std::vector<int> position_; ///< (size) the position of each unknown
-    std::vector<int>
-        next_row_; ///< the first row of each supernode that has not yet contributed to its target
+    std::vector<int> next_row_; ///< the first row of each supernode that no target has used yet
     std::vector<std::vector<int>> sources_; ///< the supernodes that contribute next to each supernode
     Pool<Workspace> workspaces_;
 };
