@@ -19,7 +19,6 @@ from rig import (
     make_active,
     move_world,
     new_empty,
-    push,
     some_motion,
     update,
 )
@@ -346,21 +345,6 @@ def test_refusals_change_nothing(hand: Rig):
         bpy.ops.sinew.handle_mirror()
     assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine", "Blob"}
     assert len(hand.deformer.handles) == 3
-
-
-def test_a_mirror_is_one_undo_step(hand: Rig):
-    hand.control.location.z = 0.5
-    before = hand.points()
-    push("before")
-    bpy.ops.sinew.handle_mirror()
-    push("Mirror Handle")
-    mirrored = hand.points()
-    bpy.ops.ed.undo()
-    assert handle_names(hand) == ["Hand.L", "Spine"]
-    assert "Hand.R" not in hand.obj.vertex_groups
-    assert np.abs(hand.points() - before).max() < FLOAT32
-    bpy.ops.ed.redo()
-    assert np.abs(hand.points() - mirrored).max() < FLOAT32
 
 
 def test_mirror_in_edit_and_weight_paint_mode(hand: Rig):

@@ -18,7 +18,6 @@ from rig import (
     in_mode,
     make_active,
     new_object,
-    push,
     update,
 )
 
@@ -196,19 +195,6 @@ def test_each_shape_key_is_filled_from_its_own_neighbours():
     for name, height in (("Basis", 0.0), ("Wave", 1.0)):
         assert np.abs(np.array(keys[name].data[60].co) - (0.0, 0.0, height)).max() < FLOAT32, name
     assert np.abs(np.array(obj.data.vertices[60].co)).max() < FLOAT32
-
-
-def test_repair_is_one_undo_step():
-    plate = broken_plate()
-    make_active(plate.obj)
-    before = faults(plate.obj)
-    push("before")
-    bpy.ops.sinew.repair()
-    push("Repair")
-    bpy.ops.ed.undo()
-    assert faults(plate.obj) == before
-    bpy.ops.ed.redo()
-    assert not any(faults(plate.obj).values())
 
 
 def box_of_two_rooms() -> tuple[list, list]:

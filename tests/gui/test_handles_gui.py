@@ -29,7 +29,7 @@ def redness(rgb: np.ndarray) -> float:
 
 @pytest.mark.parametrize("spot", ["ear", "back"])
 def test_regions_have_the_colours_of_their_swatches(seen: dict, spot: str):
-    """Over what the viewport shows without overlays; in Edit Mode, too, where the pose is beside the wires."""
+    """Over what the viewport shows without overlays; in Edit Mode, too, beside the wires."""
     share = seen["opacity"]
     expected = (1.0 - share) * colour(seen, "off", spot) + share * np.array(seen["colours"][spot])
     assert np.abs(colour(seen, "regions", spot) - expected).max() < SLACK
