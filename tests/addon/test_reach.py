@@ -29,7 +29,7 @@ def mask(size: int, members) -> np.ndarray:
 def lengths(mesh: tuple, sources, barred=(), limit: float = 10.0) -> np.ndarray:
     """From some vertices to all, past those that are barred."""
     points, counts, corners = mesh
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     sources, barred = (mask(len(points), np.array(some, dtype=int)) for some in (sources, barred))
     return surface.lengths(points, sources, barred, limit)
 
@@ -98,14 +98,14 @@ def test_other_parts_are_out_of_reach_and_numbers_that_are_none_too():
     found = lengths((points, counts, corners), [0], limit=100.0)
     assert np.isfinite(found[:24]).all()
     assert np.isinf(found[24:]).all()
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     reached = surface.connected(mask(len(points), 0), mask(len(points), []))
     assert reached.tolist() == [True] * 25 + [False] * 25
 
 
 def test_connected_stops_at_what_is_barred():
     points, counts, corners = grid(5)
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     reached = surface.connected(mask(25, 0), points[:, 0] == 0.0)
     assert reached.tolist() == (points[:, 0] < 0.0).tolist()
 
@@ -123,7 +123,7 @@ def test_rings_and_the_part_between_them():
 
 def test_a_mesh_without_faces():
     none = np.zeros(0, dtype=int)
-    surface = reach.Surface(3, none, none)
+    surface = reach.TriangleMesh(3, none, none)
     nobody = np.zeros(3, dtype=bool)
     found = surface.lengths(np.zeros((3, 3)), mask(3, 1), nobody, 1.0)
     assert found.tolist() == [np.inf, 0.0, np.inf]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tests have to reach inside the add-on for: its parts that are no face for users are named here alone.
+"""Access to the inner parts of the add-on. Tests name these parts in this file only.
 
-A window has timers, threads and drags; the background has none of them, so tests call what they would call.
+Without a window there are no timers, threads and drags, so tests call the functions that these would call.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ REGIONS = "session.control.handles.regions"
 RENDER_WRITES = "session.memory.render_writes"
 RESULT = "session.shown.result"
 
-# Functions that work in proportion to the mesh; those that read its arrays; those that look through the rig.
+# Functions that work in proportion to the mesh; that read its arrays; that read a control; that look through
+# the rig.
 WORK = {
     "solve",
     "read_incoming",
@@ -39,6 +40,7 @@ WORK = {
     "read_positions",
 }
 READS = {"read_positions", "read_incoming", "read_attributes", "read_shape", "read_rest", "read_faces"}
+CONTROL_READS = {"read_place"}
 LOOKS = {"group_weights", "read_weights", "rest_meshes"}
 
 
@@ -106,12 +108,16 @@ def ask_for_factor(deformer) -> object:
 
 
 def calls_of(action: Callable[[], object]) -> Counter:
-    """Python functions of ours that ran during the action, by name."""
+    """Python functions of ours that ran during the action, by name, and our calls of ``foreach_get``."""
     found: Counter = Counter()
 
-    def note(frame, event: str, _argument: object) -> None:
-        if event == "call" and frame.f_globals.get("__name__", "").startswith(f"{installed.name()}."):
-            found[frame.f_code.co_name] += 1
+    def note(frame, event: str, called: object) -> None:
+        if event not in ("call", "c_call"):
+            return
+        name = frame.f_code.co_name if event == "call" else getattr(called, "__name__", "")
+        is_counted = event == "call" or name == "foreach_get"
+        if is_counted and frame.f_globals.get("__name__", "").startswith(f"{installed.name()}."):
+            found[name] += 1
 
     sys.setprofile(note)
     try:

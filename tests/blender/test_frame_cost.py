@@ -7,10 +7,12 @@ import tracemalloc
 from collections import Counter
 from collections.abc import Callable
 
+import bpy
 import pytest
-from inside import LOOKS, READS, calls_of
+from inside import CONTROL_READS, LOOKS, READS, calls_of
 from registry import WITH_HANDLES
 from rig import Rig, add_armature, update
+from rigs import HandleRig
 
 CELLS = 60  # 3,721 vertices: one array of them is larger than all else that a frame allocates
 SHAPE = 12  # bytes a vertex, of a shape array
@@ -105,3 +107,20 @@ def test_an_animated_pose_below_costs_one_read(native: Counter):
     assert found["read_incoming"] == found["write_positions"] == 1, found
     assert found["gather"] == 1, found
     assert not ((READS | LOOKS) - {"read_incoming"}) & found.keys(), found
+
+
+@pytest.mark.parametrize("event", ["move", "frame"])
+def test_an_evaluation_reads_a_control_once(rig: HandleRig, event: str):
+    """It is compared with the last evaluation, and solved with, as it was read."""
+    rig.start()
+    for height, frame in ((0.1, 1), (0.2, 11)):
+        rig.lift(height)
+        rig.control.keyframe_insert("location", frame=frame)
+    for frame in (1, 3, 5):
+        bpy.context.scene.frame_set(frame)
+    found = calls_of((lambda: bpy.context.scene.frame_set(8)) if event == "frame" else lambda: rig.lift(0.1))
+    evaluations = found["on_frame_change"] + found["on_depsgraph_update"]
+    assert found["write_shape"] == 1, found
+    assert sum(found[name] for name in CONTROL_READS) == evaluations, found
+    vertex_reads = 0 if rig.deformer.cage is None else evaluations
+    assert found["foreach_get"] == vertex_reads, found

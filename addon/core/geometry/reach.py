@@ -26,7 +26,7 @@ def _rows(starts: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     return np.arange(len(shift)) + shift
 
 
-class Surface:
+class TriangleMesh:
     """The triangles of a mesh, and the triangles around each vertex."""
 
     def __init__(self, size: int, counts: np.ndarray, corners: np.ndarray) -> None:

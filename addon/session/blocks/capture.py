@@ -5,7 +5,7 @@ A short-lived copy of the object loses our modifier and the later ones and is ev
 works. The copy has its own mesh while the original is in Edit Mode, whose unsaved edits are written first.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 import bpy
@@ -89,18 +89,28 @@ def rest_mesh(obj: Object, deformer: SinewDeformer) -> Mesh:
         return _rest_mesh(obj, deformer, copy)
 
 
-def rest_meshes(obj: Object, deformer: SinewDeformer) -> tuple[Mesh, Mesh | None]:
-    """New meshes: the rest mesh for viewports, and the one for renders, None where it is the same."""
-    with _stand_in(obj, _position(obj, deformer)) as copy:
-        shown = _rest_mesh(obj, deformer, copy)
-        if not _differs_in_renders(copy):
+def rest_meshes(
+    obj: Object, deformer: SinewDeformer, entered: Mesh | None = None
+) -> tuple[Mesh, Mesh | None]:
+    """New meshes: the rest mesh for viewports, and the one for renders, None where it is the same.
+
+    ``entered``: the rest mesh for viewports, if ``rest_mesh`` has just made it. It is returned, and stays
+    the caller's where the one for renders is refused.
+    """
+    position = _position(obj, deformer)
+    if entered is not None and not _differs_in_renders(obj, list(obj.modifiers)[:position]):
+        return entered, None
+    with _stand_in(obj, position) as copy:
+        shown = _rest_mesh(obj, deformer, copy) if entered is None else entered
+        if not _differs_in_renders(copy, copy.modifiers):
             return shown, None
         try:
             with _as_rendered(copy):
                 rendered = _rest_mesh(obj, deformer, copy)
             _refuse_other_kind(shown, rendered)
         except MeshError:
-            bpy.data.meshes.remove(shown)
+            if entered is None:
+                bpy.data.meshes.remove(shown)
             raise
     if same_topology(shown, rendered):
         bpy.data.meshes.remove(rendered)
@@ -116,18 +126,19 @@ def _refuse_other_kind(shown: Mesh, rendered: Mesh) -> None:
         )
 
 
-def _subdivided(obj: Object) -> list[Modifier]:
-    return [modifier for modifier in obj.modifiers if hasattr(modifier, "render_levels")]
+def _with_levels(modifiers: Iterable[Modifier]) -> list[Modifier]:
+    """Those that subdivide, with one level for viewports and another for renders."""
+    return [modifier for modifier in modifiers if hasattr(modifier, "render_levels")]
 
 
-def _differs_in_renders(obj: Object) -> bool:
-    """Some modifier may give other vertices in renders."""
+def _differs_in_renders(obj: Object, modifiers: Sequence[Modifier]) -> bool:
+    """Whether other vertices may come out of these modifiers of an object in renders."""
     if targets.render_resolution(obj.data):
         return True
     render = bpy.context.scene.render
     simplified = render.use_simplify and render.simplify_subdivision != render.simplify_subdivision_render
-    return any(modifier.show_viewport != modifier.show_render for modifier in obj.modifiers) or any(
-        simplified or modifier.levels != modifier.render_levels for modifier in _subdivided(obj)
+    return any(modifier.show_viewport != modifier.show_render for modifier in modifiers) or any(
+        simplified or modifier.levels != modifier.render_levels for modifier in _with_levels(modifiers)
     )
 
 
@@ -141,7 +152,7 @@ def _as_rendered(copy: Object) -> Iterator[None]:
         copy.data.resolution_u = targets.render_resolution(data)
     for modifier in copy.modifiers:
         modifier.show_viewport = modifier.show_render
-    for modifier in _subdivided(copy):
+    for modifier in _with_levels(copy.modifiers):
         most = render.simplify_subdivision_render if simplify else modifier.render_levels
         modifier.levels = min(modifier.render_levels, most)
     if simplify:

@@ -16,7 +16,7 @@ from ...mesh_io import RestShape
 from ...properties import SinewDeformer
 from ..blocks.keeper import Link, pointer_links, write_driver
 from ..blocks.owners import owners
-from ..memory.evaluation import Evaluation
+from ..memory.evaluation import ControlState, Evaluation
 from ..memory.sessions import Bound
 from .bind_input import BindInput, option_values
 from .influence import Influence
@@ -55,15 +55,15 @@ class ControlKind(Protocol):
         """What the report of a bind tells the artist."""
 
     @staticmethod
+    def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
+        """Where the control is. Called once per evaluation, so ``pose`` takes it from there."""
+
+    @staticmethod
     def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
         """Where the control is, as ``Factor.solve`` takes it, and further keywords of it.
 
         None where nobody knows: then the last shape stays.
         """
-
-    @staticmethod
-    def placed(deformer: SinewDeformer, depsgraph: Depsgraph) -> list[object]:
-        """Where the control is, to compare: the quick form."""
 
     @staticmethod
     def selectable(elements: Elements, request: BindInput) -> Elements:

@@ -4,7 +4,7 @@
 What was made stays where it cannot be bound: the panel then says what to do. So the refusal is returned.
 """
 
-from bpy.types import Object
+from bpy.types import Mesh, Object
 
 from ...core.errors import SinewError
 from ...core.methods import DEFAULT_CAGE_METHOD, DEFAULT_METHOD
@@ -13,7 +13,7 @@ from .bind import bind
 from .cages import CAGE_METHODS, set_cage
 from .deformers import add_deformer, remove_deformer
 from .handles.bones import is_moved_by_control
-from .handles.handles import add_handle
+from .handles.handles import add_captured_handle
 
 
 def rig_region(
@@ -38,7 +38,7 @@ def rig_region(
     is_first = obj.sinew.active is None
     deformer = obj.sinew.active or add_deformer(obj, method)
     try:
-        handle = add_handle(obj, deformer, kind, vertex_group, control, bone, owns_group)
+        handle, entered = add_captured_handle(obj, deformer, kind, vertex_group, control, bone, owns_group)
     except SinewError:
         if is_first:
             remove_deformer(obj, len(obj.sinew.deformers) - 1)
@@ -48,7 +48,7 @@ def rig_region(
     handle.weight = weight
     handle.name = name or handle.name
     handle.from_rest = is_moved_by_control(obj, deformer, handle) if from_rest is None else from_rest
-    return handle, try_bind(obj, deformer, wait)
+    return handle, try_bind(obj, deformer, wait, entered)
 
 
 def rig_cage(
@@ -80,10 +80,12 @@ def waiting_for_cage(obj: Object) -> SinewDeformer | None:
     return active if waits else None
 
 
-def try_bind(obj: Object, deformer: SinewDeformer, wait: bool = True) -> SinewError | None:
-    """Bind; the reason where that is refused."""
+def try_bind(
+    obj: Object, deformer: SinewDeformer, wait: bool = True, entered: Mesh | None = None
+) -> SinewError | None:
+    """Bind; the reason if that is refused. ``entered`` as ``bind`` takes it."""
     try:
-        bind(obj, deformer, wait)
+        bind(obj, deformer, wait, entered=entered)
     except SinewError as error:
         return error
     return None

@@ -66,7 +66,7 @@ def ensure(
     """The factor for these settings; None while a thread builds it, or where an earlier refusal still stands.
 
     Where few things changed, the factor so far becomes the new one; the last shape stays meanwhile. The
-    caller holds the session's lock.
+    caller holds the session's lock, and shows a refusal.
 
     ``deformer`` is the original settings, ``settings`` the evaluated ones (animated values); ``session`` is
     that of the mode.
@@ -101,9 +101,8 @@ def ensure(
         begin = time.perf_counter()
         factor = build_factor(request.recipe, progress, prepared)
     except SinewError as error:
-        told = _told(error, request)
-        _refuse(session, deformer.uid, key, told)
-        raise told from error
+        _note_refusal(session, deformer.uid, key)
+        raise _told(error, request) from error
     return _install(
         session, deformer.uid, request, factor, time.perf_counter() - begin, rest == deformer.rest
     )
@@ -138,10 +137,10 @@ def _keep_job_for(uid: str, key: tuple) -> None:
         _take_in(uid)
 
 
-def _refuse(session: Session, uid: str, key: tuple, error: SinewError) -> None:
+def _note_refusal(session: Session, uid: str, key: tuple) -> None:
+    """The same bind is not tried again."""
     session.bound, session.failed = None, key
     status.put_notes(uid, ())
-    status.fail(uid, error)
 
 
 def _install(
@@ -224,7 +223,8 @@ def cancel(uid: str) -> None:
     if stopped is None:
         return
     abandon(uid)
-    _refuse(sessions.open_session(uid), uid, stopped.subject.key, CancelledError(CANCELLED))
+    _note_refusal(sessions.open_session(uid), uid, stopped.subject.key)
+    status.fail(uid, CancelledError(CANCELLED))
 
 
 def collect() -> list[str]:
@@ -246,7 +246,8 @@ def _take_in(uid: str) -> None:
     """A finished job becomes the factor or the refusal of its deformer; a preview starts the real bind."""
     job, session = _jobs.pop(uid), sessions.open_session(uid)
     if job.error is not None:
-        _refuse(session, uid, job.subject.key, _told(job.error, job.subject))
+        _note_refusal(session, uid, job.subject.key)
+        status.fail(uid, _told(job.error, job.subject))
         return
     _install(session, uid, job.subject, job.result, job.seconds)
     real = job.subject.after

@@ -12,6 +12,7 @@ from bpy.types import Depsgraph, DepsgraphUpdate, Object
 from ..blocks import references
 from ..control import kinds, placement
 from ..memory import sessions
+from ..memory.evaluation import ControlState
 from ..memory.sessions import LastUpdate
 
 
@@ -42,15 +43,18 @@ class Changes:
         """The mesh itself, or its stack of modifiers, was edited."""
         return self._listed(obj.data) is Change.GEOMETRY
 
-    def placed(self, obj: Object, evaluated: Object) -> tuple:
-        """Where the target and its controls are."""
+    def read(self, obj: Object, evaluated: Object) -> tuple[tuple, list[ControlState]]:
+        """Where the target and its controls are, for comparison; and the control of each deformer."""
         placed: list[object] = [placement.fingerprint(evaluated.matrix_world)]
+        controls = []
         for index, deformer in enumerate(obj.sinew.deformers):
-            placed += kinds.kind_in_use(deformer).placed(deformer, self._depsgraph)
+            control = kinds.kind_in_use(deformer).read(deformer, self._depsgraph)
+            controls.append(control)
+            placed += [place and place.fingerprint for place in control]
             method = deformer.definition
             if (method.references or method.wraps) and index < len(evaluated.sinew.deformers):
                 placed += references.placed(evaluated.sinew.deformers[index])
-        return tuple(placed)
+        return tuple(placed), controls
 
     def last_update(self, obj: Object) -> LastUpdate | None:
         """What ``note`` said of the object."""

@@ -19,7 +19,7 @@ from ..blocks import baked, shapes, targets, vertex_groups
 from ..blocks.owners import owners
 from ..control import kinds
 from ..memory import sessions
-from ..memory.evaluation import Chain, Evaluation, is_shown
+from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
 from ..memory.sessions import LastUpdate
 from . import binding, incoming, solving
 from .changes import Change, Changes
@@ -45,17 +45,15 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
         evaluated = obj.evaluated_get(depsgraph)
         if not evaluated.is_evaluated:
             continue
-        change, placed, last = (
-            changes.change_of(obj),
-            changes.placed(obj, evaluated),
-            changes.last_update(obj),
-        )
+        change, last = changes.change_of(obj), changes.last_update(obj)
+        placed, controls = changes.read(obj, evaluated)
         if last is not None and change is Change.NOTHING and last.placed == placed:
             continue
         if sessions.take_missed(obj.name):
             change = Change.GEOMETRY
         layout = last.layout if last is not None and change <= Change.DRIVEN else None
-        layout = _update_object(obj, evaluated, depsgraph, preview, change is Change.GEOMETRY, layout)
+        new_geometry = change is Change.GEOMETRY
+        layout = _update_object(obj, evaluated, depsgraph, controls, preview, new_geometry, layout)
         changes.note(obj, LastUpdate(placed, layout))
 
 
@@ -63,6 +61,7 @@ def _update_object(
     obj: Object,
     evaluated: Object,
     depsgraph: Depsgraph,
+    controls: list[ControlState],
     preview: bool,
     new_geometry: bool,
     layout: tuple | None,
@@ -86,9 +85,21 @@ def _update_object(
         index = shows[0]
         deformer = obj.sinew.deformers[index]
         settings = _evaluated_settings(evaluated, index, deformer)
-        session = shapes.session_of(deformer, depsgraph.mode)
+        session, control = shapes.session_of(deformer, depsgraph.mode), controls[index]
+        if settings.method != deformer.method:  # an animated one may ask for another kind of control
+            control = kinds.kind_in_use(settings).read(deformer, depsgraph)
         evaluation = Evaluation(
-            obj, evaluated, depsgraph, modifier, deformer, settings, session, chain, preview, new_geometry
+            obj,
+            evaluated,
+            depsgraph,
+            modifier,
+            deformer,
+            settings,
+            session,
+            control,
+            chain,
+            preview,
+            new_geometry,
         )
         if evaluation.in_viewport and changed:
             deformer.complete()
@@ -199,8 +210,9 @@ def _take(evaluation: Evaluation) -> Chain:
 
 
 def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
-    if evaluation.in_viewport:
+    if evaluation.in_viewport or evaluation.session.failed is not None:  # no bind, in viewports neither
         status.fail(evaluation.deformer.uid, error)
+    if evaluation.in_viewport:
         if evaluation.deformer.auto_rebind and error.remedy is Remedy.CAGE_REST:
             sessions.note_edit(evaluation.obj.name)
     else:

@@ -1,16 +1,45 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One evaluation of one deformer: everything known while it lasts. Never kept, as it holds Blender's data."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from bpy.types import Depsgraph, NodesModifier, Object
+from mathutils import Matrix
 
 from ...core import status
 from ...core.status import Level, Status
 from ...properties import SinewDeformer
 from .sessions import Session, Shown
+
+NO_VERTICES = np.zeros((0, 3), dtype=np.float32)
+
+
+class Place(NamedTuple):
+    """Where an object or a bone is in one evaluation. It holds copies, so it may be kept.
+
+    ``fingerprint`` is for comparison: it changes when the place changes, or the shape where that is read too.
+    ``matrices``, which are frozen, are those of the object in the world and, for a bone, of the bone in the
+    object. ``vertices`` are float32 (c, 3) in the frame of the object; none where its shape does not count.
+    """
+
+    fingerprint: tuple[int, ...]
+    matrices: tuple[Matrix, ...]
+    vertices: np.ndarray = NO_VERTICES
+
+    def matrix(self) -> np.ndarray:
+        """The object or the bone in the world, float64 (4, 4)."""
+        # In Blender 3.4 NumPy cannot read a frozen matrix.
+        world, *in_object = (np.array(matrix.copy(), dtype=np.float64) for matrix in self.matrices)
+        return world @ in_object[0] if in_object else world
+
+
+# Everything that controls one deformer, read once per evaluation: then compared, and solved with if it moved.
+# One place per row of the kind of control, such as a handle; None for a row that nothing controls.
+ControlState = Sequence[Place | None]
 
 
 @dataclass(frozen=True)
@@ -39,7 +68,10 @@ class Chain:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """``deformer`` is the original, ``settings`` its evaluated copy with animated values."""
+    """``deformer`` is the original, ``settings`` its evaluated copy with animated values.
+
+    ``control`` is where the control of the deformer is now.
+    """
 
     obj: Object
     evaluated: Object
@@ -48,6 +80,7 @@ class Evaluation:
     deformer: SinewDeformer
     settings: SinewDeformer
     session: Session
+    control: ControlState
     chain: Chain
     preview: bool
     new_geometry: bool  # what enters the modifiers may differ from the last evaluation

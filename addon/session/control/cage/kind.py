@@ -14,7 +14,6 @@ from bpy.types import Depsgraph, Mesh, Object
 from mathutils import Matrix
 
 from ....backend import Cage, CageReport, Recipe, Shape
-from ....compat import read_positions
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import CageError
 from ....core.geometry import frames
@@ -24,10 +23,9 @@ from ....ids import Datablocks, Keys
 from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, StoredCage
 from ...blocks import shapes
-from ...blocks.capture import evaluated_mesh
 from ...blocks.keeper import Link
 from ...blocks.vertex_groups import read_weights
-from ...memory.evaluation import Evaluation
+from ...memory.evaluation import ControlState, Evaluation
 from ...memory.sessions import Bound
 from .. import objects, placement
 from ..bind_input import BindInput, options
@@ -115,12 +113,17 @@ def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
     return cage
 
 
+def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
+    """The place of the cage, with its vertices."""
+    return [placement.read_place(deformer.cage, depsgraph, by_shape=True)]
+
+
 def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
     """The cage's vertices (c, 3) in the frame of the target; without a cage as they were last, if known."""
-    held, cage = evaluation.session.poses, evaluation.deformer.cage
-    if evaluation.deformer.cage_missing:
+    held, (place,) = evaluation.session.poses, evaluation.control
+    if place is None or evaluation.deformer.cage_missing:
         return (held[_POSE], {}) if _POSE in held else None
-    vertices, expected = _vertices(cage, evaluation.depsgraph), len(bound.factor.recipe.control.points)
+    vertices, expected = place.vertices, len(bound.factor.recipe.control.points)
     if len(vertices) != expected:
         raise CageError(
             f"The cage has {len(vertices):,} vertices, at bind it had {expected:,} - Set Rest Cage takes it "
@@ -128,8 +131,7 @@ def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, ob
             remedy=Remedy.CAGE_REST,
         )
     world = np.array(evaluation.evaluated.matrix_world, dtype=np.float64)
-    placed = np.array(cage.evaluated_get(evaluation.depsgraph).matrix_world, dtype=np.float64)
-    relative = frames.inverse(world, "The mesh object") @ placed
+    relative = frames.inverse(world, "The mesh object") @ place.matrix()
     with np.errstate(invalid="ignore"):  # said below
         posed = frames.transformed(relative, vertices.astype(np.float64))
     lost = np.flatnonzero(~frames.are_valid(posed))
@@ -140,26 +142,11 @@ def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, ob
     return posed, {}
 
 
-def placed(deformer: SinewDeformer, depsgraph: Depsgraph) -> list[object]:
-    """The matrix of the cage, and what its vertices hash to."""
-    cage = deformer.cage
-    if cage is None:
-        return [None]
-    matrix = cage.evaluated_get(depsgraph).matrix_world
-    return [placement.fingerprint(matrix), hash(_vertices(cage, depsgraph).tobytes())]
-
-
-def _vertices(cage: Object, depsgraph: Depsgraph) -> np.ndarray:
-    """float32 (c, 3) in the frame of the cage."""
-    with evaluated_mesh(cage, depsgraph) as mesh:
-        return np.zeros((0, 3), dtype=np.float32) if mesh is None else read_positions(mesh)
-
-
 def is_stale(deformer: SinewDeformer) -> bool:
     """The cage gained or lost vertices since it was bound."""
     if deformer.cage_missing or not isinstance(deformer.cage_rest, Mesh):
         return False
-    found = _vertices(deformer.cage, bpy.context.evaluated_depsgraph_get())
+    found = placement.read_vertices(deformer.cage, bpy.context.evaluated_depsgraph_get())
     return len(found) != len(deformer.cage_rest.vertices)
 
 

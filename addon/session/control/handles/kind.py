@@ -11,9 +11,10 @@ from ....core.errors import SinewError
 from ....core.methods import Method
 from ....core.status import Level, Status
 from ....properties import SinewDeformer
-from ...memory.evaluation import Evaluation
+from ...memory.evaluation import ControlState, Evaluation
 from ...memory.sessions import Bound
 from ..bind_input import BindInput
+from ..placement import read_place
 from . import poses
 from .links import links
 from .poses import complete_rest_frames as set_rest
@@ -35,8 +36,8 @@ __all__ = (
     "name",
     "notes",
     "object_with",
-    "placed",
     "pose",
+    "read",
     "release",
     "request",
     "selectable",
@@ -77,15 +78,18 @@ def object_with(_deformer: SinewDeformer, _elements: Elements) -> Object:
     raise SinewError("The controls of handles have nothing that could be selected")
 
 
+def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
+    """One place per handle in the list; None for those without a control."""
+    return [
+        read_place(handle.control, depsgraph, handle.bone) if handle.kind == "HANDLE" else None
+        for handle in deformer.handles
+    ]
+
+
 def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, Any]]:
     """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape."""
     affine, from_rest = poses.gather(evaluation, bound)
     return affine, {"from_rest": from_rest}
-
-
-def placed(deformer: SinewDeformer, depsgraph: Depsgraph) -> list[object]:
-    """Matrices of the controls."""
-    return [poses.placement(handle, depsgraph) for handle in deformer.handles if handle.kind == "HANDLE"]
 
 
 def is_stale(_deformer: SinewDeformer) -> bool:

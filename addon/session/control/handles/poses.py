@@ -13,36 +13,16 @@ from ....mesh_io import read_shape
 from ....properties import SinewDeformer, SinewHandle
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
-from ..placement import fingerprint
+from ..placement import read_place
 from .links import follow_renamed_bones
 
 IDENTITY = np.eye(4)[:3]
 
 
-def control_matrix(handle: SinewHandle, depsgraph: Depsgraph | None = None) -> np.ndarray | None:
-    """World matrix of the control (4, 4), or None; evaluated where a depsgraph is given."""
-    control = handle.control
-    if control is None:
-        return None
-    evaluated = control if depsgraph is None else control.evaluated_get(depsgraph)
-    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-    if not handle.bone:
-        return matrix
-    bone = evaluated.pose.bones.get(handle.bone) if evaluated.pose else None
-    return None if bone is None else matrix @ np.array(bone.matrix, dtype=np.float64)
-
-
-def placement(handle: SinewHandle, depsgraph: Depsgraph) -> tuple[int, ...] | None:
-    """Where the control is, to compare: the quick form of ``control_matrix``."""
-    control = handle.control
-    if control is None:
-        return None
-    evaluated = control.evaluated_get(depsgraph)
-    placed = fingerprint(evaluated.matrix_world)
-    if not handle.bone:
-        return (placed,)
-    bone = evaluated.pose.bones.get(handle.bone) if evaluated.pose else None
-    return None if bone is None else (placed, fingerprint(bone.matrix))
+def control_matrix(handle: SinewHandle, depsgraph: Depsgraph) -> np.ndarray | None:
+    """The control in the world (4, 4), as evaluated; None if there is none."""
+    place = read_place(handle.control, depsgraph, handle.bone)
+    return None if place is None else place.matrix()
 
 
 def _inverse(matrix: Matrix, whose: str) -> np.ndarray:
@@ -83,22 +63,21 @@ def gather(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.ndarray
     """
     deformer, depsgraph, session = evaluation.deformer, evaluation.depsgraph, evaluation.session
     world = evaluation.evaluated.matrix_world
-    by_key = {handle.uid: handle for handle in deformer.handles}
+    by_key = {
+        handle.uid: (handle, place)
+        for handle, place in zip(deformer.handles, evaluation.control, strict=True)
+    }
     poses = np.empty((len(bound.handles), 3, 4))
     from_rest = np.zeros(len(bound.handles), dtype=bool)
     for row, key in enumerate(bound.handles):
-        handle = by_key.get(key)
+        handle, place = by_key.get(key, (None, None))
         poses[row] = IDENTITY
         if handle is None or handle.kind != "HANDLE":
             continue
         from_rest[row] = handle.from_rest
-        control = control_matrix(handle, depsgraph)
-        if (
-            control is None
-            and handle.bone
-            and evaluation.in_viewport
-            and follow_renamed_bones(evaluation.obj)
-        ):
+        control = None if place is None else place.matrix()
+        if control is None and handle.bone and evaluation.in_viewport:
+            follow_renamed_bones(evaluation.obj)
             control = control_matrix(handle, depsgraph)
         if control is not None and not handle.has_rest and evaluation.in_viewport:
             last = session.poses.get(key)

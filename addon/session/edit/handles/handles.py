@@ -36,6 +36,23 @@ def add_handle(
     The region is not bound yet: see ``bind``. Where the deformer is posed already, the control stands at
     the posed region and nothing jumps.
     """
+    handle, entered = add_captured_handle(obj, deformer, kind, vertex_group, control, bone, owns_group)
+    if entered is not None:
+        bpy.data.meshes.remove(entered)
+    return handle
+
+
+@sessions.suspended()
+def add_captured_handle(
+    obj: Object,
+    deformer: SinewDeformer,
+    kind: str,
+    vertex_group: str,
+    control: Object | None = None,
+    bone: str = "",
+    owns_group: bool = False,
+) -> tuple[SinewHandle, Mesh | None]:
+    """As ``add_handle``; and what enters the modifier, if it was captured for the control: a new mesh."""
     if vertex_group not in obj.vertex_groups:
         raise ConstraintError(f"{obj.name} has no vertex group '{vertex_group}' - choose one of its groups")
     handle = deformer.handles.add()
@@ -49,32 +66,34 @@ def add_handle(
     handle.colour = empties.colour(len(deformer.handles) - 1)
     deformer.active_handle = len(deformer.handles) - 1
     if kind != "HANDLE":
-        return handle
+        return handle, None
     try:
-        _give_control(obj, deformer, handle, control, bone)
+        return handle, _give_control(obj, deformer, handle, control, bone)
     except SinewError:
         deformer.handles.remove(len(deformer.handles) - 1)
         obj.update_tag()  # the evaluated copy still has it
         raise
-    return handle
 
 
 def _give_control(
     obj: Object, deformer: SinewDeformer, handle: SinewHandle, control: Object | None, bone: str
-) -> None:
+) -> Mesh:
+    """Let ``control`` or a new empty move a handle; a new mesh, what enters the modifier."""
     mesh = capture.rest_mesh(obj, deformer)
     try:
         rest = read_rest(mesh)
         members = _members(mesh, handle)
-    finally:
+        pose = _current_pose(deformer, rest, members)
+        if control is not None:
+            empties.assign(obj, handle, control, bone, pose)
+            return mesh
+        handle.control, frame = empties.make_empty(obj, rest, members, f"{obj.name} {handle.name}", pose)
+    except SinewError:
         bpy.data.meshes.remove(mesh)
-    pose = _current_pose(deformer, rest, members)
-    if control is not None:
-        empties.assign(obj, handle, control, bone, pose)
-        return
-    handle.control, frame = empties.make_empty(obj, rest, members, f"{obj.name} {handle.name}", pose)
+        raise
     handle.owns_control = True
     poses.set_rest(handle, frame)
+    return mesh
 
 
 def _members(mesh: Mesh, handle: SinewHandle) -> np.ndarray:
