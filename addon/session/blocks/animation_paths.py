@@ -6,7 +6,7 @@ for new means removed, and its curves and drivers go too.
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import bpy
 from bpy.types import ID, Object
@@ -14,13 +14,13 @@ from bpy.types import ID, Object
 from ... import compat
 from ...properties import SinewDeformer
 
-Order = dict[int, int | None]
+Order = Mapping[int, int | None]
 
 _DEFORMER = re.compile(r"^(sinew\.deformers\[)(\d+)(\].*)$")
 _HANDLE = re.compile(r"^(sinew\.deformers\[\d+\]\.handles\[)(\d+)(\].*)$")
 
 
-def moved(count: int, source: int, target: int) -> Order:
+def moved(count: int, source: int, target: int) -> dict[int, int]:
     """The order after ``collection.move(source, target)``."""
     rows = list(range(count))
     rows.insert(target, rows.pop(source))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Builds geometry nodes by type, with sockets found by name."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from bpy.types import GeometryNodeTree, NodeSocket
 
@@ -15,7 +15,7 @@ class Builder:
         self.group = group
         self.column = 0
 
-    def add(self, node_type: str, settings: dict[str, str] | None = None, **inputs):
+    def add(self, node_type: str, settings: Mapping[str, object] | None = None, **inputs):
         """A node with its settings, its inputs set or linked; spaces in names are written ``_``."""
         node = self.group.nodes.new(node_type)
         node.location = (self.column * 180, 0)

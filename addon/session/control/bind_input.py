@@ -2,13 +2,14 @@
 """What a bind is asked for, whatever moves the mesh."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from bpy.types import PropertyGroup
 
 from ...backend import Base, Recipe
 from ...core.errors import OptionError
-from ...core.methods import METHODS, Curve, Method, Parameter, Pointer, group_property
+from ...core.methods import METHODS, Curve, Float, Method, Parameter, Pointer, group_property
 from ...mesh_io import RestShape
 from ...properties import BASE, SinewDeformer
 from ..blocks import references
@@ -74,7 +75,7 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
             continue
         value = _value(values, parameter)
         group = getattr(values, group_property(parameter), "")
-        if group:
+        if isinstance(parameter, Float) and group:
             painted = rest.weights.get(group)
             if painted is None:
                 raise OptionError(
@@ -85,7 +86,7 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
     return found
 
 
-def solve_options(settings: SinewDeformer) -> dict[str, object]:
+def solve_options(settings: SinewDeformer) -> dict[str, Any]:
     """The keywords of ``solve`` that the method takes, with those of a method inside it."""
     return {
         parameter.id: _value(values, parameter)
@@ -95,7 +96,7 @@ def solve_options(settings: SinewDeformer) -> dict[str, object]:
     }
 
 
-def _value(values: PropertyGroup, parameter: Parameter) -> object:
+def _value(values: PropertyGroup, parameter: Parameter) -> Any:
     """As the native module takes it."""
     if isinstance(parameter, Curve | Pointer):
         return references.value(values, parameter)

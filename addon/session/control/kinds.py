@@ -4,7 +4,7 @@
 from collections.abc import Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
@@ -32,86 +32,68 @@ class ControlKind(Protocol):
     MISSING: str  # what to do where nothing moves the mesh yet
     MARKS_REGIONS: bool  # it moves regions of a mesh that are vertex groups
 
-    @staticmethod
-    def name(method: Method) -> str:
+    def name(self, method: Method) -> str:
         """What a new deformer is called."""
 
-    @staticmethod
-    def is_set(settings: SinewDeformer) -> bool:
+    def is_set(self, settings: SinewDeformer) -> bool:
         """Something moves the mesh."""
 
-    @staticmethod
-    def key(settings: SinewDeformer) -> tuple:
+    def key(self, settings: SinewDeformer) -> tuple:
         """The control's part of what a factor depends on."""
 
-    @staticmethod
     def request(
-        settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int
+        self, settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int
     ) -> BindInput:
         """Arrays for the native module, or the reason why there are none."""
 
-    @staticmethod
-    def notes(report: object, request: BindInput) -> tuple[Status, ...]:
+    def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:
         """What the report of a bind tells the artist."""
 
-    @staticmethod
-    def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
+    def read(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
         """Where the control is. Called once per evaluation, so ``pose`` takes it from there."""
 
-    @staticmethod
-    def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
+    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         """Where the control is, as ``Factor.solve`` takes it, and further keywords of it.
 
         None where nobody knows: then the last shape stays.
         """
 
-    @staticmethod
-    def selectable(elements: Elements, request: BindInput) -> Elements:
+    def selectable(self, elements: Elements, request: BindInput) -> Elements:
         """Elements that can be selected, for those that an error of the bind names."""
 
-    @staticmethod
-    def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
+    def object_with(self, deformer: SinewDeformer, elements: Elements) -> Object:
         """The control that has these elements; where they cannot be selected, the reason is raised."""
 
-    @staticmethod
-    def links(deformer: SinewDeformer) -> Iterable[Link]:
+    def links(self, deformer: SinewDeformer) -> Iterable[Link]:
         """The objects and bones that Blender has to evaluate for the deformer."""
 
-    @staticmethod
-    def is_stale(deformer: SinewDeformer) -> bool:
+    def is_stale(self, deformer: SinewDeformer) -> bool:
         """The control has other vertices than at rest."""
 
-    @staticmethod
-    def set_rest(obj: Object, deformer: SinewDeformer) -> None:
+    def set_rest(self, obj: Object, deformer: SinewDeformer) -> None:
         """A control that has no rest yet rests where it is."""
 
-    @staticmethod
-    def take_rest(obj: Object, deformer: SinewDeformer) -> None:
+    def take_rest(self, obj: Object, deformer: SinewDeformer) -> None:
         """The control rests as it is now."""
 
-    @staticmethod
-    def forget_rest(deformer: SinewDeformer) -> None:
+    def forget_rest(self, deformer: SinewDeformer) -> None:
         """The control has no rest: the next bind takes it as it is then."""
 
-    @staticmethod
-    def lost(deformer: SinewDeformer) -> tuple[str, ...]:
+    def lost(self, deformer: SinewDeformer) -> tuple[str, ...]:
         """What the artist is told of controls that are gone."""
 
-    @staticmethod
-    def release(obj: Object, deformer: SinewDeformer) -> None:
+    def release(self, obj: Object, deformer: SinewDeformer) -> None:
         """Remove what was made for the deformer, unless others use it."""
 
-    @staticmethod
-    def selected(deformer: SinewDeformer) -> tuple[int, ...]:
+    def selected(self, deformer: SinewDeformer) -> tuple[int, ...]:
         """The vertices of the control that are selected."""
 
-    @staticmethod
-    def influence(deformer: SinewDeformer, bound: Bound) -> Influence | None:
+    def influence(self, deformer: SinewDeformer, bound: Bound) -> Influence | None:
         """How far the target's points go with the selected vertices; None without weights."""
 
 
 _KINDS: dict[Control, ControlKind] = {
-    control: import_module(f".{control.name.lower()}.kind", __package__)
+    control: cast(ControlKind, import_module(f".{control.name.lower()}.kind", __package__))
     for control in Control
     if (Path(__file__).parent / control.name.lower() / "kind.py").is_file()
 }

@@ -94,7 +94,7 @@ def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[st
     mesh = capture.mesh_after(obj, position + 1)
     try:
         left = read_positions(mesh)
-        entered = left
+        entered: np.ndarray | None = left
         if targets.is_mesh(obj):
             entered = read_incoming(mesh, *shapes.attribute_names(deformer.uid), len(left)).points
     finally:

@@ -22,7 +22,7 @@ def move_deformer(obj: Object, index: int, target: int) -> None:
         raise SinewError(f"{baked[0]} is baked, and its cache belongs where it is - Unbake it first")
     count = len(obj.sinew.deformers)
     order = animation_paths.moved(count, index, target)
-    wanted = sorted(range(count), key=order.get)
+    wanted = sorted(range(count), key=order.__getitem__)
     _restack(obj, [obj.sinew.deformers[old] for old in wanted])
     obj.sinew.deformers.move(index, target)
     animation_paths.deformers_reordered(obj, order)

@@ -70,8 +70,9 @@ def _update_object(
 
     ``layout`` is given where at most controls moved since it was made: then the rig need not be looked at.
     """
-    changed = layout is None or not _still_holds(layout, obj)
-    if changed:
+    changed = False
+    if layout is None or not _still_holds(layout, obj):
+        changed = True
         if depsgraph.mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
             new_geometry = False  # what was read was not what entered
         layout = _layout(obj, depsgraph.mode)

@@ -51,7 +51,7 @@ def solve(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, dis
     question = _question(evaluation, bound, incoming, displacement)
     if question is None:
         return
-    if question.matches(shown) and (shown.converged or question.early):
+    if shown.shape is not None and question.matches(shown) and (shown.converged or question.early):
         if shown.factor != _factor(evaluation):
             _show(evaluation, bound, question, shown.shape, shown.converged)
         return
@@ -173,8 +173,9 @@ def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Qu
         work.cancel()
         work = None
     if work is None:
-        if session.unanswered is not None and question.matches(session.unanswered.subject):
-            raise session.unanswered.error
+        failed = session.unanswered
+        if failed is not None and failed.error is not None and question.matches(failed.subject):
+            raise failed.error
         _ask(session, bound, question)
         return None
     session.work = None

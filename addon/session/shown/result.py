@@ -70,12 +70,11 @@ _kept: dict[str, _Kept] = remember({})
 
 def source(obj: Object, deformer: SinewDeformer) -> tuple | None:
     """What the shape shown depends on, to compare by ``same``; None without a bound shape."""
-    session = sessions.find(deformer.uid)
-    if session is None or session.bound is None or not deformer.is_bound:
+    session, bound = sessions.find(deformer.uid), _bound(deformer)
+    if session is None or bound is None:
         return None
     shown = session.view("VIEWPORT")
     mask = weights(obj, deformer, deformer.mask_group)
-    bound = session.bound
     return bound.rest, bound.indices, shown.positions, shown.incoming, shown.displacement, shown.factor, mask
 
 
@@ -88,10 +87,9 @@ def same(one: tuple | None, other: tuple | None) -> bool:
 
 def shape_shown(obj: Object, deformer: SinewDeformer) -> Result | None:
     """The shape that leaves the deformer now."""
-    now = source(obj, deformer)
-    if now is None:
+    now, bound = source(obj, deformer), _bound(deformer)
+    if now is None or bound is None:
         return None
-    bound = sessions.find(deformer.uid).bound
     kept = _entry(deformer, bound)
     if kept.result is None or not same(kept.result.source, now):
         points = _blend(bound.rest, *now[2:])
@@ -140,14 +138,14 @@ def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | No
 
     Read once, until ``repainted``.
     """
-    session = sessions.find(deformer.uid)
-    if not group or session is None or session.bound is None or not deformer.is_bound:
+    bound = _bound(deformer)
+    if not group or bound is None:
         return None
-    groups = _entry(deformer, session.bound).groups
+    groups = _entry(deformer, bound).groups
     if group not in groups:
         names = [other.name for other in obj.vertex_groups]
         mesh = obj.data
-        if targets.vertex_count(obj) != len(session.bound.rest.points):
+        if targets.vertex_count(obj) != len(bound.rest.points):
             mesh = deformer.rest_in("VIEWPORT")
             names = group_names(mesh)
         groups[group] = group_weights(mesh, names, {group}).get(group)
@@ -164,6 +162,12 @@ def repainted(deformer: SinewDeformer) -> None:
 def forget() -> None:
     """Free all of it."""
     _kept.clear()
+
+
+def _bound(deformer: SinewDeformer) -> Bound | None:
+    """The factor that the viewport shows; None where the deformer is not bound."""
+    session = sessions.find(deformer.uid)
+    return session.bound if session is not None and deformer.is_bound else None
 
 
 def _entry(deformer: SinewDeformer, bound: Bound) -> _Kept:

@@ -98,9 +98,8 @@ class Grab:
         self._take(done.subject, done.result)
         return True
 
-    def _is_bound(self, wait: bool) -> bool:
+    def _is_bound(self, region: Region, wait: bool) -> bool:
         """The region has its factor, or needs none; False while a thread builds it."""
-        region = self._region
         if self._factor is not None or len(region.free) == 0:
             return True
         if wait or not binding.may_wait(len(region.members)):
@@ -129,6 +128,12 @@ class Grab:
 
     # How it moves
 
+    def _followed(self) -> Region:
+        """What follows the selection. A motion needs it, so ``follow`` comes before every motion."""
+        if self._region is None:
+            raise ConstraintError("Nothing follows the selection yet - ask for a radius first")
+        return self._region
+
     def show(self, obj: Object, motion: np.ndarray, preview: bool = False) -> None:
         """Move the selection by a motion of the world (4, 4), the surface with it.
 
@@ -136,11 +141,11 @@ class Grab:
         """
         self._drop_final()
         pose = self._pose(motion)
-        region, followed = self._region, None
+        region, followed = self._followed(), None
         self.settled = True
         if region.rides_along(pose):
             followed = frames.transformed(pose, region.rest)
-        elif not self._is_bound(wait=not preview):
+        elif not self._is_bound(region, wait=not preview):
             return
         elif self._factor is not None:
             options = self._options()
@@ -149,31 +154,31 @@ class Grab:
                 options["max_iterations"] = min(self._budget, options.get("max_iterations", self._budget))
                 options["start"] = self._start
             begin = time.perf_counter()
-            followed, report = self._factor.solve(self._poses(pose), **options)
+            followed, report = self._factor.solve(self._poses(region, pose), **options)
             self._start = followed
-            if early:
+            if early and report is not None:
                 self.settled = report.converged
                 self._spend(report.iterations, time.perf_counter() - begin)
-        self._write(obj, pose, followed, final=not preview)
+        self._write(obj, region, pose, followed, final=not preview)
 
     def settle(self, obj: Object, motion: np.ndarray, wait: bool = True) -> bool:
         """Show the final answer, which depends on the motion alone; False while a thread works it out."""
-        region, pose = self._region, self._pose(motion)
+        region, pose = self._followed(), self._pose(motion)
         heavy = self._method.iterative and binding.may_wait(len(region.members))
         if wait or not heavy or len(region.free) == 0 or region.rides_along(pose):
             self.show(obj, motion)
             return True
-        if not self._is_bound(wait):
+        if not self._is_bound(region, wait):
             return False
         if self._final is None:
-            factor, poses, options = self._factor, self._poses(pose), self._options()
+            factor, poses, options = self._factor, self._poses(region, pose), self._options()
             self._final = Work(lambda progress: factor.solve(poses, progress=progress, **options))
         if not self._final.done:
             return False
         done, self._final = self._final, None
         if done.error is not None:
             raise done.error
-        self._write(obj, pose, done.result[0])
+        self._write(obj, region, pose, done.result[0])
         self.settled = True
         return True
 
@@ -203,13 +208,15 @@ class Grab:
         pose[:, 3] += motion[:3, :3] @ self._patch.origin - self._patch.origin
         return pose
 
-    def _poses(self, pose: np.ndarray) -> np.ndarray:
-        poses = [pose] if len(self._region.handle) else []
-        return np.array([*poses, IDENTITY] if len(self._region.fixed) else poses)
+    def _poses(self, region: Region, pose: np.ndarray) -> np.ndarray:
+        poses = [pose] if len(region.handle) else []
+        return np.array([*poses, IDENTITY] if len(region.fixed) else poses)
 
-    def _write(self, obj: Object, pose: np.ndarray, followed: np.ndarray | None, final: bool = True) -> None:
+    def _write(
+        self, obj: Object, region: Region, pose: np.ndarray, followed: np.ndarray | None, final: bool = True
+    ) -> None:
         """The selection goes by its pose, the free vertices by the solution (k, 3); others go to rest."""
         goals = [frames.transformed(pose, self._patch.points[self._patch.selected])]
         if followed is not None:
-            goals.append(followed[self._region.free])
-        self._patch.write(obj, self._region, np.concatenate(goals), final)
+            goals.append(followed[region.free])
+        self._patch.write(obj, region, np.concatenate(goals), final)

@@ -118,7 +118,7 @@ def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
     return [placement.read_place(deformer.cage, depsgraph, by_shape=True)]
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
     """The cage's vertices (c, 3) in the frame of the target; without a cage as they were last, if known."""
     held, (place,) = evaluation.session.poses, evaluation.control
     if place is None or evaluation.deformer.cage_missing:

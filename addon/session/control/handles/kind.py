@@ -86,7 +86,7 @@ def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
     ]
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, Any]]:
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape."""
     affine, from_rest = poses.gather(evaluation, bound)
     return affine, {"from_rest": from_rest}

@@ -13,6 +13,7 @@ from ....core.geometry import frames
 from ....mesh_io import RestShape
 from ....properties import SinewHandle
 from ...control.handles import poses
+from ...control.placement import read_place
 
 
 def colour(number: int) -> tuple[float, float, float]:
@@ -54,9 +55,8 @@ def assign(
     """Let an object or a bone move a handle, from ``pose`` on; nothing jumps."""
     if control == obj:
         raise ConstraintError(f"{obj.name} cannot control itself - choose another object")
-    if bone and (control.pose is None or bone not in control.pose.bones):
+    place = read_place(control, bpy.context.evaluated_depsgraph_get(), bone)
+    if place is None:
         raise ConstraintError(f"{control.name} has no bone '{bone}' - choose one of its pose bones")
     handle.control, handle.bone = control, bone
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    matrix = poses.control_matrix(handle, depsgraph)
-    poses.capture_rest(handle, np.array(obj.matrix_world, dtype=np.float64), matrix, pose)
+    poses.capture_rest(handle, np.array(obj.matrix_world, dtype=np.float64), place.matrix(), pose)

@@ -132,9 +132,9 @@ def _give_object(
     elsewhere what it stands for now is the mirrored pose."""
     target.owns_control = False
     empties.assign(obj, target, control, "", pose[:3])
-    if frame is None:
-        return
     matrix = poses.control_matrix(target, bpy.context.evaluated_depsgraph_get())
+    if frame is None or matrix is None:
+        return
     now = frames.pose(_world(obj), matrix, frame, control.name)
     if any(np.abs(now - known[:3]).max() < _CLOSE for known in (pose, np.eye(4))):
         poses.set_rest(target, frame)
