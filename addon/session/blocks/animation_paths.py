@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animation follows its deformer or handle when the lists are reordered.
+"""Animation follows its deformer, handle or control when the lists are reordered.
 
-Blender's paths count: ``sinew.deformers[0].handles[1].weight``. An order ``{old: new}`` renumbers them; None
-for new means removed, and its curves and drivers go too.
+Blender's paths hold the index of a row: ``sinew.deformers[0].handles[1].weight``. An order ``{old: new}``
+renumbers them. If new is None, the row was removed, and its curves and drivers are removed too.
 """
 
 import re
@@ -45,7 +45,7 @@ def handles_reordered(obj: Object, deformer: SinewDeformer, order: Order) -> Non
 
 
 def _new_path(pattern: re.Pattern, path: str, order: Order) -> str | None:
-    """The renumbered path; None where what it names was removed."""
+    """The renumbered path; None if the row that it names was removed."""
     found = pattern.match(path)
     if found is None:
         return path
@@ -80,7 +80,7 @@ def _renumber(obj: Object, new_path: Callable[[str], str | None]) -> None:
 
 
 def _targets(obj: Object) -> Iterator:
-    """The driver targets anywhere in the file that read a property of the object."""
+    """All driver targets in the file that read a property of the object."""
     for owner in _animated():
         for curve in owner.animation_data.drivers:
             for variable in curve.driver.variables:
@@ -89,7 +89,7 @@ def _targets(obj: Object) -> Iterator:
 
 
 def _animated() -> Iterator[ID]:
-    """Local IDs that have drivers, the hidden shape keys and node trees included."""
+    """Local IDs that have animation data, including hidden shape keys and node trees."""
     for owner in bpy.data.user_map():
         if owner.library is None and getattr(owner, "animation_data", None) is not None:
             yield owner

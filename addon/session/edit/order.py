@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The order of deformers, which is the order of their modifiers, and of handles, which changes no shape."""
+"""Changes the order of deformers, with that of their modifiers, and of handles, where it has no effect."""
 
 from bpy.types import Object
 
@@ -13,9 +13,9 @@ from ..memory import sessions
 
 @sessions.suspended()
 def move_deformer(obj: Object, index: int, target: int) -> None:
-    """Put a deformer at another place in the list; the Sinew modifiers of the stack then follow the list.
+    """Put a deformer at another place in the list, and Sinew's modifiers into the same order.
 
-    They change places with each other: modifiers of others keep theirs.
+    These change places with each other only, so all other modifiers keep their places.
     """
     baked = [deformer.name for deformer in obj.sinew.deformers if deformer.bake.is_baked]
     if baked:
@@ -32,7 +32,7 @@ def move_deformer(obj: Object, index: int, target: int) -> None:
 
 
 def _restack(obj: Object, deformers: list[SinewDeformer]) -> None:
-    """Give the Sinew modifiers the order of ``deformers``, in the places they hold together."""
+    """Put the modifiers of ``deformers`` into this order, in the places that they have together."""
     names = [
         modifier.name
         for modifier in (shapes.find_modifier(obj, deformer) for deformer in deformers)
@@ -50,7 +50,7 @@ def _restack(obj: Object, deformers: list[SinewDeformer]) -> None:
 
 
 def _arrange(obj: Object, names: list[str]) -> bool:
-    """Bring the stack in this order, from the top down."""
+    """Put the stack into this order, from the top down; returns whether Blender allowed it."""
     for place, name in enumerate(names):
         if not compat.move_modifier(obj, name, place):
             return False
