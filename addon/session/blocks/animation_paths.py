@@ -17,7 +17,6 @@ from ...properties import SinewDeformer
 Order = Mapping[int, int | None]
 
 _DEFORMER = re.compile(r"^(sinew\.deformers\[)(\d+)(\].*)$")
-_HANDLE = re.compile(r"^(sinew\.deformers\[\d+\]\.handles\[)(\d+)(\].*)$")
 
 
 def moved(count: int, source: int, target: int) -> dict[int, int]:
@@ -37,11 +36,11 @@ def deformers_reordered(obj: Object, order: Order) -> None:
     _renumber(obj, lambda path: _new_path(_DEFORMER, path, order))
 
 
-def handles_reordered(obj: Object, deformer: SinewDeformer, order: Order) -> None:
-    """Renumber every path to the handles of a deformer."""
+def rows_reordered(obj: Object, deformer: SinewDeformer, collection: str, order: Order) -> None:
+    """Renumber every path to the rows of a collection of a deformer: its handles or its controls."""
     index = next(row for row, other in enumerate(obj.sinew.deformers) if other.uid == deformer.uid)
-    prefix = f"sinew.deformers[{index}]."
-    _renumber(obj, lambda path: _new_path(_HANDLE, path, order) if path.startswith(prefix) else path)
+    rows = re.compile(rf"^(sinew\.deformers\[{index}\]\.{collection}\[)(\d+)(\].*)$")
+    _renumber(obj, lambda path: _new_path(rows, path, order))
 
 
 def _new_path(pattern: re.Pattern, path: str, order: Order) -> str | None:

@@ -62,7 +62,7 @@ def move_handle(obj: Object, deformer: SinewDeformer, index: int, target: int) -
     """Put a handle at another place in the list."""
     order = animation_paths.moved(len(deformer.handles), index, target)
     deformer.handles.move(index, target)
-    animation_paths.handles_reordered(obj, deformer, order)
+    animation_paths.rows_reordered(obj, deformer, "handles", order)
     deformer.active_handle = order.get(deformer.active_handle, target)
     kinds.keep_evaluated(obj)
     obj.update_tag()

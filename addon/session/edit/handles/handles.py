@@ -123,7 +123,7 @@ def remove_handle(obj: Object, deformer: SinewDeformer, index: int) -> None:
     release_group(obj, deformer, handle)
     order = animation_paths.removed(len(deformer.handles), index)
     deformer.handles.remove(index)
-    animation_paths.handles_reordered(obj, deformer, order)
+    animation_paths.rows_reordered(obj, deformer, "handles", order)
     deformer.active_handle = max(0, min(deformer.active_handle, len(deformer.handles) - 1))
     kinds.keep_evaluated(obj)
     obj.update_tag()
