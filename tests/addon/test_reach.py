@@ -52,7 +52,7 @@ def test_a_fan_of_each_polygon():
 
 def test_lengths_in_a_plane_are_straight():
     points, counts, corners = grid()
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     middle = len(points) // 2
     nobody = np.zeros(len(points), dtype=bool)
     found = surface.lengths(points, mask(len(points), middle), nobody, 10.0)
@@ -61,7 +61,7 @@ def test_lengths_in_a_plane_are_straight():
 
 def test_lengths_go_around_what_is_barred():
     points, counts, corners = grid()
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     start = int(np.argmin(np.linalg.norm(points - (0.0, -0.5, 0.0), axis=1)))
     wall = (np.abs(points[:, 1]) < 0.01) & (points[:, 0] < 0.51)
     found = surface.lengths(points, mask(len(points), start), wall, 10.0)
@@ -74,7 +74,7 @@ def test_lengths_go_around_what_is_barred():
 
 def test_lengths_end_at_the_limit():
     points, counts, corners = grid()
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     nobody = np.zeros(len(points), dtype=bool)
     found = surface.lengths(points, mask(len(points), len(points) // 2), nobody, 0.3)
     distance = np.linalg.norm(points, axis=1)
@@ -87,7 +87,7 @@ def test_lengths_on_a_bent_irregular_surface_lie_between_the_chord_and_the_edges
     points, counts, corners = grid(21)
     points[:, :2] += random.uniform(-0.02, 0.02, (len(points), 2))
     points[:, 2] = 0.4 * np.sin(3.0 * points[:, 0]) * points[:, 1]
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     nobody = np.zeros(len(points), dtype=bool)
     found = surface.lengths(points, mask(len(points), 30), nobody, 10.0)
     edges = by_edges(points, reach.triangulated(counts, corners), [30])
@@ -100,7 +100,7 @@ def test_other_parts_are_out_of_reach_and_numbers_that_are_none_too():
     points = np.concatenate((points, points + (5.0, 0.0, 0.0)))
     counts, corners = np.concatenate((counts, counts)), np.concatenate((corners, corners + 25))
     points[24] = np.nan
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     nobody = np.zeros(len(points), dtype=bool)
     found = surface.lengths(points, mask(len(points), 0), nobody, 100.0)
     assert np.isfinite(found[:24]).all()
@@ -111,7 +111,7 @@ def test_other_parts_are_out_of_reach_and_numbers_that_are_none_too():
 
 def test_connected_stops_at_what_is_barred():
     points, counts, corners = grid(5)
-    surface = reach.Surface(len(points), counts, corners)
+    surface = reach.TriangleMesh(len(points), counts, corners)
     reached = surface.connected(mask(25, 0), points[:, 0] == 0.0)
     assert reached.tolist() == (points[:, 0] < 0.0).tolist()
 
@@ -129,7 +129,7 @@ def test_rings_and_the_part_between_them():
 
 def test_a_mesh_without_faces():
     none = np.zeros(0, dtype=int)
-    surface = reach.Surface(3, none, none)
+    surface = reach.TriangleMesh(3, none, none)
     nobody = np.zeros(3, dtype=bool)
     found = surface.lengths(np.zeros((3, 3)), mask(3, 1), nobody, 1.0)
     assert found.tolist() == [np.inf, 0.0, np.inf]

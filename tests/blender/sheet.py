@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw panels and menus without a window, into a layout that writes down what it is asked for."""
+"""Draws panels and menus without a window, into a layout that records the calls."""
 
 from __future__ import annotations
 

@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from cages import SHEAR, add_raising_key, ball, transform
 from inside import catch_up
-from kinds import (
+from mathutils import Matrix, Vector
+from mathutils.kdtree import KDTree
+from point_objects import (
     CURVES,
     MAKERS,
     TESSELLATED,
@@ -31,8 +33,6 @@ from kinds import (
     text,
     unmoved,
 )
-from mathutils import Matrix, Vector
-from mathutils.kdtree import KDTree
 from probe import render_points
 from registry import WITH_CAGE
 from rig import FLOAT32, apply_matrix, in_mode, make_active, push, reopen, update

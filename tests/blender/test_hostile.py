@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from complaints import Complaints
+from error_log import ErrorLog
 from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
 from inside import catch_up
@@ -517,12 +517,12 @@ def keys_of(owner: object, below: bool) -> list[str]:
 )
 def fuzz(room, folder: Path, wounds: list) -> None:
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    complaints = Complaints()
+    error_log = ErrorLog()
     try:
         _inflict(room, folder, wounds)
-        complaints.check()
+        error_log.check()
     finally:
-        complaints.close()
+        error_log.close()
 
 
 def _inflict(room, folder: Path, wounds: list) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from cages import ball, surround
 from inside import catch_up
-from kinds import bind, outline, shown
+from point_objects import bind, outline, shown
 from rig import FLOAT32, Rig, evaluated_points, reopen, update
 
 

@@ -67,7 +67,7 @@ class Patch:
         self._inverse = frames.inverse(world, obj.name)[:3, :3]
         self._linear, self.origin = world[:3, :3], world[:3, 3]
         self._read(obj)
-        self._surface = reach.Surface(len(self._rest), self._counts, self._corners)
+        self._triangles = reach.TriangleMesh(len(self._rest), self._counts, self._corners)
         self._lengths: np.ndarray | None = None
         self._measured = 0.0
         self._written: Region | None = None  # the region whose vertices are not at rest
@@ -118,7 +118,7 @@ class Patch:
         sources = np.zeros(len(self._rest), dtype=bool)
         sources[self.selected] = True
         if np.isinf(radius):
-            free = self._surface.connected(sources, self._stays)
+            free = self._triangles.connected(sources, self._stays)
         else:
             free = self._measure(sources, radius) <= radius
         free &= ~sources
@@ -146,7 +146,7 @@ class Patch:
         """Lengths (n,) over the surface. They are measured again only if the radius is larger than before."""
         if self._lengths is None or radius > self._measured:
             self._measured = radius if self._lengths is None else radius * _HEADROOM
-            self._lengths = self._surface.lengths(self.points, sources, self._stays, self._measured)
+            self._lengths = self._triangles.lengths(self.points, sources, self._stays, self._measured)
         return self._lengths
 
     def write(self, obj: Object, region: Region, places: np.ndarray, final: bool = True) -> None:

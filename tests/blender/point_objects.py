@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that only cages move, what Blender shows of them, and how they look when moved by hand."""
+"""Objects that only cages move, the points that Blender shows of them, and their shapes when a script moves
+them.
+"""
 
 from __future__ import annotations
 
