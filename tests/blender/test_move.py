@@ -177,6 +177,28 @@ def test_keyframes_and_drivers_stay_with_their_handle(plate: Rig):
     assert weights(obj, 1) == {"Top": 0.2, "Base": 0.25, "Reader": 0.2}
 
 
+def test_drivers_that_read_a_control_follow_its_row(plate: Rig, room):
+    """Whichever kind of control a list of them belongs to; rows of other deformers, and handles, stay."""
+    obj, paths = plate.obj, room("session.blocks.animation_paths")
+    for name in ("First", "Second"):
+        obj.sinew.deformers.add().uid = name
+    rows = (
+        "[0].controls[1].owned",
+        "[1].controls[1].owned",
+        "[0].handles[1].weight",
+        "[0].controls[0].owned",
+    )
+    obj["read"] = [0.0] * len(rows)
+    for index, row in enumerate(rows):
+        drive(obj.driver_add('["read"]', index).driver, obj, f"sinew.deformers{row}")
+    paths.rows_reordered(obj, obj.sinew.deformers[0], "controls", paths.moved(2, 0, 1))
+    read = [curve.driver.variables[0].targets[0].data_path for curve in obj.animation_data.drivers]
+    assert read == [
+        f"sinew.deformers{row}"
+        for row in ("[0].controls[0].owned", rows[1], rows[2], "[0].controls[1].owned")
+    ]
+
+
 def test_keyframes_of_a_removed_handle_go(plate: Rig):
     obj = two_handles_with_animation(plate)
     bpy.ops.sinew.handle_remove(index=0)
