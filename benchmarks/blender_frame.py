@@ -452,12 +452,12 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
             first = SIDE * SIDE // 2 + number * PATCH**2
             members = list(range(first, first + PATCH**2))
             obj.vertex_groups["Stiffness"].add(members, 0.5, "REPLACE")
-        for kind in ("edit", "new"):
-            if kind == "new":
+        for which in ("edit", "new"):
+            if which == "new":
                 room("core.memory").forget_all()
             # The operator is not used, since Blender evaluates before it runs one, which would bind already.
-            times[kind].append(timed(lambda: session.bind(obj, deformer)))
-            times[f"{kind}_native"].append(session.find(deformer.uid).bound.milliseconds)
+            times[which].append(timed(lambda: session.bind(obj, deformer)))
+            times[f"{which}_native"].append(session.find(deformer.uid).bound.milliseconds)
         if what == "handle":
             index = next(i for i, other in enumerate(deformer.handles) if other.uid == handle.uid)
             session.remove_handle(obj, deformer, index)

@@ -62,10 +62,10 @@ def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
         return points, np.array(words[3 + 3 * n : 3 + 3 * n + 4 * m], int).reshape(m, 4)[:, 1:]
     points, faces = [], []
     for line in path.read_text(encoding="utf-8").splitlines():
-        kind, *words = line.split() or [""]
-        if kind == "v":
+        tag, *words = line.split() or [""]
+        if tag == "v":
             points.append([float(word) for word in words[:3]])
-        elif kind == "f":
+        elif tag == "f":
             faces.append([int(word.split("/")[0]) - 1 for word in words])
     return np.array(points), np.array(faces)
 

@@ -4,7 +4,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -43,6 +43,13 @@ def make(native, method: Method, target: object, options: dict[str, object]) -> 
     return getattr(native, method.native)(target, **made)
 
 
+class SolveReport(Protocol):
+    """What a solve by handles tells: how many iterations it took, and whether more would change the shape."""
+
+    iterations: int
+    converged: bool
+
+
 @dataclass(frozen=True)
 class Bound:
     """A native method that is bound, and the report of its bind."""
@@ -79,7 +86,7 @@ class Handles:
             return made.set_handles(self.vertices, **words)
         return made.rebind(former.method, self.vertices, **words)
 
-    def solve(self, method: Any, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
+    def solve(self, method: Any, poses: np.ndarray, **options) -> tuple[np.ndarray, SolveReport]:
         """Positions (n, 3) for ``poses`` (k, 3, 4), and a report."""
         return method.solve(poses, **options)
 

@@ -18,7 +18,7 @@ from ..core.status import Level
 from ..properties import SinewDeformer
 from . import cache, paths, record, shape_keys
 from .files import CacheFile
-from .stage import Stage, changes_count, labels
+from .reader import ShapeReader, changes_count, labels
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class _Part:
     for shape keys the shapes before and after the deformer, float32 (n, 3), one pair per frame.
     """
 
-    stage: Stage
+    reader: ShapeReader
     filepath: str = ""
     file: CacheFile | None = None
     made: str = ""
@@ -67,7 +67,7 @@ class Baking:
         self.done = 0
         self._scene = scene.name
         self._frame = scene.frame_current, scene.frame_subframe
-        self._parts = [_Part(Stage(obj, uid)) for obj, uid in request.deformers]
+        self._parts = [_Part(ShapeReader(obj, uid)) for obj, uid in request.deformers]
         self._opened = False
         self._over = False
         for part in self._parts:
@@ -104,7 +104,7 @@ class Baking:
     def finish(self) -> list[str]:
         """Show the baked shapes instead of the deformers. Returns warnings for the user."""
         warnings = []
-        self._close_stages()
+        self._close_readers()
         with session.suspended():
             for part in self._parts:
                 self._complete(part)
@@ -123,14 +123,14 @@ class Baking:
         if part.file is None:
             return
         part.file.close()
-        obj, deformer = part.stage.owner(), part.stage.deformer()
+        obj, deformer = part.reader.owner(), part.reader.deformer()
         if session.find_cache(obj, deformer) is None:
             part.made = cache.insert(obj, deformer)
 
     def _show(self, part: _Part) -> list[str]:
         """Show the baked shapes instead of the deformer. Returns warnings."""
-        request, obj, deformer = self.request, part.stage.owner(), part.stage.deformer()
-        warnings = _differences(part.stage)
+        request, obj, deformer = self.request, part.reader.owner(), part.reader.deformer()
+        warnings = _differences(part.reader)
         if request.target == "SHAPE_KEYS":
             warnings += record.remove(obj, deformer)
             shape_keys.install(obj, deformer, request.frames, part.shapes, request.exact_keys)
@@ -138,7 +138,7 @@ class Baking:
             playing = obj.modifiers[part.made] if part.made else session.find_cache(obj, deformer)
             warnings += record.remove_keys(obj, deformer)
             cache.play(obj, deformer, playing, request.target, part.filepath, request.frames)
-        record.note(obj, deformer, request.target, request.frames, part.filepath)
+        record.mark_baked(obj, deformer, request.target, request.frames, part.filepath)
         return warnings
 
     def cancel(self) -> None:
@@ -149,22 +149,22 @@ class Baking:
         for part in self._parts:
             if part.file is not None:
                 part.file.discard()
-        self._close_stages()
+        self._close_readers()
         with session.suspended():
             for part in self._parts if self._opened else ():
-                obj = part.stage.owner()
+                obj = part.reader.owner()
                 if part.made:
                     obj.modifiers.remove(obj.modifiers[part.made])
-                record.resume(obj, part.stage.deformer())
+                record.resume(obj, part.reader.deformer())
         self._restore_frame()
 
     def _check(self, part: _Part) -> None:
         """Raise an error if this deformer cannot be baked, before anything is changed."""
-        obj, deformer = part.stage.owner(), part.stage.deformer()
+        obj, deformer = part.reader.owner(), part.reader.deformer()
         session.require_mesh(obj, "Shape keys, PC2 and MDD hold")
         if not deformer.is_bound:
             raise SinewError(f"{deformer.name} is not bound - press Bind first")
-        modifier = part.stage.modifier()
+        modifier = part.reader.modifier()
         shown = deformer.bake.show_viewport if deformer.bake.is_baked else modifier.show_viewport
         if not shown:
             raise SinewError(f"The modifier {modifier.name} is off in the viewport - switch it on to bake it")
@@ -174,7 +174,7 @@ class Baking:
             shape_keys.require_own_mesh(obj)
         if self.request.target == "SHAPE_KEYS":
             shape_keys.require_keys(obj)
-            self._check_keys(part.stage, obj, deformer)
+            self._check_keys(part.reader, obj, deformer)
         else:
             if deformer.renders_differ:
                 raise SinewError(
@@ -185,12 +185,12 @@ class Baking:
             cache.timing(self.request.frames)
             part.filepath = paths.choose(obj, deformer, self.request.target, self.request.filepath)
 
-    def _check_keys(self, stage: Stage, obj: Object, deformer: SinewDeformer) -> None:
+    def _check_keys(self, reader: ShapeReader, obj: Object, deformer: SinewDeformer) -> None:
         """Blender adds shape keys before all modifiers, so no other modifier may come before the deformer."""
         here = {uid for name, uid in self.request.deformers if name == obj.name}
         ours = [other for other in obj.sinew.deformers if other.uid in here or other.bake.is_baked]
         replaced = {session.find_modifier(obj, other) for other in ours}
-        earlier = [other for other in stage.earlier() if other not in replaced]
+        earlier = [other for other in reader.earlier() if other not in replaced]
         if changes_count(obj, deformer):
             raise SinewError(
                 f"{deformer.name} moves vertices that {labels(earlier) or 'earlier modifiers'} made, but "
@@ -209,30 +209,30 @@ class Baking:
         self._opened = True
         with session.suspended():
             for part in self._parts:
-                record.suspend(part.stage.owner(), part.stage.deformer())
+                record.suspend(part.reader.owner(), part.reader.deformer())
         for part in self._parts:
-            part.stage.open()
+            part.reader.open()
             if self.request.target != "SHAPE_KEYS":
                 path = paths.absolute(part.filepath)
                 part.file = CacheFile(path, self.request.target, self.request.frames, rate)
 
     def _is_waiting(self) -> bool:
         """Whether a thread binds or solves, which happens only with a window."""
-        uids = [part.stage.uid for part in self._parts]
+        uids = [part.reader.uid for part in self._parts]
         session.collect()
         is_waiting = any(uid in session.unsettled() or _has_thread(uid) for uid in uids)
         if is_waiting:
             session.settle()
             for part in self._parts:
-                part.stage.owner().update_tag(refresh={"OBJECT"})
+                part.reader.owner().update_tag(refresh={"OBJECT"})
             bpy.context.view_layer.update()
         return is_waiting
 
     def _take(self, part: _Part, depsgraph: Depsgraph) -> None:
-        deformer = part.stage.deformer()
+        deformer = part.reader.deformer()
         if deformer.status_level == Level.ERROR.value:
             raise SinewError(f"{deformer.name}: {deformer.status}")
-        left = part.stage.positions(depsgraph)
+        left = part.reader.positions(depsgraph)
         if part.points < 0:
             part.points = len(left)
         if len(left) != part.points:
@@ -247,11 +247,11 @@ class Baking:
         if part.file is not None:
             part.file.append(left)
         else:
-            part.shapes.append((part.stage.incoming(depsgraph), left))
+            part.shapes.append((part.reader.incoming(depsgraph), left))
 
-    def _close_stages(self) -> None:
+    def _close_readers(self) -> None:
         for part in self._parts:
-            part.stage.close()
+            part.reader.close()
 
     def _restore_frame(self) -> None:
         frame, subframe = self._frame
@@ -276,9 +276,9 @@ def _naming_frame(frame: int) -> Iterator[None]:
         raise SinewError(f"Frame {frame}: {error}") from error
 
 
-def _differences(stage: Stage) -> list[str]:
+def _differences(reader: ShapeReader) -> list[str]:
     """A warning if modifiers before the deformer are shown in the viewport or in renders alone."""
-    differing = [other for other in stage.earlier() if other.show_viewport != other.show_render]
+    differing = [other for other in reader.earlier() if other.show_viewport != other.show_render]
     if not differing:
         return []
     return [

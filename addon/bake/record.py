@@ -10,7 +10,7 @@ from ..properties import SinewDeformer
 from . import cache, shape_keys
 
 
-def note(obj: Object, deformer: SinewDeformer, target: str, frames: range, filepath: str) -> None:
+def mark_baked(obj: Object, deformer: SinewDeformer, target: str, frames: range, filepath: str) -> None:
     """Record that a deformer is baked: switch its modifier off, and remember where it was shown."""
     bake, modifier = deformer.bake, session.find_modifier(obj, deformer)
     bake.result, bake.first, bake.last = target, frames[0], frames[-1]

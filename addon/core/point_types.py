@@ -25,7 +25,7 @@ class PointType:
 
 _VERTICES, _POINTS = ("vertex", "vertices"), ("point", "points")
 MESH = PointType("MESH", "MESH", _VERTICES)
-SURFACE = PointType("SURFACE", "MESH", _VERTICES)  # of a curve or text that is filled, extruded or bevelled
+SURFACE = PointType("SURFACE", "MESH", _VERTICES)  # of an extruded or filled curve or text
 CURVE = PointType("CURVE", "CURVE", _POINTS)
 BEZIER = PointType("BEZIER", "CURVE", ("point or handle", "points and handles"), 3)
 POINTCLOUD = PointType("POINTCLOUD", "POINTCLOUD", _POINTS)

@@ -18,9 +18,9 @@ from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
-from .target import no_mesh, target_of
+from .target import explain_no_target, target_of
 
-__all__ = ("PAGES", "no_mesh", "register", "target_of", "unregister")
+__all__ = ("PAGES", "explain_no_target", "register", "target_of", "unregister")
 
 register, unregister = register_classes_factory(
     (

@@ -6,7 +6,7 @@ from bpy.types import Context, Operator
 
 from .. import session
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import deformer_index, has_deformer, object_mode, target_of
 
 
@@ -32,7 +32,7 @@ class SINEW_OT_apply(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         keep = self.keep_deformer and self.as_shape_key

@@ -11,11 +11,11 @@ from .. import bake
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..properties import BAKE_TARGETS, MAX_FRAME, SinewDeformer
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, target_of
 
 CANCELLED = "The bake was cancelled - everything is as it was"
-_SLICE = 0.1  # seconds of frames between two redraws
+_SLICE = 0.1  # seconds for which frames are baked between two redraws
 _PAUSE = 0.01  # seconds to wait for a thread, if there is no timer
 _SKIP = {"SKIP_SAVE"}
 
@@ -106,7 +106,7 @@ class SINEW_OT_bake(Operator):
             return self.execute(context)
         return self._browse(context) if self.choose_path else self._begin(context)
 
-    @refusing
+    @reports_errors
     def _begin(self, context: Context) -> set[str]:
         if self.target == "ALEMBIC":
             return self._export(context)
@@ -144,7 +144,7 @@ class SINEW_OT_bake(Operator):
             self._baking.cancel()
             self._end_modal(context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         if self.choose_path and not bpy.app.background:  # the file browser calls this when the user confirms
             return self._bake_to_choice()
@@ -274,7 +274,7 @@ class SINEW_OT_unbake(Operator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         chosen = _chosen(context, self.all_deformers)
         if self.all_deformers:

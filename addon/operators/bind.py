@@ -5,7 +5,7 @@ from bpy.types import Context, Operator
 
 from .. import session
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, target_of
 from .waiting import BindingOperator
 
@@ -21,7 +21,7 @@ class SINEW_OT_bind(BindingOperator, Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active

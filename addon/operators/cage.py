@@ -9,7 +9,7 @@ from ..core.errors import SinewError
 from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, has_target, object_mode, target_of
 from .waiting import BindingOperator
 
@@ -86,7 +86,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
             return super().invoke(context, event)
         return self._begin(context)
 
-    @refusing
+    @reports_errors
     def _begin(self, context: Context) -> set[str]:
         self._work = session.Work(self._maker(target_of(context)))
         self.begin(context)
@@ -113,7 +113,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
             return {"CANCELLED"}
         return self.watched(context, self.run(context, wait=False, shape=work.result))
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool, shape: object = None) -> set[str]:
         """``shape`` is that of an automatic cage if a thread has made it already."""
         obj = target_of(context)
@@ -174,7 +174,7 @@ class _CageOperator(BindingOperator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active

@@ -8,7 +8,7 @@ from .. import session
 from ..core.errors import OptionError
 from ..core.methods import Curve
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, target_of
 
 
@@ -33,7 +33,7 @@ class SINEW_OT_curve_edit(Operator):
         """The tooltip, which depends on what the button does."""
         return "Discard the drawn curve and use the default" if properties.reset else cls.__doc__
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         deformer = target_of(context).sinew.active
         curves = {

@@ -9,7 +9,7 @@ from ..core.methods import DEFAULT_METHOD
 from ..ids import Operators
 from ..preferences import preferences
 from ..properties import method_items
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import deformer_index, has_deformer, has_target, object_mode, target_of
 
 
@@ -36,7 +36,7 @@ class SINEW_OT_deformer_add(Operator):
             self.method = preferences(context).method
         return self.execute(context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         session.add_deformer(target_of(context), self.method)
         return {"FINISHED"}
@@ -55,7 +55,7 @@ class SINEW_OT_deformer_remove(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         index = deformer_index(obj, self.index)

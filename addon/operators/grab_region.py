@@ -18,7 +18,7 @@ from ..preferences import preferences
 from .grabbing import Grabbing
 from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, pivot_of, typed_units, view_of
-from .refusing import refusing
+from .reporting import reports_errors
 
 _METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
 _MODES = (
@@ -119,7 +119,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = context.edit_object
         grab = self._grab(context, obj)
@@ -133,7 +133,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
             return self.execute(context)
         return self._begin(context, event)
 
-    @refusing
+    @reports_errors
     def _begin(self, context: Context, event: Event) -> set[str]:
         obj = context.edit_object
         grab = self._grab(context, obj)
@@ -184,7 +184,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
             tuple(self.scale),
         )
 
-    def keep(self) -> None:
+    def store_result(self) -> None:
         tool = self.tool
         motion = tool.typed.motion
         self.mode, self.orientation = motion.mode.value, "LOCAL" if motion.local else "GLOBAL"

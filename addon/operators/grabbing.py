@@ -86,7 +86,7 @@ class Grabbing:
         if view.same_as(self.typed.view):
             self.typed.drag(event.mouse_x, event.mouse_y)
         else:
-            self.typed.look(view, event.mouse_x, event.mouse_y)
+            self.typed.change_view(view, event.mouse_x, event.mouse_y)
 
     def _press(self, event: Event) -> None:
         if event.type in _RESIZE:

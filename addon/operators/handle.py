@@ -10,7 +10,7 @@ from ..core.errors import SinewError
 from ..ids import Operators
 from ..preferences import preferences
 from ..properties import HANDLE_ROLES, SinewHandle
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import handle_index, has_deformer, has_target, object_mode, target_of
 from .waiting import BindingOperator
 
@@ -83,7 +83,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
     def poll(cls, context: Context) -> bool:
         return has_target(cls, context, mesh=True)
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         mode = context.mode
@@ -154,7 +154,7 @@ class SINEW_OT_handle_remove(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
@@ -186,7 +186,7 @@ class SINEW_OT_select_handle(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active

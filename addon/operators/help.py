@@ -9,7 +9,7 @@ from bpy.types import Context, Operator
 
 from ..core.errors import SinewError
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 
 # Identifier, label and description; the identifier is the name of the page's file.
 PAGES = (
@@ -51,11 +51,11 @@ class SINEW_OT_help(Operator):
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:
-        """The tooltip names the page."""
+        """The tooltip, which names the page."""
         _identifier, label, about = next(item for item in PAGES if item[0] == properties.page)
         return f"{label}. {about}.\nOpens the manual in the web browser; it was installed with the add-on"
 
-    @refusing
+    @reports_errors
     def execute(self, _context: Context) -> set[str]:
         path = manual_page(self.page)
         if bpy.app.background:

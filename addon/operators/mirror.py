@@ -7,7 +7,7 @@ from bpy.types import Context, Operator
 from .. import session
 from ..core.sides import Side
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import handle_index, has_deformer, object_mode, target_of
 from .waiting import BindingOperator
 
@@ -67,7 +67,7 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active

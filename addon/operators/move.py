@@ -6,7 +6,7 @@ from bpy.types import Context, Operator
 
 from .. import session
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import deformer_index, handle_index, has_deformer, target_of
 
 DIRECTIONS = (
@@ -40,7 +40,7 @@ class SINEW_OT_deformer_move(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         index = deformer_index(obj, self.index)
@@ -67,7 +67,7 @@ class SINEW_OT_handle_move(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active

@@ -7,7 +7,7 @@ from bpy.types import Context, Object, Operator
 from .. import session
 from ..core.errors import SinewError
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, has_target, object_mode, target_of
 
 
@@ -70,7 +70,7 @@ class SINEW_OT_repair(Operator):
             return False
         return True
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         cures = session.Cures(
@@ -112,7 +112,7 @@ class SINEW_OT_part_regions(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context, mesh=True)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):

@@ -24,7 +24,7 @@ class SINEW_OT_select_distorted(Operator):
     bl_label = "Select Most Distorted"
     bl_options = {"REGISTER", "UNDO"}
 
-    measure: EnumProperty(name="Measure", description="Which kind of distortion", items=MEASURES)
+    measure: EnumProperty(name="Measure", description="The measure of distortion", items=MEASURES)
 
     @classmethod
     def poll(cls, context: Context) -> bool:

@@ -8,7 +8,7 @@ from bpy.types import Context, Operator
 from .. import session
 from ..core import status
 from ..ids import Operators
-from .refusing import refusing
+from .reporting import reports_errors
 from .target import has_deformer, target_of
 
 
@@ -30,7 +30,7 @@ class SINEW_OT_select_problems(Operator):
     def poll(cls, context: Context) -> bool:
         return has_deformer(cls, context)
 
-    @refusing
+    @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         uid = obj.sinew.active.uid

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which object an operator works on: the active one, or the one that the active control poses."""
+"""Finds the object that an operator works on: the active one, or the one that the active control moves."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -33,7 +33,7 @@ def _posed_with(context: Context, armature: Object) -> Object | None:
     return meshes[0] if len(meshes) == 1 else None
 
 
-def no_mesh(context: Context) -> tuple[str, bool]:
+def explain_no_target(context: Context) -> tuple[str, bool]:
     """What an artist can do if there is no object to work on, and whether Convert to Mesh does it."""
     obj = context.object
     if obj is not None and obj.type == "LATTICE":
@@ -53,7 +53,7 @@ def has_target(operator: type, context: Context, mesh: bool = False) -> bool:
     """For ``poll``: whether there is an editable object to work on. ``mesh`` accepts meshes only."""
     obj = target_of(context)
     if obj is None:
-        operator.poll_message_set(no_mesh(context)[0])
+        operator.poll_message_set(explain_no_target(context)[0])
         return False
     if obj.library is not None:
         operator.poll_message_set("This object is linked - make a library override first")

@@ -4,13 +4,13 @@
 from bpy.props import BoolProperty, PointerProperty, StringProperty
 from bpy.types import Context, Mesh, Object, PropertyGroup
 
-from .setting import record, reshape, setting
+from .setting import evaluate_again, record, setting
 
 
 def _object_changed(control: "SinewControl", context: Context) -> None:
     """Forget the rest shape, since another object was chosen. The next bind stores its rest shape."""
     control.rest = None
-    reshape(control, context)
+    evaluate_again(control, context)
 
 
 class SinewControl(PropertyGroup):

@@ -21,7 +21,7 @@ from .bake import SinewBake
 from .control import SinewControl, StoredCage
 from .handle import SinewHandle
 from .parameters import BASE, GROUPS
-from .setting import record, reshape, setting, setting_list
+from .setting import evaluate_again, record, setting, setting_list
 
 
 def method_items() -> tuple[tuple, ...]:
@@ -39,7 +39,7 @@ def method_items() -> tuple[tuple, ...]:
 def _cage_changed(deformer: "SinewDeformer", context: Context) -> None:
     """Forget the rest cage, since another cage was chosen. The next bind stores its rest shape."""
     deformer.cage_rest = None
-    reshape(deformer, context)
+    evaluate_again(deformer, context)
 
 
 def _cage_subdivision(deformer: "SinewDeformer") -> Modifier | None:
@@ -219,7 +219,7 @@ class SinewDeformer(PropertyGroup):
 
     @property
     def renders_differ(self) -> bool:
-        """Other vertices enter in renders. Else ``rest_render`` is an empty mesh, or not there at all."""
+        """Whether renders have another number of vertices. If not, ``rest_render`` is empty or None."""
         return isinstance(self.rest_render, Mesh) and len(self.rest_render.vertices) > 0
 
     def shape(self, mode: str) -> Object | None:

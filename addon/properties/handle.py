@@ -14,7 +14,7 @@ from bpy.types import Context, Object, PropertyGroup
 
 from ..core.methods import HANDLE_PARAMETERS
 from .parameters import declare
-from .setting import record, reshape, setting
+from .setting import evaluate_again, record, setting
 
 ROLES = (
     ("HANDLE", "Handle", "Follows a control: an empty, any object, or a bone", "EMPTY_AXIS", 0),
@@ -31,7 +31,7 @@ ROLES = (
 
 def _control_changed(handle: "SinewHandle", context: Context) -> None:
     handle.has_rest = False
-    reshape(handle, context)
+    evaluate_again(handle, context)
 
 
 class SinewHandle(PropertyGroup):

@@ -89,7 +89,7 @@ class SinewScene(PropertyGroup):
         name="Parameter", items=_parameters(), update=_changed, description="Which painted parameter is shown"
     )
     measure: EnumProperty(
-        name="Measure", items=MEASURES, update=_changed, description="Which kind of distortion is shown"
+        name="Measure", items=MEASURES, update=_changed, description="The measure of distortion that is shown"
     )
     distortion_range: FloatProperty(
         name="Range",

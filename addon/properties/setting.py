@@ -9,12 +9,12 @@ from bpy.types import Context, PropertyGroup
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
 
 
-def reshape(values: PropertyGroup, _context: Context) -> None:
+def evaluate_again(values: PropertyGroup, _context: Context) -> None:
     """Let Blender evaluate the object again, since its shape may have changed."""
     values.id_data.update_tag(refresh={"OBJECT"})
 
 
-def setting(declare: Callable, update: Callable | None = reshape, **keywords):
+def setting(declare: Callable, update: Callable | None = evaluate_again, **keywords):
     """A property that an artist sets. ``declare`` is a function of bpy.props.
 
     ``update`` is None if the property does not affect the shape.

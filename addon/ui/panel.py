@@ -11,7 +11,7 @@ from ..backend import availability
 from ..core.methods import METHODS, Moved, Parameter
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
-from ..operators import no_mesh, target_of
+from ..operators import explain_no_target, target_of
 from ..properties import BASE, SinewDeformer
 from . import control
 from .control import draw_start, drawing_of
@@ -81,7 +81,7 @@ def _parameters(deformer: SinewDeformer, advanced: bool) -> Iterator[tuple[Prope
 
 
 def _draw_no_mesh(context: Context, layout: UILayout) -> None:
-    text, convertible = no_mesh(context)
+    text, convertible = explain_no_target(context)
     draw_text(context, layout, text, "INFO")
     if convertible:
         draw_remedy(layout, Remedy.CONVERT)

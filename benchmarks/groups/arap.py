@@ -37,7 +37,7 @@ def plan(options: Options) -> list[Task]:
     for size in (*options.sizes, *options.own_sizes):
         keywords = {"size": size, "threads": options.threads, "peers": size in options.sizes}
         tasks += [
-            Task("arap", tuple(kinds), {"part": part, **keywords}) for part, kinds in ITERATIONS.items()
+            Task("arap", tuple(variants), {"part": part, **keywords}) for part, variants in ITERATIONS.items()
         ]
     bend = 10_000 if options.quick else 50_000
     tasks.append(Task("arap", ("arap_bend",), {"part": "bend", "size": bend, "threads": options.threads}))
@@ -94,14 +94,14 @@ def _set_threads(count: int) -> Callable[[], None]:
     return lambda: sinew_native.limit_threads(count)
 
 
-def _iteration(case: Case, kinds: dict[str, dict], threads: list[int], peers: bool) -> list[Row]:
+def _iteration(case: Case, variants: dict[str, dict], threads: list[int], peers: bool) -> list[Row]:
     large = case.vertex_count > 1.1 * LARGEST_BOTH
     short, long = (SHORT, LONG) if not large else (SHORT, LONG_OF_LARGE)
     libigl = {"arap_iteration": igl.ARAP_ENERGY_TYPE_SPOKES_AND_RIMS}
     if not large:
         libigl["arap_spokes"] = igl.ARAP_ENERGY_TYPE_SPOKES
     works: dict[tuple, Work] = {}
-    for kind, options in kinds.items():
+    for variant, options in variants.items():
         arap = bound(case, **options)
         start = arap.solve(case.poses, max_iterations=0)[0]
         for budget in (short, long):
@@ -109,28 +109,28 @@ def _iteration(case: Case, kinds: dict[str, dict], threads: list[int], peers: bo
             def solve(arap=arap, start=start, budget=budget) -> None:
                 arap.solve(case.poses, start=start, max_iterations=budget, tolerance=0.0)
 
-            works |= {(kind, count, budget): Work(solve, _set_threads(count)) for count in threads}
-    for kind in kinds if peers else ():
-        if kind not in libigl:
+            works |= {(variant, count, budget): Work(solve, _set_threads(count)) for count in threads}
+    for variant in variants if peers else ():
+        if variant not in libigl:
             continue
-        peer = Libigl(case, libigl[kind])
+        peer = Libigl(case, libigl[variant])
         for budget in (short, long):
             run = lambda peer=peer, start=start, budget=budget: peer.solve(start, budget)  # noqa: E731
-            works[kind, "peer", budget] = Work(run)
+            works[variant, "peer", budget] = Work(run)
     alternate(works, budget=8.0, least=rounds(case.vertex_count))
 
     def iteration(*key: object) -> float:
         return (works[*key, long].best - works[*key, short].best) / (long - short)
 
     rows = []
-    for kind in kinds:
+    for variant in variants:
         for count in threads:
-            row = {"work": kind, "threads": count, "vertices": case.vertex_count}
-            row["ours"] = iteration(kind, count)
-            if kind == "arap_smooth":
+            row = {"work": variant, "threads": count, "vertices": case.vertex_count}
+            row["ours"] = iteration(variant, count)
+            if variant == "arap_smooth":
                 row["peer"] = iteration("arap_spokes", count)
-            elif (kind, "peer", long) in works:
-                row["peer"] = iteration(kind, "peer")
+            elif (variant, "peer", long) in works:
+                row["peer"] = iteration(variant, "peer")
             rows.append(row)
     return rows
 

@@ -46,7 +46,7 @@ def plan(options: Options) -> list[Task]:
         small, large = list(QUALITIES), [case for case in LARGE if case != SMALLEST_LARGE]
     tasks = []
     for case in small:
-        works = tuple(f"harmonic_{kind}{number}" for number in QUALITIES[case] for kind in ("", "error_"))
+        works = tuple(f"harmonic_{prefix}{number}" for number in QUALITIES[case] for prefix in ("", "error_"))
         reference = "fine" if options.smallest else "finest"
         tasks.append(Task("cages_harmonic", works, {"case": case, "reference": reference}))
     for case in large:

@@ -32,28 +32,28 @@ def plan(options: Options) -> list[Task]:
     largest = LARGEST_QUICK if options.quick else max(LARGEST, *options.own_sizes, 0)
     work = ("convergence",)
     tasks = [
-        Task("convergence", work, {"kind": "bar", "pose": pose, "size": size})
+        Task("convergence", work, {"model": "bar", "pose": pose, "size": size})
         for pose, size in BARS
         if size <= largest
     ]
     if OWN_MODEL.is_file():
-        tasks.append(Task("convergence", work, {"kind": "own", "size": 0}))
+        tasks.append(Task("convergence", work, {"model": "own", "size": 0}))
     if options.meshes is not None and not options.quick:
-        for kind in ("knight", "armadillo turned", "armadillo moved"):
-            keywords = {"kind": kind, "size": 0, "meshes": str(options.meshes)}
+        for model in ("knight", "armadillo turned", "armadillo moved"):
+            keywords = {"model": model, "size": 0, "meshes": str(options.meshes)}
             tasks.append(Task("convergence", work, keywords))
     return tasks
 
 
-def measure(kind: str, size: int, pose: str = "", meshes: str = "") -> list[Row]:
-    if kind == "bar":
+def measure(model: str, size: int, pose: str = "", meshes: str = "") -> list[Row]:
+    if model == "bar":
         case = bar(pose, size)
-    elif kind == "own":
+    elif model == "own":
         case = own_model()
-    elif kind == "knight":
+    elif model == "knight":
         case = knight(Path(meshes))
     else:
-        case = armadillo(Path(meshes), turned=kind.endswith("turned"))
+        case = armadillo(Path(meshes), turned=model.endswith("turned"))
     return [{"work": "convergence", "size": size, "vertices": case.vertex_count, **_excess(case)}]
 
 

@@ -47,7 +47,7 @@ def _apart(*words: object) -> dict[str, int]:
 
 
 def _status(field: str) -> int:
-    """Bytes, from the kernel's account of this process: VmRSS is now, VmHWM was the most."""
+    """The memory of this process in bytes, from the kernel: VmRSS is the memory now, VmHWM the maximum."""
     for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
         if line.startswith(field + ":"):
             return 1024 * int(line.split()[1])

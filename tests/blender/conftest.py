@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The installed add-on, a fresh scene for each test, and the ways to look at a result."""
+"""The installed add-on, a new scene for each test, and the rigs that tests share."""
 
 import importlib
 import os

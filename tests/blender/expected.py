@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shape that must be seen, by Blender's own data (mesh, vertex groups, matrices) and a new native object.
+"""The expected shape, computed from Blender's data (mesh, vertex groups, matrices) by a new native object.
 
-Neither the session nor what Sinew stores takes part.
+It uses neither the session nor anything that Sinew stores.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tests have to reach inside the add-on for: its parts that are no face for users are named here alone.
+"""Access to the inner parts of the add-on. Tests name these parts in this file only.
 
-A window has timers, threads and drags; the background has none of them, so tests call what they would call.
+Without a window there are no timers, threads and drags, so tests call the functions that these would call.
 """
 
 from __future__ import annotations
@@ -50,10 +50,8 @@ def room(path: str) -> ModuleType:
 
 
 def native() -> ModuleType:
-    """The compiled module, under whatever name the add-on imported it."""
-    return next(
-        module for name, module in sys.modules.items() if name.rpartition(".")[2] == "sinew_native" and module
-    )
+    """The compiled module."""
+    return room("backend").availability().module
 
 
 def catch_up() -> bool:

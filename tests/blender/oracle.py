@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shape that a scene asks for, from its properties and by mathematics of its own.
+"""The shape that the properties of a scene describe, computed by mathematics of its own.
 
 It reads settings, rest meshes, vertex groups and Blender's evaluated matrices, and follows the modifier stack
 in NumPy. The thin shell is a dense solve of the published formulas (``DENSE``). Methods with many minima stop
@@ -79,8 +79,10 @@ class Oracle:
         self.recalled |= missing
         return bool(missing)
 
-    def look_away(self, obj: bpy.types.Object) -> None:
-        """It is not compared now: what its controls do meanwhile only the add-on knows."""
+    def skip_poses(self, obj: bpy.types.Object) -> None:
+        """Forget the poses of an object that is not compared now, since only the add-on has followed its
+        controls.
+        """
         for deformer in obj.sinew.deformers:
             self.recalled |= {(deformer.uid, handle.uid) for handle in deformer.handles}
 
@@ -117,7 +119,7 @@ class Oracle:
             options = options_of(deformer, weights)
             poses, flags = self._poses(obj, deformer, regions, depsgraph)
             before = rest if displaces else incoming.astype(np.float64)
-            solve = DENSE.get(deformer.method, partial(self._anew, BY_ID[deformer.method]))
+            solve = DENSE.get(deformer.method, partial(self._solve_natively, BY_ID[deformer.method]))
             moved, error = solve(rest, triangles(deformer.rest), options, regions, poses, flags, before)
         except Refusal as refusal:
             answer.refused[deformer.uid] = str(refusal)
@@ -165,8 +167,10 @@ class Oracle:
             flags.append(handle.from_rest)
         return np.array(poses), np.array(flags)
 
-    def _anew(self, row, rest, faces, options, regions, poses, flags, before) -> tuple[np.ndarray, float]:
-        """By a native object that knows nothing of the past."""
+    def _solve_natively(
+        self, row, rest, faces, options, regions, poses, flags, before
+    ) -> tuple[np.ndarray, float]:
+        """Solve with a new native object, which has no history."""
         steps = {
             parameter.id: options.pop(parameter.id) for parameter in row.parameters if not parameter.rebinds
         }

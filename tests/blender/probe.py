@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A render engine that draws nothing and notes the shapes it is given: what any engine gets to see."""
+"""A render engine that draws nothing and records the shapes that it is given."""
 
 from __future__ import annotations
 

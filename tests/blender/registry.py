@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rows of the add-on's registry, for tests that every row must pass: they name no method."""
+"""The rows of the add-on's registry, for tests that run on every row and name no method."""
 
 from __future__ import annotations
 

@@ -4,6 +4,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -11,6 +14,8 @@ from mathutils import Matrix
 
 FLOAT32 = 4e-6  # a few roundings of coordinates near 1
 MATRIX = 1e-5  # a pose that went through location, rotation and scale in float32
+CORNERS = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]  # of a cube
+SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 
 
 def update() -> None:
@@ -53,9 +58,46 @@ def apply_matrix(matrix: Matrix, points: np.ndarray) -> np.ndarray:
     return points @ array[:3, :3].T + array[:3, 3]
 
 
+def linked(obj: bpy.types.Object) -> bpy.types.Object:
+    """It, in the scene."""
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def new_object(
+    name: str, points: Iterable[Sequence[float]], faces: Iterable = (), edges: Iterable = ()
+) -> bpy.types.Object:
+    """A mesh object in the scene."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(list(points), list(edges), list(faces))
+    return linked(bpy.data.objects.new(name, mesh))
+
+
+def new_empty(name: str, location: Sequence[float] = (0.0, 0.0, 0.0)) -> bpy.types.Object:
+    """An object without data in the scene."""
+    empty = linked(bpy.data.objects.new(name, None))
+    empty.location = location
+    update()
+    return empty
+
+
+def reopen(path: Path) -> None:
+    """Save the scene as a file, and open that."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+
+
+@contextmanager
+def in_mode(obj: bpy.types.Object, mode: str = "EDIT") -> Iterator[None]:
+    """The object is active, in a mode that it leaves in the end."""
+    make_active(obj)
+    bpy.ops.object.mode_set(mode=mode)
+    yield
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def grid_object(name: str = "Plate", cells: int = 10) -> bpy.types.Object:
     """A square of ``cells`` x ``cells`` quads from -1 to 1 in the plane z = 0."""
-    mesh = bpy.data.meshes.new(name)
     line = np.linspace(-1.0, 1.0, cells + 1)
     points = [(x, y, 0.0) for y in line for x in line]
     row = cells + 1
@@ -64,9 +106,7 @@ def grid_object(name: str = "Plate", cells: int = 10) -> bpy.types.Object:
         for j in range(cells)
         for i in range(cells)
     ]
-    mesh.from_pydata(points, [], faces)
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = new_object(name, points, faces)
     make_active(obj)
     return obj
 
@@ -89,8 +129,7 @@ def add_group(obj: bpy.types.Object, name: str, where) -> np.ndarray:
 def add_armature(obj: bpy.types.Object, split: float = 0.0) -> bpy.types.Object:
     """Two bones along y that carry the halves of the mesh below and above ``split``."""
     data = bpy.data.armatures.new("Rig")
-    armature = bpy.data.objects.new("Rig", data)
-    bpy.context.scene.collection.objects.link(armature)
+    armature = linked(bpy.data.objects.new("Rig", data))
     make_active(armature)
     bpy.ops.object.mode_set(mode="EDIT")
     for name, head, tail in (("low", -1.0, split), ("high", split, 1.0)):

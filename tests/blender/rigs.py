@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import bpy
-import kinds
 import numpy as np
+import point_objects
 from cages import ball
 from expected import Expected, ExpectedInCage, Poses
 from mathutils import Matrix
@@ -57,7 +57,7 @@ class HandleRig(Rig):
     @staticmethod
     def shown(obj: bpy.types.Object) -> np.ndarray:
         """What Blender shows of any object of this kind, (n, 3)."""
-        return kinds.shown(obj)
+        return point_objects.shown(obj)
 
     def points_in(self, layer: bpy.types.ViewLayer, obj: bpy.types.Object | None = None) -> np.ndarray:
         """What a view layer, of any scene, shows of the rig or of another object, (n, 3)."""
@@ -158,11 +158,11 @@ class CageRig(HandleRig):
     def bind(self, method: str = WITH_CAGE[0]) -> CageRig:
         self.bind_at_rest(method)
         self._cage_rest = base_points(self.control)
-        kinds.bend(self.control)
+        point_objects.bend(self.control)
         return self
 
     def bind_at_rest(self, method: str) -> None:
-        kinds.bind(self.obj, method)
+        point_objects.bind(self.obj, method)
 
     def bind_alone(self, method: str) -> None:
         self.bind(method)
@@ -177,17 +177,17 @@ class CageRig(HandleRig):
 
     def expected(self, method: str | None = None, **options: object) -> Poses:
         method, cage = method or self.methods[0], self.control
-        return ExpectedInCage(self.obj, cage, self._cage_rest, method, kinds.moved_by_hand, **options)
+        return ExpectedInCage(self.obj, cage, self._cage_rest, method, point_objects.moved_by_hand, **options)
 
 
 class CurveRig(CageRig):
     """Bezier splines in such a cage: it moves their points and handles."""
 
-    tolerance = kinds.TESSELLATED
+    tolerance = point_objects.TESSELLATED
 
     @classmethod
     def new(cls, name: str = "Curve") -> CurveRig:
-        obj = kinds.bezier()
+        obj = point_objects.bezier()
         obj.name = name
         return cls(obj)
 
@@ -196,7 +196,7 @@ class CurveRig(CageRig):
 
     @staticmethod
     def unmoved(obj: bpy.types.Object) -> np.ndarray:
-        return kinds.unmoved(obj)
+        return point_objects.unmoved(obj)
 
     def change_topology(self) -> None:
         make_active(self.obj)

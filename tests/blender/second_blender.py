@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Programs that run in a second Blender of the same version, which knows the add-on or does not."""
+"""Programs that run in a second Blender of the same version, with or without the add-on."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw panels and menus without a window, into a layout that writes down what it is asked for."""
+"""Draws panels and menus without a window, into a layout that records the calls."""
 
 from __future__ import annotations
 
@@ -58,3 +58,7 @@ def draw(cls: type, context: DrawContext | None = None) -> Sheet:
     sheet = Sheet()
     cls.draw(SimpleNamespace(layout=sheet, role=getattr(cls, "role", "")), context or DrawContext())
     return sheet
+
+
+def draw_panel(width: int = NARROW) -> Sheet:
+    return draw(bpy.types.SINEW_PT_sinew, DrawContext(width))

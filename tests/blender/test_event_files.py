@@ -499,10 +499,11 @@ def test_a_blender_without_the_add_on_shows_saves_and_gives_back(all_rigs, tmp_p
     found = another_blender(
         f"""
         bpy.ops.wm.open_mainfile(filepath={path!r})
-        import kinds
+        import point_objects
         rigs = {names(all_rigs)!r}
         def look():
-            return {{kind: kinds.shown(bpy.data.objects[name]).tolist() for kind, (name, _) in rigs.items()}}
+            return {{kind: point_objects.shown(bpy.data.objects[name]).tolist() for kind, (name, _) in
+            rigs.items()}}
         seen["points"] = look()
         for _name, control in rigs.values():
             bpy.data.objects[control].location.z += 0.25

@@ -1,20 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What overlays would draw, without drawing: arrays, when they are made anew, what stays registered."""
 
+from __future__ import annotations
+
 import builtins
 import types
+from collections.abc import Callable
 
 import addon_utils
 import bmesh
 import bpy
 import numpy as np
 import pytest
+from cages import ball, box, mean_value, set_rest, surround
 from inside import RESULT
 from mathutils import Color, Matrix
-from rig import Rig, add_group, base_points, make_active, move_world, update
+from rig import Rig, add_group, base_points, in_mode, make_active, move_world, new_empty, update
 
 OPACITY = 0.5
 SLACK = 1e-4  # a fortieth of what a screen can show; Blender's own conversion is a fast approximation
+KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "DISTORTION")
 
 
 @pytest.fixture
@@ -45,11 +50,22 @@ def paint(overlay, room):
     return picture
 
 
+@pytest.fixture
+def scale(room) -> Callable[[float], np.ndarray]:
+    """The colour of a value between 0 and 1."""
+    return lambda value: np.array(room("ui.overlay_colours").scale(np.full(1, value))[0])
+
+
+@pytest.fixture
+def chosen(room) -> Callable[[str], np.ndarray]:
+    """The colour that the preferences give something, as it is on the screen."""
+    return lambda name: on_screen(getattr(room("preferences").preferences(bpy.context), name))
+
+
 def covered(picture) -> np.ndarray:
     """Its colours, premultiplied."""
-    return picture.colours * np.concatenate(
-        (picture.colours[:, 3:].repeat(3, axis=1), np.ones((len(picture.colours), 1))), axis=1
-    )
+    alpha = picture.colours[:, 3:]
+    return np.concatenate((picture.colours[:, :3] * alpha, alpha), axis=1)
 
 
 def on_screen(linear) -> np.ndarray:
@@ -57,43 +73,43 @@ def on_screen(linear) -> np.ndarray:
     return np.array(Color(linear).from_scene_linear_to_srgb())
 
 
-def chosen(room, name: str) -> np.ndarray:
-    return on_screen(getattr(room("preferences").preferences(bpy.context), name))
+def colour_of(plate: Rig) -> np.ndarray:
+    return on_screen(plate.deformer.handles[0].colour)
 
 
-def cover(rgb: np.ndarray, amount: float) -> np.ndarray:
-    """Premultiplied."""
-    return np.array((*(rgb * amount), amount))
+def assert_covers(picture, vertices, rgb: np.ndarray, amount: float | np.ndarray = OPACITY) -> None:
+    """There, and as much of it."""
+    amount = np.reshape(amount, (-1, 1))
+    expected = np.concatenate((rgb * amount, amount), axis=1)
+    assert np.abs(covered(picture)[vertices] - expected).max() < SLACK
 
 
-def rows(picture) -> dict:
-    return dict(picture.legend.rows)
+def is_even(picture, vertices=slice(None)) -> bool:
+    return len(np.unique(covered(picture)[vertices], axis=0)) == 1
 
 
-def test_each_region_has_its_colour_and_free_vertices_none(paint, room, bound_plate: Rig):
+def ticks(picture) -> list[str]:
+    return [text for _at, text in picture.legend.ticks]
+
+
+def others(*groups: np.ndarray) -> np.ndarray:
+    """The vertices of the plate that are in none of these."""
+    return np.setdiff1d(np.arange(121), np.concatenate(groups))
+
+
+def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate: Rig):
+    """Where one ends its colour goes on without cover, else the faces around it would fade to black."""
     picture = paint(bound_plate.obj, overlay="REGIONS")
-    handle = on_screen(bound_plate.deformer.handles[0].colour)
-    assert np.abs(covered(picture)[bound_plate.top] - cover(handle, OPACITY)).max() < SLACK
-    fixed = cover(chosen(room, "overlay_fixed"), OPACITY)
-    assert np.abs(covered(picture)[bound_plate.base] - fixed).max() < SLACK
-    free = np.setdiff1d(np.arange(121), np.concatenate((bound_plate.top, bound_plate.base)))
-    assert not covered(picture)[free].any()
     assert picture.colours.dtype == picture.points.dtype == np.float32
-    assert list(rows(picture)) == ["Top", "Fixed"]
-
-
-def test_where_a_region_ends_its_colour_goes_on_without_cover(paint, bound_plate: Rig):
-    """Else the faces around a region would fade to black."""
-    picture = paint(bound_plate.obj, overlay="REGIONS")
-    rest, handle = bound_plate.rest(), on_screen(bound_plate.deformer.handles[0].colour)
+    assert_covers(picture, bound_plate.top, colour_of(bound_plate))
+    assert_covers(picture, bound_plate.base, chosen("overlay_fixed"))
+    assert not covered(picture)[others(bound_plate.top, bound_plate.base)].any()
+    assert list(dict(picture.legend.rows)) == ["Top", "Fixed"]
+    rest = bound_plate.rest()
     next_to = np.flatnonzero(np.abs(rest[:, 1] - 0.6) < 1e-5)
     assert len(next_to) == 11
-    assert np.abs(picture.colours[next_to] - (*handle, 0.0)).max() < SLACK
-
-
-def test_triangles_cover_the_rest_mesh(paint, bound_plate: Rig):
-    picture = paint(bound_plate.obj, overlay="REGIONS")
-    corners = base_points(bound_plate.obj)[picture.triangles]
+    assert np.abs(picture.colours[next_to] - (*colour_of(bound_plate), 0.0)).max() < SLACK
+    corners = rest[picture.triangles]
     areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
     assert areas.min() > 0.0
     assert areas.sum() == pytest.approx(4.0)
@@ -106,23 +122,18 @@ def test_soft_weights_fade(paint, plate: Rig):
     plate.bind()
     plate.deformer.handles[0].weight = 0.8
     update()
-    picture = paint(plate.obj, overlay="REGIONS")
     x = plate.rest()[plate.top, 0]
-    expected = OPACITY * 0.8 * np.where(x < -1e-6, 0.25, np.where(x > 1e-6, 0.5, 1.0))
-    assert np.abs(covered(picture)[plate.top, 3] - expected).max() < SLACK
-    handle = on_screen(plate.deformer.handles[0].colour)
-    assert np.abs(covered(picture)[plate.top, :3] - expected[:, None] * handle).max() < SLACK
+    amount = OPACITY * 0.8 * np.where(x < -1e-6, 0.25, np.where(x > 1e-6, 0.5, 1.0))
+    assert_covers(paint(plate.obj, overlay="REGIONS"), plate.top, colour_of(plate), amount)
 
 
-def test_around_a_support_is_fixed(paint, room, plate: Rig):
+def test_around_a_support_is_fixed(paint, chosen, plate: Rig):
     soft = add_group(plate.obj, "Soft", lambda point: point[1] > -0.3)
     plate.bind(fixed=False)
     make_active(plate.obj)
     bpy.ops.sinew.handle_add(kind="SUPPORT", vertex_group="Soft")
     picture = paint(plate.obj, overlay="REGIONS")
-    outside = np.setdiff1d(np.arange(121), soft)
-    fixed = cover(chosen(room, "overlay_fixed"), OPACITY)
-    assert np.abs(covered(picture)[outside] - fixed).max() < SLACK
+    assert_covers(picture, others(soft), chosen("overlay_fixed"))
     assert not covered(picture)[np.setdiff1d(soft, plate.top)].any()
 
 
@@ -132,52 +143,45 @@ def test_what_the_mask_hides_is_dark(paint, room, bound_plate: Rig):
     update()
     picture = paint(bound_plate.obj, overlay="REGIONS")
     dark = np.array(room("ui.overlay_colours").HIDDEN)
-    right = np.setdiff1d(np.arange(121), left)
-    assert np.abs(covered(picture)[right] - cover(dark, OPACITY)).max() < SLACK
-    shown = np.intersect1d(left, bound_plate.top)
-    handle = on_screen(bound_plate.deformer.handles[0].colour)
-    assert np.abs(covered(picture)[shown] - cover(handle, OPACITY)).max() < SLACK
-    assert rows(picture)["Masked out"] == pytest.approx(tuple(dark))
+    assert_covers(picture, others(left), dark)
+    assert_covers(picture, np.intersect1d(left, bound_plate.top), colour_of(bound_plate))
+    assert dict(picture.legend.rows)["Masked out"] == pytest.approx(tuple(dark))
     mask = paint(bound_plate.obj, overlay="MASK")
     assert set(np.unique(covered(mask)[left], axis=0)[:, 3]) == {np.float32(OPACITY)}
-    assert len(np.unique(covered(mask)[right], axis=0)) == 1
+    assert is_even(mask, others(left))
     assert mask.legend.note == "Painted by Left"
 
 
-def test_weight_of_the_active_handle(paint, room, bound_plate: Rig):
+def test_weight_of_the_active_handle(paint, scale, bound_plate: Rig):
     bound_plate.deformer.active_handle = 1
     picture = paint(bound_plate.obj, overlay="WEIGHT")
-    bright = np.array(room("ui.overlay_colours").scale(np.ones(1))[0])
-    assert np.abs(covered(picture)[bound_plate.base] - cover(bright, OPACITY)).max() < SLACK
-    others = np.setdiff1d(np.arange(121), bound_plate.base)
-    assert len(np.unique(covered(picture)[others], axis=0)) == 1
+    assert_covers(picture, bound_plate.base, scale(1.0))
+    assert is_even(picture, others(bound_plate.base))
     assert picture.legend.title == "Weight of Base"
     bound_plate.deformer.active_handle = 0
-    again = paint(bound_plate.obj)
-    assert np.abs(covered(again)[bound_plate.top] - cover(bright, OPACITY)).max() < SLACK
+    assert_covers(paint(bound_plate.obj), bound_plate.top, scale(1.0))
 
 
 def test_painted_parameter_and_its_numbers(paint, plate: Rig):
-    add_group(plate.obj, "Firm", lambda point: point[0] < 0.0)
+    firm = add_group(plate.obj, "Firm", lambda point: point[0] < 0.0)
     plate.bind("arap")
     plate.deformer.arap.rigidity, plate.deformer.arap.rigidity_group = 0.5, "Firm"
     update()
     picture = paint(plate.obj, overlay="PARAMETER", parameter="rigidity")
     assert picture.legend.title == "Rigidity"
-    assert [text for _at, text in picture.legend.ticks] == ["0", "0.125", "0.25", "0.375", "0.5"]
-    firm = plate.rest()[:, 0] < 0.0
-    assert len(np.unique(covered(picture)[firm], axis=0)) == 1
-    assert len(np.unique(covered(picture), axis=0)) == 2
+    assert ticks(picture) == ["0", "0.125", "0.25", "0.375", "0.5"]
+    assert is_even(picture, firm)
+    assert is_even(picture, others(firm))
+    assert not is_even(picture)
     other = paint(plate.obj, parameter="bending")  # As-Rigid-As-Possible has none: its own is shown
     assert other.legend.title == "Rigidity"
 
 
-def test_a_parameter_of_zero_is_zero_everywhere(paint, room, bound_plate: Rig):
+def test_a_parameter_of_zero_is_zero_everywhere(paint, scale, bound_plate: Rig):
     bound_plate.deformer.thin_shell.stretching = 0.0
     picture = paint(bound_plate.obj, overlay="PARAMETER", parameter="stretching")
-    dark = np.array(room("ui.overlay_colours").scale(np.zeros(1))[0])
-    assert np.abs(picture.colours[:, :3] - dark).max() < SLACK
-    assert [text for _at, text in picture.legend.ticks] == ["0", "0.25", "0.5", "0.75", "1"]
+    assert np.abs(picture.colours[:, :3] - scale(0.0)).max() < SLACK
+    assert ticks(picture) == ["0", "0.25", "0.5", "0.75", "1"]
     assert picture.legend.note == "The same everywhere"
 
 
@@ -191,14 +195,14 @@ def test_weights_painted_later_show_when_the_mesh_is_tagged(paint, bound_plate: 
     assert paint(bound_plate.obj).legend.note == "Painted by Later"
 
 
-def stretched_plate(plate: Rig, *factors: float) -> Rig:
+def stretched_plate(plate: Rig, *factors: float) -> bpy.types.Object:
     """All of the plate is one handle, scaled."""
     add_group(plate.obj, "All", lambda point: True)
     make_active(plate.obj)
     bpy.ops.sinew.deformer_add(method="thin_shell")
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="All")
     move_world(plate.control, Matrix.Diagonal((*factors, 1.0)))
-    return plate
+    return plate.obj
 
 
 @pytest.mark.parametrize(
@@ -212,31 +216,30 @@ def stretched_plate(plate: Rig, *factors: float) -> Rig:
         ("DIRICHLET", (4.0, 4.0, 1.0), "overlay_stretched"),
     ],
 )
-def test_distortion_has_full_colour_at_the_range(paint, room, plate: Rig, measure, factors, end):
-    stretched_plate(plate, *factors)
-    picture = paint(plate.obj, overlay="DISTORTION", measure=measure, distortion_range=2.0)
-    assert np.abs(covered(picture) - cover(chosen(room, end), OPACITY)).max() < 1e-4
-    ticks = [text for _at, text in picture.legend.ticks]
-    assert ticks[-1] == "2"
-    assert ticks[0] == ("0.5" if measure in ("STRETCH", "AREA") else "1")
+def test_distortion_has_full_colour_at_the_range(paint, chosen, plate: Rig, measure, factors, end):
+    obj = stretched_plate(plate, *factors)
+    picture = paint(obj, overlay="DISTORTION", measure=measure, distortion_range=2.0)
+    assert_covers(picture, slice(None), chosen(end))
+    assert ticks(picture)[-1] == "2"
+    assert ticks(picture)[0] == ("0.5" if measure in ("STRETCH", "AREA") else "1")
 
 
 def test_without_distortion_all_is_neutral(paint, room, plate: Rig):
-    stretched_plate(plate, 1.0, 1.0, 1.0)
+    obj = stretched_plate(plate, 1.0, 1.0, 1.0)
     move_world(plate.control, Matrix.Translation((1.0, 2.0, 3.0)) @ Matrix.Rotation(0.7, 4, "X"))
     neutral = np.array(room("ui.overlay_colours").NEUTRAL)
     for measure in ("STRETCH", "AREA", "ANGLE", "DIRICHLET"):
-        picture = paint(plate.obj, overlay="DISTORTION", measure=measure)
+        picture = paint(obj, overlay="DISTORTION", measure=measure)
         assert np.abs(picture.colours[:, :3] - neutral).max() < 0.01
 
 
 def test_factor_and_mask_lessen_the_distortion(paint, room, plate: Rig):
-    stretched_plate(plate, 3.0, 1.0, 1.0)
+    obj = stretched_plate(plate, 3.0, 1.0, 1.0)
     plate.deformer.factor = 0.5
     update()
-    paint(plate.obj, overlay="DISTORTION", measure="STRETCH")
+    paint(obj, overlay="DISTORTION", measure="STRETCH")
     measure = room("core.geometry.distortion").Measure.STRETCH
-    found = room(RESULT).measured(plate.obj, plate.deformer, measure)
+    found = room(RESULT).measured(obj, plate.deformer, measure)
     assert np.allclose(found.values, 2.0, atol=1e-5)
 
 
@@ -257,11 +260,10 @@ def test_a_subdivision_below_is_covered_smoothly(paint, bound_plate: Rig):
     fine = paint(bound_plate.obj)
     assert np.array_equal(fine.points, shown)
     assert np.abs(covered(fine)[: len(coarse)] - coarse).max() < SLACK
-    beyond = covered(fine)[len(coarse) :]
-    top = shown[len(coarse) :, 1] > 0.85  # between rows of one region
-    assert np.abs(beyond[top] - coarse[bound_plate.top[0]]).max() < 0.01  # a trace of the bare side
-    middle = np.abs(shown[len(coarse) :, 1]) < 0.5
-    assert not beyond[middle].any()
+    beyond, y = covered(fine)[len(coarse) :], shown[len(coarse) :, 1]
+    between_rows_of_one_region = y > 0.85
+    assert np.abs(beyond[between_rows_of_one_region] - coarse[bound_plate.top[0]]).max() < 0.01
+    assert not beyond[np.abs(y) < 0.5].any()
     assert (beyond[:, 3] <= OPACITY + SLACK).all()
 
 
@@ -275,40 +277,35 @@ def test_copies_have_the_colours_of_their_origin(paint, bound_plate: Rig):
     assert covered(picture)[bound_plate.top, 3].all()
 
 
-def test_where_order_is_lost_the_deformers_own_shape_is_covered(paint, bound_plate: Rig):
+@pytest.mark.parametrize("where", ["Remesh", "Edit Mode"])
+def test_the_deformers_own_shape_is_covered_where_blender_shows_another(paint, bound_plate: Rig, where: str):
+    """The order of vertices is lost, or the mesh that is edited is not the one that is shown."""
     bound_plate.lift(0.5)
     own = bound_plate.points()
-    bound_plate.obj.modifiers.new("Remesh", "REMESH")
-    update()
-    picture = paint(bound_plate.obj, overlay="REGIONS")
-    assert np.abs(picture.points - own).max() < SLACK
-
-
-def test_in_edit_mode_regions_lie_on_the_posed_shape(paint, bound_plate: Rig):
-    bound_plate.lift(0.5)
-    own = bound_plate.points()
-    make_active(bound_plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    update()
-    picture = paint(bound_plate.obj, overlay="REGIONS")
-    bpy.ops.object.mode_set(mode="OBJECT")
-    assert np.array_equal(picture.points, own)
+    if where == "Remesh":
+        bound_plate.obj.modifiers.new("Remesh", "REMESH")
+        update()
+        picture = paint(bound_plate.obj, overlay="REGIONS")
+        assert np.abs(picture.points - own).max() < SLACK
+    else:
+        with in_mode(bound_plate.obj):
+            update()
+            picture = paint(bound_plate.obj, overlay="REGIONS")
+        assert np.array_equal(picture.points, own)
     assert covered(picture)[bound_plate.top, 3].all()
 
 
 def test_a_mesh_that_lost_vertices_has_no_overlay_until_bound_again(paint, bound_plate: Rig):
     bound_plate.lift(0.5)
-    make_active(bound_plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="DESELECT")
-    assert paint(bound_plate.obj, overlay="REGIONS") is not None
-    edit = bmesh.from_edit_mesh(bound_plate.obj.data)
-    edit.verts.ensure_lookup_table()
-    bmesh.ops.delete(edit, geom=[edit.verts[60]], context="VERTS")
-    bmesh.update_edit_mesh(bound_plate.obj.data)
-    update()
-    assert paint(bound_plate.obj) is None
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(bound_plate.obj):
+        bpy.ops.mesh.select_all(action="DESELECT")
+        assert paint(bound_plate.obj, overlay="REGIONS") is not None
+        edit = bmesh.from_edit_mesh(bound_plate.obj.data)
+        edit.verts.ensure_lookup_table()
+        bmesh.ops.delete(edit, geom=[edit.verts[60]], context="VERTS")
+        bmesh.update_edit_mesh(bound_plate.obj.data)
+        update()
+        assert paint(bound_plate.obj) is None
     update()
     assert paint(bound_plate.obj) is None
     bpy.ops.sinew.bind()
@@ -316,20 +313,20 @@ def test_a_mesh_that_lost_vertices_has_no_overlay_until_bound_again(paint, bound
     assert len(paint(bound_plate.obj).points) == 120
 
 
-def test_nothing_bound_draws_nothing(paint, plate: Rig):
+def test_nothing_bound_draws_nothing_and_has_nothing_to_select(paint, plate: Rig):
     make_active(plate.obj)
     bpy.ops.sinew.deformer_add(method="arap")
-    for kind in ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "DISTORTION"):
+    for kind in KINDS:
         assert paint(plate.obj, overlay=kind) is None
+    with pytest.raises(RuntimeError, match="poll"):
+        bpy.ops.sinew.select_distorted()
 
 
 def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, bound_plate: Rig):
     cache, obj = overlay.cache, bound_plate.obj
-    other = bpy.data.objects.new("Other", bpy.data.meshes.new("Other"))
-    bpy.context.scene.collection.objects.link(other)
-    update()
+    other = new_empty("Other")
 
-    def painted(change, **wanted) -> int:
+    def painted(change: Callable = lambda: None, **wanted) -> int:
         before = cache.computed
         change()
         update()
@@ -337,12 +334,9 @@ def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, b
         assert paint(obj) is first
         return cache.computed - before
 
-    def nothing() -> None:
-        """No change."""
-
     deformer, settings = bound_plate.deformer, bpy.context.scene.sinew
-    assert painted(nothing, overlay="REGIONS") == 1
-    assert painted(nothing) == 0
+    assert painted(overlay="REGIONS") == 1
+    assert painted() == 0
     assert painted(lambda: setattr(other, "location", (1.0, 0.0, 0.0))) == 0
     assert painted(lambda: setattr(obj, "location", (0.0, 0.0, 1.0))) == 0
     assert painted(lambda: setattr(settings, "measure", "AREA")) == 1
@@ -352,20 +346,20 @@ def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, b
     assert painted(lambda: setattr(deformer, "factor", 0.5)) == 1
     assert painted(lambda: setattr(settings, "opacity", 0.4)) == 1
     assert painted(lambda: bpy.ops.sinew.bind()) == 1
-    assert painted(nothing, overlay="DISTORTION") == 1
+    assert painted(overlay="DISTORTION") == 1
     before = cache.computed
     for _ in range(100):
         paint(obj)
     assert cache.computed == before
 
 
-def test_colours_of_handles_do_not_repaint_other_overlays(paint, overlay, bound_plate: Rig, room):
+def test_colours_of_handles_do_not_repaint_other_overlays(paint, room, bound_plate: Rig):
     paint(bound_plate.obj, overlay="DISTORTION")
-    source = room(RESULT).source
+    source, same = room(RESULT).source, room(RESULT).same
     was = source(bound_plate.obj, bound_plate.deformer)
-    assert room(RESULT).same(was, source(bound_plate.obj, bound_plate.deformer))
+    assert same(was, source(bound_plate.obj, bound_plate.deformer))
     bound_plate.lift(0.1)
-    assert not room(RESULT).same(was, source(bound_plate.obj, bound_plate.deformer))
+    assert not same(was, source(bound_plate.obj, bound_plate.deformer))
 
 
 def test_select_shows_the_most_distorted_vertex(plate: Rig):
@@ -386,18 +380,10 @@ def test_select_shows_the_most_distorted_vertex(plate: Rig):
     make_active(plate.obj)
     assert bpy.ops.sinew.select_distorted(measure="STRETCH") == {"FINISHED"}
     assert plate.obj.mode == "EDIT"
-    selected = [vertex.index for vertex in bmesh.from_edit_mesh(mesh).verts if vertex.select]
+    (selected,) = [vertex.index for vertex in bmesh.from_edit_mesh(mesh).verts if vertex.select]
     bpy.ops.object.mode_set(mode="OBJECT")
     mean = np.abs(total / area)
-    assert len(selected) == 1
-    assert mean[selected[0]] == pytest.approx(mean.max(), abs=1e-5)
-
-
-def test_select_says_why_it_cannot(plate: Rig):
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_add(method="arap")
-    with pytest.raises(RuntimeError, match="poll"):
-        bpy.ops.sinew.select_distorted()
+    assert mean[selected] == pytest.approx(mean.max(), abs=1e-5)
 
 
 def test_the_graphics_card_is_not_touched_in_background(paint, overlay, bound_plate: Rig, monkeypatch):
@@ -411,19 +397,16 @@ def test_the_graphics_card_is_not_touched_in_background(paint, overlay, bound_pl
     for module in vars(overlay).values():
         assert not (isinstance(module, types.ModuleType) and module.__name__ in ("gpu", "blf"))
     bpy.context.scene.sinew.show_overlay = True
-    for kind in ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "DISTORTION"):
+    for kind in KINDS:
         assert paint(bound_plate.obj, overlay=kind) is not None
     bpy.context.scene.sinew.show_overlay = False
 
 
 def followers(overlay) -> int:
     """How many of the handlers that only drawing needs are in place."""
-    return sum(
-        handler in getattr(bpy.app.handlers, event)
-        for event, handler in (
-            ("frame_change_post", overlay.on_frame),
-            ("depsgraph_update_post", overlay.on_update),
-        )
+    handlers = bpy.app.handlers
+    return (overlay.on_frame in handlers.frame_change_post) + (
+        overlay.on_update in handlers.depsgraph_update_post
     )
 
 
@@ -443,7 +426,7 @@ def windowed(room, monkeypatch):
     overlay.stop()
 
 
-def test_switching_off_leaves_nothing_behind(windowed, scene):
+def test_switching_off_in_every_scene_leaves_nothing_behind(windowed, scene):
     for _ in range(3):
         scene.sinew.show_overlay = True
         assert windowed.is_drawing()
@@ -453,9 +436,6 @@ def test_switching_off_leaves_nothing_behind(windowed, scene):
         scene.sinew.show_overlay = False
         assert not windowed.is_drawing()
         assert followers(windowed) == 0
-
-
-def test_another_scene_keeps_it_drawing(windowed, scene):
     other = bpy.data.scenes.new("Other")
     other.sinew.show_overlay = scene.sinew.show_overlay = True
     scene.sinew.show_overlay = False
@@ -514,12 +494,8 @@ def test_the_depth_offset_moves_towards_the_viewer_only(room):
 @pytest.fixture
 def caged(scene) -> tuple[bpy.types.Object, bpy.types.Object]:
     """A ball and the box around it that moves it."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, radius=0.6)
-    target = bpy.context.object
-    bpy.ops.mesh.primitive_cube_add(size=1.6)
-    cage = bpy.context.object
-    make_active(target)
-    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method="mean_value") == {"FINISHED"}
+    target, cage = ball(), box(size=1.6)
+    surround(target, cage)
     return target, cage
 
 
@@ -528,59 +504,45 @@ def choose(cage: bpy.types.Object, vertices: list[int]) -> None:
         vertex.select = vertex.index in vertices
 
 
-def test_weight_of_the_selected_cage_vertices(paint, room, caged):
+def test_weight_of_the_selected_cage_vertices(paint, scale, caged):
     target, cage = caged
     choose(cage, [5])
     one = paint(target, overlay="CAGE")
     assert one.legend.title == "Weight of cage vertex 5"
-    native = room("backend").availability().module
-    corners = np.array([tuple(polygon.vertices) for polygon in cage.data.polygons])
-    coordinates = native.MeanValue(native.SurfaceMesh(base_points(cage), corners), precision="double")
-    coordinates.bind(base_points(target))
-    weights = coordinates.vertex_weights[:, 5]
+    weights = mean_value(cage, base_points(target)).vertex_weights[:, 5]
     assert np.abs(covered(one)[:, 3] - OPACITY * (0.6 + 0.4 * weights)).max() < SLACK
     choose(cage, list(range(8)))
-    bright = np.array(room("ui.overlay_colours").scale(np.ones(1))[0])
-    assert np.abs(covered(paint(target)) - cover(bright, OPACITY)).max() < SLACK
+    assert_covers(paint(target), slice(None), scale(1.0))
     choose(cage, [])
     assert paint(target).legend.note == "Select vertices of the cage"
+    with in_mode(cage):
+        bpy.ops.mesh.select_all(action="DESELECT")
+        edit = bmesh.from_edit_mesh(cage.data)
+        edit.verts.ensure_lookup_table()
+        edit.verts[3].select = True
+        assert paint(target).legend.title == "Weight of cage vertex 3"
 
 
-def test_weights_follow_the_selection_in_edit_mode(paint, caged):
-    target, cage = caged
-    make_active(cage)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="DESELECT")
-    edit = bmesh.from_edit_mesh(cage.data)
-    edit.verts.ensure_lookup_table()
-    edit.verts[3].select = True
-    assert paint(target, overlay="CAGE").legend.title == "Weight of cage vertex 3"
-    bpy.ops.object.mode_set(mode="OBJECT")
-
-
-def test_vertices_outside_the_cage_and_negative_weights_stand_out(paint, room, caged):
+def test_vertices_outside_the_cage_and_negative_weights_stand_out(paint, chosen, caged):
     target, cage = caged
     cage.scale = (0.5, 1.0, 1.0)
     update()
-    make_active(target)
-    assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+    set_rest(target)
     choose(cage, [vertex.index for vertex in cage.data.vertices if vertex.co.x > 0.0])
     picture = paint(target, overlay="CAGE")
     outside = np.abs(base_points(target)[:, 0]) > 0.4 + 1e-6
-    lost = cover(chosen(room, "overlay_stretched"), OPACITY)
-    assert np.abs(covered(picture)[outside] - lost).max() < SLACK
-    assert not (np.abs(covered(picture)[~outside] - lost).max(axis=1) < SLACK).any()
+    lost = chosen("overlay_stretched")
+    assert_covers(picture, outside, lost)
+    at_opacity = np.array((*(lost * OPACITY), OPACITY))
+    assert not (np.abs(covered(picture)[~outside] - at_opacity).max(axis=1) < SLACK).any()
     assert f"{outside.sum():,} outside the cage" in picture.legend.note
 
 
-def test_no_cage_weights_while_another_method_is_bound(paint, room, bound_plate: Rig):
-    """As in a window, where a thread binds the method just chosen."""
-    with room("session").suspended():
-        bound_plate.deformer.method = "green"
-    assert room(RESULT).influence(bound_plate.deformer) is None
-
-
-def test_a_method_without_a_cage_has_no_cage_weights(paint, bound_plate: Rig):
+def test_no_cage_weights_without_a_cage_or_while_another_method_is_bound(paint, room, bound_plate: Rig):
+    """The latter as in a window, where a thread binds the method just chosen."""
     picture = paint(bound_plate.obj, overlay="CAGE")
     assert not picture.colours[:, 3].any()
     assert picture.legend.note == "Thin Shell has no cage"
+    with room("session").suspended():
+        bound_plate.deformer.method = "green"
+    assert room(RESULT).influence(bound_plate.deformer) is None

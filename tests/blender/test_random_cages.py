@@ -15,7 +15,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from complaints import Complaints
+from error_log import ErrorLog
 from hypothesis import HealthCheck, seed, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -51,12 +51,12 @@ class Artist(RuleBasedStateMachine):
         super().__init__()
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
         self.native = self.room("backend").availability().module
-        self.complaints = Complaints()
+        self.error_log = ErrorLog()
         self.folder = tempfile.TemporaryDirectory()
         self.depth = self.redos = 0
 
     def teardown(self) -> None:
-        self.complaints.close()
+        self.error_log.close()
         self.folder.cleanup()
 
     @property
@@ -77,7 +77,7 @@ class Artist(RuleBasedStateMachine):
             bpy.ops.ed.undo_push(message="step")
             self.depth, self.redos = min(self.depth + 1, MOST_UNDO), 0
         settle()
-        self.complaints.check()
+        self.error_log.check()
         for obj in self.targets:
             if obj.mode == "OBJECT":
                 self.compare(obj)

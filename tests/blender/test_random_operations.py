@@ -16,7 +16,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from complaints import Complaints
+from error_log import ErrorLog
 from hypothesis import HealthCheck, Phase, seed, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -56,7 +56,7 @@ class Artist(RuleBasedStateMachine):
     def __init__(self) -> None:
         super().__init__()
         bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-        self.complaints = Complaints()
+        self.error_log = ErrorLog()
         self.oracle = Oracle(self.room("backend").availability().module)
         self.folder = tempfile.TemporaryDirectory()
         self.saved: list[str] = []
@@ -65,7 +65,7 @@ class Artist(RuleBasedStateMachine):
         self.posed: set[str] = set()  # targets that show a solution, and were compared
 
     def teardown(self) -> None:
-        self.complaints.close()
+        self.error_log.close()
         self.folder.cleanup()
 
     # What there is
@@ -135,7 +135,7 @@ class Artist(RuleBasedStateMachine):
             self.moments.append({})
             self.now = len(self.moments) - 1
         settle()
-        self.complaints.check()
+        self.error_log.check()
         self.compare()
         self.moments[self.now] = dict(self.oracle.last)
 
@@ -158,7 +158,7 @@ class Artist(RuleBasedStateMachine):
         self.posed = set()
         for obj in self.targets:
             if obj.mode == "SCULPT" or obj.data.is_editmode:
-                self.oracle.look_away(obj)  # there Blender shows other meshes, or omits some modifiers
+                self.oracle.skip_poses(obj)  # there Blender shows other meshes, or omits some modifiers
                 continue
             if not obj.sinew.deformers:
                 continue

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hands and eyes for scripts that drive a Blender with a window: mouse, keys, waiting, screenshots.
+"""Mouse, keys, waiting and screenshots, for scripts that drive a Blender with a window.
 
 A journey is a generator; each ``yield`` gives Blender the time a person would take. What it notes in
 ``seen``, and its screenshots, go to the folder named after ``--``.

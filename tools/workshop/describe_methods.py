@@ -120,7 +120,7 @@ def tables(found: Iterable[Entry]) -> str:
 def head(root: Path, row) -> str:
     """The head of the page of a method."""
     header = _header(root, f"{row.id}.h")
-    moved = ", and of ".join(kind.value for kind in registry(root).Moved if kind in row.moves)
+    moved = ", and of ".join(target.value for target in registry(root).Moved if target in row.moves)
     steps = "step by step, so that a drag shows an early step" if row.iterative else "in one step"
     wraps = (
         [("around", "a method of " + " or ".join(family.value for family in row.wraps))] if row.wraps else []

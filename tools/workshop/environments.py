@@ -112,7 +112,7 @@ def api() -> Environment:
 
 
 def blender(version: str) -> Environment | None:
-    """Blender as a Python module; None where its Python (3.13 from Blender 5.1 on) is missing."""
+    """Blender as a Python module; None if its Python (3.13 from Blender 5.1 on) is missing."""
     major, minor = (int(part) for part in version.split(".")[:2])
     interpreter = python313() if (major, minor) >= (5, 1) else PYTHON311
     if interpreter is None:
@@ -121,5 +121,5 @@ def blender(version: str) -> Environment | None:
 
 
 def newest_blender() -> Environment:
-    """5.2 where there is a Python 3.13 to run it, else 5.0."""
+    """Blender 5.2 if there is a Python 3.13 to run it, else 5.0."""
     return blender("5.2.3") or blender("5.0.1")

@@ -19,7 +19,7 @@ def cpp_files() -> list[Path]:
 
 
 def checks(write: bool = False) -> dict[str, list[str | Path]]:
-    """Name of each check -> its command; the same commands mend what they can with ``write``."""
+    """The command of each check, by name. With ``write`` the commands also mend what they can."""
     bin_folder = environments.dev().make().bin
     python = [folder for folder in PYTHON_FOLDERS if (ROOT / folder).is_dir()]
     mend = ["--fix"] if write else []

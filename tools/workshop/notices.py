@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The licences of the libraries inside a repaired wheel, which must travel with it."""
+"""Collects the licences of the libraries inside a repaired wheel, which must be distributed with it."""
 
 import json
 from pathlib import Path

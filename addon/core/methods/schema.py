@@ -82,7 +82,7 @@ class Int(Parameter):
 
 @dataclass(frozen=True, kw_only=True)
 class Bool(Parameter):
-    """A switch."""
+    """A value that is on or off."""
 
 
 @dataclass(frozen=True)

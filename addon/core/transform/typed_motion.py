@@ -83,7 +83,8 @@ class _Constraint:
 
 
 class TypedMotion:
-    """The state of a modal tool. Call ``press``, ``drag`` and ``look`` for events, and read ``motion``.
+    """The state of a modal tool. Call ``press``, ``drag`` and ``change_view`` for events, and read
+    ``motion``.
 
     ``axes`` (3, 3) are the local axes as unit columns. Ctrl snaps moves to steps of ``grid``. A typed 1 means
     ``unit`` world units, or ``turn`` radians.
@@ -105,16 +106,17 @@ class TypedMotion:
         self.numbers = TypedNumbers()
         self._axes, self._grid, self._unit, self._turn = axes, grid, unit, turn
         self._constraint = _Constraint()
-        self._begun = mouse
+        self._mouse_at_start = mouse
         self._start()
 
     def _start(self) -> None:
         """Start without a motion, with the mouse where it was when the tool started."""
-        self._mouse = self._begun
+        self._mouse = self._mouse_at_start
         self._base, self._dragged = np.zeros(3), np.zeros(3)
         self._turned = 0.0  # counterclockwise on the screen
         self._factor = 1.0
-        self._grip = self._hand = self._mouse  # the mouse when scaling began, and now; Shift slows the latter
+        # The mouse when scaling began, and now; Shift slows the latter.
+        self._scale_start = self._scale_mouse = self._mouse
         self.numbers = TypedNumbers(self._components)
 
     @property
@@ -151,17 +153,17 @@ class TypedMotion:
         slow = PRECISION if self.precise else 1.0
         right, up = (x - self._mouse[0]) * slow, (y - self._mouse[1]) * slow
         self._dragged = self._dragged + (right * view.right + up * view.up) * view.pixel
-        self._hand = (self._hand[0] + right, self._hand[1] + up)
+        self._scale_mouse = (self._scale_mouse[0] + right, self._scale_mouse[1] + up)
         before = atan2(self._mouse[1] - cy, self._mouse[0] - cx)
         self._turned += remainder(atan2(y - cy, x - cx) - before, 2.0 * pi) * slow
         self._mouse = (x, y)
 
-    def look(self, view: View, x: float, y: float) -> None:
+    def change_view(self, view: View, x: float, y: float) -> None:
         """Process a change of the view. The motion so far stays, and the mouse continues from here."""
         self._base = self._moved()
         self._dragged = np.zeros(3)
         self._factor = self._resized()
-        self._begun = self._mouse = self._grip = self._hand = (x, y)
+        self._mouse_at_start = self._mouse = self._scale_start = self._scale_mouse = (x, y)
         self.view = view
 
     # Results
@@ -243,8 +245,8 @@ class TypedMotion:
         It is negative if the mouse is on the other side of the centre.
         """
         cx, cy = self.view.centre
-        then = (self._grip[0] - cx, self._grip[1] - cy)
-        now = (self._hand[0] - cx, self._hand[1] - cy)
+        then = (self._scale_start[0] - cx, self._scale_start[1] - cy)
+        now = (self._scale_mouse[0] - cx, self._scale_mouse[1] - cy)
         side = copysign(1.0, then[0] * now[0] + then[1] * now[1])
         return self._factor * side * hypot(*now) / max(hypot(*then), 1.0)
 

@@ -57,7 +57,7 @@ class ViewportTool:
         """The text in the header of the viewport."""
         raise TypeError(f"{type(self).__name__} has no header")
 
-    def keep(self) -> None:
+    def store_result(self) -> None:
         """Store what the tool did as properties, for Adjust Last Operation and scripts.
 
         Called on confirmation.
@@ -93,7 +93,7 @@ class ViewportTool:
             self.report({"WARNING"}, self.tool.notice)
             self.tool.notice = ""
         if outcome is Outcome.CONFIRMED:
-            self.keep()
+            self.store_result()
             return self._leave(context, {"FINISHED"})
         if outcome is Outcome.CANCELLED:
             return self._leave(context, {"CANCELLED"})

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Binds a deformer to its mesh, and lets it go. Main thread only."""
+"""Binds a deformer to its mesh, and unbinds it. Main thread only."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import bpy
-from bpy.types import Object
+from bpy.types import Mesh, Object
 
 from ...backend import Progress
 from ...core import status
@@ -12,51 +15,87 @@ from ...properties import SinewDeformer
 from ..blocks import capture, shapes, targets, vertex_groups
 from ..blocks.owners import forget_owners
 from ..control import kinds
+from ..control.kinds import ControlKind
 from ..live import binding
 from ..memory import sessions
 
 
 @sessions.suspended()
-def bind(obj: Object, deformer: SinewDeformer, wait: bool = True, progress: Progress | None = None) -> None:
+def bind(
+    obj: Object,
+    deformer: SinewDeformer,
+    wait: bool = True,
+    progress: Progress | None = None,
+    entered: Mesh | None = None,
+) -> None:
     """Take what enters the modifier now as the rest shape and factorise.
 
     Without ``wait`` a heavy mesh is bound by a thread (``session.job``). On a refusal the deformer is
-    unbound, shows the rest shape and keeps every setting.
+    unbound, shows the rest shape and keeps every setting. ``entered``: what enters in viewports, if the
+    caller has just captured it by ``capture.rest_mesh``; it is used up.
     """
     try:
-        binding.require_backend()
-    except SinewError as error:
-        status.fail(deformer.uid, error)
-        raise
-    if deformer.bake.is_baked:
-        raise SinewError(f"{deformer.name} is baked - Unbake it first")
-    try:
-        targets.require_method(obj, deformer.definition)
-        kind = kinds.kind_in_use(deformer)
-        if not kind.is_set(deformer):
-            raise ConstraintError(kind.MISSING)
-        vertex_groups.follow_renamed_groups(obj, deformer)
-        meshes = capture.rest_meshes(obj, deformer)
-        sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
-        shapes.hold_rest(deformer, meshes)
-        deformer.topology_changed = False
-        kind.set_rest(obj, deformer)
-        shapes.ensure(obj, deformer, *sizes)
-        kinds.keep_evaluated(obj)
-        bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
-        forget_owners()
-        session = sessions.open_session(deformer.uid)
-        session.failed = None
-        with session.lock:  # a render may be solving
-            binding.ensure(session, deformer, deformer, wait, progress)
-    except SinewError as error:
-        _let_go(deformer)
-        status.fail(deformer.uid, error)
-        raise
+        with _shown_in_panel(deformer):
+            binding.require_backend()
+        if deformer.bake.is_baked:
+            raise SinewError(f"{deformer.name} is baked - Unbake it first")
+        try:
+            with _shown_in_panel(deformer), _unbound_on_refusal(deformer):
+                kind = _required_kind(obj, deformer)
+                vertex_groups.follow_renamed_groups(obj, deformer)
+                meshes, entered = capture.rest_meshes(obj, deformer, entered), None
+                sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
+                shapes.hold_rest(deformer, meshes)
+                deformer.topology_changed = False
+                kind.set_rest(obj, deformer)
+                shapes.ensure(obj, deformer, *sizes)
+                kinds.keep_evaluated(obj)
+                _factorise(deformer, wait, progress)
+        finally:
+            obj.update_tag()
+            bpy.context.view_layer.update()  # new shapes enter
+            sessions.forget_edit(obj.name)  # the updates above are no edits by the user
     finally:
-        obj.update_tag()
-        bpy.context.view_layer.update()  # new shapes enter
-        sessions.forget_edit(obj.name)  # which was no edit of the user's
+        if entered is not None:
+            bpy.data.meshes.remove(entered)
+
+
+@contextmanager
+def _shown_in_panel(deformer: SinewDeformer) -> Iterator[None]:
+    """The panel shows why Sinew refuses."""
+    try:
+        yield
+    except SinewError as error:
+        status.fail(deformer.uid, error)
+        raise
+
+
+@contextmanager
+def _unbound_on_refusal(deformer: SinewDeformer) -> Iterator[None]:
+    """If Sinew refuses, the deformer is not bound any more."""
+    try:
+        yield
+    except SinewError:
+        _let_go(deformer)
+        raise
+
+
+def _required_kind(obj: Object, deformer: SinewDeformer) -> ControlKind:
+    """The kind of control that moves the deformer; refuses what cannot be bound."""
+    targets.require_method(obj, deformer.definition)
+    kind = kinds.kind_in_use(deformer)
+    if not kind.is_set(deformer):
+        raise ConstraintError(kind.MISSING)
+    return kind
+
+
+def _factorise(deformer: SinewDeformer, wait: bool, progress: Progress | None) -> None:
+    bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
+    forget_owners()
+    session = sessions.open_session(deformer.uid)
+    session.failed = None
+    with session.lock:  # a render may be solving
+        binding.ensure(session, deformer, deformer, wait, progress)
 
 
 def _let_go(deformer: SinewDeformer) -> None:
@@ -69,7 +108,7 @@ def _let_go(deformer: SinewDeformer) -> None:
 
 @sessions.suspended()
 def unbind(obj: Object, deformer: SinewDeformer) -> None:
-    """Show the rest shape and forget where the controls rested: the next bind starts where they are."""
+    """Show the rest shape and forget the rest of the controls: the next bind takes it as they are then."""
     _let_go(deformer)
     sessions.drop(deformer.uid)
     for kind in kinds.every_kind():

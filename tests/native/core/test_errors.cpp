@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/core/errors.h"
 
+#include "tests/native/refusals.h"
+
 #include <gtest/gtest.h>
 
 namespace sinew {
 
 TEST(Errors, carry_the_elements_at_fault)
 {
-    try {
-        throw InvalidMesh("bad", Error::Element::face, {3, 1});
-    } catch (const Error& error) {
-        EXPECT_STREQ(error.what(), "bad");
-        EXPECT_EQ(error.element_kind(), Error::Element::face);
-        EXPECT_EQ(error.elements(), (std::vector{3, 1}));
-    }
+    const auto error = refusal<Error>([] { throw InvalidMesh("bad", Error::Element::face, {3, 1}); });
+    EXPECT_STREQ(error.what(), "bad");
+    expect_elements(error, Error::Element::face, {3, 1});
 }
 
 TEST(Errors, name_no_element_unless_told)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/core/memory.h"
 
-#include "native/core/errors.h"
+#include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
 
@@ -12,13 +12,6 @@ namespace sinew {
 namespace {
 
 constexpr std::int64_t megabyte = 1024 * 1024;
-
-/// Lifts the limit again, however the test ends.
-struct MemoryLimit
-{
-    explicit MemoryLimit(std::int64_t bytes) { limit_memory(bytes); }
-    ~MemoryLimit() { limit_memory(0); }
-};
 
 } // namespace
 
@@ -42,14 +35,9 @@ TEST(Memory, of_exactly_the_limit_is_allowed)
 TEST(Memory, refusal_names_both_sizes_and_a_remedy)
 {
     const MemoryLimit limit(2048 * megabyte);
-    try {
-        require_memory(3174 * megabyte);
-        FAIL() << "allowed";
-    } catch (const FactorizationFailed& error) {
-        const std::string text = error.what();
-        for (const char* part : {"3.1 GB", "2.0 GB", "raise the limit or use fewer vertices"})
-            EXPECT_NE(text.find(part), std::string::npos) << text;
-    }
+    const auto error = refusal<FactorizationFailed>([] { require_memory(3174 * megabyte); });
+    for (const char* part : {"3.1 GB", "2.0 GB", "raise the limit or use fewer vertices"})
+        EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
 }
 
 TEST(Memory, sizes_read_as_people_say_them)

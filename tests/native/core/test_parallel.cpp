@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/core/parallel.h"
 
+#include "tests/native/refusals.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,13 +13,6 @@
 namespace sinew {
 
 namespace {
-
-/// Lifts the limit again, however the test ends.
-struct ThreadLimit
-{
-    explicit ThreadLimit(int count) { limit_threads(count); }
-    ~ThreadLimit() { limit_threads(0); }
-};
 
 /// A sum whose value depends on the order of its terms.
 double touchy_sum()

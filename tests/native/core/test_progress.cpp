@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/core/progress.h"
 
+#include "tests/native/refusals.h"
+
 #include <gtest/gtest.h>
 
 #include <string>
@@ -26,12 +28,8 @@ TEST(Progress, hands_share_and_stage_to_the_callback)
 TEST(Progress, a_false_answer_cancels_and_names_the_stage)
 {
     const Progress progress([](double, const char*) { return false; });
-    try {
-        progress.tick(0.5, "factorising");
-        FAIL() << "not cancelled";
-    } catch (const Cancelled& error) {
-        EXPECT_NE(std::string(error.what()).find("factorising"), std::string::npos);
-    }
+    const auto error = refusal<Cancelled>([&] { progress.tick(0.5, "factorising"); });
+    EXPECT_NE(std::string(error.what()).find("factorising"), std::string::npos);
 }
 
 } // namespace sinew

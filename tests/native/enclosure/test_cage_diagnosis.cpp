@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/enclosure/cage_diagnosis.h"
 
-#include "native/core/errors.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -105,12 +105,8 @@ TEST(CageDiagnosis, names_points_outside)
     EXPECT_EQ(found.outside_points, (std::vector{1, 4})); // on a corner or a face is not outside
     Points bad = points;
     bad(2, 1) = std::numeric_limits<double>::quiet_NaN();
-    try {
-        diagnose_cage(shapes::cube(), view(bad));
-        FAIL();
-    } catch (const InvalidConstraint& error) {
-        EXPECT_EQ(error.elements(), std::vector{2});
-    }
+    const auto diagnose_bad = [&] { diagnose_cage(shapes::cube(), view(bad)); };
+    expect_elements(refusal<InvalidConstraint>(diagnose_bad), Error::Element::vertex, {2});
     // No face: everything is outside.
     const CageDiagnosis none = diagnose_cage(shapes::mesh({{0, 0, 0}}, {}), view(points));
     EXPECT_EQ(none.outside_points.size(), 5u);

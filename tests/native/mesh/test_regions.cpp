@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/regions.h"
 
-#include "native/core/errors.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -19,27 +19,9 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 /// Two parts: 0-5 and 6-8.
 const Components two_parts{2, {0, 0, 0, 0, 0, 0, 1, 1, 1}};
 
-template <class Make>
-InvalidConstraint refusal(Make&& make)
-{
-    try {
-        make();
-    } catch (const InvalidConstraint& error) {
-        return error;
-    }
-    ADD_FAILURE() << "not refused";
-    return InvalidConstraint("");
-}
-
 InvalidConstraint refused(const std::vector<Handle>& handles)
 {
-    return refusal([&] { Regions(handles, two_parts); });
-}
-
-void expect_elements(const Error& error, Element kind, const std::vector<int>& elements)
-{
-    EXPECT_EQ(error.element_kind(), kind) << error.what();
-    EXPECT_EQ(error.elements(), elements) << error.what();
+    return refusal<InvalidConstraint>([&] { Regions(handles, two_parts); });
 }
 
 } // namespace
@@ -118,49 +100,25 @@ TEST(Regions, the_report_counts)
     EXPECT_EQ(report.soft_vertices, 2);
     EXPECT_EQ(report.free_parts, 1);
     EXPECT_EQ(report.free_vertices, (std::vector{6, 7, 8}));
+    EXPECT_EQ(Regions({}, two_parts).report().free_parts, 2);
+    EXPECT_EQ(Regions({}, two_parts).report().free_vertices.size(), 9u);
 }
 
-TEST(Regions, without_handles_everything_is_idle)
+TEST(Regions, refuse_what_fits_no_mesh_and_name_it)
 {
-    const Regions regions({}, two_parts);
-    EXPECT_EQ(regions.report().free_parts, 2);
-    EXPECT_EQ(regions.report().free_vertices.size(), 9u);
-}
-
-TEST(Regions, refuse_a_handle_without_vertices)
-{
+    const double infinite = std::numeric_limits<double>::infinity();
     expect_elements(refused({{{0}, {}}, {{}, {}}}), Element::handle, {1});
-}
-
-TEST(Regions, refuse_vertices_out_of_range)
-{
+    expect_elements(refused({{{0, 1}, {1.0}}}), Element::handle, {0});
+    expect_elements(refused({{{0, 1, 2}, {}}, {{2, 3, 1}, {}}}), Element::vertex, {2, 1});
     for (int bad : {-1, 9, std::numeric_limits<int>::max()}) {
         const InvalidConstraint error = refused({{{0}, {}}, {{1, bad}, {}}});
         expect_elements(error, Element::handle, {1});
         EXPECT_NE(std::string(error.what()).find(std::to_string(bad)), std::string::npos);
     }
-}
-
-TEST(Regions, refuse_weights_of_another_length)
-{
-    expect_elements(refused({{{0, 1}, {1.0}}}), Element::handle, {0});
-}
-
-TEST(Regions, refuse_weights_outside_0_to_1_and_name_the_vertices)
-{
-    for (double bad : {-0.1, 1.1, nan, std::numeric_limits<double>::infinity()})
+    for (double bad : {-0.1, 1.1, nan, infinite})
         expect_elements(refused({{{4, 5, 1}, {0.5, bad, bad}}}), Element::vertex, {5, 1});
-}
-
-TEST(Regions, refuse_continuity_outside_0_to_2)
-{
     for (double bad : {-0.1, 2.1, nan})
         expect_elements(refused({{{0}, {}}, {{1}, {}, bad}}), Element::handle, {1});
-}
-
-TEST(Regions, refuse_a_vertex_held_by_two_handles_and_name_it)
-{
-    expect_elements(refused({{{0, 1, 2}, {}}, {{2, 3, 1}, {}}}), Element::vertex, {2, 1});
 }
 
 TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)
@@ -170,10 +128,10 @@ TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)
     const Poses poses{shapes::turn({0, 0, 1}, 90), shapes::shift(0, 0, 2)};
     const std::vector<bool> from_rest{false, true};
     const Targets targets{poses, view(rest), view(incoming), &from_rest};
-    EXPECT_TRUE(targets.of(0, 0).isApprox(Vector3(0, 5, 0)));
-    EXPECT_TRUE(targets.of(1, 1).isApprox(Vector3(0, 1, 2)));
+    EXPECT_TRUE(targets.position(0, 0).isApprox(Vector3(0, 5, 0)));
+    EXPECT_TRUE(targets.position(1, 1).isApprox(Vector3(0, 1, 2)));
     const Targets at_rest{poses, view(rest), {}, nullptr};
-    EXPECT_TRUE(at_rest.of(0, 1).isApprox(Vector3(1, 0, 2)));
+    EXPECT_TRUE(at_rest.position(0, 1).isApprox(Vector3(1, 0, 2)));
 }
 
 TEST(Targets, refuse_what_does_not_fit)
@@ -186,20 +144,20 @@ TEST(Targets, refuse_what_does_not_fit)
         Targets{poses, view(rest), points, flags}.check(2);
     };
     EXPECT_NO_THROW(check(good, view(incoming)));
-    refusal([&] { check({shapes::still()}); });
+    refusal<InvalidConstraint>([&] { check({shapes::still()}); });
 
     Poses bad = good;
     bad[1](2, 3) = nan;
-    expect_elements(refusal([&] { check(bad); }), Element::handle, {1});
+    expect_elements(refusal<InvalidConstraint>([&] { check(bad); }), Element::handle, {1});
 
     const std::vector<bool> one_flag{true};
-    refusal([&] { check(good, {}, &one_flag); });
+    refusal<InvalidConstraint>([&] { check(good, {}, &one_flag); });
 
     const Points three = Points::Zero(3, 3);
-    refusal([&] { check(good, view(three)); });
+    refusal<InvalidConstraint>([&] { check(good, view(three)); });
 
     incoming(1, 0) = nan;
-    expect_elements(refusal([&] { check(good, view(incoming)); }), Element::vertex, {1});
+    expect_elements(refusal<InvalidConstraint>([&] { check(good, view(incoming)); }), Element::vertex, {1});
 }
 
 } // namespace sinew

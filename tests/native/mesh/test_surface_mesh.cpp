@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/surface_mesh.h"
 
-#include "native/core/errors.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -11,20 +11,6 @@
 namespace sinew {
 
 namespace {
-
-using shapes::Polygons;
-
-template <class Make>
-InvalidMesh refusal(Make&& make)
-{
-    try {
-        make();
-    } catch (const InvalidMesh& error) {
-        return error;
-    }
-    ADD_FAILURE() << "not refused";
-    return InvalidMesh("");
-}
 
 const std::vector<Vector3> corner{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
@@ -72,7 +58,7 @@ TEST(SurfaceMesh, accepts_doubled_faces_repeated_corners_and_loose_vertices)
 
 TEST(SurfaceMesh, refuses_a_mesh_without_vertices)
 {
-    refusal([] { SurfaceMesh(Points(0, 3), {}, {}); });
+    refusal<InvalidMesh>([] { SurfaceMesh(Points(0, 3), {}, {}); });
 }
 
 TEST(SurfaceMesh, refuses_points_that_are_not_finite_and_names_them)
@@ -81,35 +67,33 @@ TEST(SurfaceMesh, refuses_points_that_are_not_finite_and_names_them)
                        -std::numeric_limits<double>::infinity()}) {
         Points points = shapes::points_of(corner);
         points(1, 2) = bad;
-        const InvalidMesh error = refusal([&] { shapes::over(points, {{0, 1, 2}}); });
-        EXPECT_EQ(error.element_kind(), Error::Element::vertex);
-        EXPECT_EQ(error.elements(), std::vector{1});
+        expect_elements(refusal<InvalidMesh>([&] { shapes::over(points, {{0, 1, 2}}); }),
+                        Error::Element::vertex, {1});
     }
 }
 
 TEST(SurfaceMesh, refuses_faces_of_fewer_than_three_corners_and_names_them)
 {
-    const InvalidMesh error = refusal([] { shapes::mesh(corner, {{0, 1, 2}, {0, 1}, {0, 1, 2}, {}}); });
-    EXPECT_EQ(error.element_kind(), Error::Element::face);
-    EXPECT_EQ(error.elements(), (std::vector{1, 3}));
+    expect_elements(refusal<InvalidMesh>([] { shapes::mesh(corner, {{0, 1, 2}, {0, 1}, {0, 1, 2}, {}}); }),
+                    Error::Element::face, {1, 3});
 }
 
 TEST(SurfaceMesh, refuses_indices_out_of_range_and_names_their_faces)
 {
     for (int bad : {3, -1, std::numeric_limits<int>::max(), std::numeric_limits<int>::min()}) {
-        const InvalidMesh error = refusal([&] { shapes::mesh(corner, {{0, 1, 2}, {0, 1, bad}}); });
-        EXPECT_EQ(error.element_kind(), Error::Element::face);
-        EXPECT_EQ(error.elements(), std::vector{1});
+        expect_elements(refusal<InvalidMesh>([&] { shapes::mesh(corner, {{0, 1, 2}, {0, 1, bad}}); }),
+                        Error::Element::face, {1});
     }
 }
 
 TEST(SurfaceMesh, refuses_counts_that_do_not_add_up)
 {
     const Points points = shapes::points_of(corner);
-    refusal([&] { SurfaceMesh(points, {3}, {0, 1, 2, 0}); });
-    refusal([&] { SurfaceMesh(points, {3, 3}, {0, 1, 2}); });
-    refusal([&] { SurfaceMesh(points, {-3, 6}, {0, 1, 2}); });
-    refusal([&] { SurfaceMesh(points, std::vector<int>(3, std::numeric_limits<int>::max()), {0, 1, 2}); });
+    refusal<InvalidMesh>([&] { SurfaceMesh(points, {3}, {0, 1, 2, 0}); });
+    refusal<InvalidMesh>([&] { SurfaceMesh(points, {3, 3}, {0, 1, 2}); });
+    refusal<InvalidMesh>([&] { SurfaceMesh(points, {-3, 6}, {0, 1, 2}); });
+    refusal<InvalidMesh>(
+        [&] { SurfaceMesh(points, std::vector<int>(3, std::numeric_limits<int>::max()), {0, 1, 2}); });
 }
 
 } // namespace sinew

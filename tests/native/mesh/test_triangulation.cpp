@@ -94,16 +94,12 @@ std::vector<Vector3> spiral(int turns)
 
 } // namespace
 
-TEST(Triangulation, covers_a_convex_polygon)
+TEST(Triangulation, covers_convex_and_concave_polygons)
 {
-    std::vector<Vector3> p;
+    std::vector<Vector3> convex;
     for (int k = 0; k < 17; ++k)
-        p.emplace_back(3 * std::cos(2 * shapes::pi * k / 17), std::sin(2 * shapes::pi * k / 17), 0);
-    expect_cover(cut(p), 17);
-}
-
-TEST(Triangulation, covers_concave_polygons)
-{
+        convex.emplace_back(3 * std::cos(2 * shapes::pi * k / 17), std::sin(2 * shapes::pi * k / 17), 0);
+    expect_cover(cut(convex), 17);
     expect_cover(cut({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 1, 0}, {0, 4, 0}}), 5);
     expect_cover(cut(comb(6)), 26);
     expect_cover(cut(spiral(2)), 50);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/operators/painted.h"
 
-#include "native/core/errors.h"
+#include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
 
@@ -17,14 +17,9 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 
 std::vector<int> refused(const std::vector<double>& values)
 {
-    try {
-        painted(values, 3, 0.0, "rigidity");
-    } catch (const InvalidOption& error) {
-        EXPECT_NE(std::string(error.what()).find("rigidity"), std::string::npos);
-        return error.elements();
-    }
-    ADD_FAILURE() << "nothing was refused";
-    return {};
+    const auto error = refusal<InvalidOption>([&] { painted(values, 3, 0.0, "rigidity"); });
+    EXPECT_NE(std::string(error.what()).find("rigidity"), std::string::npos);
+    return error.elements();
 }
 
 } // namespace

@@ -58,17 +58,6 @@ TEST(RotationFit, is_optimal_for_random_matrices_of_either_sign)
     EXPECT_GT(reflected, 8'000);
 }
 
-TEST(RotationFit, no_rotation_of_many_is_better)
-{
-    shapes::Random random(2);
-    for (int trial = 0; trial < 50; ++trial) {
-        const Matrix3 S = random.matrix();
-        const double found = trace(fit_rotation(S), S);
-        for (int k = 0; k < 500; ++k)
-            EXPECT_LE(trace(random.rotation(), S), found + 1e-14);
-    }
-}
-
 TEST(RotationFit, of_a_rotation_is_that_rotation)
 {
     shapes::Random random(3);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/single_factor.h"
 
-#include "native/core/errors.h"
-#include "native/core/parallel.h"
+#include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
 
 #include <Eigen/SparseCholesky>
@@ -97,9 +96,10 @@ TEST(SingleFactor, gives_the_same_bits_on_any_number_of_threads)
     factor.factorize(A);
     const MatrixX rhs = MatrixX::Random(A.rows(), 3);
     MatrixX one, two;
-    limit_threads(1);
-    factor.solve(rhs, one);
-    limit_threads(0);
+    {
+        const ThreadLimit limit(1);
+        factor.solve(rhs, one);
+    }
     factor.solve(rhs, two);
     EXPECT_EQ(one, two);
     std::vector<MatrixX> found(4);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/native/space/contract.h"
 
-#include "native/core/errors.h"
-#include "native/core/parallel.h"
+#include "tests/native/refusals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -145,22 +144,26 @@ TEST_P(SpaceContract, binds_any_number_of_points)
         }
 }
 
+TEST_P(SpaceContract, a_point_is_bound_the_same_in_any_company)
+{
+    const Points control = moved(traits()), some = traits().points.middleRows(3, 150);
+    for (const SpaceVariant& variant : traits().variants)
+        EXPECT_EQ(warped(*bound(variant, some), control),
+                  warped(*bound(variant, traits().points), control).middleRows(3, 150))
+            << variant.name;
+}
+
 TEST_P(SpaceContract, names_points_that_are_not_finite)
 {
     Points points = traits().points;
     points(1, 2) = nan;
     points(3, 0) = std::numeric_limits<double>::infinity();
     for (const SpaceVariant& variant : traits().variants) {
+        SCOPED_TRACE(variant.name);
         const Method binds = variant.make(), warps = bound(variant, traits().points);
         for (const auto& call : std::vector<std::function<void()>>{
                  [&] { binds->bind(view(points)); }, [&] { warped(*warps, traits().control, view(points)); }})
-            try {
-                call();
-                FAIL() << variant.name;
-            } catch (const InvalidConstraint& error) {
-                EXPECT_EQ(error.elements(), (std::vector<int>{1, 3}));
-                EXPECT_EQ(error.element_kind(), Error::Element::vertex);
-            }
+            expect_elements(refusal<InvalidConstraint>(call), Error::Element::vertex, {1, 3});
     }
 }
 
@@ -168,18 +171,23 @@ TEST_P(SpaceContract, names_points_outside)
 {
     if (!traits().outside)
         GTEST_SKIP() << "nothing lies outside";
-    Points points = traits().points.topRows(3);
+    const Points inside = traits().points.topRows(3), control = moved(traits());
+    Points points = inside;
     points.row(1) = traits().outside->transpose();
     for (const SpaceVariant& variant : traits().variants) {
+        SCOPED_TRACE(variant.name);
         const Method method = variant.make();
-        try {
-            EXPECT_EQ(method->bind(view(points)).outside, std::vector{1}) << variant.name;
-            EXPECT_FALSE(traits().refuses_outside) << variant.name;
-        } catch (const InvalidConstraint& error) {
-            EXPECT_TRUE(traits().refuses_outside) << variant.name;
-            EXPECT_EQ(error.elements(), std::vector{1});
-            EXPECT_THROW(warped(*method, traits().control), InvalidConstraint) << "it binds nothing";
+        if (!traits().refuses_outside) {
+            EXPECT_EQ(method->bind(view(points)).outside, std::vector{1});
+            continue;
         }
+        const auto bind = [&] { method->bind(view(points)); };
+        expect_elements(refusal<InvalidConstraint>(bind), Error::Element::vertex, {1});
+        EXPECT_THROW(warped(*method, traits().control), InvalidConstraint) << "it binds nothing";
+        method->bind(view(inside));
+        const Points before = warped(*method, control);
+        EXPECT_THROW(bind(), InvalidConstraint);
+        EXPECT_EQ(warped(*method, control), before) << "the last bind stays";
     }
 }
 
@@ -223,7 +231,7 @@ TEST_P(SpaceContract, a_cancelled_bind_changes_nothing_and_progress_never_falls)
                                   }));
         EXPECT_EQ(last, 1.0);
         EXPECT_GE(all, 2);
-        const Method method = bound(variant, few);
+        const Method method = bound(variant, few), unbound = variant.make();
         const Points before = warped(*method, control);
         for (int stop : {1, 2, 3, all - 1, all}) {
             int ticks = 0;
@@ -231,6 +239,9 @@ TEST_P(SpaceContract, a_cancelled_bind_changes_nothing_and_progress_never_falls)
             EXPECT_THROW(method->bind(view(traits().points), stops), Cancelled);
             EXPECT_EQ(warped(*method, control), before) << "cancelled at tick " << stop;
         }
+        EXPECT_THROW(unbound->bind(view(few), Progress([](double, const char*) { return false; })),
+                     Cancelled);
+        EXPECT_THROW(warped(*unbound, control), InvalidConstraint) << "it binds nothing";
     }
 }
 
@@ -241,9 +252,10 @@ TEST_P(SpaceContract, any_number_of_threads_gives_the_same_bits)
         SCOPED_TRACE(variant.name);
         const Method many = bound(variant, traits().points);
         const Points alone = warped(*many, control);
-        limit_threads(1);
-        EXPECT_EQ(warped(*bound(variant, traits().points), control), alone);
-        limit_threads(0);
+        for (const int threads : {1, 5}) {
+            const ThreadLimit limit(threads);
+            EXPECT_EQ(warped(*bound(variant, traits().points), control), alone) << threads << " threads";
+        }
         std::vector<int> wrong(3, 0);
         std::vector<std::thread> threads;
         for (int& count : wrong)

@@ -71,14 +71,16 @@ TEST(LimitMasks, are_where_many_levels_lead)
         edge(3, 1, 0.4);
         options.corner_vertices = {mesh.face(1)[2]};
         options.corner_sharpness = {2.7};
+        const Points far = refined(mesh, options, deep, false),
+                     farther = refined(mesh, options, deep + 1, false);
         for (int level : {0, 1, 2}) {
             const Points limit = refined(mesh, options, level, true);
-            const Points far = refined(mesh, options, deep, false).topRows(limit.rows());
-            const Points farther = refined(mesh, options, deep + 1, false).topRows(limit.rows());
+            const auto n = limit.rows();
+            const double left = shapes::distance(limit, farther.topRows(n));
             // What is left shrinks by a factor of at most 0.7 a level (valence 5 or less): from the last two
             // levels.
-            EXPECT_LT(shapes::distance(limit, farther), 0.7 / 0.3 * shapes::distance(far, farther) + 1e-14);
-            EXPECT_LT(shapes::distance(limit, farther), 2e-3);
+            EXPECT_LT(left, 0.7 / 0.3 * shapes::distance(far.topRows(n), farther.topRows(n)) + 1e-14);
+            EXPECT_LT(left, 2e-3);
         }
     }
 }

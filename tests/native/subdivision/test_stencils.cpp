@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/subdivision/stencils.h"
 
-#include "native/core/parallel.h"
-#include "native/core/simd/kernel_set.h"
 #include "native/subdivision/stencil_kernels.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
+#include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -60,19 +60,17 @@ TEST(Stencils, do_not_depend_on_threads_or_instructions)
     const Stencils stencils{SparseRows(matrix)};
     const Points points = random_points(300);
     Points one(matrix.rows(), 3), many(matrix.rows(), 3), wide = Points::Zero(matrix.rows(), 3);
-    limit_threads(1);
-    stencils.apply(points.data(), one.data());
-    limit_threads(0);
+    {
+        const ThreadLimit limit(1);
+        stencils.apply(points.data(), one.data());
+    }
     stencils.apply(points.data(), many.data());
     const std::size_t bytes = sizeof(double) * one.size();
     EXPECT_EQ(std::memcmp(one.data(), many.data(), bytes), 0);
 
     Eigen::Matrix<double, Eigen::Dynamic, 4, Eigen::RowMajor> padded(points.rows(), 4);
     padded << points, VectorX::Zero(points.rows());
-    for (const StencilKernels* kernels :
-         {&StencilKernels::baseline, kernels_with<StencilKernels>(Instructions::avx2)}) {
-        if (!kernels)
-            continue;
+    for (const StencilKernels* kernels : every_kernels<StencilKernels>()) {
         kernels->in_double(matrix.outerIndexPtr(), matrix.innerIndexPtr(), matrix.valuePtr(), padded.data(),
                            0, static_cast<int>(matrix.rows()), wide.data());
         EXPECT_EQ(std::memcmp(one.data(), wide.data(), bytes), 0);

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/subdivision/subdivision_surface.h"
 
-#include "native/core/errors.h"
-#include "native/core/memory.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -31,17 +30,11 @@ SubdivisionSurface subdivided(const SurfaceMesh& mesh, SubdivisionScheme scheme,
 }
 
 template <class E, class Change>
-E refusal(const SurfaceMesh& mesh, Change change)
+E refused(const SurfaceMesh& mesh, Change change)
 {
     SubdivisionOptions options;
     change(options);
-    try {
-        const SubdivisionSurface surface(mesh, options);
-    } catch (const E& error) {
-        return error;
-    }
-    ADD_FAILURE() << "not refused";
-    return E("");
+    return refusal<E>([&] { const SubdivisionSurface surface(mesh, options); });
 }
 
 constexpr SubdivisionScheme schemes[] = {SubdivisionScheme::catmull_clark, SubdivisionScheme::loop,
@@ -231,41 +224,42 @@ TEST(SubdivisionSurface, refuses_what_it_cannot_subdivide_by_name)
 {
     const SurfaceMesh messy = shapes::messy(), cube = shapes::cube();
     const int twice = messy.face_count() - 3;
-    EXPECT_EQ(refusal<InvalidMesh>(messy, [](auto&) {}).elements(), std::vector{twice});
+    EXPECT_EQ(refused<InvalidMesh>(messy, [](auto&) {}).elements(), std::vector{twice});
     EXPECT_EQ(
-        refusal<InvalidMesh>(cube, [](auto& o) { o.scheme = SubdivisionScheme::loop; }).elements().size(),
+        refused<InvalidMesh>(cube, [](auto& o) { o.scheme = SubdivisionScheme::loop; }).elements().size(),
         6u);
     for (int level : {-1, 11})
-        refusal<InvalidOption>(cube, [&](auto& o) { o.level = level; });
+        refused<InvalidOption>(cube, [&](auto& o) { o.level = level; });
     const auto crease = [](std::array<int, 2> edge, double sharpness) {
         return [=](SubdivisionOptions& o) {
             o.crease_edges = {edge};
             o.crease_sharpness = {sharpness};
         };
     };
-    EXPECT_EQ(refusal<InvalidOption>(cube, crease({0, 6}, 1)).elements(), (std::vector{0, 6}));
-    refusal<InvalidOption>(cube, crease({0, 99}, 1));
-    refusal<InvalidOption>(cube, crease({0, 1}, -1));
-    refusal<InvalidOption>(cube, crease({0, 1}, std::numeric_limits<double>::quiet_NaN()));
-    refusal<InvalidOption>(cube, [](auto& o) { o.crease_edges = {{0, 1}}; });
-    EXPECT_EQ(refusal<InvalidOption>(cube,
+    EXPECT_EQ(refused<InvalidOption>(cube, crease({0, 6}, 1)).elements(), (std::vector{0, 6}));
+    refused<InvalidOption>(cube, crease({0, 99}, 1));
+    refused<InvalidOption>(cube, crease({0, 1}, -1));
+    refused<InvalidOption>(cube, crease({0, 1}, std::numeric_limits<double>::quiet_NaN()));
+    refused<InvalidOption>(cube, [](auto& o) { o.crease_edges = {{0, 1}}; });
+    EXPECT_EQ(refused<InvalidOption>(cube,
                                      [](auto& o) {
                                          o.corner_vertices = {3, 8};
                                          o.corner_sharpness = {1, 1};
                                      })
                   .elements(),
               std::vector{8});
-    refusal<InvalidOption>(cube, [](auto& o) { o.face_varying = {0, 1}; });
-    refusal<InvalidOption>(cube, [](auto& o) { o.face_varying.assign(24, -1); });
+    refused<InvalidOption>(cube, [](auto& o) { o.face_varying = {0, 1}; });
+    refused<InvalidOption>(cube, [](auto& o) { o.face_varying.assign(24, -1); });
 }
 
 TEST(SubdivisionSurface, announces_its_memory)
 {
     const SurfaceMesh sheet = shapes::quad_grid(30, 30);
-    limit_memory(1 << 20);
-    EXPECT_THROW(subdivided(sheet, SubdivisionScheme::catmull_clark, 4), OutOfMemory);
-    EXPECT_NO_THROW(subdivided(sheet, SubdivisionScheme::catmull_clark, 0));
-    limit_memory(0);
+    {
+        const MemoryLimit limit(1 << 20);
+        EXPECT_THROW(subdivided(sheet, SubdivisionScheme::catmull_clark, 4), OutOfMemory);
+        EXPECT_NO_THROW(subdivided(sheet, SubdivisionScheme::catmull_clark, 0));
+    }
     EXPECT_THROW(subdivided(sheet, SubdivisionScheme::catmull_clark, 10), OutOfMemory); // 9e8 vertices
 }
 

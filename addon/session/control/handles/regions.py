@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From handle settings to what the native module binds: index arrays and weights.
+"""The settings of handles as index arrays and weights, which the native module binds.
 
-No bpy calls but reads.
+This only reads Blender's data.
 """
 
 import numpy as np
@@ -20,7 +20,7 @@ _IMPLIED = "support"  # the key of the fixed region around a support
 
 
 def key(settings: SinewDeformer) -> tuple:
-    """Which regions there are. Their order in the list has no meaning."""
+    """The settings of the regions in use. Their order in the list does not count."""
     return tuple(
         sorted(
             (
@@ -37,7 +37,7 @@ def key(settings: SinewDeformer) -> tuple:
 
 
 def _own_values(settings: SinewDeformer, handle: SinewHandle) -> tuple:
-    """What the method asks of each handle."""
+    """The parameters that the method has per handle."""
     return tuple(getattr(handle, parameter.id) for parameter in settings.definition.handle_parameters)
 
 
@@ -47,14 +47,14 @@ def _place(handle: SinewHandle) -> np.ndarray:
 
 
 def has_constraints(settings: SinewDeformer) -> bool:
-    """At least one region is in use."""
+    """Whether at least one region is in use."""
     return any(handle.enabled for handle in settings.handles)
 
 
 def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int) -> BindInput:
-    """Arrays for the native module, or the reason why there are none.
+    """The arrays for the native module. Raises a ``ConstraintError`` if the regions cannot be bound.
 
-    ``base_count``: how many vertices the base mesh has.
+    ``base_count`` is the number of vertices of the base mesh.
     """
     read_weights(rest, mesh, settings)
     method = settings.definition
@@ -105,7 +105,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             indices.append(outside)
             points.append(rest.points[outside])
             weights.append(None)
-            own.append(tuple(map(min, zip(*of_supports, strict=True))))  # they hold one border together
+            own.append(tuple(map(min, zip(*of_supports, strict=True))))  # all supports share one border
     if not names:
         raise ConstraintError(
             "Nothing holds the mesh - select vertices in Edit Mode and Add Handle or Add Fixed"
@@ -133,7 +133,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
 
 
 def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: list[str]) -> None:
-    """No vertex obeys two masters. ``holder`` (n,) is the row in ``labels`` that holds each vertex, or -1."""
+    """A vertex may belong to one hard region only: ``holder`` (n,), its row in ``labels``, or -1."""
     shared = hard[holder[hard] >= 0]
     if len(shared):
         other = labels[holder[shared[0]]]

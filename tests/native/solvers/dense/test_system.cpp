@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/dense/system.h"
 
-#include "native/core/errors.h"
-#include "native/core/memory.h"
-#include "native/core/parallel.h"
-#include "native/core/simd/kernel_set.h"
 #include "native/solvers/dense/kernels.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
+#include "tests/native/wide_kernels.h"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -75,10 +73,8 @@ TEST(DenseSystem, gives_the_same_bits_on_one_thread)
     shapes::Random random(3);
     const MatrixX A = random.dense(400, 400), B = random.dense(400, 30);
     const MatrixX many = solved(A, B);
-    limit_threads(1);
-    const MatrixX one = solved(A, B);
-    limit_threads(0);
-    EXPECT_EQ(many, one);
+    const ThreadLimit limit(1);
+    EXPECT_EQ(solved(A, B), many);
 }
 
 TEST(DenseSystem, stops_when_it_is_cancelled)
@@ -91,16 +87,15 @@ TEST(DenseSystem, stops_when_it_is_cancelled)
 
 TEST(DenseSystem, is_refused_above_the_memory_limit)
 {
-    limit_memory(DenseSystem::bytes(500, 10) - 1);
-    EXPECT_THROW(DenseSystem(500, 10), OutOfMemory);
-    limit_memory(0);
+    {
+        const MemoryLimit limit(DenseSystem::bytes(500, 10) - 1);
+        EXPECT_THROW(DenseSystem(500, 10), OutOfMemory);
+    }
     EXPECT_NO_THROW(DenseSystem(500, 10));
 }
 
 TEST(DenseKernels, give_the_same_bits_with_wider_instructions)
 {
-    if (!kernels_with<DenseKernels>(Instructions::avx2))
-        GTEST_SKIP() << "this processor has no AVX2";
     shapes::Random random(5);
     for (int rows : {1, 4, 7, 8, 13}) {
         const MatrixX a = random.dense(30, rows), b = random.dense(8, 3 * 30); // both read by columns
@@ -109,13 +104,11 @@ TEST(DenseKernels, give_the_same_bits_with_wider_instructions)
         MatrixX plain = before;
         DenseKernels::baseline.add_product(a.data(), 30, rows, 30, b.data(), 3, plain.data(), 24,
                                            place.data());
-        for (const DenseKernels* kernels : {kernels_with<DenseKernels>(Instructions::avx2),
-                                            kernels_with<DenseKernels>(Instructions::avx512)})
-            if (kernels) {
-                MatrixX wide = before;
-                kernels->add_product(a.data(), 30, rows, 30, b.data(), 3, wide.data(), 24, place.data());
-                EXPECT_EQ(plain, wide);
-            }
+        for (const DenseKernels* kernels : wide_kernels<DenseKernels>()) {
+            MatrixX wide = before;
+            kernels->add_product(a.data(), 30, rows, 30, b.data(), 3, wide.data(), 24, place.data());
+            EXPECT_EQ(plain, wide);
+        }
     }
 }
 

@@ -3,10 +3,6 @@
 #include "native/solvers/supernodal/kernels.h"
 #include "native/solvers/supernodal/solve.h"
 
-#include "native/core/parallel.h"
-#include "native/solvers/engines/cholmod_factor.h"
-#include "native/solvers/spd_factor.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -14,7 +10,6 @@
 #include <algorithm>
 #include <random>
 #include <thread>
-#include <tuple>
 #include <vector>
 
 namespace sinew {
@@ -112,49 +107,6 @@ INSTANTIATE_TEST_SUITE_P(widths, SupernodalSolveTest,
                          ::testing::Values(std::vector<int>{1}, std::vector<int>{1, 1, 1},
                                            std::vector<int>{3, 5, 4}, std::vector<int>{16, 17, 15},
                                            std::vector<int>{33, 2, 48, 1}, std::vector<int>{64}));
-
-/// The square of a grid's Laplacian: its elimination tree branches, and its factor of over a million entries
-/// is large enough for several subtrees.
-SparseMatrix squared_grid(int side)
-{
-    std::vector<Eigen::Triplet<double>> entries;
-    const auto tie = [&](int a, int b) {
-        for (const auto& [row, column, value] :
-             {std::tuple{a, a, 1.0}, {b, b, 1.0}, {a, b, -1.0}, {b, a, -1.0}})
-            entries.emplace_back(row, column, value);
-    };
-    for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-            if (x + 1 < side)
-                tie(y * side + x, y * side + x + 1);
-            if (y + 1 < side)
-                tie(y * side + x, (y + 1) * side + x);
-        }
-    for (int i = 0; i < side * side; ++i)
-        entries.emplace_back(i, i, 0.1);
-    SparseMatrix L(side * side, side * side);
-    L.setFromTriplets(entries.begin(), entries.end());
-    return L * L;
-}
-
-TEST(SupernodalSolve, in_parallel_equals_another_library_and_does_not_depend_on_the_number_of_threads)
-{
-    const SparseMatrix matrix = squared_grid(110);
-    SpdFactor ours({.backend = FactorBackend::supernodal}), theirs({.backend = FactorBackend::ldlt});
-    if (!have_cholmod())
-        GTEST_SKIP() << "no supernodal factor without CHOLMOD";
-    ours.factorize(matrix);
-    theirs.factorize(matrix);
-    ASSERT_GT(ours.nonzeros(), 400'000); // below, it would not run in parallel
-    const MatrixX rhs = MatrixX::Random(matrix.cols(), 3);
-    const MatrixX many = ours.solve(rhs), expected = theirs.solve(rhs);
-    // The condition is about 6e3, so ten digits agree with ease.
-    EXPECT_LT((many - expected).norm(), 1e-10 * expected.norm());
-    limit_threads(1);
-    const MatrixX one = ours.solve(rhs);
-    limit_threads(0);
-    EXPECT_EQ(many, one);
-}
 
 TEST(SupernodalSolve, several_threads_may_solve_at_once)
 {

@@ -2,7 +2,10 @@
 #pragma once
 
 #include "native/space/cage/cage.h"
+#include "native/space/cage/inside/outside_weights.h"
+#include "native/space/cage/mean_value.h"
 #include "native/space/method.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/space/contract.h"
 
@@ -132,6 +135,62 @@ inline Points in_ball(int count, double radius, std::uint64_t seed = 1)
             points.row(i++) = p.transpose();
     }
     return points;
+}
+
+inline Points in_cube(int count, double depth = 0.0)
+{
+    shapes::Random random(1);
+    Points points(count, 3);
+    for (Eigen::Index k = 0; k < points.size(); ++k)
+        points.data()[k] = depth + (1 - 2 * depth) * random.unit();
+    return points;
+}
+
+/// The unit cube, its top of two triangles of which one has no area.
+inline SurfaceMesh cube_with_a_flat_triangle()
+{
+    Points p = shapes::cube().points();
+    shapes::Polygons faces = shapes::faces_of(shapes::cube());
+    faces[1] = {4, 5, 6};
+    faces.push_back({4, 6, 7});
+    p.row(5) = 0.5 * (p.row(4) + p.row(6));
+    return shapes::over(p, faces);
+}
+
+inline constexpr PointWeightOptions doubles{WeightPrecision::double_precision, 0.0};
+
+template <class Method, class Options>
+RowMatrix weights(const SurfaceMesh& cage, const Points& points, const Options& options)
+{
+    Method coordinates(Cage(cage), options);
+    coordinates.bind(view(points));
+    return coordinates.weights().dense();
+}
+
+inline double largest(const RowMatrix& matrix) { return matrix.cwiseAbs().maxCoeff(); }
+
+/// Sum, sign, and linear precision to a share of the cage's size.
+inline void expect_barycentric(const RowMatrix& w, const SurfaceMesh& cage, const Points& points,
+                               double precision)
+{
+    EXPECT_LT((w.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-12);
+    EXPECT_LT(largest(w * cage.points() - points), precision * shapes::size(cage.points()));
+    EXPECT_GE(w.minCoeff(), 0);
+}
+
+/// These points are refused and named, or bound by mean values where that is asked for.
+template <class Method, class Options>
+void expect_outside(const SurfaceMesh& cage, Options options, const Points& points,
+                    const std::vector<int>& outside)
+{
+    expect_elements(refusal<InvalidConstraint>([&] { weights<Method>(cage, points, options); }),
+                    Error::Element::vertex, outside);
+    options.outside = CageOutside::mean_value;
+    Method both(Cage(cage), options);
+    EXPECT_EQ(both.bind(view(points)).outside, outside);
+    const RowMatrix w = both.weights().dense(), plain = weights<MeanValue>(cage, points, doubles);
+    for (int i : outside)
+        EXPECT_LT((w.row(i) - plain.row(i)).norm(), 1e-12) << i;
 }
 
 /// One set of options of a cage method.

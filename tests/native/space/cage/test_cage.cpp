@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/cage.h"
 
-#include "native/core/errors.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -15,13 +15,7 @@ namespace {
 
 std::vector<int> named(const SurfaceMesh& mesh)
 {
-    try {
-        const Cage cage(mesh);
-    } catch (const InvalidMesh& error) {
-        return error.elements();
-    }
-    ADD_FAILURE() << "not refused";
-    return {};
+    return refusal<InvalidMesh>([&] { const Cage cage(mesh); }).elements();
 }
 
 } // namespace
@@ -68,12 +62,8 @@ TEST(Cage, names_the_vertices_of_a_pose_that_are_not_finite)
     Points pose = shapes::cube().points();
     EXPECT_NO_THROW(cage.check_pose(view(pose)));
     pose(3, 1) = std::numeric_limits<double>::quiet_NaN();
-    try {
-        cage.check_pose(view(pose));
-        FAIL();
-    } catch (const InvalidConstraint& error) {
-        EXPECT_EQ(error.elements(), std::vector<int>{3});
-    }
+    expect_elements(refusal<InvalidConstraint>([&] { cage.check_pose(view(pose)); }), Error::Element::vertex,
+                    {3});
     const Points few = pose.topRows(5);
     EXPECT_THROW(cage.check_pose(view(few)), InvalidConstraint);
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/cage_coordinates.h"
 
-#include "native/core/errors.h"
-#include "native/core/parallel.h"
 #include "tests/native/space/cage/cages.h"
 
 #include <gtest/gtest.h>

@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/harmonic.h"
 
-#include "native/core/errors.h"
-#include "native/core/memory.h"
-#include "native/core/parallel.h"
-#include "native/space/cage/mean_value.h"
 #include "tests/native/space/cage/cages.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstddef>
+#include <vector>
 
 namespace sinew {
 
 namespace {
 
-constexpr PointWeightOptions doubles{WeightPrecision::double_precision, 0.0};
+using cages::doubles;
+using cages::in_cube;
+using cages::largest;
 
 HarmonicOptions exact(HarmonicQuality quality = HarmonicQuality::fast)
 {
@@ -28,9 +25,7 @@ HarmonicOptions exact(HarmonicQuality quality = HarmonicQuality::fast)
 
 RowMatrix weights(const SurfaceMesh& cage, const Points& points, const HarmonicOptions& options = exact())
 {
-    Harmonic harmonic(Cage(cage), options);
-    harmonic.bind(view(points));
-    return harmonic.weights().dense();
+    return cages::weights<Harmonic>(cage, points, options);
 }
 
 /// Of the vertices of shapes::cube().
@@ -47,37 +42,17 @@ RowMatrix trilinear(const Points& points)
     return expected;
 }
 
-Points in_cube(int count)
-{
-    shapes::Random random(1);
-    Points points(count, 3);
-    for (Eigen::Index k = 0; k < points.size(); ++k)
-        points.data()[k] = random.unit();
-    return points;
-}
-
-double largest(const RowMatrix& matrix) { return matrix.cwiseAbs().maxCoeff(); }
-
-/// Sum, linear precision and sign.
 void expect_barycentric(const RowMatrix& w, const SurfaceMesh& cage, const Points& points)
 {
-    const double size = shapes::size(cage.points());
-    EXPECT_LT((w.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-12);
-    EXPECT_LT(largest(w * cage.points() - points), 1e-9 * size); // points on the cage are found to 1e-10
-    EXPECT_GE(w.minCoeff(), 0);
+    cages::expect_barycentric(w, cage, points, 1e-9); // points on the cage are found to 1e-10
 }
 
-template <class Bind>
-std::vector<int> named(Bind&& bind, Error::Element kind)
+/// The faces that a bind at the middle of the first cube is refused for.
+std::vector<int> named_faces(const SurfaceMesh& cage)
 {
-    try {
-        bind();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.element_kind(), kind) << error.what();
-        return error.elements();
-    }
-    ADD_FAILURE() << "not refused";
-    return {};
+    const auto error = refusal<Error>([&] { weights(cage, Points::Constant(1, 3, .25)); });
+    EXPECT_EQ(error.element_kind(), Error::Element::face) << error.what();
+    return error.elements();
 }
 
 SpaceTraits traits()
@@ -152,108 +127,11 @@ TEST(Harmonic, gives_the_data_on_the_cage)
 
 TEST(Harmonic, comes_to_the_data_as_the_cage_is_neared)
 {
-    Points at(1, 3), before(1, 3);
-    at << 0, 1.5, .5;
-    for (double depth : {1e-9, 1e-7, 1e-5}) {
-        before << depth, 1.5, .5;
-        // The error of the coordinates on a plain face, far from its edges.
-        EXPECT_LT(largest(weights(cages::u_prism(), at) - weights(cages::u_prism(), before)), 2e-3);
-    }
-}
-
-TEST(Harmonic, agrees_with_walks_on_spheres)
-{
-    // Brownian motion from x leaves through the cage where its data are to be averaged: no equation is
-    // solved.
-    const SurfaceMesh u = cages::u_prism();
-    Points x(2, 3);
-    x << .5, 2.2, .4, 1.4, .6, .5;
-    const RowMatrix w = weights(u, x, exact(HarmonicQuality::medium));
-    constexpr int walks = 40000;
-    shapes::Random random(5);
-    for (int i = 0; i < 2; ++i) {
-        Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(16);
-        for (int walk = 0; walk < walks; ++walk) {
-            Vector3 p = x.row(i).transpose();
-            double radius = 1;
-            int side = 0; // the wall that is nearest
-            for (;;) {
-                const double walls[] = {p.x(), 3 - p.x(), p.y(), p.z(), 1 - p.z()};
-                side = static_cast<int>(std::min_element(walls, walls + 5) - walls);
-                radius = walls[side];
-                // The hollow 1 < x < 2, y > 1, and the two tops y = 3.
-                const Vector3 nearest(std::clamp(p.x(), 1.0, 2.0), std::max(p.y(), 1.0), p.z());
-                if ((nearest - p).norm() < radius) {
-                    radius = (nearest - p).norm();
-                    side = nearest.y() > 1 ? (p.x() < 1 ? 5 : 6) : 7;
-                }
-                if (3 - p.y() < radius) {
-                    radius = 3 - p.y();
-                    side = p.x() < 1 ? 8 : 9;
-                }
-                if (radius < 1e-4)
-                    break;
-                Vector3 step = random.vector();
-                while (step.squaredNorm() > 1 || step.squaredNorm() < 1e-6)
-                    step = random.vector();
-                p += radius * step.normalized();
-            }
-            // Bilinear on the quads; the two caps of eight corners are left out of the comparison below.
-            const auto quad = [&](int a, int b, double along) {
-                along = std::clamp(along, 0.0, 1.0);
-                mean[a] += (1 - along) * (1 - p.z());
-                mean[b] += along * (1 - p.z());
-                mean[8 + a] += (1 - along) * p.z();
-                mean[8 + b] += along * p.z();
-            };
-            switch (side) {
-            case 0:
-                quad(7, 0, 1 - p.y() / 3);
-                break;
-            case 1:
-                quad(1, 2, p.y() / 3);
-                break;
-            case 2:
-                quad(0, 1, p.x() / 3);
-                break;
-            case 5:
-                quad(5, 6, (p.y() - 1) / 2);
-                break;
-            case 6:
-                quad(3, 4, 1 - (p.y() - 1) / 2);
-                break;
-            case 7:
-                quad(4, 5, 2 - p.x());
-                break;
-            case 8:
-                quad(6, 7, 1 - p.x());
-                break;
-            case 9:
-                quad(2, 3, 3 - p.x());
-                break;
-            default: { // a cap: the triangle of SurfaceMesh that holds the point
-                const double z = side == 3 ? 0 : 1;
-                for (std::size_t t = 0; t < u.triangles().size(); ++t) {
-                    const Triangle& corners = u.triangles()[t];
-                    Matrix3 sides;
-                    for (int k = 0; k < 3; ++k)
-                        sides.col(k) << u.point(corners[k]).head<2>(), 1;
-                    if (u.triangle_faces()[t] != (z == 0 ? 0 : 1))
-                        continue;
-                    const Vector3 hats = sides.inverse() * Vector3(p.x(), p.y(), 1);
-                    if (hats.minCoeff() < -1e-3)
-                        continue;
-                    for (int k = 0; k < 3; ++k)
-                        mean[corners[k]] += hats[k];
-                    break;
-                }
-            }
-            }
-        }
-        mean /= walks;
-        // Four standard errors of a weight of variance 1/16 at most, and the shell of 1e-4.
-        EXPECT_LT((mean - w.row(i)).cwiseAbs().maxCoeff(), 4 * .25 / std::sqrt(walks) + 1e-3);
-    }
+    Points x(4, 3);
+    x << 0, 1.5, .5, 1e-9, 1.5, .5, 1e-7, 1.5, .5, 1e-5, 1.5, .5;
+    const RowMatrix w = weights(cages::u_prism(), x);
+    // The error of the coordinates on a plain face, far from its edges.
+    EXPECT_LT(largest(w.bottomRows(3).rowwise() - w.row(0)), 2e-3);
 }
 
 TEST(Harmonic, reports_an_error_that_shrinks_with_quality)
@@ -307,31 +185,14 @@ TEST(Harmonic, names_points_outside_or_falls_back_on_mean_values)
 {
     Points x(4, 3);
     x << .5, .5, .5, 2, .5, .5, .2, .9, .4, .5, .5, -.1;
-    Harmonic harmonic(Cage(shapes::cube()), exact());
-    EXPECT_EQ(named([&] { harmonic.bind(view(x)); }, Error::Element::vertex), (std::vector<int>{1, 3}));
-    HarmonicOptions options = exact();
-    options.outside = CageOutside::mean_value;
-    Harmonic both(Cage(shapes::cube()), options);
-    EXPECT_EQ(both.bind(view(x)).outside, (std::vector<int>{1, 3}));
-    MeanValue mean_value(Cage(shapes::cube()), doubles);
-    mean_value.bind(view(x));
-    for (int i : {1, 3})
-        EXPECT_LT((both.weights().dense().row(i) - mean_value.weights().dense().row(i)).norm(), 1e-12);
-    // The hollow of a U is outside, too.
-    Points hollow(1, 3);
-    hollow << 1.5, 2, .5;
-    Harmonic u(Cage(cages::u_prism()), exact());
-    EXPECT_EQ(named([&] { u.bind(view(hollow)); }, Error::Element::vertex), std::vector<int>{0});
+    cages::expect_outside<Harmonic>(shapes::cube(), exact(), x, {1, 3});
 }
 
 TEST(Harmonic, names_faces_without_area)
 {
     Points points = shapes::cube().points();
     points.row(6) = points.row(5); // face 3 and the top become triangles, half of each a line
-    const SurfaceMesh flat = shapes::moved(shapes::cube(), points);
-    const Points x = Points::Constant(1, 3, .25);
-    Harmonic harmonic(Cage(flat), exact());
-    const std::vector<int> faces = named([&] { harmonic.bind(view(x)); }, Error::Element::face);
+    const std::vector<int> faces = named_faces(shapes::moved(shapes::cube(), points));
     EXPECT_FALSE(faces.empty());
     for (int f : faces)
         EXPECT_TRUE(f == 1 || f == 3 || f == 4) << f;
@@ -339,59 +200,17 @@ TEST(Harmonic, names_faces_without_area)
 
 TEST(Harmonic, names_faces_that_touch)
 {
-    const SurfaceMesh touching = shapes::joined(shapes::cube(), shapes::cube(), {1, 0, 0});
-    const Points x = Points::Constant(1, 3, .25);
-    Harmonic harmonic(Cage(touching), exact());
-    EXPECT_EQ(named([&] { harmonic.bind(view(x)); }, Error::Element::face), (std::vector<int>{3, 11}));
-}
-
-TEST(Harmonic, stays_as_it_was_when_a_bind_is_cancelled_or_refused)
-{
-    const Points first = in_cube(10), second = in_cube(2000);
-    Harmonic harmonic(Cage(shapes::cube()), exact());
-    for (int last = 1; last < 200; ++last) {
-        int ticks = 0;
-        const Progress few([&](double fraction, const char*) {
-            EXPECT_GE(fraction, 0);
-            EXPECT_LE(fraction, 1);
-            return ++ticks < last;
-        });
-        try {
-            harmonic.bind(view(first), few);
-            break;
-        } catch (const Cancelled&) {
-            EXPECT_EQ(harmonic.weights().point_count(), 0);
-        }
-        EXPECT_LT(last, 199);
-    }
-    const RowMatrix before = harmonic.weights().dense();
-    EXPECT_THROW(harmonic.bind(view(second), Progress([](double, const char*) { return false; })), Cancelled);
-    const Points outside = Points::Constant(1, 3, 2.0);
-    EXPECT_THROW(harmonic.bind(view(outside)), InvalidConstraint);
-    EXPECT_EQ(harmonic.weights().dense(), before);
-}
-
-TEST(Harmonic, tells_progress_that_never_falls)
-{
-    double last = 0;
-    const Progress watch([&](double fraction, const char*) {
-        EXPECT_GE(fraction, last);
-        last = fraction;
-        return true;
-    });
-    const Points x = in_cube(10000);
-    Harmonic harmonic(Cage(shapes::cube()), exact());
-    harmonic.bind(view(x), watch);
-    EXPECT_EQ(last, 1);
+    EXPECT_EQ(named_faces(shapes::joined(shapes::cube(), shapes::cube(), {1, 0, 0})), (std::vector{3, 11}));
 }
 
 TEST(Harmonic, is_refused_above_the_memory_limit)
 {
     const Points x = in_cube(1);
     Harmonic harmonic(Cage(shapes::cube()), exact());
-    limit_memory(1 << 20);
-    EXPECT_THROW(harmonic.bind(view(x)), OutOfMemory);
-    limit_memory(0);
+    {
+        const MemoryLimit limit(1 << 20);
+        EXPECT_THROW(harmonic.bind(view(x)), OutOfMemory);
+    }
     EXPECT_NO_THROW(harmonic.bind(view(x)));
 }
 

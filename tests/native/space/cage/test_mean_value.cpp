@@ -11,13 +11,11 @@ namespace sinew {
 
 namespace {
 
-constexpr PointWeightOptions doubles{WeightPrecision::double_precision, 0.0};
+using cages::doubles;
 
 RowMatrix weights_of(const SurfaceMesh& cage, const Points& points)
 {
-    MeanValue coordinates(Cage(cage), doubles);
-    coordinates.bind(view(points));
-    return coordinates.weights().dense();
+    return cages::weights<MeanValue>(cage, points, doubles);
 }
 
 double affine_error(const SurfaceMesh& cage, const Points& points)
@@ -96,39 +94,30 @@ TEST(MeanValue, is_negative_where_an_arm_is_seen_through_the_cage)
 
 TEST(MeanValue, reproduces_affine_maps_inside_and_outside)
 {
-    // Rounding of some hundred weights; outside they grow with the distance.
-    EXPECT_LT(affine_error(shapes::octahedron(), shapes::points_around(shapes::octahedron(), 200, 3.0)),
-              1e-12);
-    EXPECT_LT(affine_error(shapes::u_prism(), shapes::points_around(shapes::u_prism(), 200, 2.0)), 1e-11);
-    EXPECT_LT(affine_error(shapes::bumpy_sphere(3), shapes::points_around(shapes::bumpy_sphere(3), 200, 1.5)),
-              1e-11);
-    const SurfaceMesh two = shapes::joined(shapes::cube(), shapes::octahedron(), {4, 1, 0});
-    EXPECT_LT(affine_error(two, shapes::points_around(two, 200, 1.5)), 1e-11);
-}
-
-TEST(MeanValue, is_that_of_the_sphere)
-{
-    for (const SurfaceMesh& cage : {shapes::bumpy_sphere(1), shapes::u_prism()}) {
-        const Points points = shapes::points_around(cage, 100, 1.5, 4);
-        const RowMatrix W = weights_of(cage, points);
-        for (Eigen::Index i = 0; i < points.rows(); ++i)
-            EXPECT_LT((W.row(i).transpose() - on_the_sphere(cage, points.row(i))).cwiseAbs().maxCoeff(),
-                      1e-12);
-    }
+    struct Case
+    {
+        SurfaceMesh cage;
+        double reach, tolerance; // rounding of some hundred weights; outside they grow with the distance
+    };
+    for (const Case& at : {Case{shapes::octahedron(), 3.0, 1e-12}, Case{shapes::u_prism(), 2.0, 1e-11},
+                           Case{shapes::bumpy_sphere(3), 1.5, 1e-11},
+                           Case{shapes::joined(shapes::cube(), shapes::octahedron(), {4, 1, 0}), 1.5, 1e-11}})
+        EXPECT_LT(affine_error(at.cage, shapes::points_around(at.cage, 200, at.reach)), at.tolerance);
 }
 
 TEST(MeanValue, is_that_of_the_sphere_however_near_the_faces_and_their_planes)
 {
-    for (const SurfaceMesh& cage : {shapes::bumpy_sphere(1), shapes::u_prism()})
-        for (const double distance : {1e-4, 1e-7, 1e-10}) {
-            const Points points = shapes::points_near(cage, {distance});
+    for (const SurfaceMesh& cage : {shapes::bumpy_sphere(1), shapes::u_prism()}) {
+        const auto expect_equal = [&](const Points& points, double tolerance) {
             const RowMatrix W = weights_of(cage, points);
-            // what long doubles leave of the oracle
-            const double tolerance = 1e-11 + 1e-16 / distance;
             for (Eigen::Index i = 0; i < points.rows(); ++i)
                 EXPECT_LT((W.row(i).transpose() - on_the_sphere(cage, points.row(i))).cwiseAbs().maxCoeff(),
                           tolerance);
-        }
+        };
+        expect_equal(shapes::points_around(cage, 100, 1.5, 4), 1e-12);
+        for (const double distance : {1e-4, 1e-7, 1e-10}) // what long doubles leave of the oracle
+            expect_equal(shapes::points_near(cage, {distance}), 1e-11 + 1e-16 / distance);
+    }
 }
 
 TEST(MeanValue, is_piecewise_linear_on_the_cage)
@@ -196,10 +185,7 @@ TEST(MeanValue, tells_which_points_lie_outside)
     const SpaceReport report = coordinates.bind(view(points));
     std::vector<int> expected;
     for (int i = 0; i < 500; ++i) {
-        const Vector3 p = points.row(i);
-        const bool inside = p.z() > 0 && p.z() < 1 && p.x() > 0 && p.x() < 3 && p.y() > 0 && p.y() < 3 &&
-                            !(p.x() > 1 && p.x() < 2 && p.y() > 1);
-        if (!inside)
+        if (!cages::in_u_prism(points.row(i), 0.0))
             expected.push_back(i);
     }
     EXPECT_EQ(report.outside, expected);
@@ -220,12 +206,7 @@ TEST(MeanValue, stays_finite_far_away)
 
 TEST(MeanValue, leaves_out_faces_without_area)
 {
-    Points p = shapes::cube().points();
-    shapes::Polygons faces = shapes::faces_of(shapes::cube());
-    faces[1] = {4, 5, 6};
-    faces.push_back({4, 6, 7});
-    p.row(5) = 0.5 * (p.row(4) + p.row(6));
-    const SurfaceMesh cage = shapes::over(p, faces);
+    const SurfaceMesh cage = cages::cube_with_a_flat_triangle();
     const Points points = shapes::points_around(cage, 100, 1.2);
     EXPECT_LT(affine_error(cage, points), 1e-9);
     EXPECT_TRUE(weights_of(cage, shapes::points_near(cage, {0.0, 1e-9})).allFinite());

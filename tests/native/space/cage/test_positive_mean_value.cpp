@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/positive_mean_value.h"
 
-#include "native/core/errors.h"
-#include "native/core/parallel.h"
-#include "native/space/cage/mean_value.h"
 #include "tests/native/space/cage/cages.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +11,8 @@ namespace sinew {
 
 namespace {
 
-constexpr PointWeightOptions doubles{WeightPrecision::double_precision, 0.0};
+using cages::doubles;
+using cages::largest;
 
 PositiveMeanValueOptions exact()
 {
@@ -34,18 +32,12 @@ PositiveMeanValueOptions rays(int count)
 RowMatrix weights(const SurfaceMesh& cage, const Points& points,
                   const PositiveMeanValueOptions& options = exact())
 {
-    PositiveMeanValue coordinates(Cage(cage), options);
-    coordinates.bind(view(points));
-    return coordinates.weights().dense();
+    return cages::weights<PositiveMeanValue>(cage, points, options);
 }
-
-double largest(const RowMatrix& matrix) { return matrix.cwiseAbs().maxCoeff(); }
 
 void expect_barycentric(const RowMatrix& w, const SurfaceMesh& cage, const Points& points)
 {
-    EXPECT_LT((w.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-12);
-    EXPECT_LT(largest(w * cage.points() - points), 1e-9 * shapes::size(cage.points()));
-    EXPECT_GE(w.minCoeff(), 0);
+    cages::expect_barycentric(w, cage, points, 1e-9);
 }
 
 /// By rays whose first faces are found one by one, and hat functions solved for: shares no code with ours.
@@ -60,18 +52,17 @@ Eigen::RowVectorXd by_rays(const SurfaceMesh& cage, const Vector3& x, int count)
         double nearest = 1e300;
         Eigen::RowVectorXd hit = Eigen::RowVectorXd::Zero(cage.vertex_count());
         for (const Triangle& t : cage.triangles()) {
-            // x + s d = a + u (b - a) + v (c - a)
-            Matrix3 system;
-            system << d, cage.point(t[0]) - cage.point(t[1]), cage.point(t[0]) - cage.point(t[2]);
-            const Vector3 suv = system.partialPivLu().solve(cage.point(t[0]) - x);
-            if (!suv.allFinite() || suv[0] <= 0 || suv[0] >= nearest || suv[1] < 0 || suv[2] < 0 ||
-                suv[1] + suv[2] > 1)
+            // x + s d = a + u (b - a) + v (c - a), by Cramer's rule.
+            const Vector3 ab = cage.point(t[1]) - cage.point(t[0]), ac = cage.point(t[2]) - cage.point(t[0]);
+            const Vector3 ax = x - cage.point(t[0]), p = d.cross(ac), q = ax.cross(ab);
+            const double s = ac.dot(q) / ab.dot(p), u = ax.dot(p) / ab.dot(p), v = d.dot(q) / ab.dot(p);
+            if (!(s > 0 && s < nearest && u >= 0 && v >= 0 && u + v <= 1))
                 continue;
-            nearest = suv[0];
+            nearest = s;
             hit.setZero();
-            hit[t[0]] = 1 - suv[1] - suv[2];
-            hit[t[1]] = suv[1];
-            hit[t[2]] = suv[2];
+            hit[t[0]] = 1 - u - v;
+            hit[t[1]] = u;
+            hit[t[2]] = v;
         }
         sum += hit / nearest;
     }
@@ -99,11 +90,8 @@ INSTANTIATE_TEST_SUITE_P(PositiveMeanValue, SpaceContract, testing::Values(trait
 TEST(PositiveMeanValue, equals_mean_values_in_convex_cages)
 {
     const Points x = cages::in_ball(300, 0.5);
-    for (const SurfaceMesh& cage : {shapes::octahedron(), shapes::sphere(2)}) {
-        MeanValue plain(Cage(cage), doubles);
-        plain.bind(view(x));
-        EXPECT_LT(largest(weights(cage, x) - plain.weights().dense()), 1e-10);
-    }
+    for (const SurfaceMesh& cage : {shapes::octahedron(), shapes::sphere(2)})
+        EXPECT_LT(largest(weights(cage, x) - cages::weights<MeanValue>(cage, x, doubles)), 1e-10);
     Points known(1, 3);
     known << .1, .2, .3;
     RowMatrix expected(1, 6);
@@ -116,9 +104,7 @@ TEST(PositiveMeanValue, is_positive_where_mean_values_are_not)
     Points x(1, 3);
     x << .5, 2.5, .5;
     const SurfaceMesh u = cages::u_prism();
-    MeanValue plain(Cage(u), doubles);
-    plain.bind(view(x));
-    EXPECT_LT(plain.weights().dense().minCoeff(), -0.006);
+    EXPECT_LT(cages::weights<MeanValue>(u, x, doubles).minCoeff(), -0.006);
     const RowMatrix w = weights(u, x);
     expect_barycentric(w, u, x);
     for (int v : {2, 3, 10, 11}) // the top of the other arm is out of sight
@@ -195,20 +181,7 @@ TEST(PositiveMeanValue, names_points_outside_or_falls_back_on_mean_values)
 {
     Points x(3, 3);
     x << .5, .5, .5, 1.5, 2, .5, 9, 9, 9;
-    PositiveMeanValue coordinates(Cage(cages::u_prism()), exact());
-    try {
-        coordinates.bind(view(x));
-        FAIL();
-    } catch (const InvalidConstraint& error) {
-        EXPECT_EQ(error.elements(), (std::vector<int>{1, 2}));
-    }
-    PositiveMeanValueOptions options = exact();
-    options.outside = CageOutside::mean_value;
-    PositiveMeanValue both(Cage(cages::u_prism()), options);
-    EXPECT_EQ(both.bind(view(x)).outside, (std::vector<int>{1, 2}));
-    MeanValue plain(Cage(cages::u_prism()), doubles);
-    plain.bind(view(x));
-    EXPECT_LT((both.weights().dense() - plain.weights().dense()).bottomRows(2).norm(), 1e-12);
+    cages::expect_outside<PositiveMeanValue>(cages::u_prism(), exact(), x, {1, 2});
 }
 
 TEST(PositiveMeanValue, sees_one_part_of_a_cage_at_a_time)
@@ -222,9 +195,8 @@ TEST(PositiveMeanValue, sees_one_part_of_a_cage_at_a_time)
 
 TEST(PositiveMeanValue, refuses_odd_and_too_few_directions)
 {
-    EXPECT_THROW(PositiveMeanValue(Cage(shapes::cube()), rays(9)), InvalidOption);
-    EXPECT_THROW(PositiveMeanValue(Cage(shapes::cube()), rays(0)), InvalidOption);
-    EXPECT_THROW(PositiveMeanValue(Cage(shapes::cube()), rays(-1024)), InvalidOption);
+    for (int count : {9, 0, -1024})
+        EXPECT_THROW(PositiveMeanValue(Cage(shapes::cube()), rays(count)), InvalidOption);
 }
 
 TEST(PositiveMeanValue, takes_faces_without_area)

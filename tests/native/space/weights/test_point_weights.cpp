@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/weights/point_weights.h"
 
-#include "native/core/errors.h"
-#include "native/core/memory.h"
-#include "native/core/parallel.h"
 #include "native/space/cage/green.h"
 #include "native/space/cage/mean_value.h"
 #include "tests/native/space/cage/cages.h"
@@ -79,24 +76,6 @@ TEST(PointWeights, moves_of_any_length_fit_single_numbers)
     EXPECT_LT(shapes::distance(out * 1e-200, W * moves * 1e-200), 1e-6);
 }
 
-TEST(PointWeights, any_number_of_threads_gives_the_same_bits)
-{
-    const SurfaceMesh cage = shapes::bumpy_sphere(2);
-    const Points points = shapes::points_around(cage, 3001, 1.2), pose = 1.3 * cage.points();
-    std::vector<Points> warps;
-    for (const int threads : {1, 2, 5})
-        for (const double threshold : {0.0, 1e-3}) {
-            limit_threads(threads);
-            Green green(Cage(cage), {{single, threshold}, GreenOutside::nearest, -1});
-            green.bind(view(points));
-            Points out = warped_by(green, view(pose));
-            warps.push_back(out);
-        }
-    limit_threads(0);
-    for (std::size_t k = 2; k < warps.size(); ++k)
-        EXPECT_EQ(warps[k], warps[k - 2]);
-}
-
 TEST(PointWeights, those_kept_make_up_for_those_dropped)
 {
     const SurfaceMesh cage = shapes::bumpy_sphere(2);
@@ -169,16 +148,13 @@ TEST(PointWeights, name_both_sizes_where_memory_is_short)
 {
     const SurfaceMesh cage = shapes::bumpy_sphere(2);
     const Points points = shapes::points_around(cage, 20'000, 0.9);
-    limit_memory(1 << 20);
-    for (const double threshold : {0.0, 1e-6})
-        try {
-            MeanValue(Cage(cage), {both, threshold}).bind(view(points));
-            ADD_FAILURE() << "not refused";
-        } catch (const OutOfMemory& error) {
-            EXPECT_NE(std::string(error.what()).find("1.0 MB"), std::string::npos) << error.what();
-            EXPECT_NE(std::string(error.what()).find("weights"), std::string::npos) << error.what();
-        }
-    limit_memory(0);
+    const MemoryLimit limit(1 << 20);
+    for (const double threshold : {0.0, 1e-6}) {
+        const auto error =
+            refusal<OutOfMemory>([&] { MeanValue(Cage(cage), {both, threshold}).bind(view(points)); });
+        for (const char* part : {"1.0 MB", "weights"})
+            EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
 }
 
 } // namespace sinew

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/weights/products.h"
 
-#include "native/core/simd/kernel_set.h"
 #include "tests/native/shapes.h"
+#include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -46,11 +46,10 @@ void expect_same_products(void (*ours)(const T*, int, const T*, T*),
 TEST(ProductKernels, products_agree_and_are_right)
 {
     const ProductKernels& base = ProductKernels::baseline;
-    const ProductKernels& wide = kernels_with<ProductKernels>(Instructions::avx2)
-                                     ? *kernels_with<ProductKernels>(Instructions::avx2)
-                                     : base;
-    expect_same_products(base.product_of_doubles, wide.product_of_doubles);
-    expect_same_products(base.product_of_floats, wide.product_of_floats);
+    for (const ProductKernels* kernels : every_kernels<ProductKernels>()) {
+        expect_same_products(base.product_of_doubles, kernels->product_of_doubles);
+        expect_same_products(base.product_of_floats, kernels->product_of_floats);
+    }
 }
 
 TEST(ProductKernels, sparse_products_agree_and_are_right)
@@ -59,13 +58,11 @@ TEST(ProductKernels, sparse_products_agree_and_are_right)
     const std::vector<int> columns{0, 2, 1, 1}, offsets{0, 3, 3, 4};
     const std::vector<double> exact{10.25, 13, 15.75, 0, 0, 0, 0, 0, -4, -5, -6, 0};
     std::vector<double> sums(12);
-    for (const ProductKernels* kernels :
-         {&ProductKernels::baseline, kernels_with<ProductKernels>(Instructions::avx2)})
-        if (kernels) {
-            kernels->sparse_product_of_doubles(weights.data(), columns.data(), offsets.data(), 3,
-                                               factors.data(), sums.data());
-            EXPECT_EQ(sums, exact);
-        }
+    for (const ProductKernels* kernels : every_kernels<ProductKernels>()) {
+        kernels->sparse_product_of_doubles(weights.data(), columns.data(), offsets.data(), 3, factors.data(),
+                                           sums.data());
+        EXPECT_EQ(sums, exact);
+    }
 }
 
 } // namespace sinew

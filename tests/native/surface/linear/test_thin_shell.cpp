@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/linear/thin_shell.h"
 
-#include "native/core/errors.h"
-#include "native/surface/linear/responses/affine_basis.h"
 #include "tests/native/allocations.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
 #include "tests/native/surface/linear/dense_shell.h"
@@ -86,6 +85,7 @@ SurfaceTraits traits()
             .follow = 2.0,
             .slack = 0.0,
             .translation = solved,
+            .held = 1e-14,
             .similar = solved,
             .updates = "stretching",
             .updated = maker({.stretching = {0.7}}),
@@ -116,89 +116,109 @@ TEST(ThinShell, any_affine_motion_of_a_framed_plane_is_exact)
                   solved);
 }
 
-TEST(ThinShell, solves_as_dense_matrices_built_from_angles_do)
+struct DenseCase
 {
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    for (const ThinShellOptions& options : orders)
-        for (Discretization kind : every)
-            for (bool basis : {true, false}) {
-                ThinShellOptions chosen = options;
-                chosen.laplacian = kind;
-                chosen.affine_basis = basis;
-                DenseShell oracle(mesh, chosen, handles);
-                double energy = 0;
-                const Points expected = oracle.solve(bent, &energy);
-                ThinShell shell(mesh, chosen);
-                shell.set_handles(handles);
-                Points positions;
-                const SolveReport report = shell.solve({bent}, positions);
-                EXPECT_LT(shapes::distance(positions, expected), solved);
-                EXPECT_NEAR(report.energy, energy, solved * energy);
-                EXPECT_LT(report.residual, 1e-8);
-                EXPECT_TRUE(report.converged);
-                EXPECT_EQ(report.iterations, 1);
-            }
-}
+    std::string name;
+    SurfaceMesh mesh;
+    ThinShellOptions options;
+    std::vector<Handle> handles;
+    Poses poses;
+    double tolerance;
+};
 
-TEST(ThinShell, solves_polygons_as_dense_matrices_do)
+std::vector<DenseCase> dense_cases()
 {
-    const SurfaceMesh mesh = shapes::bar(6, 2);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.1);
-    for (Discretization kind : every) {
-        ThinShellOptions options = stiffness(0.1, 1, 0);
-        options.laplacian = kind;
-        DenseShell oracle(mesh, options, handles);
-        EXPECT_LT(shapes::distance(bound_and_solved(mesh, options, handles, bent), oracle.solve(bent)),
-                  solved);
-    }
-}
-
-TEST(ThinShell, painted_stiffness_scales_its_own_term)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
+    std::vector<DenseCase> cases;
+    const SurfaceMesh hill = shapes::hill(8, 8), bar = shapes::bar(6, 2);
+    const std::vector<Handle> ends = shapes::ends(hill, 1.5);
     shapes::Random random(4);
-    Stiffness painted(mesh.vertex_count());
+    Stiffness painted(hill.vertex_count()), black(hill.vertex_count(), 1.0);
     for (double& k : painted)
         k = std::pow(10.0, 2 * random.signed_unit());
-    for (int term = 0; term < 3; ++term)
-        for (Discretization kind : every) {
-            ThinShellOptions options = stiffness(0.2, 0.5, 0.1);
-            options.laplacian = kind;
-            (term == 0 ? options.stretching : term == 1 ? options.bending : options.variation) = painted;
-            DenseShell oracle(mesh, options, handles);
-            EXPECT_LT(shapes::distance(bound_and_solved(mesh, options, handles, bent), oracle.solve(bent)),
-                      solved)
-                << "term " << term;
-        }
+    for (int v : shapes::where(hill, [](const Vector3& p) { return p.y() > 4; }))
+        black[v] = 0.0;
+    std::vector<Handle> soft = ends;
+    for (std::size_t k = 0; k < soft[1].vertices.size(); ++k)
+        soft[1].weights.push_back(k % 5 == 0 ? 1.0 : k % 5 == 1 ? 0.0 : random.unit());
+    soft.push_back({{40, 41, 42, soft[1].vertices[2]}, {0.5, 0.9, 0.1, 0.3}});
+    const auto with_term = [](ThinShellOptions options, int term, const Stiffness& values) {
+        (term == 0 ? options.stretching : term == 1 ? options.bending : options.variation) = values;
+        return options;
+    };
+    const auto add = [&](const std::string& name, const SurfaceMesh& mesh, ThinShellOptions options,
+                         const std::vector<Handle>& handles, double tolerance, const Poses& poses = bent) {
+        for (Discretization kind : every)
+            for (bool basis : {true, false}) {
+                options.laplacian = kind;
+                options.affine_basis = basis;
+                cases.push_back({name + ", laplacian " + std::to_string(static_cast<int>(kind)), mesh,
+                                 options, handles, poses, tolerance});
+            }
+    };
+    for (const ThinShellOptions& options : orders)
+        add("stiffness", hill, options, ends, solved);
+    add("polygons", bar, stiffness(0.1, 1, 0), shapes::ends(bar, 1.1), solved);
+    for (int term : {0, 1, 2})
+        add("painted", hill, with_term(stiffness(0.2, 0.5, 0.1), term, painted), ends, solved);
+    for (int term : {0, 1}) // a contrast of 1e6 costs six more digits
+        add("painted black", hill, with_term(stiffness(0, 0, 0), term, black), ends, 1e-3);
+    const Poses three{bent[0], bent[1], shapes::shift(0, 0, 3)};
+    add("soft handles", hill, stiffness(0.2, 1, 0), soft, 1e-8, three); // condition about 1e5
+    return cases;
 }
 
-TEST(ThinShell, a_region_painted_black_stays_solvable)
+TEST(ThinShell, solves_as_dense_matrices_built_from_angles_do)
 {
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    Stiffness painted(mesh.vertex_count(), 1.0);
-    for (int v : shapes::where(mesh, [](const Vector3& p) { return p.y() > 4; }))
-        painted[v] = 0.0;
-    for (int term = 0; term < 2; ++term) {
-        ThinShellOptions options = stiffness(0, 0, 0);
-        (term == 0 ? options.stretching : options.bending) = painted;
-        DenseShell oracle(mesh, options, handles);
-        // A contrast of 1e6 costs six more digits.
-        EXPECT_LT(shapes::distance(bound_and_solved(mesh, options, handles, bent), oracle.solve(bent)), 1e-3);
+    for (const DenseCase& at : dense_cases()) {
+        SCOPED_TRACE(at.name);
+        double energy = 0;
+        const Points expected = DenseShell(at.mesh, at.options, at.handles).solve(at.poses, &energy);
+        ThinShell shell(at.mesh, at.options);
+        shell.set_handles(at.handles);
+        Points positions;
+        const SolveReport report = shell.solve({at.poses}, positions);
+        EXPECT_LT(shapes::distance(positions, expected), at.tolerance);
+        EXPECT_NEAR(report.energy, energy, at.tolerance * energy);
+        EXPECT_LT(report.residual, 1e-8);
+        EXPECT_TRUE(report.converged);
+        EXPECT_EQ(report.iterations, 1);
     }
 }
 
-TEST(ThinShell, a_painted_constant_is_that_constant)
+TEST(ThinShell, soft_handles_become_hard_as_their_weight_nears_one_and_let_go_near_zero)
 {
-    const SurfaceMesh mesh = shapes::hill(7, 6);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    const Points one = bound_and_solved(mesh, stiffness(0.5, 2, 0), handles, bent);
-    ThinShellOptions painted;
-    painted.stretching.assign(mesh.vertex_count(), 0.5);
-    painted.bending.assign(mesh.vertex_count(), 2.0);
-    EXPECT_LT(shapes::distance(bound_and_solved(mesh, painted, handles, bent), one), 1e-9);
+    const SurfaceMesh mesh = shapes::hill(8, 8);
+    std::vector<Handle> handles = shapes::ends(mesh, 1.5);
+    const Points hard = bound_and_solved(mesh, {}, handles, bent);
+    const auto softened = [&](double weight) {
+        handles[1].weights.assign(handles[1].vertices.size(), weight);
+        return bound_and_solved(mesh, {}, handles, bent);
+    };
+    double before = 1.0;
+    for (double gap : {1e-2, 1e-4, 1e-6, 1e-8}) {
+        const double error = shapes::distance(softened(1 - gap), hard);
+        EXPECT_LT(error, 0.05 * before) << gap; // the error falls as 1 - w, a factor of 100 each
+        before = error;
+    }
+    EXPECT_LT(before, 1e-5);
+    for (double gap : {1e-10, 1e-12, 1e-15})
+        EXPECT_LT(shapes::distance(softened(1 - gap), hard), 1e-4) << gap;
+    // One hard handle at rest against pulls of 1e-12: moves of some 1e-12 x the softest mode.
+    EXPECT_LT(shapes::distance(softened(1e-12), mesh.points()), 1e-6);
+}
+
+TEST(ThinShell, displaces_what_enters_as_it_displaces_the_rest)
+{
+    const SurfaceMesh mesh = shapes::hill(8, 8);
+    const Points incoming = shapes::transformed(mesh.points(), shapes::turn({1, 2, 0}, 30));
+    const Poses lifted{shapes::still(), shapes::shift(0, 0, 2)};
+    for (bool basis : {true, false}) {
+        ThinShell shell(mesh, {.affine_basis = basis});
+        shell.set_handles(shapes::ends(mesh, 1.5));
+        Points positions;
+        shell.solve({.poses = lifted, .incoming = view(incoming)}, positions);
+        EXPECT_LT(shapes::distance(positions - incoming, solve(shell, lifted) - mesh.points()), 1e-10);
+    }
 }
 
 TEST(ThinShell, only_the_ratio_of_the_stiffnesses_counts)
@@ -278,15 +298,10 @@ TEST(ThinShell, refuses_stiffnesses_that_mean_nothing)
     refused({0.0}, {1.0, 1.0}, {0.0});
     refused({}, {1.0}, {0.0});
     refused({0.0}, Stiffness(8, 0.0), {0.0});
-    try {
-        Stiffness painted(8, 1.0);
-        painted[3] = painted[5] = -1;
-        ThinShell(mesh, {.bending = painted});
-        FAIL();
-    } catch (const InvalidOption& error) {
-        EXPECT_EQ(error.elements(), (std::vector{3, 5}));
-        EXPECT_EQ(error.element_kind(), Error::Element::vertex);
-    }
+    Stiffness painted(8, 1.0);
+    painted[3] = painted[5] = -1;
+    const auto make = [&] { ThinShell(mesh, {.bending = painted}); };
+    expect_elements(refusal<InvalidOption>(make), Error::Element::vertex, {3, 5});
 }
 
 } // namespace sinew

@@ -2,9 +2,8 @@
 // Binds that keep most of the factor that stands.
 #include "native/surface/linear/thin_shell.h"
 
-#include "native/core/errors.h"
-#include "native/core/memory.h"
 #include "native/solvers/engines/cholmod_factor.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/linear/dense_shell.h"
 
@@ -51,7 +50,6 @@ protected:
         if (!have_cholmod())
             GTEST_SKIP() << "Eigen's LDLT is always computed whole";
     }
-    void TearDown() override { limit_memory(0); }
 
     const int side = 60;
     const SurfaceMesh mesh = shapes::hill(side, side);
@@ -173,13 +171,10 @@ TEST_P(ThinShellUpdates, above_the_memory_limit_are_refused)
     ThinShell shell(mesh, options);
     shell.set_handles(ends);
     const Points before = solve(shell, bent);
-    limit_memory(100'000);
-    try {
-        shell.set_handles(with(ends, few));
-        FAIL() << "bound";
-    } catch (const OutOfMemory& error) {
-        EXPECT_NE(std::string(error.what()).find("the memory limit is 0.1 MB"), std::string::npos);
-    }
+    const MemoryLimit limit(100'000);
+    const auto bind = [&] { shell.set_handles(with(ends, few)); };
+    const std::string text = refusal<OutOfMemory>(bind).what();
+    EXPECT_NE(text.find("the memory limit is 0.1 MB"), std::string::npos) << text;
     EXPECT_EQ(solve(shell, bent), before);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/nonlinear/arap.h"
 
-#include "native/core/errors.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
 #include "tests/native/surface/nonlinear/arap_oracle.h"
@@ -134,19 +134,6 @@ TEST(Arap, reproduces_the_known_octahedron)
     }
 }
 
-TEST(Arap, reproduces_rigid_motion_of_a_larger_mesh)
-{
-    // Large enough for a hierarchy of two levels and more.
-    const SurfaceMesh mesh = shapes::bar(40, 8);
-    for (double smoothness : {0.0, 5e-4}) {
-        const Arap arap = bound(mesh, {.smoothness = smoothness}, shapes::ends(mesh, 2));
-        const Pose pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {30, -20, 10});
-        const Points expected = shapes::transformed(mesh.points(), pose);
-        EXPECT_LT(shapes::distance(solve(arap, {pose, pose}, {.max_iterations = 0}).positions, expected),
-                  1e-9);
-    }
-}
-
 TEST(Arap, energy_never_rises_along_the_iterations)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
@@ -155,23 +142,27 @@ TEST(Arap, energy_never_rises_along_the_iterations)
         {shapes::still(), shapes::turn({1, 0, 0}, 135)},
         {shapes::still(), shapes::shift(-6, 8, 0)},
         {shapes::still(), shapes::turn({1, 0.5, 1}, 120, {11, 0, 0}, {-4, 5, 3})}};
-    for (const ArapOptions& options : variants())
-        for (int paint : {0, 1}) {
-            ArapOptions chosen = options;
-            if (paint)
-                chosen.rigidity = painted(mesh.vertex_count(), 5);
-            const Arap arap = bound(mesh, chosen, shapes::ends(mesh, 2));
-            for (const Poses& poses : targets) {
-                double before = std::numeric_limits<double>::infinity();
-                for (int k = 0; k <= 16; ++k) {
-                    const Solution s = solve(arap, poses, {.max_iterations = k, .tolerance = 0.0});
-                    EXPECT_LE(s.report.iterations, k);
-                    EXPECT_LE(s.report.energy, before * (1 + 1e-12))
-                        << name_of(options) << ", iteration " << k;
-                    before = s.report.energy;
-                }
+    const auto expect_falling = [&](const ArapOptions& options, const std::vector<Handle>& handles) {
+        SCOPED_TRACE(name_of(options));
+        const Arap arap = bound(mesh, options, handles);
+        for (const Poses& poses : targets) {
+            double before = std::numeric_limits<double>::infinity();
+            for (int k = 0; k <= 16; ++k) {
+                const SolveReport s = solve(arap, poses, {.max_iterations = k, .tolerance = 0.0}).report;
+                EXPECT_LE(s.iterations, k);
+                EXPECT_LE(s.energy, before * (1 + 1e-12)) << "iteration " << k;
+                before = s.energy;
             }
         }
+    };
+    std::vector<Handle> soft = shapes::ends(mesh, 2);
+    soft[1].weights.assign(soft[1].vertices.size(), 0.9);
+    for (ArapOptions options : variants()) {
+        expect_falling(options, shapes::ends(mesh, 2));
+        expect_falling(options, soft);
+        options.rigidity = painted(mesh.vertex_count(), 5);
+        expect_falling(options, shapes::ends(mesh, 2));
+    }
 }
 
 TEST(Arap, reports_the_energy_of_the_shape_it_returns)
@@ -215,13 +206,25 @@ TEST(Arap, ends_where_the_energy_of_the_definition_is_stationary)
         {shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
         {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
     const Poses poses{shapes::still(), shapes::turn({1, 0, 0}, 30, {0, 0, 1}, {0.2, 0.4, 0.3})};
-    for (const ArapOptions& options :
-         {ArapOptions{.smoothness = 0}, ArapOptions{.smoothness = 0, .cells = Cells::rims},
-          ArapOptions{.smoothness = 5e-3}}) {
+    std::vector<double> sharp;
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        sharp.push_back(v % 3 ? 1.0 : 300.0);
+    struct Case
+    {
+        ArapOptions options;
+        int iterations;
+        double left; ///< of the slope at the start
+    };
+    // Differences of E = 0.1 over steps of 1e-5: rounding of 1e-11 each, settled to 1e-13.
+    // A contrast of 300 leaves two digits fewer than without.
+    for (const auto& [options, iterations, left] :
+         {Case{{.smoothness = 0}, 2000, 2e-4}, Case{{.smoothness = 0, .cells = Cells::rims}, 2000, 2e-4},
+          Case{{.smoothness = 5e-3}, 2000, 2e-4}, Case{{.smoothness = 0, .rigidity = sharp}, 3000, 1e-2},
+          Case{{.smoothness = 0, .cells = Cells::rims, .rigidity = sharp}, 3000, 1e-2}}) {
         const Arap arap = bound(mesh, options, handles);
-        const Solution s = solve(arap, poses, {.max_iterations = 2000, .tolerance = 1e-14});
-        const ArapOracle oracle(mesh, options);
+        const Solution s = solve(arap, poses, {.max_iterations = iterations, .tolerance = 1e-14});
         const Solution rough = solve(arap, poses, {.max_iterations = 0});
+        const ArapOracle oracle(mesh, options);
         double at_start = 0.0, at_end = 0.0;
         for (int v = 0; v < mesh.vertex_count(); v += 7) {
             if (std::abs(mesh.point(v).z()) > 0.8)
@@ -229,8 +232,7 @@ TEST(Arap, ends_where_the_energy_of_the_definition_is_stationary)
             at_start += oracle.slope_at(rough.positions, v, 1e-5);
             at_end += oracle.slope_at(s.positions, v, 1e-5);
         }
-        // Differences of E = 0.1 over steps of 1e-5: rounding of 1e-11 each, settled to 1e-13.
-        EXPECT_LT(at_end, 2e-4 * at_start) << name_of(options);
+        EXPECT_LT(at_end, left * at_start) << name_of(options);
     }
 }
 
@@ -324,34 +326,6 @@ TEST(Arap, painted_rigidity_keeps_its_region_stiffer)
     EXPECT_NEAR(stiff, 4.0, 0.2); // nearly as long as at rest
 }
 
-TEST(Arap, reaches_its_minimum_under_sharp_contrasts_of_rigidity)
-{
-    const SurfaceMesh mesh = shapes::sphere(2);
-    const std::vector<Handle> handles{
-        {shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
-        {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
-    const Poses poses{shapes::still(), shapes::turn({1, 0, 0}, 30, {0, 0, 1}, {0.2, 0.4, 0.3})};
-    for (Cells cells : {Cells::spokes, Cells::rims}) {
-        ArapOptions options{.smoothness = 0, .cells = cells};
-        for (int v = 0; v < mesh.vertex_count(); ++v)
-            options.rigidity.push_back(v % 3 ? 1.0 : 300.0);
-        options.rigidity.erase(options.rigidity.begin()); // the default
-        const Arap arap = bound(mesh, options, handles);
-        const Solution s = solve(arap, poses, {.max_iterations = 3000, .tolerance = 1e-14});
-        const Solution rough = solve(arap, poses, {.max_iterations = 0});
-        const ArapOracle oracle(mesh, options);
-        double at_start = 0.0, at_end = 0.0;
-        for (int v = 0; v < mesh.vertex_count(); v += 7) {
-            if (std::abs(mesh.point(v).z()) > 0.8)
-                continue;
-            at_start += oracle.slope_at(rough.positions, v, 1e-5);
-            at_end += oracle.slope_at(s.positions, v, 1e-5);
-        }
-        // A contrast of 300 leaves two digits fewer than without.
-        EXPECT_LT(at_end, 1e-2 * at_start) << name_of(options);
-    }
-}
-
 TEST(Arap, a_mirrored_handle_leaves_rotations_and_energy_sound)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
@@ -366,23 +340,6 @@ TEST(Arap, a_mirrored_handle_leaves_rotations_and_energy_sound)
             continue; // mirrored cells have several settled fields of rotations
         const double expected = ArapOracle(mesh, options).energy(s.positions);
         EXPECT_NEAR(arap.energy(view(s.positions)), expected, 1e-12 * expected) << name_of(options);
-    }
-}
-
-TEST(Arap, a_soft_bind_still_never_raises_the_energy)
-{
-    const SurfaceMesh mesh = shapes::bar(12, 3);
-    std::vector<Handle> handles = shapes::ends(mesh, 2);
-    handles[1].weights.assign(handles[1].vertices.size(), 0.9);
-    for (auto cells : {Cells::spokes, Cells::rims}) {
-        Arap arap(mesh, {.cells = cells});
-        arap.set_handles(handles);
-        double before = std::numeric_limits<double>::infinity();
-        for (int k = 0; k <= 12; ++k) {
-            const SolveReport report = solve(arap, bend(60), {.max_iterations = k, .tolerance = 0.0}).report;
-            EXPECT_LE(report.energy, before * (1 + 1e-12));
-            before = report.energy;
-        }
     }
 }
 
@@ -406,20 +363,13 @@ TEST(Arap, refuses_options_that_mean_nothing)
         EXPECT_THROW(Arap(mesh, {.tolerance = bad}), InvalidOption);
         EXPECT_THROW(Arap(mesh, {.rigidity = {bad}}), InvalidOption);
     }
-    EXPECT_THROW(Arap(mesh, {.rigidity = {0.0}}), InvalidOption);
-    EXPECT_THROW(Arap(mesh, {.rigidity = std::vector<double>(8, 0.0)}), InvalidOption);
-    EXPECT_THROW(Arap(mesh, {.rigidity = {}}), InvalidOption);
-    EXPECT_THROW(Arap(mesh, {.rigidity = {1, 1}}), InvalidOption);
+    for (const std::vector<double>& bad : {std::vector{0.0}, std::vector(8, 0.0), {}, std::vector{1.0, 1.0}})
+        EXPECT_THROW(Arap(mesh, {.rigidity = bad}), InvalidOption);
     EXPECT_THROW(Arap(mesh, {.max_iterations = 0}), InvalidOption);
-    try {
-        std::vector<double> paint(8, 1.0);
-        paint[2] = -1;
-        Arap(mesh, {.rigidity = paint});
-        FAIL();
-    } catch (const InvalidOption& error) {
-        EXPECT_EQ(error.elements(), std::vector{2});
-        EXPECT_EQ(error.element_kind(), Error::Element::vertex);
-    }
+    std::vector<double> paint(8, 1.0);
+    paint[2] = -1;
+    const auto make = [&] { Arap(mesh, {.rigidity = paint}); };
+    expect_elements(refusal<InvalidOption>(make), Error::Element::vertex, {2});
 }
 
 TEST(Arap, energy_refuses_points_that_do_not_fit)

@@ -13,7 +13,7 @@ TEST(CageGeometry, is_about_the_middle_in_units_of_the_size)
                                                               Eigen::RowVector3d(7e6, 0, 0));
     const CageGeometry geometry{Cage(far)};
     // 1e-9 is what coordinates of 7e6 leave
-    EXPECT_NEAR(geometry.seen({7e6 + 1e3, 500, 500}).x(), 0.5 / std::sqrt(3.0), 1e-12);
+    EXPECT_NEAR(geometry.normalized({7e6 + 1e3, 500, 500}).x(), 0.5 / std::sqrt(3.0), 1e-12);
     const CageTables tables = geometry.tables();
     EXPECT_EQ(tables.edge_count, 18);
     EXPECT_EQ(tables.triangle_count, 12);
@@ -43,16 +43,7 @@ TEST(CageGeometry, knows_the_nearest_triangle_and_its_coordinates)
 
 TEST(CageGeometry, leaves_out_triangles_without_a_plane)
 {
-    // A corner of the cube's top pulled onto the diagonal's middle flattens one of its two triangles.
-    Points p = shapes::cube().points();
-    const SurfaceMesh split = shapes::over(p, [] {
-        shapes::Polygons faces = shapes::faces_of(shapes::cube());
-        faces[1] = {4, 5, 6};
-        faces.push_back({4, 6, 7});
-        return faces;
-    }());
-    p.row(5) = 0.5 * (p.row(4) + p.row(6));
-    const Cage cage(shapes::moved(split, p));
+    const Cage cage(cages::cube_with_a_flat_triangle());
     const CageGeometry geometry(cage);
     EXPECT_EQ(geometry.tables().triangle_count, static_cast<int>(cage.triangles().size()) - 1);
 }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/closed_forms/cage_kernels.h"
 
-#include "native/core/simd/kernel_set.h"
 #include "native/space/cage/closed_forms/cage_geometry.h"
 #include "tests/native/space/cage/cages.h"
+#include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ Results of(const CageKernels& kernels, const CageGeometry& geometry, const Point
     for (int first = 0; first < 8; first += kernels.lanes) {
         PointLanes some(kernels);
         for (int lane = 0; lane < kernels.lanes; ++lane)
-            some.set(lane, geometry.seen(points.row(first + lane)));
+            some.set(lane, geometry.normalized(points.row(first + lane)));
         kernels.mean_value(tables, some.lanes, scratch.data(), weights.data(), sums.data(), on.data());
         all.touching |=
             kernels.green(tables, some.lanes, scratch.data(), phi.data(), psi.data(), winding.data())
@@ -59,31 +59,19 @@ Results of(const CageKernels& kernels, const CageGeometry& geometry, const Point
     return all;
 }
 
-std::vector<const CageKernels*> wide_kernels()
-{
-    std::vector<const CageKernels*> found;
-    for (const CageKernels* kernels :
-         {kernels_with<CageKernels>(Instructions::avx2), kernels_with<CageKernels>(Instructions::avx512)})
-        if (kernels)
-            found.push_back(kernels);
-    return found;
-}
-
 } // namespace
 
 TEST(CageKernels, agree_to_the_last_bit)
 {
-    if (wide_kernels().empty())
-        GTEST_SKIP() << "this processor has no AVX2";
     for (const SurfaceMesh& mesh : {shapes::bumpy_sphere(2), shapes::u_prism()}) {
         const CageGeometry geometry{Cage(mesh)};
         Points points = shapes::points_near(mesh, {0.0, 1e-12, 1e-6, 1e-3});
         for (Eigen::Index first = 0; first + 8 <= points.rows(); first += 8) {
             const Points eight = points.middleRows(first, 8);
             const Results a = of(CageKernels::baseline, geometry, eight);
-            for (const CageKernels* kernels : wide_kernels()) {
+            for (const CageKernels* kernels : wide_kernels<CageKernels>()) {
                 const Results b = of(*kernels, geometry, eight);
-                // By bits: what is told of points that touch an edge may be no number.
+                // Bits are compared, as the results of points that touch an edge may be NaN.
                 EXPECT_EQ(0, std::memcmp(a.weights.data(), b.weights.data(), 8 * a.weights.size()));
                 EXPECT_EQ(0, std::memcmp(a.sums.data(), b.sums.data(), 8 * a.sums.size()));
                 EXPECT_EQ(a.on, b.on);
@@ -94,23 +82,6 @@ TEST(CageKernels, agree_to_the_last_bit)
                     EXPECT_EQ(a.winding, b.winding);
                 }
             }
-        }
-    }
-}
-
-TEST(CageKernels, a_point_gets_the_same_beside_any_others)
-{
-    const SurfaceMesh mesh = shapes::bumpy_sphere(1);
-    const CageGeometry geometry{Cage(mesh)};
-    const Points points = shapes::points_around(mesh, 64, 1.5);
-    for (int i = 0; i + 8 <= 64; ++i) {
-        const Points alone = points.row(i).replicate(8, 1);
-        const Results a = of(widest_kernels<CageKernels>(), geometry, alone),
-                      b = of(widest_kernels<CageKernels>(), geometry, points.middleRows(i, 8));
-        for (std::size_t k = 0; k < a.weights.size(); k += 8) {
-            EXPECT_EQ(a.weights[k], a.weights[k + 7]);
-            EXPECT_EQ(a.weights[k], b.weights[k]);
-            EXPECT_EQ(a.phi[k], b.phi[k]);
         }
     }
 }
@@ -134,7 +105,7 @@ TEST(CageKernels, arcs_agree_and_are_right)
         const double half = 0.5 * std::atan2(normal.norm(), a.dot(b));
         EXPECT_LT((vector(plain, 3, 0) - half * normal.normalized()).norm(), 1e-14);
     }
-    for (const CageKernels* kernels : wide_kernels()) {
+    for (const CageKernels* kernels : wide_kernels<CageKernels>()) {
         std::vector<double> wide(plain.size());
         kernels->arc_integrals(arcs.data(), blocks, wide.data());
         EXPECT_EQ(plain, wide);
@@ -169,7 +140,7 @@ TEST(CageKernels, points_beyond_planes_agree_and_are_sure)
                     static_cast<double>(planes[4 * k + axis]) * points[((k < 3 ? 0 : 3) + axis) * count + v];
             EXPECT_EQ(plain[v] >> k & 1, (k < 3 ? height < -2e-6 : height > 2e-6) ? 1 : 0);
         }
-    for (const CageKernels* kernels : wide_kernels()) {
+    for (const CageKernels* kernels : wide_kernels<CageKernels>()) {
         std::vector<int> wide(count);
         kernels->beyond_planes(points.data(), count, planes.data(), wide.data());
         EXPECT_EQ(plain, wide);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/harmonic/layers.h"
 
-#include "native/core/simd/kernel_set.h"
-
 #include "tests/native/space/cage/cages.h"
+#include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -183,17 +182,12 @@ TEST(HarmonicLayers, single_layer_is_continuous_across_edges)
 
 TEST(HarmonicLayers, give_the_same_bits_with_wider_instructions)
 {
-    if (!kernels_with<LayerKernels>(Instructions::avx2))
-        GTEST_SKIP() << "this processor has no AVX2";
     shapes::Random random(1);
     std::vector<double> points(24), plain(32);
     for (double& p : points)
         p = random.signed_unit();
     LayerKernels::baseline.single(example.triangle.face, points.data(), 8, 8, plain.data());
-    for (const LayerKernels* kernels :
-         {kernels_with<LayerKernels>(Instructions::avx2), kernels_with<LayerKernels>(Instructions::avx512)}) {
-        if (!kernels)
-            continue;
+    for (const LayerKernels* kernels : wide_kernels<LayerKernels>()) {
         for (int k = 0; k < 200; ++k) {
             const Vector3 x = k % 2 ? near(random.vector(), 1e-9 * k) : Vector3(random.vector());
             EXPECT_EQ(fields(LayerKernels::baseline, example, x), fields(*kernels, example, x));

@@ -80,6 +80,7 @@ double settled(ArapProblem& problem, const Points& x, Points& gradient)
     double F = problem.evaluate(x, gradient);
     for (int k = 0; k < 400; ++k) {
         const double next = problem.evaluate(x, gradient);
+        EXPECT_LE(next, F * (1 + 1e-12)) << "settling raised it";
         if (next > F * (1 - 1e-15))
             break;
         F = next;
@@ -165,20 +166,6 @@ TEST(ArapEnergy, rotations_stay_rotations_on_turned_over_cells)
             }
         }
         EXPECT_TRUE(gradient.allFinite());
-    }
-}
-
-TEST(ArapEnergy, settling_the_rotations_never_raises_it)
-{
-    const Setting setting({0.02, false, false, false});
-    ArapProblem problem = setting.problem();
-    const Points x = wobbled(problem.free_rows(view(setting.mesh.points())), 5);
-    Points gradient;
-    double F = problem.evaluate(x, gradient);
-    for (int k = 0; k < 50; ++k) {
-        const double next = problem.evaluate(x, gradient);
-        EXPECT_LE(next, F * (1 + 1e-12));
-        F = next;
     }
 }
 

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/nonlinear/arap/kernels.h"
 
-#include "native/core/simd/kernel_set.h"
 #include "native/operators/rotation_fit.h"
 #include "native/surface/nonlinear/arap/energy.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/nonlinear/graphs.h"
+#include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <memory>
 
 namespace sinew {
@@ -82,10 +81,7 @@ struct Example
 
 TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
 {
-    const ArapKernels* const wide = kernels_with<ArapKernels>(Instructions::avx2);
-    if (!wide)
-        GTEST_SKIP() << "this processor has no AVX2";
-    const ArapKernels& plain = ArapKernels::baseline;
+    const auto every = every_kernels<ArapKernels>();
     for (bool rims : {false, true})
         for (double smoothness : {0.0, 0.02}) {
             const Example example(rims, smoothness);
@@ -95,10 +91,11 @@ TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
             for (const ArapChunk& chunk : example.graph.chunks().all) {
                 const int count = chunk.end - chunk.begin;
                 const double* const own = R.data() + 9 * chunk.begin;
-                std::array<std::vector<double>, 2> S, torque, turned, fitted, gradient;
-                std::array<double, 2> energy;
-                for (int k = 0; k < 2; ++k) {
-                    const ArapKernels& kernels = k ? *wide : plain;
+                std::vector<std::vector<double>> S(every.size()), torque(S), turned(S), fitted(S),
+                    gradient(S);
+                std::vector<double> energy(every.size());
+                for (std::size_t k = 0; k < every.size(); ++k) {
+                    const ArapKernels& kernels = *every[k];
                     S[k].resize(arap_columns * (count + 1));
                     kernels.covariances(view, chunk, S[k].data());
                     torque[k].resize(3 * count);
@@ -115,13 +112,13 @@ TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
                         for (int column = 0; column < 3; ++column)
                             S[k][arap_columns * i + 4 * column + 3] = 0.0;
                     S[k].resize(arap_columns * count);
+                    EXPECT_EQ(S[0], S[k]);
+                    EXPECT_EQ(torque[0], torque[k]);
+                    EXPECT_EQ(turned[0], turned[k]);
+                    EXPECT_EQ(fitted[0], fitted[k]);
+                    EXPECT_EQ(gradient[0], gradient[k]);
+                    EXPECT_EQ(energy[0], energy[k]);
                 }
-                EXPECT_EQ(S[0], S[1]);
-                EXPECT_EQ(torque[0], torque[1]);
-                EXPECT_EQ(turned[0], turned[1]);
-                EXPECT_EQ(fitted[0], fitted[1]);
-                EXPECT_EQ(gradient[0], gradient[1]);
-                EXPECT_EQ(energy[0], energy[1]);
             }
         }
 }
@@ -152,10 +149,7 @@ TEST(ArapKernels, fit_finds_the_closest_rotations_from_any_guess_and_says_where_
         }
         std::vector<double> fitted(9 * count);
         const std::unique_ptr<bool[]> safe(new bool[count]);
-        for (const ArapKernels* kernels :
-             {&ArapKernels::baseline, kernels_with<ArapKernels>(Instructions::avx2)}) {
-            if (!kernels)
-                continue;
+        for (const ArapKernels* kernels : every_kernels<ArapKernels>()) {
             kernels->fit(lanes_of(S).data(), packed(before).data(), 0.0, count, fitted.data(), safe.get());
             for (int i = 0; i < count; ++i) {
                 EXPECT_TRUE(safe[i] || i % 5 == 3 || i % 5 == 4) << i; // lines have a double eigenvalue

@@ -9,7 +9,7 @@ from bpy.types import Context
 from ..core.errors import SinewError
 
 
-def refusing(run: Callable) -> Callable:
+def reports_errors(run: Callable) -> Callable:
     """Decorate a method ``(self, context, ...)`` of an operator: a ``SinewError`` is reported and cancels it.
 
     Do not use it for ``invoke`` and ``modal``, since Blender counts their arguments.

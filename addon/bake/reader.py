@@ -20,15 +20,15 @@ from ..properties import SinewDeformer
 
 
 @dataclass
-class Stage:
+class ShapeReader:
     """Where to read a deformer. It keeps names only, no Blender data.
 
-    ``object`` is the owner of the deformer with the key ``uid``, ``stand_in`` the copy to read, if any.
+    ``object`` is the owner of the deformer with the key ``uid``, ``copy_name`` the copy to read, if any.
     """
 
     object: str
     uid: str
-    stand_in: str = ""
+    copy_name: str = ""
 
     def owner(self) -> Object:
         """The object of the deformer."""
@@ -63,7 +63,7 @@ class Stage:
             return
         with session.suspended():
             copy = obj.copy()
-            self.stand_in = copy.name
+            self.copy_name = copy.name
             copy.sinew.deformers.clear()
             for modifier in list(copy.modifiers)[position + 1 :]:
                 copy.modifiers.remove(modifier)
@@ -74,8 +74,8 @@ class Stage:
 
     def close(self) -> None:
         """Remove the copy."""
-        copy = bpy.data.objects.get((self.stand_in, None)) if self.stand_in else None
-        self.stand_in = ""
+        copy = bpy.data.objects.get((self.copy_name, None)) if self.copy_name else None
+        self.copy_name = ""
         if copy is not None:
             with session.suspended():
                 bpy.data.objects.remove(copy)
@@ -96,7 +96,7 @@ class Stage:
         return found.points
 
     def _evaluated(self, depsgraph: Depsgraph) -> Mesh:
-        obj = bpy.data.objects[self.stand_in, None] if self.stand_in else self.owner()
+        obj = bpy.data.objects[self.copy_name, None] if self.copy_name else self.owner()
         return obj.evaluated_get(depsgraph).data
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Listen for tracebacks between two steps of one test."""
+"""Finds tracebacks and errors that appear between two steps of one test."""
 
 from __future__ import annotations
 
@@ -8,8 +8,11 @@ import stat
 import sys
 
 
-class Complaints:
-    """What Blender and Python say on the way. Python's last resort for callbacks is ``sys.excepthook``."""
+class ErrorLog:
+    """The exceptions and error messages since the last check.
+
+    Exceptions of callbacks reach ``sys.excepthook``.
+    """
 
     WORDS = (b"Traceback", b"Error in bpy.app.handlers", b"Dependency cycle")
 
@@ -24,18 +27,18 @@ class Complaints:
 
     @staticmethod
     def _size(fd: int) -> int:
-        """Bytes said so far, where a file takes them."""
+        """The size of the output so far, if it goes to a file."""
         found = os.fstat(fd)
         return found.st_size if stat.S_ISREG(found.st_mode) else 0
 
     def check(self) -> None:
-        """Nothing was raised and nothing bad was said since the last call."""
+        """Fail if an exception was raised or an error was printed since the last call."""
         if self.raised:
             raise self.raised.pop()
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
         for fd, start in self._read.items():
             size = self._size(fd)
-            said = os.pread(fd, max(0, size - start), start) if size > start else b""
+            printed = os.pread(fd, max(0, size - start), start) if size > start else b""
             self._read[fd] = size
-            assert not any(word in said for word in self.WORDS), said.decode(errors="replace")
+            assert not any(word in printed for word in self.WORDS), printed.decode(errors="replace")

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that only cages move, what Blender shows of them, and how they look when moved by hand."""
+"""Objects that only cages move, the points that Blender shows of them, and their shapes when a script moves
+them.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Vector
-from rig import make_active, update
+from rig import CORNERS, SIDES, make_active, new_object, update
 
 TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
 HANDLES = ("AUTO", "VECTOR", "ALIGNED", "FREE")
@@ -208,14 +210,8 @@ def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object
     low, high = np.array(obj.bound_box).min(axis=0), np.array(obj.bound_box).max(axis=0)
     reach = margin + 0.5 * (high - low).max()
     middle = 0.5 * (low + high)
-    corners = [(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-    quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
-    mesh = bpy.data.meshes.new("Cage")
-    faces = [face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))]
-    mesh.from_pydata([tuple(middle + reach * np.array(corner)) for corner in corners], [], faces)
-    cage = bpy.data.objects.new("Cage", mesh)
-    bpy.context.scene.collection.objects.link(cage)
-    return cage
+    faces = [face for a, b, c, d in SIDES for face in ((a, b, c), (a, c, d))]
+    return new_object("Cage", middle + reach * np.array(CORNERS), faces)
 
 
 def bind(obj: bpy.types.Object, method: str = "mean_value", cage: bpy.types.Object | None = None):
@@ -238,29 +234,26 @@ def bend(cage: bpy.types.Object) -> Warp:
     cage.data.update()
     posed = np.array([vertex.co for vertex in cage.data.vertices], dtype=float)
 
-    def warp(points: np.ndarray) -> np.ndarray:
-        return np.array([_mean_value(point, rest, faces) @ posed for point in points])
-
-    return warp
+    return lambda points: _mean_value(points, rest, faces) @ posed
 
 
-def _mean_value(point: np.ndarray, rest: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Weights (c,) of the cage's vertices."""
-    away = rest - point
-    distance = np.linalg.norm(away, axis=1)
-    unit = away / distance[:, None]
-    weights = np.zeros(len(rest))
+def _mean_value(points: np.ndarray, rest: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """Weights (n, c) of the cage's vertices; the faces are triangles."""
+    away = rest - points[:, None]
+    distance = np.linalg.norm(away, axis=2)
+    unit = away / distance[:, :, None]
+    weights = np.zeros(distance.shape)
     for face in faces:
-        u = unit[face]
-        length = np.linalg.norm(np.roll(u, -1, axis=0) - np.roll(u, 1, axis=0), axis=1)
+        u = unit[:, face]
+        length = np.linalg.norm(np.roll(u, -1, axis=1) - np.roll(u, 1, axis=1), axis=2)
         theta = 2.0 * np.arcsin(length / 2.0)
-        h = theta.sum() / 2.0
-        after, before = np.roll(theta, -1), np.roll(theta, 1)
+        h = theta.sum(axis=1, keepdims=True) / 2.0
+        after, before = np.roll(theta, -1, axis=1), np.roll(theta, 1, axis=1)
         c = 2.0 * np.sin(h) * np.sin(h - theta) / (np.sin(after) * np.sin(before)) - 1.0
-        s = np.sign(np.linalg.det(u)) * np.sqrt(np.maximum(1.0 - c**2, 0.0))
-        below = distance[face] * np.sin(after) * np.roll(s, 1)
-        weights[face] += (theta - np.roll(c, -1) * before - np.roll(c, 1) * after) / below
-    return weights / weights.sum()
+        s = np.sign(np.linalg.det(u))[:, None] * np.sqrt(np.maximum(1.0 - c**2, 0.0))
+        below = distance[:, face] * np.sin(after) * np.roll(s, 1, axis=1)
+        weights[:, face] += (theta - np.roll(c, -1, axis=1) * before - np.roll(c, 1, axis=1) * after) / below
+    return weights / weights.sum(axis=1, keepdims=True)
 
 
 def inside(points: np.ndarray, cage: bpy.types.Object) -> np.ndarray:
