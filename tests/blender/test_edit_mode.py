@@ -5,32 +5,17 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from editing import edit, select
 from mathutils import Matrix
-from rig import Rig, grid_object, make_active, move_world, update
-
-
-def select(obj: bpy.types.Object, where) -> list[int]:
-    """Enter Edit Mode with the vertices selected for which ``where(point)``."""
-    make_active(obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    return reselect(obj, where)
-
-
-def reselect(obj: bpy.types.Object, where) -> list[int]:
-    edit = bmesh.from_edit_mesh(obj.data)
-    for vertex in edit.verts:
-        vertex.select = bool(where(vertex.co))
-    edit.select_flush_mode()
-    bmesh.update_edit_mesh(obj.data)
-    return [vertex.index for vertex in edit.verts if vertex.select]
+from rig import Rig, grid_object, in_mode, linked, make_active, move_world, push
 
 
 def test_from_selection_to_pose():
     obj = grid_object()
-    top = select(obj, lambda point: point.y > 0.75)
+    top = edit(obj, lambda point: point.y > 0.75)
     assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
     assert obj.mode == "EDIT"
-    base = reselect(obj, lambda point: point.y < -0.75)
+    base = select(obj, lambda point: point.y < -0.75)
     assert bpy.ops.sinew.handle_add(kind="FIXED") == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
 
@@ -43,22 +28,20 @@ def test_from_selection_to_pose():
     assert np.allclose(control.matrix_world.translation, (0.0, 0.9, 0.0), atol=1e-6)
     assert np.allclose(np.array(control.matrix_world)[:3, 2], (0.0, 0.0, 1.0), atol=1e-6)  # the mean normal
     move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
-    rig = Rig.__new__(Rig)
-    rig.name = obj.name
+    rig = Rig.called(obj.name)
     assert np.abs(rig.points()[top, 2] - 0.5).max() < 4e-6
     assert np.array_equal(rig.points()[base], rig.rest()[base])
 
 
 def test_support_from_the_selection():
     obj = grid_object()
-    top = select(obj, lambda point: point.y > 0.75)
+    top = edit(obj, lambda point: point.y > 0.75)
     bpy.ops.sinew.handle_add(kind="HANDLE")
-    soft = reselect(obj, lambda point: point.y > -0.1)
+    soft = select(obj, lambda point: point.y > -0.1)
     bpy.ops.sinew.handle_add(kind="SUPPORT")
     bpy.ops.object.mode_set(mode="OBJECT")
     move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.5)))
-    rig = Rig.__new__(Rig)
-    rig.name = obj.name
+    rig = Rig.called(obj.name)
     moved = np.abs(rig.points() - rig.rest()).max(axis=1) > 1e-6
     assert set(np.flatnonzero(moved)) <= set(soft)
     assert set(top) <= set(np.flatnonzero(moved))
@@ -66,7 +49,7 @@ def test_support_from_the_selection():
 
 def test_nothing_selected_is_refused():
     obj = grid_object()
-    select(obj, lambda point: False)
+    edit(obj, lambda point: False)
     with pytest.raises(RuntimeError, match="Nothing is selected"):
         bpy.ops.sinew.handle_add(kind="HANDLE")
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -76,11 +59,10 @@ def test_nothing_selected_is_refused():
 
 def test_undo_in_edit_mode_takes_the_handle_back():
     obj = grid_object()
-    select(obj, lambda point: point.y > 0.75)
-    update()
-    bpy.ops.ed.undo_push(message="selected")
+    edit(obj, lambda point: point.y > 0.75)
+    push("selected")
     bpy.ops.sinew.handle_add(kind="HANDLE")
-    bpy.ops.ed.undo_push(message="handle")
+    push("handle")
     bpy.ops.ed.undo()
     obj = bpy.data.objects["Plate"]
     assert len(obj.sinew.deformers) == 0
@@ -95,16 +77,13 @@ def test_undo_in_edit_mode_takes_the_handle_back():
 
 def test_control_of_a_selected_bone_or_object():
     obj = grid_object()
-    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
-    bpy.context.scene.collection.objects.link(armature)
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for name in ("other", "wanted"):
-        bone = armature.data.edit_bones.new(name)
-        bone.head, bone.tail = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    armature = linked(bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig")))
+    with in_mode(armature):
+        for name in ("other", "wanted"):
+            bone = armature.data.edit_bones.new(name)
+            bone.head, bone.tail = (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)
     armature.data.bones.active = armature.data.bones["wanted"]
-    select(obj, lambda point: point.y > 0.75)
+    edit(obj, lambda point: point.y > 0.75)
     armature.select_set(True)
     bpy.ops.sinew.handle_add(kind="HANDLE", control="SELECTED")
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -113,17 +92,15 @@ def test_control_of_a_selected_bone_or_object():
 
 
 def test_select_shows_free_parts(plate: Rig, room):
-    make_active(plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(plate.obj):
+        bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
     plate.bind()
     lines = [line.text for line in room("core.status").notes(plate.deformer.uid)]
     assert "1 free part stays at rest" in lines
     make_active(plate.obj)
     bpy.ops.sinew.select_problems()
-    edit = bmesh.from_edit_mesh(plate.obj.data)
-    chosen = [vertex.co.z for vertex in edit.verts if vertex.select]
+    mesh = bmesh.from_edit_mesh(plate.obj.data)
+    chosen = [vertex.co.z for vertex in mesh.verts if vertex.select]
     bpy.ops.object.mode_set(mode="OBJECT")
     assert len(chosen) == 8
     assert min(chosen) > 1.5

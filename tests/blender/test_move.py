@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix
-from rig import FLOAT32, Rig, add_group, make_active, move_world, update
+from rig import FLOAT32, Rig, add_group, linked, make_active, move_world, new_empty, update
 
 
 def three_deformers(plate: Rig) -> bpy.types.Object:
@@ -87,20 +87,6 @@ def test_the_order_decides_what_the_next_deformer_corrects(plate: Rig):
     assert np.abs(plate.points() - before).max() < FLOAT32
 
 
-def test_a_move_is_one_undo_step(plate: Rig, room):
-    obj = three_deformers(plate)
-    bpy.ops.ed.undo_push(message="before")
-    bpy.ops.sinew.deformer_move(direction="UP", index=2)
-    bpy.ops.ed.undo_push(message="Move Deformer")
-    bpy.ops.ed.undo()
-    assert names(plate.obj) == "ABC"
-    assert stack(plate.obj, room) == ["First", "A", "Between", "B", "C"]
-    bpy.ops.ed.redo()
-    obj = plate.obj
-    assert names(obj) == "ACB"
-    assert stack(obj, room) == ["First", "A", "Between", "C", "B"]
-
-
 def keyed(obj: bpy.types.Object) -> None:
     """Factor of B and weight of C's handle, each from 0 at frame 1 to 1 at frame 11."""
     for frame, value in ((1, 0.0), (11, 1.0)):
@@ -150,10 +136,7 @@ def two_handles_with_animation(plate: Rig) -> bpy.types.Object:
     for frame, value in ((1, 0.2), (11, 0.8)):
         handles[0].weight = value
         handles[0].keyframe_insert("weight", frame=frame)
-    objects = [bpy.data.objects.new(name, None) for name in ("Reader", "Source")]
-    for other in objects:
-        bpy.context.scene.collection.objects.link(other)
-    reader, source = objects
+    reader, source = new_empty("Reader"), new_empty("Source")
     source.location.x = 0.5
     drive(reader.driver_add("location", 0).driver, obj, "sinew.deformers[0].handles[0].weight")
     drive(handles[1].driver_add("weight").driver, source, "location.x")
@@ -249,8 +232,7 @@ def test_a_shared_action_slot_of_another_object_is_left_alone(plate: Rig):
     action = obj.animation_data.action
     if not hasattr(action, "slots"):
         pytest.skip("actions have no slots here")
-    other = obj.copy()
-    bpy.context.scene.collection.objects.link(other)
+    other = linked(obj.copy())
     other.animation_data.action_slot = action.slots.new("OBJECT", "Other")
     update()
     other.sinew.deformers[1].factor = 0.25
