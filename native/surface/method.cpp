@@ -72,7 +72,7 @@ BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle
         report = set_handles(handles, progress);
         report.reuse = reusable ? Reuse::updated : Reuse::anew;
     }
-    report.changed = in_a_row(changed);
+    report.changed = joined(changed);
     undone.other = nullptr;
     if (reusable && &former != this) {
         former.bound_ = false;
@@ -102,7 +102,7 @@ SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions)
         require_same_size(*request.start, "start");
     require_at_least(request.max_iterations.value_or(0), 0, "max_iterations");
     require_at_least(request.tolerance.value_or(0.0), 0.0, "tolerance");
-    if (!bound_) { // nothing is held
+    if (!bound_) { // there are no handles yet
         positions = targets.base();
         return SolveReport{.converged = true};
     }
