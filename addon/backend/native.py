@@ -24,7 +24,7 @@ from ..core.errors import (
 from ..core.geometry import frames
 from ..core.status import Remedy
 from .loader import Availability, load
-from .recipes import Bound, Progress, Recipe
+from .recipes import Bound, Progress, Recipe, SolveReport
 
 _limits: dict[str, int] = {}  # the limits that are set, by the native function that sets each
 
@@ -134,8 +134,8 @@ class Factor:
         self.diagnosis = prepared.diagnosis
         self.recipe = prepared.recipe
 
-    def solve(self, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
-        """Positions (n, 3), in float64 or in the float32 array ``out``, and a report.
+    def solve(self, poses: np.ndarray, **options) -> tuple[np.ndarray, SolveReport | None]:
+        """Positions (n, 3), in float64 or in the float32 array ``out``, and a report; a cage has none.
 
         ``poses`` are the poses (k, 3, 4) of handles, or the vertices (c, 3) of a cage.
         """

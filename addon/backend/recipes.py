@@ -4,7 +4,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -43,6 +43,13 @@ def make(native, method: Method, target: object, options: dict[str, object]) -> 
     return getattr(native, method.native)(target, **made)
 
 
+class SolveReport(Protocol):
+    """What a solve by handles tells: how many iterations it took, and whether more would change the shape."""
+
+    iterations: int
+    converged: bool
+
+
 @dataclass(frozen=True)
 class Bound:
     """A native method that is bound, and the report of its bind."""
@@ -79,9 +86,62 @@ class Handles:
             return made.set_handles(self.vertices, **words)
         return made.rebind(former.method, self.vertices, **words)
 
-    def solve(self, method: Any, poses: np.ndarray, **options) -> tuple[np.ndarray, object]:
+    def solve(self, method: Any, poses: np.ndarray, **options) -> tuple[np.ndarray, SolveReport]:
         """Positions (n, 3) for ``poses`` (k, 3, 4), and a report."""
         return method.solve(poses, **options)
+
+
+@dataclass(frozen=True)
+class ControlPoints:
+    """The points (c, 3) float64 of a control at rest, in the frame of the target, for a space method."""
+
+    points: np.ndarray
+
+    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
+        """The native method, still without bound points."""
+        return make(native, recipe.method, self.points, recipe.options)
+
+    def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
+        """Whether the bound method ``former`` has the weights that the method ``made`` would compute."""
+        return made.can_reuse(former, recipe.target.points)
+
+    def bind(
+        self, _native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
+    ) -> object:
+        """Compute the weights of the target's points, or reuse those of ``former``, and return the report."""
+        if former is None:
+            return made.bind(recipe.target.points, progress)
+        return made.rebind(former.method, recipe.target.points, progress)
+
+    def solve(
+        self,
+        method: Any,
+        points: np.ndarray,
+        *,
+        incoming: np.ndarray | None = None,
+        out: np.ndarray | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[np.ndarray, None]:
+        """Positions (n, 3) for the posed ``points`` (c, 3). There is nothing to report."""
+        return method.warp(points, out=out, incoming=incoming), None
+
+
+@dataclass(frozen=True)
+class HandlePoints(ControlPoints):
+    """Points that move with handles: ``rows`` (c,) is the handle of each."""
+
+    rows: np.ndarray
+
+    def solve(
+        self, method: Any, poses: np.ndarray, *, from_rest: np.ndarray | None = None, **options
+    ) -> tuple[np.ndarray, None]:
+        """Positions (n, 3) for the ``poses`` (k, 3, 4) of the handles.
+
+        What enters is moved on by the same displacements whatever ``from_rest`` says.
+        """
+        maps = poses[self.rows]
+        posed = np.einsum("cij,cj->ci", maps[:, :, :3], self.points) + maps[:, :, 3]
+        return super().solve(method, posed, **options)
 
 
 @dataclass(frozen=True)
@@ -156,7 +216,7 @@ class Recipe:
     method: Method
     target: Shape
     options: dict[str, object]
-    control: Handles | Cage
+    control: Handles | ControlPoints | Cage
 
     def native_class(self, native) -> type:
         """The class of the method in the native module."""

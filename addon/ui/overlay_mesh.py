@@ -15,7 +15,7 @@ from ..core.methods import Parameter, group_property
 from ..preferences import preferences
 from ..properties import SinewDeformer, SinewHandle
 from ..properties.scene import MEASURES
-from ..session.shown import result, surface
+from ..session.shown import final_mesh, result
 from ..session.shown.result import Result
 from . import overlay_colours as colours
 from .overlay_colours import Colour, Legend
@@ -82,7 +82,7 @@ class OverlayCache:
     ) -> OverlayMesh | None:
         """What to draw over this object now; None if the deformer is not bound to the mesh as it is."""
         source = result.source(obj, deformer)
-        if source is None or not surface.is_current(obj, deformer):
+        if source is None or not final_mesh.is_current(obj, deformer):
             return None
         key = (
             settings,
@@ -97,7 +97,7 @@ class OverlayCache:
         if not len(shape.triangles):
             return None
         painted, legend = _paint(obj, deformer, settings, shape)
-        drawn = surface.find(obj, depsgraph, deformer, shape)
+        drawn = final_mesh.find(obj, depsgraph, deformer, shape)
         if drawn.origin is not None:
             painted = colours.spread(painted, drawn.origin, drawn.edges)
         painted = colours.straight(painted, drawn.triangles)

@@ -26,6 +26,14 @@ def mask(size: int, members) -> np.ndarray:
     return chosen
 
 
+def lengths(mesh: tuple, sources, barred=(), limit: float = 10.0) -> np.ndarray:
+    """From some vertices to all, past those that are barred."""
+    points, counts, corners = mesh
+    surface = reach.TriangleMesh(len(points), counts, corners)
+    sources, barred = (mask(len(points), np.array(some, dtype=int)) for some in (sources, barred))
+    return surface.lengths(points, sources, barred, limit)
+
+
 def by_edges(points: np.ndarray, triangles: np.ndarray, sources: list[int]) -> np.ndarray:
     """Dijkstra over the edges of the triangles: never shorter than the way over the surface."""
     near: dict[int, set[int]] = {}
@@ -50,46 +58,33 @@ def test_a_fan_of_each_polygon():
     assert reach.triangulated(none, none).shape == (0, 3)
 
 
-def test_lengths_in_a_plane_are_straight():
-    points, counts, corners = grid()
-    surface = reach.TriangleMesh(len(points), counts, corners)
-    middle = len(points) // 2
-    nobody = np.zeros(len(points), dtype=bool)
-    found = surface.lengths(points, mask(len(points), middle), nobody, 10.0)
-    assert np.abs(found - np.linalg.norm(points, axis=1)).max() < 2e-3  # a share of 1e-3 of the way is let go
+def test_lengths_in_a_plane_are_straight_and_end_at_the_limit():
+    points, *_ = mesh = grid()
+    middle, distance = len(points) // 2, np.linalg.norm(points, axis=1)
+    found = lengths(mesh, [middle])
+    assert np.abs(found - distance).max() < 2e-3  # a share of 1e-3 of the way is let go
+    found = lengths(mesh, [middle], limit=0.3)
+    assert np.isfinite(found[distance < 0.299]).all()
+    assert np.isinf(found[distance > 0.301]).all()
 
 
 def test_lengths_go_around_what_is_barred():
-    points, counts, corners = grid()
-    surface = reach.TriangleMesh(len(points), counts, corners)
-    start = int(np.argmin(np.linalg.norm(points - (0.0, -0.5, 0.0), axis=1)))
-    wall = (np.abs(points[:, 1]) < 0.01) & (points[:, 0] < 0.51)
-    found = surface.lengths(points, mask(len(points), start), wall, 10.0)
-    goal = int(np.argmin(np.linalg.norm(points - (0.0, 0.5, 0.0), axis=1)))
-    gap = points[(np.abs(points[:, 1]) < 0.01) & ~wall][0]
+    points, *_ = mesh = grid()
+    start, goal = (int(np.argmin(np.linalg.norm(points - (0.0, y, 0.0), axis=1))) for y in (-0.5, 0.5))
+    on_the_line = np.abs(points[:, 1]) < 0.01
+    wall = on_the_line & (points[:, 0] < 0.51)
+    found = lengths(mesh, [start], np.flatnonzero(wall))
+    gap = points[on_the_line & ~wall][0]
     around = np.linalg.norm(gap - points[start]) + np.linalg.norm(points[goal] - gap)
     assert found[goal] == pytest.approx(around, rel=0.05)  # a corner is a new source, whose first rings err
     assert np.isinf(found[wall]).all()
 
 
-def test_lengths_end_at_the_limit():
-    points, counts, corners = grid()
-    surface = reach.TriangleMesh(len(points), counts, corners)
-    nobody = np.zeros(len(points), dtype=bool)
-    found = surface.lengths(points, mask(len(points), len(points) // 2), nobody, 0.3)
-    distance = np.linalg.norm(points, axis=1)
-    assert np.isfinite(found[distance < 0.299]).all()
-    assert np.isinf(found[distance > 0.301]).all()
-
-
 def test_lengths_on_a_bent_irregular_surface_lie_between_the_chord_and_the_edges():
-    random = np.random.default_rng(3)
-    points, counts, corners = grid(21)
-    points[:, :2] += random.uniform(-0.02, 0.02, (len(points), 2))
+    points, counts, corners = mesh = grid(21)
+    points[:, :2] += np.random.default_rng(3).uniform(-0.02, 0.02, (len(points), 2))
     points[:, 2] = 0.4 * np.sin(3.0 * points[:, 0]) * points[:, 1]
-    surface = reach.TriangleMesh(len(points), counts, corners)
-    nobody = np.zeros(len(points), dtype=bool)
-    found = surface.lengths(points, mask(len(points), 30), nobody, 10.0)
+    found = lengths(mesh, [30])
     edges = by_edges(points, reach.triangulated(counts, corners), [30])
     assert (found <= edges * (1.0 + 1e-9)).all()
     assert (found >= np.linalg.norm(points - points[30], axis=1) * 0.99).all()
@@ -100,12 +95,11 @@ def test_other_parts_are_out_of_reach_and_numbers_that_are_none_too():
     points = np.concatenate((points, points + (5.0, 0.0, 0.0)))
     counts, corners = np.concatenate((counts, counts)), np.concatenate((corners, corners + 25))
     points[24] = np.nan
-    surface = reach.TriangleMesh(len(points), counts, corners)
-    nobody = np.zeros(len(points), dtype=bool)
-    found = surface.lengths(points, mask(len(points), 0), nobody, 100.0)
+    found = lengths((points, counts, corners), [0], limit=100.0)
     assert np.isfinite(found[:24]).all()
     assert np.isinf(found[24:]).all()
-    reached = surface.connected(mask(len(points), 0), nobody)
+    surface = reach.TriangleMesh(len(points), counts, corners)
+    reached = surface.connected(mask(len(points), 0), mask(len(points), []))
     assert reached.tolist() == [True] * 25 + [False] * 25
 
 

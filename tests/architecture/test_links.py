@@ -3,16 +3,10 @@ from pathlib import Path
 
 import pytest
 
-from .links import link_offences, links
-from .tree import ROOT, files, grow, listed
+from .links import link_offences
+from .tree import grow
 
 PAGE = "# One & all\n\n## Its part\n\n## Its part\n\n```\n# no heading\n[a](gone.md)\n```\n`[a](gone.md)`\n"
-
-
-def test_every_link_leads_somewhere() -> None:
-    assert sum(len(list(links(page))) for page in files(ROOT, ".", ".md")) > 30
-    offences = link_offences(ROOT)
-    assert not offences, listed(offences)
 
 
 @pytest.mark.parametrize(

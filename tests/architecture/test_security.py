@@ -1,92 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The add-on runs nothing that a file brings: no code from data, no process, no network, no pickles."""
-
-import ast
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from .tree import ROOT, files, grow, listed
-
-# Modules that turn data into code or objects, start processes, or reach the network.
-MODULES = {
-    *("asyncio", "code", "codeop", "copyreg", "ctypes", "dill", "ftplib", "http", "jsonpickle", "marshal"),
-    *("multiprocessing", "pickle", "pty", "requests", "runpy", "shelve", "smtplib", "socket", "ssl"),
-    *("subprocess", "telnetlib", "urllib", "xmlrpc", "yaml", "zipimport"),
-}
-WRITING = {
-    "mkdir",
-    "rmtree",
-    "touch",
-    "unlink",
-    "write_bytes",
-    "write_text",
-}  # and open(): in addon/bake alone
-CALLS = {"eval", "exec", "compile", "__import__", "input", "globals", "locals"}
-ATTRIBUTES = {
-    *("driver_namespace", "expression", "fork", "fromfile", "import_module", "loads", "popen", "spawnl"),
-    *("spawnv", "startfile", "use_scripts", "use_scripts_auto_execute"),
-}
-OF_MODULES = {("os", "system"), ("np", "load"), ("np", "save"), ("numpy", "load"), ("numpy", "save")}
-OPERATORS = {"script", "console", "text", "preferences", "extensions"}  # of bpy.ops
-# What may be there, and why.
-ALLOWED = {
-    ("backend/loader.py", "import_module"): "the native module, by a name of our own",
-    ("core/methods/__init__.py", "import_module"): "the modules of its own folder, which are the registry",
-}
-
-
-def offences(root: Path) -> list[str]:
-    found = []
-    for path in files(root, "addon", ".py"):
-        name = path.relative_to(root / "addon").as_posix()
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        suspects = [*_suspects(tree), *(() if name.startswith("bake/") else _writers(tree))]
-        for line, what in suspects:
-            if (name, what.split()[-1]) not in ALLOWED:
-                found.append(f"addon/{name}:{line}: {what}")
-    return found
-
-
-def _suspects(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from ((node.lineno, f"imports {a.name}") for a in node.names if _root(a.name) in MODULES)
-        elif isinstance(node, ast.ImportFrom) and node.level == 0 and _root(node.module or "") in MODULES:
-            yield node.lineno, f"imports {node.module}"
-        elif isinstance(node, ast.Name) and node.id in CALLS:
-            yield node.lineno, f"names {node.id}"
-        elif isinstance(node, ast.Attribute):
-            yield from _attribute(node)
-
-
-def _attribute(node: ast.Attribute) -> Iterator[tuple[int, str]]:
-    above = node.value
-    if node.attr in ATTRIBUTES:
-        yield node.lineno, f"uses {node.attr}"
-    if node.attr in OPERATORS and isinstance(above, ast.Attribute) and above.attr == "ops":
-        yield node.lineno, f"calls bpy.ops.{node.attr}"
-    if isinstance(above, ast.Name) and (above.id, node.attr) in OF_MODULES:
-        yield node.lineno, f"uses {above.id}.{node.attr}"  # NumPy's files hold pickles
-
-
-def _writers(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """Only the bakes write files, where ``bake/paths.py`` lets them."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Name) and node.id == "open":
-            yield node.lineno, "names open"
-        elif isinstance(node, ast.Attribute) and node.attr in WRITING:
-            yield node.lineno, f"uses {node.attr}"
-
-
-def _root(module: str) -> str:
-    return module.partition(".")[0]
-
-
-def test_the_add_on_runs_nothing_that_a_file_brings() -> None:
-    found = offences(ROOT)
-    assert not found, listed(found)
+from .security import ALLOWED, security_offences
+from .tree import ROOT, grow
 
 
 def test_nothing_is_allowed_that_is_not_there() -> None:
@@ -115,7 +33,7 @@ def test_nothing_is_allowed_that_is_not_there() -> None:
     ],
 )
 def test_code_from_data_is_found(tmp_path: Path, line: str) -> None:
-    (offence,) = offences(grow(tmp_path, {"addon/a.py": f"x = 1\n{line}\n"}))
+    (offence,) = security_offences(grow(tmp_path, {"addon/a.py": f"x = 1\n{line}\n"}))
     assert offence.startswith("addon/a.py:2:")
 
 
@@ -124,4 +42,4 @@ def test_code_from_data_is_found(tmp_path: Path, line: str) -> None:
     ["import os", "evaluate(x)", "from . import pickle_like", "a.executes()", "bpy.ops.object.delete()"],
 )
 def test_innocent_lines_are_left_alone(tmp_path: Path, line: str) -> None:
-    assert offences(grow(tmp_path, {"addon/a.py": line, "addon/bake/b.py": "open(path)"})) == []
+    assert security_offences(grow(tmp_path, {"addon/a.py": line, "addon/bake/b.py": "open(path)"})) == []

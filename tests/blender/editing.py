@@ -8,7 +8,7 @@ import math
 import bmesh
 import bpy
 import numpy as np
-from rig import grid_object, make_active, update
+from rig import grid_object, make_active, new_empty, update
 
 
 def edit(obj: bpy.types.Object, where) -> np.ndarray:
@@ -45,13 +45,11 @@ def grab(**keywords) -> None:
     assert bpy.ops.sinew.grab_region(**keywords) == {"FINISHED"}
 
 
-def placed_object() -> bpy.types.Object:
+def placed_object(cells: int = 12) -> bpy.types.Object:
     """A plate that is parented, turned, moved and scaled without proportion."""
-    obj = grid_object(cells=12)
-    parent = bpy.data.objects.new("Parent", None)
-    bpy.context.scene.collection.objects.link(parent)
+    obj = grid_object(cells=cells)
+    parent = new_empty("Parent", (3.0, -2.0, 1.0))
     parent.rotation_euler = (0.4, 0.1, -0.7)
-    parent.location = (3.0, -2.0, 1.0)
     obj.parent = parent
     obj.rotation_euler = (0.2, 0.5, 0.9)
     obj.scale = (2.0, 0.5, 1.5)

@@ -150,15 +150,3 @@ def test_apply_in_edit_mode_comes_back_to_edit_mode(posed: Rig):
     assert posed.obj.mode == "EDIT"
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.array_equal(posed.rest(), shown)
-
-
-def test_undo_brings_deformer_and_mesh_back(posed: Rig):
-    rest, shown = posed.rest(), posed.points()
-    bpy.ops.ed.undo_push(message="Before")
-    bpy.ops.sinew.apply()
-    bpy.ops.ed.undo_push(message="Apply")
-    bpy.ops.ed.undo()
-    assert np.array_equal(posed.rest(), rest)
-    assert np.array_equal(posed.points(), shown)
-    posed.lift(0.1)
-    assert posed.points()[posed.top, 2].max() == pytest.approx(0.8, abs=1e-5)

@@ -6,13 +6,18 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import BINDING, catch_up
+from inside import BINDING
 from registry import WITH_HANDLES
-from rig import Rig, add_group, grid_object, make_active, update
+from rig import Rig, add_group, grid_object, make_active, new_empty, new_object, reopen
 
 
 def assert_at_rest(plate: Rig) -> None:
     assert np.array_equal(plate.points(), plate.rest())
+
+
+def assert_lifted(plate: Rig, height: float = 0.5) -> None:
+    """The handle followed its control, so nothing was lost."""
+    assert plate.points()[plate.top, 2] == pytest.approx(height, abs=4e-6)
 
 
 def test_no_handles(plate: Rig):
@@ -49,7 +54,7 @@ def test_empty_group(plate: Rig):
     assert len(plate.deformer.handles) == 2
     assert plate.deformer.status_level == "INFO"
     plate.lift(0.5)  # the old pose goes on
-    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
+    assert_lifted(plate)
 
 
 def test_group_emptied_after_bind(plate: Rig):
@@ -62,7 +67,7 @@ def test_group_emptied_after_bind(plate: Rig):
     assert "Top" in plate.deformer.status
     plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 1.0, "REPLACE")
     bpy.ops.sinew.bind()
-    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)  # nothing was lost
+    assert_lifted(plate)
 
 
 def test_group_deleted_after_bind(plate: Rig):
@@ -101,13 +106,12 @@ def test_zero_area_mesh(plate: Rig, room):
     assert any(line.text.endswith("faces without area") for line in notes)
     plate.lift(0.5)
     assert np.isfinite(plate.points()).all()
-    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
+    assert_lifted(plate)
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
 def test_mesh_without_vertices(method: str):
-    obj = bpy.data.objects.new("Empty", bpy.data.meshes.new("Empty"))
-    bpy.context.scene.collection.objects.link(obj)
+    obj = new_object("Empty", [])
     obj.vertex_groups.new(name="Group")
     make_active(obj)
     bpy.ops.sinew.deformer_add(method=method)
@@ -117,17 +121,13 @@ def test_mesh_without_vertices(method: str):
 
 def test_messy_mesh_binds_and_follows():
     """A duplicate face, a zero-area face, a loose vertex, a non-manifold edge, a loose edge."""
-    obj = grid_object()
-    mesh = obj.data
+    mesh = grid_object().data
     points = [tuple(vertex.co) for vertex in mesh.vertices]
     faces = [tuple(polygon.vertices) for polygon in mesh.polygons]
     count = len(points)
     points += [(0.0, 0.0, 1.0), (3.0, 3.0, 3.0), (0.5, 0.5, 0.0)]
     faces += [faces[12], (60, 61, count), (40, 41, 42)]
-    messy = bpy.data.meshes.new("Messy")
-    messy.from_pydata(points, [(count + 1, 5)], faces)
-    obj.data = messy
-    rig = Rig(obj).bind("arap")
+    rig = Rig(new_object("Messy", points, faces, [(count + 1, 5)])).bind("arap")
     rig.lift(0.5)
     assert np.isfinite(rig.points()).all()
     hard = np.setdiff1d(rig.top, [count + 1])
@@ -168,7 +168,7 @@ def test_target_scaled_to_zero_says_so(plate: Rig):
     assert_at_rest(plate)
     assert "scale" in plate.deformer.status
     plate.obj.scale = (1.0, 1.0, 1.0)
-    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
+    assert_lifted(plate)
     assert plate.deformer.status_level == "INFO"
 
 
@@ -182,9 +182,7 @@ def test_unknown_control_and_bone(plate: Rig):
     make_active(plate.obj)
     with pytest.raises(RuntimeError, match="no object 'Nobody'"):
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", control_object="Nobody")
-    other = bpy.data.objects.new("Other", None)
-    bpy.context.scene.collection.objects.link(other)
-    update()
+    new_empty("Other")
     with pytest.raises(RuntimeError, match="no bone 'arm'"):
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", control_object="Other", bone="arm")
 
@@ -221,22 +219,7 @@ def test_cancel_in_the_middle_of_a_bind(plate: Rig, room):
     assert len(plate.deformer.handles) == 2
     make_active(plate.obj)
     bpy.ops.sinew.bind()
-    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
-
-
-def test_bind_in_a_thread_is_taken_in_when_it_is_done(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
-    """The window's path for heavy meshes, without its timer."""
-    binding = room(BINDING)
-    monkeypatch.setattr(binding, "may_wait", lambda _count: True)
-    plate.bind()
-    session = room("session")
-    session.bind(plate.obj, plate.deformer, wait=False)
-    job = session.job(plate.deformer.uid)
-    assert job is not None
-    job.thread.join(timeout=20.0)
-    assert catch_up() is False
-    plate.lift(0.5)
-    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=4e-6)
+    assert_lifted(plate)
 
 
 def test_cancel_of_a_bind_in_a_thread(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
@@ -255,11 +238,9 @@ def test_native_module_missing(plate: Rig, room, tmp_path: Path, monkeypatch: py
     """The last solution stays, the panel says which wheel is needed, and what the artist does is kept."""
     plate.bind().lift(0.5)
     before = plate.points()
-    path = str(tmp_path / "rig.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
     missing = room("backend").Availability(None, "The native module is missing. Install the Sinew zip")
     monkeypatch.setattr(room(BINDING), "availability", lambda: missing)
-    bpy.ops.wm.open_mainfile(filepath=path)
+    reopen(tmp_path / "rig.blend")
     assert np.array_equal(plate.points(), before)
     assert "native module is missing" in plate.deformer.status
     plate.lift(0.25)
@@ -273,7 +254,7 @@ def test_native_module_missing(plate: Rig, room, tmp_path: Path, monkeypatch: py
     monkeypatch.undo()
     bpy.ops.sinew.bind()
     assert plate.deformer.status_level == "INFO"
-    assert plate.points()[plate.top, 2] == pytest.approx(0.75, abs=4e-6)
+    assert_lifted(plate, 0.75)
 
 
 def test_the_wheel_is_named_when_the_module_does_not_load(room, monkeypatch: pytest.MonkeyPatch):

@@ -51,7 +51,7 @@ def test_a_moved_control_is_one_solve_and_one_write(method: str, native: Counter
     found = calls_of(lambda: plate.lift(0.1))
     assert native == {"solve": 1}
     assert found["write_shape"] == found["write_positions"] == found["_answer"] == 1, found
-    assert found["gather"] == 1, found  # the poses; a bind gathers regions too
+    assert found["bound_poses"] == 1, found
     assert not (READS | LOOKS) & found.keys(), found
     native.clear()
     found = calls_of(update)
@@ -105,7 +105,7 @@ def test_an_animated_pose_below_costs_one_read(native: Counter):
     found = calls_of(turn)
     assert native == {"solve": 1}
     assert found["read_incoming"] == found["write_positions"] == 1, found
-    assert found["gather"] == 1, found
+    assert found["bound_poses"] == 1, found
     assert not ((READS | LOOKS) - {"read_incoming"}) & found.keys(), found
 
 

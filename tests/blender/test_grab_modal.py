@@ -19,11 +19,8 @@ class Hand:
     """A person at the mouse and keyboard, before a front view where a pixel is a centimetre."""
 
     def __init__(self, room, obj: bpy.types.Object, method: str = "thin_shell", **keywords) -> None:
-        session, grabbing, typed = (
-            room("session"),
-            room("operators.grabbing"),
-            room("core.transform.typed_motion"),
-        )
+        session, grabbing = room("session"), room("operators.grabbing")
+        typed = room("core.transform.typed_motion")
         self.obj, self.x, self.y = obj, 500.0, 300.0
         self.outcomes = grabbing.Outcome
         self.view = typed.View(
@@ -39,22 +36,11 @@ class Hand:
         motion = typed.TypedMotion(mode, self.view, np.eye(3), (self.x, self.y))
         self.tool = grabbing.Grabbing(grab, motion, pivot, np.eye(3), keywords.pop("radius", 0.4))
 
-    def send(
-        self, kind: str, value: str = "PRESS", shift: bool = False, ctrl: bool = False, repeat: bool = False
-    ):
-        character = {"PERIOD": ".", "MINUS": "-", "ZERO": "0", "ONE": "1", "TWO": "2", "FIVE": "5"}.get(
-            kind, ""
-        )
-        event = SimpleNamespace(
-            type=kind,
-            value=value,
-            shift=shift,
-            ctrl=ctrl,
-            is_repeat=repeat,
-            unicode=character,
-            mouse_x=self.x,
-            mouse_y=self.y,
-        )
+    def send(self, kind: str, value: str = "PRESS", **modifiers: bool):
+        event = SimpleNamespace(type=kind, value=value, mouse_x=self.x, mouse_y=self.y)
+        event.unicode = {"PERIOD": ".", "MINUS": "-", "ZERO": "0", "TWO": "2", "FIVE": "5"}.get(kind, "")
+        for name in ("shift", "ctrl", "is_repeat"):
+            setattr(event, name, modifiers.get(name, False))
         return self.tool.process(self.obj, event, self.view)
 
     def move(self, x: float, y: float, **modifiers: bool):
@@ -170,7 +156,7 @@ def test_navigation_passes_through_and_other_keys_do_not(hand: Hand, before: np.
 
 def test_a_key_that_is_held_counts_once(hand: Hand, before: np.ndarray):
     hand.send("Z")
-    hand.send("Z", repeat=True)
+    hand.send("Z", is_repeat=True)
     hand.move(30, 50)
     assert not hand.tool.typed.motion.local
     assert np.allclose(lifted(hand), (0.0, 0.0, 0.5), atol=1e-6)

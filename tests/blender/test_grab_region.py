@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import bmesh
 import bpy
@@ -12,7 +13,12 @@ import pytest
 from editing import centre, edit, edited, grab, placed_object, select
 from mathutils import Matrix
 from registry import WITH_HANDLES
-from rig import apply_matrix, base_points, grid_object, make_active
+from rig import add_group, apply_matrix, grid_object, make_active, new_object, push
+
+
+def in_world(obj: bpy.types.Object) -> np.ndarray:
+    """What Edit Mode shows, (n, 3), in the world."""
+    return apply_matrix(obj.matrix_world, edited(obj).astype(float))
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
@@ -32,6 +38,7 @@ def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("make", [grid_object, placed_object], ids=["at the origin", "placed and scaled"])
 @pytest.mark.parametrize(
     "motion",
     [
@@ -40,17 +47,18 @@ def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
     ],
     ids=("move", "turn"),
 )
-def test_nothing_fixed_means_one_rigid_motion(method: str, motion: dict):
-    obj = grid_object(cells=12)
+def test_nothing_fixed_means_one_rigid_motion_of_the_world(method: str, make: Callable, motion: dict):
+    obj = make(cells=12)
     chosen = edit(obj, lambda point: point.y > 0.75)
-    before = edited(obj).astype(float)
+    before = in_world(obj)
     grab(unlimited=True, method=method, **motion)
     if motion["mode"] == "TRANSLATE":
         matrix = Matrix.Translation(motion["value"])
     else:
         pivot = Matrix.Translation(before[chosen].mean(axis=0))
         matrix = pivot @ Matrix.Rotation(motion["angle"], 4, motion["axis"]) @ pivot.inverted()
-    assert np.abs(edited(obj) - apply_matrix(matrix, before)).max() < 2e-6  # float32 at a size of 2
+    tolerance = 2e-6 if make is grid_object else 1e-5  # float32 at a size of 2, and a matrix
+    assert np.abs(in_world(obj) - apply_matrix(matrix, before)).max() < tolerance
 
 
 def test_thin_shell_solves_the_clamped_plate_equation():
@@ -115,39 +123,18 @@ def test_rotation_and_scale_about_the_centre():
 def test_motion_is_of_the_world_whatever_the_object_is(orientation: str):
     obj = placed_object()
     chosen = edit(obj, lambda point: point.y > 0.75)
-    world = obj.matrix_world.copy()
-    before = apply_matrix(world, edited(obj).astype(float))
+    before = in_world(obj)[chosen]
     grab(mode="TRANSLATE", value=(0.5, 0.25, -1.0), orientation=orientation, radius=0.4)
-    after = apply_matrix(world, edited(obj).astype(float))
-    axes = np.eye(3) if orientation == "GLOBAL" else np.array(world.to_3x3().normalized())
-    assert np.abs(after[chosen] - before[chosen] - axes @ (0.5, 0.25, -1.0)).max() < 2e-6
-
-
-def test_a_rigid_turn_of_the_world_is_exact_under_unequal_scale():
-    obj = placed_object()
-    chosen = edit(obj, lambda point: point.y > 0.75)
-    world = obj.matrix_world.copy()
-    before = apply_matrix(world, edited(obj).astype(float))
-    grab(mode="ROTATE", angle=1.0, axis=(0.0, 0.6, 0.8), unlimited=True, method="arap")
-    pivot = Matrix.Translation(before[chosen].mean(axis=0))
-    matrix = pivot @ Matrix.Rotation(1.0, 4, (0.0, 0.6, 0.8)) @ pivot.inverted()
-    after = apply_matrix(world, edited(obj).astype(float))
-    assert np.abs(after - apply_matrix(matrix, before)).max() < 1e-5
+    axes = np.eye(3) if orientation == "GLOBAL" else np.array(obj.matrix_world.to_3x3().normalized())
+    assert np.abs(in_world(obj)[chosen] - before - axes @ (0.5, 0.25, -1.0)).max() < 2e-6
 
 
 def test_the_radius_is_measured_in_the_world_and_over_the_surface():
     """Two sheets a hair apart, joined at the far edge: the other sheet is near, but far to walk."""
-    bm = bmesh.new()
     line = np.linspace(0.0, 1.0, 11)
-    rows = [[bm.verts.new((x, y, 0.0)) for x in line] for y in (0.0, 0.1)]
-    rows = [row + [bm.verts.new((x, y, -0.02)) for x in line[::-1]] for row, y in zip(rows, (0.0, 0.1))]
-    for i in range(21):
-        bm.faces.new((rows[0][i], rows[0][i + 1], rows[1][i + 1], rows[1][i]))
-    mesh = bpy.data.meshes.new("Fold")
-    bm.to_mesh(mesh)
-    bm.free()
-    obj = bpy.data.objects.new("Fold", mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    there_and_back = [(x, 0.0) for x in line] + [(x, -0.02) for x in line[::-1]]
+    points = [(x, y, z) for y in (0.0, 0.1) for x, z in there_and_back]
+    obj = new_object("Fold", points, [(i, i + 1, i + 23, i + 22) for i in range(21)])
     obj.scale = (2.0, 2.0, 2.0)
     edit(obj, lambda point: point.x < 0.05 and point.z > -0.01)
     before = edited(obj)
@@ -160,10 +147,7 @@ def test_the_radius_is_measured_in_the_world_and_over_the_surface():
 
 def test_other_parts_hidden_vertices_and_fixed_regions_stay():
     obj = grid_object(cells=20)
-    make_active(obj)
-    group = obj.vertex_groups.new(name="Anchor")
-    held = [index for index, point in enumerate(base_points(obj)) if point[0] > 0.25]
-    group.add(held, 1.0, "REPLACE")
+    held = add_group(obj, "Anchor", lambda point: point[0] > 0.25)
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Anchor")
     make_active(obj)
     bpy.ops.object.mode_set(mode="EDIT")
@@ -188,9 +172,7 @@ def test_other_parts_hidden_vertices_and_fixed_regions_stay():
 
 def test_a_selected_vertex_of_a_fixed_region_stays():
     obj = grid_object()
-    make_active(obj)
-    members = [index for index, point in enumerate(base_points(obj)) if point[0] < 0.0]
-    obj.vertex_groups.new(name="Anchor").add(members, 1.0, "REPLACE")
+    members = add_group(obj, "Anchor", lambda point: point[0] < 0.0)
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Anchor")
     make_active(obj)
     edit(obj, lambda point: abs(point.y) < 0.1)
@@ -204,12 +186,8 @@ def test_a_selected_vertex_of_a_fixed_region_stays():
 
 def loose_object() -> bpy.types.Object:
     """A square with a wire at its corner, and a vertex on its own."""
-    mesh = bpy.data.meshes.new("Loose")
     points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 1, 0), (5, 5, 5)]
-    mesh.from_pydata(points, [(2, 4)], [(0, 1, 2, 3)])
-    obj = bpy.data.objects.new("Loose", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
+    return new_object("Loose", points, [(0, 1, 2, 3)], [(2, 4)])
 
 
 @pytest.mark.parametrize("chosen", [(5,), (4, 5), (2, 5), (0, 1, 2, 3, 4, 5)])
@@ -278,13 +256,6 @@ def test_mirror_is_said_not_to_be_followed(capfd: pytest.CaptureFixture):
     assert "Grab Region ignores the Mirror option" in capfd.readouterr().out
 
 
-def test_nothing_selected_is_refused():
-    obj = grid_object()
-    edit(obj, lambda point: False)
-    with pytest.raises(RuntimeError, match="Nothing is selected - select the vertices to grab"):
-        bpy.ops.sinew.grab_region(value=(0.0, 0.0, 1.0))
-
-
 def test_object_mode_is_refused_with_what_to_do():
     make_active(grid_object())
     with pytest.raises(RuntimeError, match="Go to Edit Mode"):
@@ -331,11 +302,9 @@ def test_messy_meshes_still_work(method: str):
     first, second, *_rest = bm.verts
     bm.faces.new((first, second, bm.verts.new(first.co)))
     bm.edges.new((first, bm.verts.new((-2.0, -2.0, 0.0))))
-    mesh = bpy.data.meshes.new("Messy")
-    bm.to_mesh(mesh)
+    obj = new_object("Messy", [])
+    bm.to_mesh(obj.data)
     bm.free()
-    obj = bpy.data.objects.new("Messy", mesh)
-    bpy.context.scene.collection.objects.link(obj)
     chosen = edit(obj, lambda point: point.x < -0.9)
     before = edited(obj)
     grab(value=(0.0, 0.0, 0.5), radius=3.0, method=method)
@@ -385,11 +354,11 @@ def test_shape_keys_of_a_mesh_that_grew_in_edit_mode_survive():
 def test_undo_and_redo():
     obj = grid_object()
     edit(obj, centre)
-    bpy.ops.ed.undo_push(message="selected")
+    push("selected")
     before = edited(obj)
     grab(value=(0.0, 0.0, 0.5), radius=0.4)
     after = edited(obj)
-    bpy.ops.ed.undo_push(message="grabbed")
+    push("grabbed")
     bpy.ops.ed.undo()
     assert np.array_equal(edited(bpy.data.objects["Plate"]), before)
     bpy.ops.ed.redo()
@@ -409,12 +378,12 @@ def test_other_objects_in_edit_mode_stay():
     assert edited(first)[:, 2].max() == 0.5
 
 
-def test_no_mesh_is_left_behind():
+def test_no_mesh_is_left_behind_even_by_a_refusal():
     obj = grid_object()
     edit(obj, centre)
     count = len(bpy.data.meshes)
     grab(value=(0.0, 0.0, 0.5), radius=0.4)
     select(obj, lambda point: False)
-    with pytest.raises(RuntimeError, match="Nothing is selected"):
+    with pytest.raises(RuntimeError, match="Nothing is selected - select the vertices to grab"):
         bpy.ops.sinew.grab_region(value=(0.0, 0.0, 1.0))
     assert len(bpy.data.meshes) == count

@@ -5,6 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from editing import edit, select
 from mathutils import Matrix
 from rig import (
     FLOAT32,
@@ -18,23 +19,7 @@ from rig import (
     move_world,
     new_armature,
     push,
-    select,
 )
-
-
-def edit(obj: bpy.types.Object, where) -> list[int]:
-    """Enter Edit Mode with the vertices selected for which ``where(point)``; their indices."""
-    make_active(obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    return select_in_edit_mode(obj, where)
-
-
-def select_in_edit_mode(obj: bpy.types.Object, where) -> list[int]:
-    mesh = bmesh.from_edit_mesh(obj.data)
-    chosen = select(mesh, where)
-    bmesh.update_edit_mesh(obj.data)
-    return chosen
-
 
 # --- from a selection
 
@@ -44,7 +29,7 @@ def test_from_selection_to_pose():
     top = edit(obj, lambda point: point.y > 0.75)
     assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
     assert obj.mode == "EDIT"
-    base = select_in_edit_mode(obj, lambda point: point.y < -0.75)
+    base = select(obj, lambda point: point.y < -0.75)
     assert bpy.ops.sinew.handle_add(kind="FIXED") == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
 
@@ -66,7 +51,7 @@ def test_support_from_the_selection():
     obj = grid_object()
     top = edit(obj, lambda point: point.y > 0.75)
     bpy.ops.sinew.handle_add(kind="HANDLE")
-    soft = select_in_edit_mode(obj, lambda point: point.y > -0.1)
+    soft = select(obj, lambda point: point.y > -0.1)
     bpy.ops.sinew.handle_add(kind="SUPPORT")
     bpy.ops.object.mode_set(mode="OBJECT")
     move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.5)))

@@ -19,7 +19,7 @@ from error_log import ErrorLog
 from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
 from inside import catch_up
-from rig import Rig, add_group, make_active, update
+from rig import Rig, add_group, make_active, new_object, reopen, update
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 NAN, INF = math.nan, math.inf
@@ -29,11 +29,7 @@ STRANGE_NAMES = ("", LONG, "../../etc/passwd", 'a"]["b', "C:\\x", "Ü☃", "a\nb
 
 def other_mesh(name: str = "Mine") -> bpy.types.Object:
     """A mesh of the user's with as many vertices as a shape of the plate."""
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata([(float(index), 5.0, 5.0) for index in range(122)], [], [(0, 1, 2)])
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
+    return new_object(name, [(float(index), 5.0, 5.0) for index in range(122)], [(0, 1, 2)])
 
 
 def storage(owner) -> object:
@@ -78,9 +74,7 @@ def live_with_it(plate: Rig, room, folder: Path) -> None:
         control.location.z += 0.25
     bpy.context.scene.frame_set(7)
     assert_sound(plate)
-    path = str(folder / "hostile.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path, check_existing=False)
-    bpy.ops.wm.open_mainfile(filepath=path)
+    reopen(folder / "hostile.blend")
     assert_sound(plate)
     make_active(plate.obj)
     for operator, keywords in (
@@ -125,27 +119,17 @@ def raw_value(value: object, *path: object):
     return wound
 
 
-def proxy_is(make, name: str = "proxy"):
-    def wound(plate: Rig) -> None:
-        setattr(plate.deformer, name, make(plate))
-
-    return wound
-
-
-def empty(_plate: Rig) -> bpy.types.Object:
-    return bpy.data.objects.new("Nothing", None)
+OTHER_OBJECTS = {
+    "empty": lambda _plate: bpy.data.objects.new("Nothing", None),
+    "camera": lambda _plate: bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera")),
+    "mine": lambda _plate: other_mesh(),
+    "itself": lambda plate: plate.obj,
+    "gone": lambda _plate: None,
+}
 
 
-def camera(_plate: Rig) -> bpy.types.Object:
-    return bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-
-
-def mine(_plate: Rig) -> bpy.types.Object:
-    return other_mesh()
-
-
-def itself(plate: Rig) -> bpy.types.Object:
-    return plate.obj
+def proxy_is(name: str, other: str):
+    return lambda plate: setattr(plate.deformer, name, OTHER_OBJECTS[other](plate))
 
 
 def other_rest(points: int, faces: list, ours: bool = True):
@@ -198,50 +182,22 @@ def group_named(value: str):
     return wound
 
 
-def twice_the_same_key(plate: Rig) -> None:
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_add(method="arap")
-    plate.obj.sinew.deformers[1].uid = plate.obj.sinew.deformers[0].uid
+def twice_the_same(prop: str):
+    """In two deformers."""
 
+    def wound(plate: Rig) -> None:
+        make_active(plate.obj)
+        bpy.ops.sinew.deformer_add(method="arap")
+        first, second = plate.obj.sinew.deformers
+        setattr(second, prop, getattr(first, prop))
 
-def twice_the_same_handle_key(plate: Rig) -> None:
-    for handle in plate.deformer.handles:
-        handle.uid = "same"
-
-
-def twice_the_same_shape(plate: Rig) -> None:
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_add(method="arap")
-    plate.obj.sinew.deformers[1].proxy = plate.obj.sinew.deformers[0].proxy
-
-
-def one_shape_for_both(plate: Rig) -> None:
-    plate.deformer.proxy_render = plate.deformer.proxy
-
-
-def its_own_control(plate: Rig) -> None:
-    plate.deformer.handles[0].control = plate.obj
-
-
-def child_of_its_control(plate: Rig) -> None:
-    """The target hangs on the control, and the control's driver on the target."""
-    control = plate.control
-    control.parent = None
-    plate.obj.parent = control
-
-
-def bone_of_an_empty(plate: Rig) -> None:
-    plate.deformer.handles[0].bone = 'x"] or "'
+    return wound
 
 
 def cleared_inputs(plate: Rig) -> None:
     modifier = plate.obj.modifiers[-1]
     group, modifier.node_group = modifier.node_group, None
     modifier.node_group = group
-
-
-def modifier_without_group(plate: Rig) -> None:
-    plate.obj.modifiers[-1].node_group = None
 
 
 def group_of_other_sockets(plate: Rig) -> None:
@@ -271,14 +227,6 @@ def clashing_attribute(plate: Rig) -> None:
     plate.obj.data.attributes.new(f".sinew_in_{uid}", "INT", "FACE")
     plate.obj.data.attributes.new(f".sinew_index_{uid}", "FLOAT_COLOR", "CORNER")
     plate.obj.data.attributes.new("Mask", "FLOAT", "POINT")
-
-
-def shape_of_no_vertices(plate: Rig) -> None:
-    plate.deformer.proxy.data = bpy.data.meshes.new("None")
-
-
-def driver_gone(plate: Rig) -> None:
-    plate.obj["sinew_keep_evaluated"] = "text"
 
 
 def active_out_of_range(plate: Rig) -> None:
@@ -317,16 +265,13 @@ WOUNDS = {
     "uid_number_below": raw_value(5, "deformers", 0, "uid"),
     "proxy_text_below": raw_value("Plate", "deformers", 0, "proxy"),
     "rest_is_an_object_below": lambda plate: raw(plate, "deformers", 0).__setitem__("rest", plate.obj),
-    "proxy_empty": proxy_is(empty),
-    "proxy_camera": proxy_is(camera),
-    "proxy_mine": proxy_is(mine),
-    "proxy_itself": proxy_is(itself),
-    "proxy_gone": proxy_is(lambda _plate: None),
-    "proxy_render_empty": proxy_is(empty, "proxy_render"),
-    "proxy_render_mine": proxy_is(mine, "proxy_render"),
-    "proxy_render_itself": proxy_is(itself, "proxy_render"),
-    "one_shape_for_both": one_shape_for_both,
-    "shape_of_no_vertices": shape_of_no_vertices,
+    **{
+        f"{name}_{other}": proxy_is(name, other)
+        for name in ("proxy", "proxy_render")
+        for other in OTHER_OBJECTS
+    },
+    "one_shape_for_both": lambda plate: setattr(plate.deformer, "proxy_render", plate.deformer.proxy),
+    "shape_of_no_vertices": lambda plate: setattr(plate.deformer.proxy, "data", bpy.data.meshes.new("None")),
     "rest_of_another_size": other_rest(7, [(0, 1, 2)]),
     "rest_of_another_size_and_no_keys": other_rest(300, [(0, 1, 2)], ours=False),
     "rest_without_vertices": other_rest(0, []),
@@ -345,17 +290,17 @@ WOUNDS = {
     "groups_numbers": rest_key("sinew_groups", [1.0, 2.0]),
     "groups_group": rest_key("sinew_groups", {"Top": 0}),
     "groups_too_many": rest_key("sinew_groups", [f"Group {number}" for number in range(5000)]),
-    "twice_the_same_key": twice_the_same_key,
-    "twice_the_same_handle_key": twice_the_same_handle_key,
-    "twice_the_same_shape": twice_the_same_shape,
-    "its_own_control": its_own_control,
-    "bone_of_an_empty": bone_of_an_empty,
+    "twice_the_same_key": twice_the_same("uid"),
+    "twice_the_same_handle_key": lambda plate: [setattr(h, "uid", "same") for h in plate.deformer.handles],
+    "twice_the_same_shape": twice_the_same("proxy"),
+    "its_own_control": lambda plate: setattr(plate.deformer.handles[0], "control", plate.obj),
+    "bone_of_an_empty": lambda plate: setattr(plate.deformer.handles[0], "bone", 'x"] or "'),
     "cleared_inputs": cleared_inputs,
-    "modifier_without_group": modifier_without_group,
+    "modifier_without_group": lambda plate: setattr(plate.obj.modifiers[-1], "node_group", None),
     "group_of_other_sockets": group_of_other_sockets,
     "group_key_of_another_type": group_key_of_another_type,
     "clashing_attribute": clashing_attribute,
-    "driver_gone": driver_gone,
+    "driver_gone": lambda plate: plate.obj.__setitem__("sinew_keep_evaluated", "text"),
     "active_out_of_range": active_out_of_range,
     **{f"uid_{number}": names("uid", name) for number, name in enumerate(STRANGE_NAMES)},
     **{f"name_{number}": names("name", name) for number, name in enumerate(STRANGE_NAMES)},
@@ -376,27 +321,19 @@ def wounded(plate: Rig, wound) -> bool:
 
 @pytest.mark.parametrize("name", WOUNDS)
 def test_a_hostile_value_gives_a_status_and_nothing_worse(posed: Rig, room, tmp_path: Path, name: str):
+    """A mesh of the user's is neither written nor removed, even in place of a shape."""
     bystander = other_mesh("Bystander")
     before = [tuple(vertex.co) for vertex in bystander.data.vertices]
     if not wounded(posed, WOUNDS[name]):
         return  # Blender has refused it
     if name.startswith(("proxy_render", "one_shape")):
         posed.before = None  # the viewport goes on beside the complaint
+    meshes = {obj.name: obj.data.name for obj in bpy.data.objects if obj.name in ("Mine", "Bystander")}
     live_with_it(posed, room, tmp_path)
-    for obj in bpy.data.objects:
-        if obj.name.startswith(("Mine", "Bystander")):
-            assert [tuple(vertex.co) for vertex in obj.data.vertices] == before
-
-
-@pytest.mark.parametrize("name", ["proxy_mine", "proxy_render_mine"])
-def test_a_mesh_of_the_users_in_place_of_a_shape_is_neither_written_nor_removed(
-    posed: Rig, room, tmp_path: Path, name: str
-):
-    WOUNDS[name](posed)
-    posed.before = None
-    mesh = bpy.data.objects["Mine"].data.name
-    live_with_it(posed, room, tmp_path)
-    assert bpy.data.objects["Mine"].data.name == mesh
+    assert len(meshes) == 1 + name.endswith("_mine")
+    for obj, mesh in meshes.items():
+        assert bpy.data.objects[obj].data.name == mesh
+        assert [tuple(vertex.co) for vertex in bpy.data.meshes[mesh].vertices] == before
 
 
 def test_a_hundred_thousand_handles_stay_responsive(posed: Rig):
@@ -429,8 +366,9 @@ def test_hundreds_of_objects_that_claim_one_key_are_told_apart_in_time(posed: Ri
 
 
 def test_parents_in_a_circle_through_a_control(posed: Rig, capfd: pytest.CaptureFixture):
-    """Blender breaks the circle and says so on its console; the shape stays finite."""
-    child_of_its_control(posed)
+    """The target hangs on the control, and the control's driver on the target. Blender breaks the circle and
+    says so on its console; the shape stays finite."""
+    posed.control.parent, posed.obj.parent = None, posed.control
     posed.control.location.z = 0.3
     assert np.isfinite(posed.points()).all()
     capfd.readouterr()
@@ -447,9 +385,7 @@ def test_a_file_from_elsewhere_runs_nothing_of_its_own(posed: Rig, tmp_path: Pat
     deformer.rest["sinew_token"] = code
     deformer.rest["sinew_groups"] = [code]
     posed.obj["sinew_keep_evaluated"] = code
-    path = str(tmp_path / "trap.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.open_mainfile(filepath=path)
+    reopen(tmp_path / "trap.blend")
     update()
     press(bpy.ops.sinew.bind)
     for curve in posed.obj.animation_data.drivers if posed.obj.animation_data else ():
@@ -482,18 +418,12 @@ def resolve(value: object) -> object:
 
 
 def place(plate: Rig, where: str) -> object:
-    deformer = plate.deformer
-    return {
-        "object": lambda: plate.obj.sinew,
-        "deformer": lambda: deformer,
-        "handle": lambda: deformer.handles[0],
-        "fixed": lambda: deformer.handles[1],
-        "thin_shell": lambda: deformer.thin_shell,
-        "bake": lambda: deformer.bake,
-        "rest": lambda: deformer.rest,
-        "modifier": lambda: plate.obj.modifiers[-1],
-        "target": lambda: plate.obj,
-    }[where]()
+    if where in ("handle", "fixed"):
+        return plate.deformer.handles[0 if where == "handle" else 1]
+    if where in ("thin_shell", "rest"):
+        return getattr(plate.deformer, where)
+    owners = {"object": plate.obj.sinew, "deformer": plate.deformer, "target": plate.obj}
+    return plate.obj.modifiers[-1] if where == "modifier" else owners[where]
 
 
 def keys_of(owner: object, below: bool) -> list[str]:

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from rig import Rig, make_active, update
+from rig import Rig, in_mode, linked, make_active, update
 from sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
 
 
@@ -109,9 +109,7 @@ def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
     }[kind]()
     if kind == "META":
         data.elements.new()
-    obj = bpy.data.objects.new("Thing", data)
-    bpy.context.scene.collection.objects.link(obj)
-    make_active(obj)
+    make_active(linked(bpy.data.objects.new("Thing", data)))
     sheet = draw_panel(WIDE)
     assert "Thing is a" in sheet.texts()
     assert "which Sinew cannot move" in sheet.texts()
@@ -147,10 +145,9 @@ def test_a_sentence_is_wrapped_whole_into_lines_that_fit(room, width):
 
 
 def test_a_changed_topology_offers_rebind_above_everything_else(bound_plate: Rig):
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(bound_plate.obj):
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.subdivide()
     bound_plate.deformer.auto_rebind = False
     update()
     sheet = draw_panel()
@@ -158,13 +155,16 @@ def test_a_changed_topology_offers_rebind_above_everything_else(bound_plate: Rig
     assert "Rebind" in words[: words.index("Handles")]
 
 
+def of_target(room, element: str, *indices: int):
+    elements = room("core.elements")
+    return elements.Elements(elements.Owner.TARGET, element, indices)
+
+
 def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig, room):
     """Also where the panel is longer than the window."""
-    core, elements = room("core.status"), room("core.elements")
-    vertices = elements.Elements(elements.Owner.TARGET, "vertex", (1, 2))
-    core.put(
-        bound_plate.deformer.uid, core.Status(core.Level.ERROR, "Two regions share 4 vertices", vertices)
-    )
+    core = room("core.status")
+    said = core.Status(core.Level.ERROR, "Two regions share 4 vertices", of_target(room, "vertex", 1, 2))
+    core.put(bound_plate.deformer.uid, said)
     sheet = draw_panel(WIDE)
     assert sheet.texts().index("share") < sheet.texts().index("Handles")
     select = [settings.line for name, settings in sheet.operators() if name == "sinew.select_problems"]
@@ -172,13 +172,12 @@ def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig, room):
 
 
 def test_each_line_with_elements_selects_its_own(bound_plate: Rig, room):
-    core, elements = room("core.status"), room("core.elements")
-    vertices = elements.Elements(elements.Owner.TARGET, "vertex", (1, 2))
-    face = elements.Elements(elements.Owner.TARGET, "face", (4,))
+    core = room("core.status")
+    faces = of_target(room, "face", 4)
     lines = (
-        core.Status(core.Level.WARNING, "2 free parts stay at rest", vertices),
+        core.Status(core.Level.WARNING, "2 free parts stay at rest", of_target(room, "vertex", 1, 2)),
         core.Status(core.Level.WARNING, "nothing to select"),
-        core.Status(core.Level.WARNING, "3 faces without area", face, core.Remedy.REPAIR),
+        core.Status(core.Level.WARNING, "3 faces without area", faces, core.Remedy.REPAIR),
     )
     core.put_notes(bound_plate.deformer.uid, lines)
     sheet = draw_panel()
@@ -352,8 +351,10 @@ AMERICAN = re.compile(
 )
 
 
-def test_every_property_says_what_it_does(room):
+def test_every_property_and_operator_says_what_it_does(room):
     found = []
+    for name, struct in operator_types(room).items():
+        found += flaws(name, struct.name, struct.description)
     for where, prop in struct_properties(room):
         if prop.is_hidden or prop.type in {"POINTER", "COLLECTION"}:
             continue
@@ -361,13 +362,6 @@ def test_every_property_says_what_it_does(room):
         if prop.type == "ENUM":
             for item in prop.enum_items_static if hasattr(prop, "enum_items_static") else prop.enum_items:
                 found += flaws(f"{where} {item.identifier}", "", item.description)
-    assert not found, "\n".join(found)
-
-
-def test_every_operator_says_what_it_does(room):
-    found = []
-    for name, struct in operator_types(room).items():
-        found += flaws(name, struct.name, struct.description)
     assert not found, "\n".join(found)
 
 

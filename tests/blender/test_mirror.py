@@ -14,8 +14,11 @@ from rig import (
     apply_matrix,
     evaluated_points,
     grid_object,
+    in_mode,
+    linked,
     make_active,
     move_world,
+    new_empty,
     some_motion,
     update,
 )
@@ -56,19 +59,41 @@ def soft_left(point) -> float:
 def hand() -> Rig:
     """A plate, posed: soft Hand.L on the left, the centre column fixed. The deformer is bound."""
     plate = Rig(grid_object())
-    painted(plate.obj, "Hand.L", soft_left)
-    painted(plate.obj, "Spine", lambda point: float(abs(point[0]) < 0.1))
-    make_active(plate.obj)
     bpy.ops.sinew.deformer_add(method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Hand.L")
-    make_active(plate.obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Spine")
+    add_region(plate, "Hand.L", soft_left, "HANDLE")
+    add_region(plate, "Spine", lambda point: abs(point[0]) < 0.1)
     plate.deformer.active_handle = 0
     return plate
 
 
 def by_name(plate: Rig, name: str):
     return next(handle for handle in plate.deformer.handles if handle.name == name)
+
+
+def handle_names(plate: Rig) -> list[str]:
+    return [handle.name for handle in plate.deformer.handles]
+
+
+def add_region(plate: Rig, name: str, where, kind: str = "FIXED") -> None:
+    """A vertex group of the vertices for which ``where(point)``, and its region, active."""
+    painted(plate.obj, name, lambda point: float(where(point)))
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
+    make_active(plate.obj)
+
+
+def assert_weights_are_mirrored(plate: Rig, left: str = "Hand.L", right: str = "Hand.R") -> None:
+    assert weights(plate.obj, right) == pytest.approx(reflected(weights(plate.obj, left)))
+
+
+def assert_is_its_own_mirror_image(plate: Rig) -> None:
+    points = plate.points()
+    assert np.abs(points - mirror_image(plate.obj, points)).max() < 2e-5
+
+
+def on_the_right(plate: Rig) -> list[int]:
+    """The hard vertices of what mirrors Hand.L."""
+    return [i for i, p in enumerate(plate.rest()) if p[0] < -0.76 and p[1] > -0.5]
 
 
 def mirror_image(obj: bpy.types.Object, points: np.ndarray) -> np.ndarray:
@@ -78,23 +103,15 @@ def mirror_image(obj: bpy.types.Object, points: np.ndarray) -> np.ndarray:
     return points[[where[tuple(place * FLIP + 0.0)] for place in rest]] * FLIP
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "Hand.L",
-        "hand_r.003",
-        "L Hand",
-        "r-x",
-        "LeftHand",
-        "HandRIGHT.001",
-        "leftover",
-        "xleft",
-        "Bright",
-        "RIGHT",
-    ]
-    + ["Head", "", "L", ".L", "L.", "L.001", "left", "Hand.Lx", "rightleft", "xleftleft", "LEft_x", "a.L.b.R"]
-    + ["Hand.L.1a", "Hand.L.a1", "Größe.r", "ö.L", "éleft", "LEFTright", "riGHTy", "Hand.L.", "L.1", "Left"],
+NAMES = (
+    *("Hand.L", "hand_r.003", "L Hand", "r-x", "LeftHand", "HandRIGHT.001", "leftover", "xleft", "Bright"),
+    *("RIGHT", "Head", "", "L", ".L", "L.", "L.001", "left", "Hand.Lx", "rightleft", "xleftleft", "LEft_x"),
+    *("a.L.b.R", "Hand.L.1a", "Hand.L.a1", "Größe.r", "ö.L", "éleft", "LEFTright", "riGHTy", "Hand.L."),
+    *("L.1", "Left"),
 )
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_names_flip_as_blender_flips_them(room, name: str):
     theirs = bpy.utils.flip_name(name)
     assert room("core.sides").flip(name) == ("" if theirs == name else theirs)
@@ -104,14 +121,13 @@ def test_a_handle_is_made_for_the_other_side(hand: Rig):
     source = by_name(hand, "Hand.L")
     source.weight, source.continuity, source.colour = 0.9, 1.0, (0.1, 0.2, 0.3)
     assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
-    assert [handle.name for handle in hand.deformer.handles] == ["Hand.L", "Spine", "Hand.R"]
+    assert handle_names(hand) == ["Hand.L", "Spine", "Hand.R"]
     source, target = by_name(hand, "Hand.L"), by_name(hand, "Hand.R")
-    assert target.vertex_group == "Hand.R"
-    assert weights(hand.obj, "Hand.R") == pytest.approx(reflected(weights(hand.obj, "Hand.L")))
+    assert_weights_are_mirrored(hand)
     assert len({round(weight, 3) for weight in weights(hand.obj, "Hand.R").values()}) > 2  # soft ones too
-    assert target.kind == source.kind
-    assert target.weight == source.weight
-    assert target.continuity == source.continuity
+    assert target.vertex_group == "Hand.R"
+    for name in ("kind", "weight", "continuity"):
+        assert getattr(target, name) == getattr(source, name)
     assert tuple(target.colour) == tuple(source.colour)
     assert target.control not in (None, source.control)
     places = [np.array(handle.control.matrix_world.translation) for handle in (source, target)]
@@ -134,9 +150,8 @@ def test_the_pose_is_mirrored_with_it(hand: Rig, turned: bool):
     assert np.abs(before - hand.rest()).max() > 0.3
     make_active(hand.obj)
     bpy.ops.sinew.handle_mirror()
-    points = hand.points()
-    assert np.abs(points - mirror_image(hand.obj, points)).max() < 2e-5
-    assert np.abs(points - hand.rest()).max() > 0.3
+    assert_is_its_own_mirror_image(hand)
+    assert np.abs(hand.points() - hand.rest()).max() > 0.3
     other = by_name(hand, "Hand.R").control
     other.matrix_basis = Matrix.Identity(4)
     control.matrix_basis = Matrix.Identity(4)
@@ -154,9 +169,8 @@ def test_the_next_mirror_updates_the_counterpart(hand: Rig):
     target = by_name(hand, "Hand.R")
     assert target.control == first
     assert target.weight == 0.5
-    assert weights(hand.obj, "Hand.R") == pytest.approx(reflected(weights(hand.obj, "Hand.L")))
-    points = hand.points()
-    assert np.abs(points - mirror_image(hand.obj, points)).max() < 2e-5
+    assert_weights_are_mirrored(hand)
+    assert_is_its_own_mirror_image(hand)
 
 
 def test_weights_only_leaves_settings_and_pose(hand: Rig):
@@ -172,30 +186,23 @@ def test_weights_only_leaves_settings_and_pose(hand: Rig):
     target = by_name(hand, "Hand.R")
     assert target.weight == 0.75
     assert np.allclose(target.control.matrix_basis, Matrix.Identity(4))
-    assert weights(hand.obj, "Hand.R") == pytest.approx(reflected(weights(hand.obj, "Hand.L")))
+    assert_weights_are_mirrored(hand)
 
 
 def test_all_of_one_side(hand: Rig):
-    painted(hand.obj, "Foot.R", lambda point: float(point[0] < -0.7 and point[1] < -0.7))
-    make_active(hand.obj)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Foot.R")
-    make_active(hand.obj)
+    add_region(hand, "Foot.R", lambda point: point[0] < -0.7 and point[1] < -0.7, "HANDLE")
     bpy.ops.sinew.handle_mirror(side="LEFT_TO_RIGHT")
-    assert {handle.name for handle in hand.deformer.handles} == {"Hand.L", "Spine", "Hand.R", "Foot.R"}
+    assert set(handle_names(hand)) == {"Hand.L", "Spine", "Hand.R", "Foot.R"}
     bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
-    names = [handle.name for handle in hand.deformer.handles]
-    assert sorted(names) == ["Foot.L", "Foot.R", "Hand.L", "Hand.R", "Spine"]
-    assert weights(hand.obj, "Foot.L") == pytest.approx(reflected(weights(hand.obj, "Foot.R")))
+    assert sorted(handle_names(hand)) == ["Foot.L", "Foot.R", "Hand.L", "Hand.R", "Spine"]
+    assert_weights_are_mirrored(hand, "Foot.R", "Foot.L")
 
 
 def test_vertices_on_the_centre_stay_with_the_source(capfd):
     """Both sides would hold them exactly, which no vertex can obey."""
     plate = Rig(grid_object())
-    painted(plate.obj, "Half.L", lambda point: float(point[0] > -0.01))
-    make_active(plate.obj)
     bpy.ops.sinew.deformer_add(method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Half.L")
-    make_active(plate.obj)
+    add_region(plate, "Half.L", lambda point: point[0] > -0.01, "HANDLE")
     capfd.readouterr()
     bpy.ops.sinew.handle_mirror()
     assert "11 vertices on the centre line belong" in capfd.readouterr().out
@@ -206,10 +213,8 @@ def test_vertices_on_the_centre_stay_with_the_source(capfd):
 
 
 def test_an_even_handle_takes_one_half_from_the_other(hand: Rig):
-    painted(hand.obj, "Head", lambda point: (0.8 if point[0] > 0.0 else 0.3) * (abs(point[0]) < 0.5))
+    add_region(hand, "Head", lambda point: (0.8 if point[0] > 0.0 else 0.3) * (abs(point[0]) < 0.5))
     centre = {place: weight for place, weight in weights(hand.obj, "Head").items() if place[0] == 0.0}
-    make_active(hand.obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Head")
     bpy.ops.sinew.handle_mirror()  # the active one
     head = weights(hand.obj, "Head")
     assert head == pytest.approx(reflected(head))
@@ -240,16 +245,13 @@ def test_painted_parameters_are_evened_out_on_request(hand: Rig):
 
 def test_the_bone_of_the_other_side_becomes_the_control(hand: Rig):
     data = bpy.data.armatures.new("Rig")
-    armature = bpy.data.objects.new("Rig", data)
-    bpy.context.scene.collection.objects.link(armature)
+    armature = linked(bpy.data.objects.new("Rig", data))
     armature.location = (0.0, 0.3, 0.1)
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for name, x, roll in (("arm.L", 1.0, 0.3), ("arm.R", -1.0, 1.1)):  # rolls that do not match
-        bone = data.edit_bones.new(name)
-        bone.head, bone.tail = (0.5 * x, 0.0, 0.0), (x, 0.2, 0.3)
-        bone.roll = roll
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(armature):
+        for name, x, roll in (("arm.L", 1.0, 0.3), ("arm.R", -1.0, 1.1)):  # rolls that do not match
+            bone = data.edit_bones.new(name)
+            bone.head, bone.tail = (0.5 * x, 0.0, 0.0), (x, 0.2, 0.3)
+            bone.roll = roll
     make_active(hand.obj)
     handle = by_name(hand, "Hand.L")
     handle.control, handle.bone = armature, "arm.L"
@@ -262,7 +264,7 @@ def test_the_bone_of_the_other_side_becomes_the_control(hand: Rig):
     assert not target.owns_control
     moved = armature.matrix_world @ bones["arm.R"].matrix @ data.bones["arm.R"].matrix_local.inverted()
     moved = moved @ armature.matrix_world.inverted()
-    hard = [i for i, p in enumerate(hand.rest()) if p[0] < -0.76 and p[1] > -0.5]
+    hard = on_the_right(hand)
     update()
     expected = apply_matrix(moved, hand.rest()[hard])
     assert np.abs(expected - hand.rest()[hard]).max() > 0.1
@@ -270,30 +272,21 @@ def test_the_bone_of_the_other_side_becomes_the_control(hand: Rig):
 
 
 def test_the_object_of_the_other_side_becomes_the_control(hand: Rig):
-    objects = {}
-    for name, x in (("Ctrl.L", 0.9), ("Ctrl.R", -0.9)):
-        objects[name] = bpy.data.objects.new(name, None)
-        objects[name].location = (x, 0.1, 0.0)
-        bpy.context.scene.collection.objects.link(objects[name])
-    update()
-    by_name(hand, "Hand.L").control = objects["Ctrl.L"]
+    left, right = new_empty("Ctrl.L", (0.9, 0.1, 0.0)), new_empty("Ctrl.R", (-0.9, 0.1, 0.0))
+    by_name(hand, "Hand.L").control = left
     make_active(hand.obj)
     bpy.ops.sinew.bind()
-    objects["Ctrl.L"].location.z = 0.4  # posed, while the other one rests
+    left.location.z = 0.4  # posed, while the other one rests
     update()
     bpy.ops.sinew.handle_mirror()
-    assert by_name(hand, "Hand.R").control == objects["Ctrl.R"]
-    right = [i for i, p in enumerate(hand.rest()) if p[0] < -0.76 and p[1] > -0.5]
-    assert np.abs(hand.points()[right, 2]).max() < FLOAT32
-    objects["Ctrl.R"].location.z = 0.4
-    points = hand.points()
-    assert np.abs(points - mirror_image(hand.obj, points)).max() < 2e-5
+    assert by_name(hand, "Hand.R").control == right
+    assert np.abs(hand.points()[on_the_right(hand), 2]).max() < FLOAT32
+    right.location.z = 0.4
+    assert_is_its_own_mirror_image(hand)
 
 
 def test_a_fixed_region_has_no_control(hand: Rig):
-    painted(hand.obj, "Pin.L", lambda point: float(point[0] > 0.9 and point[1] < -0.7))
-    make_active(hand.obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Pin.L")
+    add_region(hand, "Pin.L", lambda point: point[0] > 0.9 and point[1] < -0.7)
     bpy.ops.sinew.handle_mirror()
     assert by_name(hand, "Pin.R").kind == "FIXED"
     assert by_name(hand, "Pin.R").control is None
@@ -310,12 +303,9 @@ def test_a_mirror_modifier_fills_the_other_side():
     edit.free()
     obj.modifiers.new("Mirror", "MIRROR").use_clip = True
     plate = Rig(obj)
-    painted(obj, "Hand.L", soft_left)
     painted(obj, "Hand.R", lambda point: 0.0)
-    make_active(obj)
     bpy.ops.sinew.deformer_add(method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Hand.L")
-    make_active(obj)
+    add_region(plate, "Hand.L", soft_left, "HANDLE")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
     plate.deformer.active_handle = 0
     rest = evaluated_points(obj)
@@ -344,9 +334,7 @@ def test_vertices_without_an_image_are_counted(hand: Rig, capfd):
 
 
 def test_refusals_change_nothing(hand: Rig):
-    painted(hand.obj, "Blob", lambda point: float(point[0] > 0.9 and point[1] < -0.7))
-    make_active(hand.obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Blob")
+    add_region(hand, "Blob", lambda point: point[0] > 0.9 and point[1] < -0.7)
     with pytest.raises(RuntimeError, match=r"call it Blob.L or .R"):
         bpy.ops.sinew.handle_mirror()
     for vertex in hand.obj.data.vertices:
@@ -359,30 +347,13 @@ def test_refusals_change_nothing(hand: Rig):
     assert len(hand.deformer.handles) == 3
 
 
-def test_a_mirror_is_one_undo_step(hand: Rig):
-    hand.control.location.z = 0.5
-    before = hand.points()
-    bpy.ops.ed.undo_push(message="before")
-    bpy.ops.sinew.handle_mirror()
-    bpy.ops.ed.undo_push(message="Mirror Handle")
-    mirrored = hand.points()
-    bpy.ops.ed.undo()
-    assert [handle.name for handle in hand.deformer.handles] == ["Hand.L", "Spine"]
-    assert "Hand.R" not in hand.obj.vertex_groups
-    assert np.abs(hand.points() - before).max() < FLOAT32
-    bpy.ops.ed.redo()
-    assert np.abs(hand.points() - mirrored).max() < FLOAT32
-
-
 def test_mirror_in_edit_and_weight_paint_mode(hand: Rig):
     for mode in ("EDIT", "WEIGHT_PAINT"):
-        make_active(hand.obj)
         hand.deformer.active_handle = 0
-        bpy.ops.object.mode_set(mode=mode)
-        assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
-        assert hand.obj.mode == mode
-        bpy.ops.object.mode_set(mode="OBJECT")
-    assert weights(hand.obj, "Hand.R") == pytest.approx(reflected(weights(hand.obj, "Hand.L")))
+        with in_mode(hand.obj, mode):
+            assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+            assert hand.obj.mode == mode
+    assert_weights_are_mirrored(hand)
 
 
 def test_a_turned_empty_mirrors_as_a_flipped_pose(hand: Rig):

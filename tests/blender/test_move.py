@@ -11,6 +11,7 @@ from rig import (
     add_group,
     curves_of,
     key,
+    linked,
     make_active,
     move_world,
     new_empty,
@@ -97,20 +98,6 @@ def test_the_order_decides_what_the_next_deformer_corrects(plate: Rig):
     assert np.abs(plate.points() - before).max() < FLOAT32
 
 
-def test_a_move_is_one_undo_step(plate: Rig, room):
-    obj = three_deformers(plate)
-    bpy.ops.ed.undo_push(message="before")
-    bpy.ops.sinew.deformer_move(direction="UP", index=2)
-    bpy.ops.ed.undo_push(message="Move Deformer")
-    bpy.ops.ed.undo()
-    assert names(plate.obj) == "ABC"
-    assert stack(plate.obj, room) == ["First", "A", "Between", "B", "C"]
-    bpy.ops.ed.redo()
-    obj = plate.obj
-    assert names(obj) == "ACB"
-    assert stack(obj, room) == ["First", "A", "Between", "C", "B"]
-
-
 def keyed(obj: bpy.types.Object) -> None:
     """Factor of B and weight of C's handle, each from 0 at frame 1 to 1 at frame 11."""
     second, third = obj.sinew.deformers[1:]
@@ -189,6 +176,28 @@ def test_keyframes_and_drivers_stay_with_their_handle(plate: Rig):
     assert weights(obj, 1) == {"Top": 0.2, "Base": 0.25, "Reader": 0.2}
 
 
+def test_drivers_that_read_a_control_follow_its_row(plate: Rig, room):
+    """Whichever kind of control a list of them belongs to; rows of other deformers, and handles, stay."""
+    obj, paths = plate.obj, room("session.blocks.animation_paths")
+    for name in ("First", "Second"):
+        obj.sinew.deformers.add().uid = name
+    rows = (
+        "[0].controls[1].owned",
+        "[1].controls[1].owned",
+        "[0].handles[1].weight",
+        "[0].controls[0].owned",
+    )
+    obj["read"] = [0.0] * len(rows)
+    for index, row in enumerate(rows):
+        drive(obj.driver_add('["read"]', index).driver, obj, f"sinew.deformers{row}")
+    paths.rows_reordered(obj, obj.sinew.deformers[0], "controls", paths.moved(2, 0, 1))
+    read = [curve.driver.variables[0].targets[0].data_path for curve in obj.animation_data.drivers]
+    assert read == [
+        f"sinew.deformers{row}"
+        for row in ("[0].controls[0].owned", rows[1], rows[2], "[0].controls[1].owned")
+    ]
+
+
 def test_keyframes_of_a_removed_handle_go(plate: Rig):
     obj = two_handles_with_animation(plate)
     bpy.ops.sinew.handle_remove(index=0)
@@ -222,8 +231,7 @@ def test_a_shared_action_slot_of_another_object_is_left_alone(plate: Rig):
     action = obj.animation_data.action
     if not hasattr(action, "slots"):
         pytest.skip("actions have no slots here")
-    other = obj.copy()
-    bpy.context.scene.collection.objects.link(other)
+    other = linked(obj.copy())
     other.animation_data.action_slot = action.slots.new("OBJECT", "Other")
     update()
     other.sinew.deformers[1].factor = 0.25

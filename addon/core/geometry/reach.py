@@ -72,9 +72,8 @@ class TriangleMesh:
             length = _unfolded(points[corner], points[sides], found[sides])
             better = (length <= limit) & (length < found[corner] * (1.0 - _MINIMAL_GAIN))
             corner, length = corner[better], length[better]
-            order = np.argsort(
-                -length, kind="stable"
-            )  # the last assignment wins: the shortest path to a corner
+            # The last assignment to a corner wins, so the shortest path to it comes last.
+            order = np.argsort(-length, kind="stable")
             found[corner[order]] = length[order]
             front = np.unique(corner)
         return found

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animation follows its deformer or handle when the lists are reordered.
+"""Animation follows its deformer, handle or control when the lists are reordered.
 
-Blender's paths count: ``sinew.deformers[0].handles[1].weight``. An order ``{old: new}`` renumbers them; None
-for new means removed, and its curves and drivers go too.
+Blender's paths hold the index of a row: ``sinew.deformers[0].handles[1].weight``. An order ``{old: new}``
+renumbers them. If new is None, the row was removed, and its curves and drivers are removed too.
 """
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import bpy
 from bpy.types import ID, Object
@@ -14,13 +14,12 @@ from bpy.types import ID, Object
 from ... import compat
 from ...properties import SinewDeformer
 
-Order = dict[int, int | None]
+Order = Mapping[int, int | None]
 
 _DEFORMER = re.compile(r"^(sinew\.deformers\[)(\d+)(\].*)$")
-_HANDLE = re.compile(r"^(sinew\.deformers\[\d+\]\.handles\[)(\d+)(\].*)$")
 
 
-def moved(count: int, source: int, target: int) -> Order:
+def moved(count: int, source: int, target: int) -> dict[int, int]:
     """The order after ``collection.move(source, target)``."""
     rows = list(range(count))
     rows.insert(target, rows.pop(source))
@@ -37,15 +36,15 @@ def deformers_reordered(obj: Object, order: Order) -> None:
     _renumber(obj, lambda path: _new_path(_DEFORMER, path, order))
 
 
-def handles_reordered(obj: Object, deformer: SinewDeformer, order: Order) -> None:
-    """Renumber every path to the handles of a deformer."""
+def rows_reordered(obj: Object, deformer: SinewDeformer, collection: str, order: Order) -> None:
+    """Renumber every path to the rows of a collection of a deformer: its handles or its controls."""
     index = next(row for row, other in enumerate(obj.sinew.deformers) if other.uid == deformer.uid)
-    prefix = f"sinew.deformers[{index}]."
-    _renumber(obj, lambda path: _new_path(_HANDLE, path, order) if path.startswith(prefix) else path)
+    rows = re.compile(rf"^(sinew\.deformers\[{index}\]\.{collection}\[)(\d+)(\].*)$")
+    _renumber(obj, lambda path: _new_path(rows, path, order))
 
 
 def _new_path(pattern: re.Pattern, path: str, order: Order) -> str | None:
-    """The renumbered path; None where what it names was removed."""
+    """The renumbered path; None if the row that it names was removed."""
     found = pattern.match(path)
     if found is None:
         return path
@@ -80,7 +79,7 @@ def _renumber(obj: Object, new_path: Callable[[str], str | None]) -> None:
 
 
 def _targets(obj: Object) -> Iterator:
-    """The driver targets anywhere in the file that read a property of the object."""
+    """All driver targets in the file that read a property of the object."""
     for owner in _animated():
         for curve in owner.animation_data.drivers:
             for variable in curve.driver.variables:
@@ -89,7 +88,7 @@ def _targets(obj: Object) -> Iterator:
 
 
 def _animated() -> Iterator[ID]:
-    """Local IDs that have drivers, the hidden shape keys and node trees included."""
+    """Local IDs that have animation data, including hidden shape keys and node trees."""
     for owner in bpy.data.user_map():
         if owner.library is None and getattr(owner, "animation_data", None) is not None:
             yield owner

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Deformers that rest because their bake plays: what plays it, and what the panel says. Reads only."""
+"""Baked deformers, which rest while their bake plays: the modifier that plays it, and the line in the panel.
+
+This only reads Blender's data.
+"""
 
 import os
 
@@ -17,7 +20,8 @@ _LOST = "The Mesh Cache modifier of the bake was removed - press Unbake"
 def find_cache(obj: Object, deformer: SinewDeformer) -> Modifier | None:
     """The modifier that plays the file of a deformer, also after renames, moves and saves in another folder.
 
-    It is known by the file, by the file's name, by its own name; its place decides between equals.
+    It is found by the path of the file, by the name of the file, or by its own name. If several modifiers
+    fit, the one just after the modifier of the deformer is taken.
     """
     bake = deformer.bake
     if bake.result not in ("PC2", "MDD"):
@@ -37,19 +41,19 @@ def find_cache(obj: Object, deformer: SinewDeformer) -> Modifier | None:
 
 
 def _name(path: str) -> str:
-    """The last part of a path of any system."""
+    """The file name in a path of any operating system."""
     return os.path.basename(path.replace("\\", "/"))
 
 
 def overwrites(modifier: Modifier) -> bool:
-    """What came before a modifier leaves no trace after it."""
+    """Whether nothing of the shape before a modifier is left after it."""
     if modifier.type != "MESH_CACHE" or modifier.deform_mode != "OVERWRITE":
         return False
     return modifier.factor == 1.0 and not modifier.vertex_group
 
 
 def report(obj: Object) -> None:
-    """Say of each baked deformer that it is, or that its file is missing. Blender opens that file too."""
+    """Tell in the panel which deformers are baked, or that the file of a bake is missing."""
     for deformer in obj.sinew.deformers:
         replaced = shapes.find_modifier(obj, deformer) if deformer.bake.is_baked else None
         if replaced is not None and not replaced.show_viewport:

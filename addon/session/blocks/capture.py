@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Get what enters our modifier as a mesh of its own, without touching what the user set.
+"""Makes a mesh of what enters the modifier of a deformer, without changing the object.
 
-A short-lived copy of the object loses our modifier and the later ones and is evaluated where the user
-works. The copy has its own mesh while the original is in Edit Mode, whose unsaved edits are written first.
+A temporary copy of the object, without this modifier and the later ones, is evaluated in the scene. If the
+object is in Edit Mode, the edits are written to its mesh first, and the copy gets a mesh of its own.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -22,7 +22,7 @@ from . import control_points, shapes, targets, vertex_groups
 
 @contextmanager
 def evaluated_mesh(obj: Object, depsgraph: Depsgraph) -> Iterator[Mesh | None]:
-    """After all modifiers, in object space; None where Blender gives none. Gone afterwards."""
+    """For a while, the mesh of an object after its modifiers, in object space; None if it has none."""
     evaluated = obj.evaluated_get(depsgraph)
     try:
         yield evaluated.to_mesh()
@@ -30,18 +30,20 @@ def evaluated_mesh(obj: Object, depsgraph: Depsgraph) -> Iterator[Mesh | None]:
         evaluated.to_mesh_clear()
 
 
-FEW_GROUPS = 8  # so many are kept for a quick read, in use or not: the next bind then copies weights alone
+# So few vertex groups are all stored as attributes, in use or not. If a later bind uses other groups, only
+# weights have changed since.
+FEW_GROUPS = 8
 
 
 @contextmanager
 def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
-    """A copy of the object with its first ``last_modifier`` modifiers; gone afterwards."""
+    """A copy of the object with its first ``last_modifier`` modifiers. It is removed at the end."""
     with sessions.suspended():
         copy = obj.copy()
         own_data = None
         try:
             copy.sinew.deformers.clear()
-            _still(copy)
+            _remove_drivers(copy)
             if obj.mode == "EDIT":
                 obj.update_from_editmode()
                 own_data = copy.data = obj.data.copy()
@@ -57,8 +59,8 @@ def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
             bpy.context.view_layer.update()
 
 
-def _still(copy: Object) -> None:
-    """Nothing drives or animates the settings that the copy has lost."""
+def _remove_drivers(copy: Object) -> None:
+    """Remove the drivers of settings that the copy no longer has."""
     if copy.animation_data is None:
         return
     for curve in list(copy.animation_data.drivers):
@@ -92,10 +94,10 @@ def rest_mesh(obj: Object, deformer: SinewDeformer) -> Mesh:
 def rest_meshes(
     obj: Object, deformer: SinewDeformer, entered: Mesh | None = None
 ) -> tuple[Mesh, Mesh | None]:
-    """New meshes: the rest mesh for viewports, and the one for renders, None where it is the same.
+    """New meshes: the rest mesh for viewports, and the one for renders, or None if they are the same.
 
     ``entered``: the rest mesh for viewports, if ``rest_mesh`` has just made it. It is returned, and stays
-    the caller's where the one for renders is refused.
+    the caller's if the one for renders is refused.
     """
     position = _position(obj, deformer)
     if entered is not None and not _differs_in_renders(obj, list(obj.modifiers)[:position]):
@@ -107,7 +109,7 @@ def rest_meshes(
         try:
             with _as_rendered(copy):
                 rendered = _rest_mesh(obj, deformer, copy)
-            _refuse_other_kind(shown, rendered)
+            _refuse_other_point_type(shown, rendered)
         except MeshError:
             if entered is None:
                 bpy.data.meshes.remove(shown)
@@ -118,7 +120,7 @@ def rest_meshes(
     return shown, rendered
 
 
-def _refuse_other_kind(shown: Mesh, rendered: Mesh) -> None:
+def _refuse_other_point_type(shown: Mesh, rendered: Mesh) -> None:
     if shown.get(Keys.REST_POINT_TYPE) != rendered.get(Keys.REST_POINT_TYPE):
         bpy.data.meshes.remove(rendered)
         raise MeshError(
@@ -144,7 +146,7 @@ def _differs_in_renders(obj: Object, modifiers: Sequence[Modifier]) -> bool:
 
 @contextmanager
 def _as_rendered(copy: Object) -> Iterator[None]:
-    """The copy's modifiers do in the viewport what they do in renders."""
+    """For a while, the modifiers of the copy do in viewports what they do in renders."""
     render = bpy.context.scene.render
     simplify, data = render.use_simplify, copy.data
     if targets.render_resolution(data):
@@ -187,7 +189,7 @@ def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
 
 
 def _as_rest(mesh: Mesh, names: list[str]) -> Mesh:
-    """Named and marked; ``names`` of the vertex groups."""
+    """Name and mark a mesh as a rest mesh; ``names`` are those of the vertex groups of the object."""
     if len(mesh.vertices) == 0:
         point_type = point_type_with_id(mesh.get(Keys.REST_POINT_TYPE))
         bpy.data.meshes.remove(mesh)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reads the points of objects that are no meshes, by a short-lived geometry node group. Main thread only."""
+"""Reads the points of objects that are no meshes, by temporary geometry nodes. Main thread only."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ from .nodes import Builder
 
 _PART = ".sinew_part"  # in a mesh of control points: which points a vertex stands for, 0 for a surface
 _POINT, _LEFT, _RIGHT, _CLOUD = 1, 2, 3, 4
-_KINDS = {0: SURFACE, _POINT: CURVE, _RIGHT: BEZIER, _CLOUD: POINTCLOUD}  # by the last part there is
+_POINT_TYPES = {0: SURFACE, _POINT: CURVE, _RIGHT: BEZIER, _CLOUD: POINTCLOUD}  # by the last part in the mesh
 _BEZIER = 2.0  # the number of the type of curve
 
 
@@ -76,17 +76,17 @@ def _points_of(group: GeometryNodeTree, obj: Object) -> None:
 
 
 def _vertices(build: Builder, points: NodeSocket, part: int, selection: object = True) -> NodeSocket:
-    """Loose vertices, which remember what ``part`` they are."""
+    """Loose vertices, with an attribute that tells which ``part`` they belong to."""
     made = build.add("GeometryNodePointsToVertices", Points=points, Selection=selection)
     return build.store(build.out(made, "Mesh"), "INT", _PART, part)
 
 
 def take_point_type(mesh: Mesh) -> PointType:
-    """What a mesh made by ``showing_points`` holds. The attribute that tells goes."""
+    """What a mesh made by ``showing_points`` holds. Removes the attribute that tells."""
     attribute = mesh.attributes.get(_PART)
     if attribute is None:
         return SURFACE
     parts = np.empty(len(attribute.data), dtype=np.int32)
     attribute.data.foreach_get("value", parts)
     mesh.attributes.remove(attribute)
-    return _KINDS[int(parts.max(initial=0))]
+    return _POINT_TYPES[int(parts.max(initial=0))]

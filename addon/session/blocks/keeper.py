@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The driver on a target that makes Blender evaluate its controls, hidden ones too. Main thread only."""
+"""The driver on a target that makes Blender evaluate its controls, also hidden ones. Main thread only."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ _KEEP = f'["{Keys.KEEP}"]'
 
 @dataclass(frozen=True)
 class Link:
-    """An object, or one of its bones, that a deformer follows; ``by_shape``: its vertices count too."""
+    """An object or a bone that a deformer follows. ``by_shape``: its vertices count, not only its place."""
 
     object: Object
     bone: str = ""
@@ -22,7 +22,7 @@ class Link:
 
 
 def find_driver(obj: Object) -> FCurve | None:
-    """The driver, where it is there."""
+    """The driver, if the object has it."""
     return obj.animation_data.drivers.find(_KEEP) if obj.animation_data is not None else None
 
 
@@ -32,7 +32,7 @@ def pointer_links(obj: Object) -> list[Link]:
 
 
 def is_kept(obj: Object) -> bool:
-    """The driver is there, where it is needed, and keeps what parameters refer to."""
+    """Whether the driver is there if it is needed, and names the objects that parameters refer to."""
     pointers = {link.object for link in pointer_links(obj)}
     if Keys.KEEP not in obj:
         return not pointers
@@ -43,10 +43,10 @@ def is_kept(obj: Object) -> bool:
 
 
 def write_driver(obj: Object, links: Sequence[Link]) -> None:
-    """One SUM driver, one variable per link: Blender then evaluates hidden and unlinked controls too.
+    """One SUM driver with a variable per link, so that Blender evaluates controls hidden or in no scene too.
 
-    One that counts by its shape has two: its dimensions depend on its shape. There is no Python expression,
-    so the driver also works in files that are not trusted.
+    A link whose shape counts has a second variable, which reads dimensions, as these depend on the shape. The
+    driver has no Python expression, so it also works in files that are not trusted.
     """
     if obj.animation_data is not None:
         for curve in [curve for curve in obj.animation_data.drivers if curve.data_path == _KEEP]:

@@ -49,12 +49,12 @@ def _fits(group: GeometryNodeTree, point_type: PointType) -> bool:
 
 
 def _name(point_type: PointType) -> str:
-    """Kinds of one name share a group."""
+    """What a group is known by: point types with the same name share a group."""
     return f"{point_type.component} {point_type.points_per_element}"
 
 
 def _is_whole(group: GeometryNodeTree) -> bool:
-    """Nobody took an input away."""
+    """Whether the group still has all its inputs."""
     names = (Inputs.PROXY_VIEWPORT, Inputs.PROXY_RENDER, Inputs.MASK, Inputs.INCOMING, Inputs.INDEX)
     return group.bl_idname == "GeometryNodeTree" and all(
         compat.has_group_input(group, name) for name in names
@@ -62,7 +62,7 @@ def _is_whole(group: GeometryNodeTree) -> bool:
 
 
 def is_ours(modifier: Modifier) -> bool:
-    """The modifier shows a deformer."""
+    """Whether the modifier shows a deformer."""
     return (
         modifier.type == "NODES"
         and modifier.node_group is not None
@@ -71,7 +71,7 @@ def is_ours(modifier: Modifier) -> bool:
 
 
 def attach(modifier: NodesModifier, group: GeometryNodeTree) -> None:
-    """Set a new modifier's group. Blender 3.x gives it an empty group of its own, which goes."""
+    """Set the group of a new modifier. Blender 3.x has given it an empty group, which is removed."""
     empty = modifier.node_group
     modifier.node_group = group
     if empty is not None:
@@ -132,7 +132,7 @@ def _nodes(group: GeometryNodeTree, point_type: PointType) -> None:
     share = build.math("MULTIPLY", last[0], painted)
 
     def moved(before: NodeSocket, part: int) -> NodeSocket:
-        """Where ``before`` goes, by this part of the shape."""
+        """Where the positions ``before`` are moved to by this part of the shape mesh."""
         at = index if part == 0 else build.math("ADD", index, build.math("MULTIPLY", points, float(part)))
         sampled = build.sample(shape, position, at)
         added = build.add("ShaderNodeVectorMath", {"operation": "ADD"})
@@ -168,10 +168,10 @@ def _nodes(group: GeometryNodeTree, point_type: PointType) -> None:
 def _apart(
     build: Builder, geometry: NodeSocket, component: str
 ) -> tuple[NodeSocket, Callable[[NodeSocket], NodeSocket]]:
-    """One component alone, and what joins the others to it again: instances, say, are not moved by its shape.
+    """One component alone, and a function that joins the others to it again. Only the one is moved.
 
-    Where there are no others, nothing is taken apart, which keeps what sculpting needs. Meshes never are: it
-    might cost a copy.
+    If there are no others, nothing is taken apart, because sculpting needs the geometry as it is. Meshes are
+    never taken apart, as that may cost a copy.
     """
     parts = build.add("GeometryNodeSeparateComponents", Geometry=geometry).outputs
     counts = [build.count(geometry, other) for other in (*_COMPONENTS, "INSTANCES") if other != component]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds geometry nodes by type, with sockets found by name."""
+"""Builds geometry nodes by their type. Sockets are found by name."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from bpy.types import GeometryNodeTree, NodeSocket
 
@@ -9,14 +9,14 @@ from ... import compat
 
 
 class Builder:
-    """Nodes by type, sockets by name."""
+    """Adds nodes to a group and links them, from left to right."""
 
     def __init__(self, group: GeometryNodeTree) -> None:
         self.group = group
         self.column = 0
 
-    def add(self, node_type: str, settings: dict[str, str] | None = None, **inputs):
-        """A node with its settings, its inputs set or linked; spaces in names are written ``_``."""
+    def add(self, node_type: str, settings: Mapping[str, object] | None = None, **inputs):
+        """A new node with these settings, and its inputs set or linked. Spaces in names are written ``_``."""
         node = self.group.nodes.new(node_type)
         node.location = (self.column * 180, 0)
         self.column += 1
@@ -27,18 +27,18 @@ class Builder:
         return node
 
     def feed(self, socket: NodeSocket, value: object) -> None:
-        """Link a socket, or set its value."""
+        """Link a socket to an output, or set its value."""
         if isinstance(value, NodeSocket):
             self.group.links.new(value, socket)
         else:
             socket.default_value = value
 
     def out(self, node, name: str) -> NodeSocket:
-        """An output by name."""
+        """The enabled output of this name."""
         return compat.enabled_socket(node.outputs, name)
 
     def math(self, operation: str, a: object, b: object) -> NodeSocket:
-        """A scalar operation."""
+        """The output of an operation with two numbers."""
         node = self.add("ShaderNodeMath", {"operation": operation})
         self.feed(node.inputs[0], a)
         self.feed(node.inputs[1], b)
@@ -46,11 +46,11 @@ class Builder:
             node.inputs[2].default_value = 0.5
         return node.outputs[0]
 
-    def store(self, geometry: NodeSocket, kind: str, name: object, value: NodeSocket) -> NodeSocket:
-        """The geometry with a point attribute more."""
+    def store(self, geometry: NodeSocket, data_type: str, name: object, value: NodeSocket) -> NodeSocket:
+        """The geometry with one more attribute of its points."""
         node = self.add(
             "GeometryNodeStoreNamedAttribute",
-            {"data_type": kind, "domain": "POINT"},
+            {"data_type": data_type, "domain": "POINT"},
             Geometry=geometry,
             Name=name,
             Value=value,
@@ -69,17 +69,17 @@ class Builder:
         return self.out(node, "Value")
 
     def join(self, geometries: Iterable[NodeSocket]) -> NodeSocket:
-        """All of them in one."""
+        """The geometries joined into one."""
         node = self.add("GeometryNodeJoinGeometry")
         for geometry in geometries:
             self.feed(node.inputs[0], geometry)
         return self.out(node, "Geometry")
 
     def handle(self, side: str) -> NodeSocket:
-        """Where the handle of each point of a curve is, LEFT or RIGHT."""
+        """The position of the LEFT or RIGHT handle of each point of a curve."""
         return self.add("GeometryNodeInputCurveHandlePositions").outputs[side.title()]
 
-    def switch(self, kind: str, choose: NodeSocket, no: object, yes: object) -> NodeSocket:
-        """``yes`` where ``choose``, else ``no``."""
+    def switch(self, input_type: str, choose: NodeSocket, no: object, yes: object) -> NodeSocket:
+        """``yes`` where ``choose`` is true, else ``no``."""
         sides = {"Switch": choose, "False": no, "True": yes}
-        return self.out(self.add("GeometryNodeSwitch", {"input_type": kind}, **sides), "Output")
+        return self.out(self.add("GeometryNodeSwitch", {"input_type": input_type}, **sides), "Output")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects own deformers. Names are kept, never objects; a new number of objects repeats the scan."""
+"""The objects that have deformers. Their names are kept, never the objects themselves.
+
+All objects are looked at again when their number has changed.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,19 +14,19 @@ from ...core.memory import remember
 from ...properties import deformers_of
 from . import shapes
 
-_Key = str | tuple[str, str]  # how ``bpy.data.objects`` finds an object: by name, or by name and library
+_Key = str | tuple[str, str]  # what ``bpy.data.objects`` finds an object by: its name, or name and library
 
 
 @dataclass
 class _Found:
-    """Owners by key; and whether some object shows shapes that are not its own."""
+    """The keys of the owners; and whether some object shows shape meshes that belong to another."""
 
     objects: int = -1
     owners: tuple[_Key, ...] = ()
     has_copies: bool = False
 
     def clear(self) -> None:
-        """Look for them again."""
+        """Look at all objects again at the next call."""
         self.objects = -1
 
 
@@ -31,12 +34,12 @@ _found = remember(_Found())
 
 
 def forget_owners() -> None:
-    """Objects may have gained or lost deformers."""
+    """Call when objects may have gained or lost deformers."""
     _found.clear()
 
 
 def owners() -> list[Object]:
-    """Objects that own deformers, without copies that still share the shapes of another."""
+    """The objects with deformers, without copies that still share the shape meshes of another object."""
     if _found.objects != len(bpy.data.objects):
         _take()
     objects = bpy.data.objects
@@ -48,13 +51,13 @@ def owners() -> list[Object]:
 
 
 def has_copies() -> bool:
-    """Some object shares the shapes of another, or overrides linked ones: see ``upkeep``."""
+    """Whether some object shares the shape meshes of another, or overrides linked ones: see ``upkeep``."""
     owners()
     return _found.has_copies
 
 
 def copies() -> list[Object]:
-    """Objects with a deformer that shares its key with another, or shows shapes linked from a library."""
+    """The objects with a deformer that has the key of another, or that shows shapes linked from a library."""
     return [obj for obj, is_owner, is_whole in _scan() if not (is_owner and is_whole)]
 
 
@@ -70,8 +73,8 @@ def _take() -> None:
 
 
 def _scan() -> Iterator[tuple[Object, bool, bool]]:
-    """Each object with deformers; whether no earlier one has their keys; and whether each deformer has a key
-    and shapes of its own.
+    """Each object with deformers; whether no earlier object has deformers with these keys; and whether each
+    deformer has a key and shapes of its own.
     """
     known: set[str] = set()
     for obj in bpy.data.objects:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Parameters whose value lies in another datablock: curves that an artist draws, and objects.
 
-A curve is kept by the one node of a node tree of its own, because no property of Blender holds one. A
+No property of Blender holds a curve, so each curve is held by the single node of a node tree of its own. A
 parameter without a tree has its default curve.
 """
 
@@ -21,9 +21,9 @@ _NODE = "ShaderNodeFloatCurve"
 
 
 def curve_node(values: PropertyGroup, parameter: Curve) -> ShaderNodeFloatCurve | None:
-    """The node whose ``mapping`` is the curve; None where the parameter has its default.
+    """The node whose ``mapping`` is the curve; None if the parameter has its default curve.
 
-    ``values``: the parameters of a method, as in ``SinewDeformer.methods``.
+    ``values`` are the parameters of a method, as in ``SinewDeformer.methods``.
     """
     tree = getattr(values, parameter.id)
     nodes = tree.nodes if isinstance(tree, NodeTree) else ()
@@ -31,7 +31,7 @@ def curve_node(values: PropertyGroup, parameter: Curve) -> ShaderNodeFloatCurve 
 
 
 def edit_curve(values: PropertyGroup, parameter: Curve) -> CurveMapping:
-    """A curve to draw, the default one at first. A script that changes it tags its tree for an update."""
+    """A curve that can be changed, at first the default one. A script that changes it must tag its tree."""
     node = curve_node(values, parameter)
     if node is None:
         tree = bpy.data.node_groups.new(Datablocks.CURVE, "ShaderNodeTree")
@@ -43,7 +43,7 @@ def edit_curve(values: PropertyGroup, parameter: Curve) -> CurveMapping:
 
 
 def reset_curve(values: PropertyGroup, name: str) -> None:
-    """The default curve again, for the parameter of this name."""
+    """Give the parameter of this name its default curve again."""
     tree = getattr(values, name)
     setattr(values, name, None)
     if tree is not None and tree.users == 0 and tree.library is None:
@@ -51,7 +51,7 @@ def reset_curve(values: PropertyGroup, name: str) -> None:
 
 
 def unshare_curves(deformer: SinewDeformer) -> None:
-    """The curves of a copied object become its own."""
+    """Give a copied deformer curves of its own."""
     for values, name in _drawn(deformer):
         setattr(values, name, getattr(values, name).copy())
 
@@ -86,7 +86,7 @@ def _referring(settings: SinewDeformer) -> Iterator[tuple[PropertyGroup, Paramet
 
 
 def compared(values: PropertyGroup, parameter: Parameter) -> object:
-    """The value in a form that can be compared."""
+    """The value of a parameter in a form that can be compared."""
     if isinstance(parameter, Curve):
         return _points(values, parameter)
     frame = value(values, parameter)
@@ -94,7 +94,7 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
 
 
 def placed(settings: SinewDeformer) -> list[object]:
-    """What the values come from, to compare: the quick form of ``compared``, for all parameters."""
+    """The same for all parameters, but quicker: the points of curves, and the matrices of objects."""
     return [
         _points(values, parameter) if isinstance(parameter, Curve) else _matrix(values, parameter)
         for values, parameter in _referring(settings)
@@ -102,7 +102,7 @@ def placed(settings: SinewDeformer) -> list[object]:
 
 
 def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | None:
-    """As the native module takes it: see ``Curve`` and ``Pointer``."""
+    """The value in the form that the native module takes: see ``Curve`` and ``Pointer``."""
     if isinstance(parameter, Curve):
         return _samples(values, parameter)
     obj = getattr(values, parameter.id)
@@ -118,7 +118,7 @@ def _matrix(values: PropertyGroup, parameter: Parameter) -> object:
 
 
 def _draw(mapping: CurveMapping, points: tuple[tuple[float, float], ...]) -> None:
-    """Straight lines between points, of which there are two already."""
+    """Draw straight lines between ``points``. A new curve has two points already."""
     drawn = mapping.curves[0].points
     for _more in points[2:]:
         drawn.new(0.5, 0.5)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The hidden meshes of a deformer and the modifier that shows them.
 
-Only operators, scripts and timers on the main thread may call this. The tie between settings and modifier
-is the shape object, never a name.
+Only operators, scripts and timers on the main thread may call this. A modifier belongs to the deformer whose
+shape object it shows, whatever its name is.
 """
 
 import hashlib
@@ -24,12 +24,12 @@ _REST = ("rest",)
 
 
 def new_key() -> str:
-    """A key that no other deformer has, also in other files."""
+    """A key that no other deformer has, in this file or another."""
     return uuid.uuid4().hex[:_KEY_LENGTH]
 
 
 def find_modifier(obj: Object, deformer: SinewDeformer) -> NodesModifier | None:
-    """The modifier that shows this deformer, or did before somebody deleted its hidden shape."""
+    """The modifier that shows this deformer, or did before its hidden shape was deleted."""
     nodes = [modifier for modifier in obj.modifiers if modifier.type == "NODES"]
     shape = deformer.shape("VIEWPORT")
     if shape is not None:
@@ -44,7 +44,7 @@ def find_modifier(obj: Object, deformer: SinewDeformer) -> NodesModifier | None:
 
 
 def _restore_names(obj: Object, deformer: SinewDeformer) -> bool:
-    """Of a copied modifier that outlived the first one; True where it had others."""
+    """Give a copied modifier the names of attributes that the removed original had; whether it had others."""
     modifier = find_modifier(obj, deformer)
     incoming, index = attribute_names(deformer.uid)
     if modifier is None or compat.modifier_input(modifier, Inputs.INCOMING) == incoming:
@@ -55,7 +55,7 @@ def _restore_names(obj: Object, deformer: SinewDeformer) -> bool:
 
 
 def attribute_names(key: str) -> tuple[str, str]:
-    """Where the node group keeps incoming positions and indices of this deformer."""
+    """The attributes in which the node group stores incoming positions and indices for this deformer."""
     key = key if len(key) <= _KEY_LENGTH else hashlib.sha1(key.encode()).hexdigest()[:_KEY_LENGTH]
     return f".sinew_in_{key}", f".sinew_index_{key}"
 
@@ -63,27 +63,28 @@ def attribute_names(key: str) -> tuple[str, str]:
 def ensure(
     obj: Object, deformer: SinewDeformer, vertex_count: int, render_count: int | None = None
 ) -> NodesModifier:
-    """Shape meshes of the right size, in a modifier with the right inputs.
+    """Make sure that there are shape meshes of the right size, and a modifier with the right inputs.
 
-    Changes nothing that is right already. ``render_count``: where renders have another number of vertices.
+    What is right already stays as it is. ``render_count`` is given if another number of vertices enters in
+    renders.
     """
     modifier = find_modifier(obj, deformer)
     deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
     render_count = vertex_count if render_count is None else render_count
     deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
-    kind = targets.point_type(deformer)
+    point_type = targets.point_type(deformer)
     if modifier is None:
         modifier = obj.modifiers.new(Datablocks.MODIFIER, "NODES")
-        modifier.show_expanded = False  # its inputs are ours to set
-        node_group.attach(modifier, node_group.ensure(kind))
-    elif not node_group.shows(modifier, kind):
-        modifier.node_group = node_group.ensure(kind)
+        modifier.show_expanded = False  # Sinew sets its inputs
+        node_group.attach(modifier, node_group.ensure(point_type))
+    elif not node_group.shows(modifier, point_type):
+        modifier.node_group = node_group.ensure(point_type)
     connect(modifier, deformer)
     return modifier
 
 
 def connect(modifier: NodesModifier, deformer: SinewDeformer) -> None:
-    """Give the modifier this deformer's shapes and names."""
+    """Set the inputs of the modifier to the shapes and attribute names of this deformer."""
     incoming, index = attribute_names(deformer.uid)
     for name, value in (
         (Inputs.INCOMING, incoming),
@@ -96,28 +97,28 @@ def connect(modifier: NodesModifier, deformer: SinewDeformer) -> None:
 
 
 def tell_copies_apart(obj: Object) -> bool:
-    """A modifier copied by Blender's own button shows the same shape, and must not overwrite what entered.
+    """Give copies of a modifier, made by Blender's own button, attribute names of their own.
 
-    True where a copy got names of its own.
+    They show the same shape, and would overwrite the incoming positions. Returns whether there were any.
     """
     restored = [_restore_names(obj, deformer) for deformer in obj.sinew.deformers]
-    renamed, seen = any(restored), set()
+    renamed, known = any(restored), set()
     for modifier in obj.modifiers:
         if modifier.type != "NODES":
             continue
         name = compat.modifier_input(modifier, Inputs.INCOMING)
-        if name is not None and name in seen:
+        if name is not None and name in known:
             compat.set_modifier_input(modifier, Inputs.INCOMING, f"{name}_copy")
             compat.set_modifier_input(modifier, Inputs.INDEX, f"{name}_copy_index")
             renamed = True
-        seen.add(name)
+        known.add(name)
     if renamed:
         obj.update_tag()
     return renamed
 
 
 def connect_mask(obj: Object, modifier: NodesModifier, deformer: SinewDeformer) -> bool:
-    """Pass the mask on to the modifier; True where it changed. A group that is gone masks nothing."""
+    """Pass the mask on to the modifier; whether it changed. A vertex group that is gone masks nothing."""
     mask = deformer.mask_group if deformer.mask_group in obj.vertex_groups else ""
     if compat.modifier_input(modifier, Inputs.MASK) == mask:
         return False
@@ -126,7 +127,7 @@ def connect_mask(obj: Object, modifier: NodesModifier, deformer: SinewDeformer) 
 
 
 def is_linked(proxy: Object | None) -> bool:
-    """Blender ignores writes to this shape: it, or its mesh, comes from a library."""
+    """Whether this shape object or its mesh comes from a library: Blender ignores writes to it then."""
     return isinstance(proxy, Object) and (
         proxy.library is not None or (proxy.data is not None and proxy.data.library is not None)
     )
@@ -144,7 +145,7 @@ def _shape_object(proxy: Object | None, name: str, vertex_count: int) -> Object:
 
 
 def session_of(deformer: SinewDeformer, mode: str) -> sessions.Session:
-    """The session of a deformer. Renders have one of their own where other vertices enter there."""
+    """The session of a deformer. If other vertices enter in renders, these have a session of their own."""
     session = sessions.open_session(deformer.uid)
     if mode == "RENDER" and deformer.renders_differ:
         return sessions.open_render_session(deformer.uid)
@@ -152,9 +153,9 @@ def session_of(deformer: SinewDeformer, mode: str) -> sessions.Session:
 
 
 def show_rest(deformer: SinewDeformer, mode: str, scene: Scene | None = None) -> None:
-    """Let the incoming shape through. An array write only, so handlers may call it.
+    """Show the incoming shape unchanged. This only writes an array, so handlers may call it.
 
-    A handler names its ``scene`` and holds the session's lock.
+    A handler names its ``scene``, and holds the lock of the session.
     """
     proxy = deformer.shape(mode)
     session = session_of(deformer, mode)
@@ -172,7 +173,7 @@ def show_rest(deformer: SinewDeformer, mode: str, scene: Scene | None = None) ->
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:
-    """Take the modifier off and free what only this deformer used."""
+    """Remove the modifier, and what only this deformer used."""
     modifier = find_modifier(obj, deformer)
     if modifier is not None:
         obj.modifiers.remove(modifier)
@@ -183,7 +184,7 @@ def remove(obj: Object, deformer: SinewDeformer) -> None:
 
 
 def free_shape(proxy: Object | None) -> None:
-    """Remove a shape object unless a copy of the target still shows it, or somebody put it into a scene."""
+    """Remove a shape object, unless a copy of the target still shows it or a user put it into a scene."""
     if proxy is None or is_linked(proxy) or _shape_owners(proxy) > 1 or proxy.users_scene:
         return
     mesh = proxy.data
@@ -201,10 +202,10 @@ def _shape_owners(proxy: Object) -> int:
 
 
 def hold_rest(deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> None:
-    """Store what entered, in the datablocks held already; ``meshes`` are used up.
+    """Store the rest meshes in the datablocks that the deformer has already; ``meshes`` are used up.
 
-    Blender's undo leaves an object as it is where two steps agree on it. Had a timer let the object point to
-    a new mesh since, which no step knows, the pointer would outlive the mesh.
+    Blender's undo skips objects that two steps agree on. If a timer replaced the mesh of such an object by a
+    new one in between, undo would remove the mesh and leave a pointer to it.
     """
     shown, rendered = meshes
     deformer.rest = put_mesh(deformer.rest, shown)
@@ -212,7 +213,7 @@ def hold_rest(deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> None
 
 
 def put_mesh(held: Mesh | None, new: Mesh) -> Mesh:
-    """``new`` in the place of ``held``, unless a copy of the target or a library holds that too."""
+    """What to hold from now on: ``held`` with the contents of ``new``, or ``new`` if others use ``held``."""
     if not isinstance(held, Mesh) or held.library is not None or held.users != 1:
         return new
     replace_rest(held, new)
@@ -221,13 +222,13 @@ def put_mesh(held: Mesh | None, new: Mesh) -> Mesh:
 
 
 def release_rest(deformer: SinewDeformer) -> None:
-    """Forget the rest meshes; a copy of the target may still hold them."""
+    """Forget the rest meshes of a deformer. Those that a copy of the target uses stay in the file."""
     meshes, deformer.rest, deformer.rest_render = (deformer.rest, deformer.rest_render), None, None
     free_meshes(*meshes)
 
 
 def free_meshes(*meshes: Mesh | None) -> None:
-    """Remove hidden meshes that nobody uses any more."""
+    """Remove the hidden meshes that have no user any more."""
     for mesh in meshes:
         if isinstance(mesh, Mesh) and mesh.library is None and mesh.users == 0:
             bpy.data.meshes.remove(mesh)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects can be moved, and by what: the one place that knows their types.
+"""The objects that can be moved, by their type: no other module asks for it.
 
-A mesh has vertices, which anything moves. Curves, text, hair and point clouds have control points, or a
-surface that Blender makes of them: no regions can be marked there, so only cages move them.
+A mesh has vertices, which every method moves. Curves, text, hair and point clouds have control points, or
+faces that Blender makes of them. No regions can be marked there, so only cages move them.
 """
 
 import numpy as np
@@ -20,43 +20,46 @@ _MOVED = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD")
 
 
 def is_mesh(obj: Object) -> bool:
-    """All methods and operators work."""
+    """Whether the object is a mesh, for which all methods and operators work."""
     return obj.type == "MESH"
 
 
 def can_be_moved(obj: Object) -> bool:
-    """At least a cage moves it."""
+    """Whether a cage, at least, can move the object."""
     return obj.type in _MOVED
 
 
 def is_path(obj: Object) -> bool:
-    """Children may follow its curve instead of its frame."""
+    """Whether children of the object may follow its curve instead of its frame."""
     return obj.type == "CURVE"
 
 
 def label(obj: Object) -> str:
-    """The type, as in a sentence."""
+    """The name of the type, for use in a sentence."""
     return obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
 
 
 def point_type(deformer: SinewDeformer) -> PointType:
-    """What the deformer moves, as it was bound."""
+    """The points that the deformer moves, since it was bound."""
     rest = deformer.rest_in("VIEWPORT")
     return MESH if rest is None else point_type_with_id(rest.get(Keys.REST_POINT_TYPE))
 
 
 def is_exported(obj: Object) -> bool:
-    """Blender writes the shape shown into Alembic files; of others the one without modifiers, or nothing."""
+    """Whether Blender writes the shape shown of this object into Alembic files.
+
+    Of objects of other types it writes the shape without modifiers, or nothing.
+    """
     return obj.type in ("MESH", "CURVES")
 
 
 def suits(obj: Object, deformer: SinewDeformer) -> bool:
-    """The object still is a mesh, or still is none, as when the deformer was bound."""
+    """Whether the object is a mesh, or is none, as it was when the deformer was bound."""
     return not deformer.is_bound or (point_type(deformer) is MESH) == is_mesh(obj)
 
 
 def size(obj: Object) -> int:
-    """Roughly how heavy the object is, in vertices or points; 0 where that takes long to tell."""
+    """Roughly how many vertices or points the object has; 0 if counting takes long."""
     for points in ("vertices", "points"):
         if hasattr(obj.data, points):
             return len(getattr(obj.data, points))
@@ -64,7 +67,7 @@ def size(obj: Object) -> int:
 
 
 def vertex_count(obj: Object) -> int:
-    """Of the mesh without modifiers; -1 for objects of another type."""
+    """How many vertices the mesh has without modifiers; -1 for objects of another type."""
     return len(obj.data.vertices) if is_mesh(obj) else -1
 
 
@@ -81,7 +84,7 @@ def point_count(obj: Object, point_type: PointType) -> int:
 
 
 def write_points(obj: Object, places: np.ndarray) -> None:
-    """Put all points, and handles, of an object that ``holds_points`` to ``places`` float32 (n, 3)."""
+    """Move all points and handles of an object to ``places``, float32 (n, 3). It must hold its points."""
     if obj.type == "CURVE":
         _write_splines(obj.data, places)
     else:
@@ -111,7 +114,7 @@ def _write_splines(curve: Curve, places: np.ndarray) -> None:
 
 
 def structure(obj: Object) -> str:
-    """What an object of another type than mesh is made of, to compare: positions do not count."""
+    """What an object that is no mesh consists of, apart from positions. For comparison."""
     data = obj.data
     if obj.type == "FONT":
         return f"{data.body}\n{data.font.name if data.font else ''}"
@@ -123,12 +126,12 @@ def structure(obj: Object) -> str:
 
 
 def render_resolution(data: ID) -> int:
-    """Steps a segment of a curve or text in renders, where they may be others than in viewports; else 0."""
+    """Steps per segment of a curve or text in renders, which may differ from viewports; 0 for other data."""
     return getattr(data, "render_resolution_u", 0)
 
 
 def require_method(obj: Object, method: Method) -> None:
-    """Refuse an object that the method cannot move."""
+    """Refuse an object that this method cannot move."""
     if not is_mesh(obj) and Moved.POINTS not in method.moves:
         raise OptionError(
             f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)} object - choose a "
@@ -138,6 +141,6 @@ def require_method(obj: Object, method: Method) -> None:
 
 
 def require_mesh(obj: Object, what: str) -> None:
-    """``what`` begins the sentence."""
+    """Refuse an object that is no mesh. ``what`` begins the sentence."""
     if not is_mesh(obj):
         raise SinewError(f"{what} meshes, and {obj.name} is a {label(obj)} object - convert it to a mesh")

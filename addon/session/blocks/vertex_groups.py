@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The vertex groups that a deformer uses: their names, and their weights."""
+"""The names and weights of the vertex groups that a deformer uses."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,13 +17,13 @@ from .nodes import Builder
 
 
 def groups_in_use(settings: SinewDeformer) -> set[str]:
-    """Names of the vertex groups in use."""
+    """The names of the vertex groups of regions and painted parameters."""
     wanted = {handle.vertex_group for handle in settings.handles}
     return (wanted | painting_groups(settings)) - {""}
 
 
 def painting_groups(settings: SinewDeformer) -> set[str]:
-    """Names of the vertex groups that scale parameters, and an empty one where none does."""
+    """The names of the vertex groups of painted parameters; an empty name for a parameter without one."""
     return {
         getattr(values, group_property(parameter))
         for method, values in settings.methods
@@ -32,10 +32,9 @@ def painting_groups(settings: SinewDeformer) -> set[str]:
 
 
 def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
-    """Take over the new names of vertex groups in use; True where there were any.
+    """Take over the new names of vertex groups in use; returns whether there were any.
 
-    Blender renames groups in its own modifiers only. A group is the one that stands where the old name stood
-    at bind.
+    Blender changes names in its own modifiers only. A renamed group is found by its index in the list.
     """
     rest = deformer.rest_in("VIEWPORT")
     known = group_names(rest) if rest is not None else []
@@ -59,7 +58,7 @@ def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
 
 
 def read_weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
-    """Read the vertex groups in use, once a rest mesh."""
+    """Read the vertex groups in use that have not been read yet."""
     wanted = groups_in_use(settings) - rest.weights.keys()
     if wanted:
         rest.weights.update(group_weights(mesh, group_names(mesh), wanted))
@@ -67,10 +66,10 @@ def read_weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
 
 @contextmanager
 def keeping_weights(obj: Object, groups: dict[str, str]) -> Iterator[None]:
-    """For a while, the object's last modifier stores vertex groups as attributes.
+    """For a while, a last modifier of the object stores vertex groups as attributes.
 
-    ``groups``: attribute name -> vertex group. Attributes are read a hundred times faster than the groups of
-    each vertex.
+    ``groups`` has the name of a vertex group per attribute. Reading attributes is a hundred times faster than
+    reading the groups of each vertex.
     """
     if not groups:
         yield

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bind is asked for, whatever moves the mesh."""
+"""The input of a bind, for every kind of control."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from bpy.types import PropertyGroup
 
 from ...backend import Base, Recipe
 from ...core.errors import OptionError
-from ...core.methods import METHODS, Curve, Method, Parameter, Pointer, group_property
+from ...core.methods import METHODS, Curve, Float, Method, Parameter, Pointer, group_property
 from ...mesh_io import RestShape
 from ...properties import BASE, SinewDeformer
 from ..blocks import references
@@ -33,23 +34,24 @@ _NAMES: dict[tuple[str, bool], _Names] = {
 
 @dataclass(frozen=True)
 class BindInput:
-    """Everything a worker thread needs to build a factor.
+    """Everything that a thread needs to build a factor.
 
-    ``control`` says in words what moves the mesh. With handles: their keys and vertices, in bound order.
+    ``control`` names what moves the mesh, as the panel says it. ``handles`` and ``indices`` are the keys and
+    the vertices of the bound handles, in their order; a cage has none.
     """
 
     key: tuple
     recipe: Recipe
     rest: RestShape
-    on_base: bool  # the vertices that enter are those of the base mesh
+    on_base: bool  # whether the vertices that enter are those of the base mesh
     control: str
     handles: tuple[str, ...] = ()
     indices: tuple[np.ndarray, ...] = ()
-    after: "BindInput | None" = None  # of a preview: what is bound next
+    after: "BindInput | None" = None  # if this is a preview: the exact bind that follows
 
 
 def option_values(settings: SinewDeformer, rebinds: bool = True) -> tuple:
-    """The settings that a factor depends on, or else a solve, to compare."""
+    """The settings that a factor depends on, or those that a solve depends on, for comparison."""
     found: list = []
     for method, values in settings.methods:
         plain, referring = _NAMES[method.id, rebinds]
@@ -59,7 +61,7 @@ def option_values(settings: SinewDeformer, rebinds: bool = True) -> tuple:
 
 
 def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
-    """The keywords of the native constructor; a painted one is (n,)."""
+    """The keywords of the native constructor. A painted parameter is an array (n,)."""
     own, *bases = settings.methods
     found = _options(*own, rest)
     for method, values in bases:
@@ -74,7 +76,7 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
             continue
         value = _value(values, parameter)
         group = getattr(values, group_property(parameter), "")
-        if group:
+        if isinstance(parameter, Float) and group:
             painted = rest.weights.get(group)
             if painted is None:
                 raise OptionError(
@@ -85,8 +87,8 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
     return found
 
 
-def solve_options(settings: SinewDeformer) -> dict[str, object]:
-    """The keywords of ``solve`` that the method takes, with those of a method inside it."""
+def solve_options(settings: SinewDeformer) -> dict[str, Any]:
+    """The keywords that ``solve`` of the method takes, with those of the method that it is put around."""
     return {
         parameter.id: _value(values, parameter)
         for method, values in reversed(settings.methods)
@@ -95,8 +97,8 @@ def solve_options(settings: SinewDeformer) -> dict[str, object]:
     }
 
 
-def _value(values: PropertyGroup, parameter: Parameter) -> object:
-    """As the native module takes it."""
+def _value(values: PropertyGroup, parameter: Parameter) -> Any:
+    """The value of a parameter in the form that the native module takes."""
     if isinstance(parameter, Curve | Pointer):
         return references.value(values, parameter)
     return getattr(values, parameter.id)

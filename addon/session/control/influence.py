@@ -8,7 +8,10 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Influence:
-    """The sum (n,) of the weights of some ``vertices`` of a control; the points ``outside`` of it."""
+    """``values`` (n,): per point of the target, the sum of the weights of some ``vertices`` of a control.
+
+    ``outside`` are the indices of the points that lie outside the control.
+    """
 
     vertices: tuple[int, ...]
     values: np.ndarray

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What moves a shape, by the kind of control that a method asks for: one folder per kind."""
+"""The kinds of control that methods ask for, such as handles or a cage: one folder per kind."""
 
 from collections.abc import Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol, cast
 
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
@@ -23,95 +23,83 @@ from .influence import Influence
 
 
 class ControlKind(Protocol):
-    """A kind of control, as the module ``kind`` of its folder.
+    """What the module ``kind`` in the folder of each kind of control implements.
 
-    Only ``set_rest``, ``take_rest``, ``forget_rest`` and ``release`` make or remove datablocks: they are for
-    operators, scripts and timers.
+    Only ``set_rest``, ``take_rest``, ``forget_rest`` and ``release`` make or remove datablocks. So operators,
+    scripts and timers may call them, and handlers may not.
     """
 
-    MISSING: str  # what to do where nothing moves the mesh yet
-    MARKS_REGIONS: bool  # it moves regions of a mesh that are vertex groups
+    MISSING: str  # tells the artist what to do while nothing moves the mesh
+    MARKS_REGIONS: bool  # whether it moves regions of a mesh, which are vertex groups
 
-    @staticmethod
-    def name(method: Method) -> str:
-        """What a new deformer is called."""
+    def name(self, method: Method) -> str:
+        """The name of a new deformer with this method."""
 
-    @staticmethod
-    def is_set(settings: SinewDeformer) -> bool:
-        """Something moves the mesh."""
+    def is_set(self, settings: SinewDeformer) -> bool:
+        """Whether something moves the mesh."""
 
-    @staticmethod
-    def key(settings: SinewDeformer) -> tuple:
-        """The control's part of what a factor depends on."""
+    def key(self, settings: SinewDeformer) -> tuple:
+        """What a factor depends on, as far as the control is concerned. For comparison."""
 
-    @staticmethod
     def request(
-        settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int
+        self, settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int
     ) -> BindInput:
-        """Arrays for the native module, or the reason why there are none."""
+        """The arrays for the native module. Raises a ``SinewError`` if it cannot be bound."""
 
-    @staticmethod
-    def notes(report: object, request: BindInput) -> tuple[Status, ...]:
-        """What the report of a bind tells the artist."""
+    def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:
+        """The lines in the panel about the report of a bind. Its type is the one that the recipe reports."""
 
-    @staticmethod
-    def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
-        """Where the control is. Called once per evaluation, so ``pose`` takes it from there."""
+    def read(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
+        """Where the control is. Called once per evaluation: ``pose`` gets it as ``evaluation.control``."""
 
-    @staticmethod
-    def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
-        """Where the control is, as ``Factor.solve`` takes it, and further keywords of it.
+    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+        """Where the control is, in the form that ``Factor.solve`` takes, and further keywords for it.
 
-        None where nobody knows: then the last shape stays.
+        None if the control is lost and its last place is unknown. Then the last shape stays.
         """
 
-    @staticmethod
-    def selectable(elements: Elements, request: BindInput) -> Elements:
-        """Elements that can be selected, for those that an error of the bind names."""
+    def selectable(self, elements: Elements, request: BindInput) -> Elements:
+        """The elements that an error of a bind names, as elements that can be selected."""
 
-    @staticmethod
-    def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
-        """The control that has these elements; where they cannot be selected, the reason is raised."""
+    def object_with(self, deformer: SinewDeformer, elements: Elements) -> Object:
+        """The control that has these elements. Raises a ``SinewError`` if they cannot be selected."""
 
-    @staticmethod
-    def links(deformer: SinewDeformer) -> Iterable[Link]:
-        """The objects and bones that Blender has to evaluate for the deformer."""
+    def use(self, obj: Object, deformer: SinewDeformer, control: Object, owned: bool) -> None:
+        """Let an object control the deformer; raises a ``SinewError`` if it cannot. The bind comes later.
 
-    @staticmethod
-    def is_stale(deformer: SinewDeformer) -> bool:
-        """The control has other vertices than at rest."""
+        ``owned``: the object was made for the deformer, and is removed with it.
+        """
 
-    @staticmethod
-    def set_rest(obj: Object, deformer: SinewDeformer) -> None:
-        """A control that has no rest yet rests where it is."""
+    def links(self, deformer: SinewDeformer) -> Iterable[Link]:
+        """The objects and bones that Blender must evaluate for the deformer."""
 
-    @staticmethod
-    def take_rest(obj: Object, deformer: SinewDeformer) -> None:
-        """The control rests as it is now."""
+    def is_stale(self, deformer: SinewDeformer) -> bool:
+        """Whether the control has gained or lost vertices since it was bound."""
 
-    @staticmethod
-    def forget_rest(deformer: SinewDeformer) -> None:
-        """The control has no rest: the next bind takes it as it is then."""
+    def set_rest(self, obj: Object, deformer: SinewDeformer) -> None:
+        """Let controls that have no rest yet rest where they are."""
 
-    @staticmethod
-    def lost(deformer: SinewDeformer) -> tuple[str, ...]:
-        """What the artist is told of controls that are gone."""
+    def take_rest(self, obj: Object, deformer: SinewDeformer) -> None:
+        """Let the control rest as it is now."""
 
-    @staticmethod
-    def release(obj: Object, deformer: SinewDeformer) -> None:
-        """Remove what was made for the deformer, unless others use it."""
+    def forget_rest(self, deformer: SinewDeformer) -> None:
+        """Forget how the control rested: at the next bind it rests as it is then."""
 
-    @staticmethod
-    def selected(deformer: SinewDeformer) -> tuple[int, ...]:
-        """The vertices of the control that are selected."""
+    def lost(self, deformer: SinewDeformer) -> tuple[str, ...]:
+        """The lines in the panel about controls that were deleted."""
 
-    @staticmethod
-    def influence(deformer: SinewDeformer, bound: Bound) -> Influence | None:
-        """How far the target's points go with the selected vertices; None without weights."""
+    def release(self, obj: Object, deformer: SinewDeformer) -> None:
+        """Remove what was made for the deformer, unless another deformer uses it."""
+
+    def selected(self, deformer: SinewDeformer) -> tuple[int, ...]:
+        """The selected vertices of the control."""
+
+    def influence(self, deformer: SinewDeformer, bound: Bound) -> Influence | None:
+        """How far each point of the target follows the selected vertices; None if the kind has no weights."""
 
 
 _KINDS: dict[Control, ControlKind] = {
-    control: import_module(f".{control.name.lower()}.kind", __package__)
+    control: cast(ControlKind, import_module(f".{control.name.lower()}.kind", __package__))
     for control in Control
     if (Path(__file__).parent / control.name.lower() / "kind.py").is_file()
 }
@@ -123,39 +111,39 @@ def every_kind() -> Iterable[ControlKind]:
 
 
 def kind_in_use(settings: SinewDeformer) -> ControlKind:
-    """The kind that the method in use asks for."""
+    """The kind of control that the method in use asks for."""
     return kind_of_method(settings.definition)
 
 
 def kind_of_method(method: Method) -> ControlKind:
-    """The kind that a method asks for."""
+    """The kind of control that a method asks for."""
     return _KINDS[method.control]
 
 
 def methods_of(kind: ControlKind) -> tuple[Method, ...]:
-    """The methods that ask for a kind."""
+    """The methods that ask for a kind of control."""
     return tuple(method for method in METHODS if _KINDS.get(method.control) is kind)
 
 
 def marks_regions(method: Method) -> bool:
-    """The method moves regions of a mesh that are vertex groups."""
+    """Whether the method moves regions of a mesh, which are vertex groups."""
     return kind_of_method(method).MARKS_REGIONS
 
 
 def lost_controls(deformer: SinewDeformer) -> tuple[str, ...]:
-    """What the artist is told of controls that are gone."""
+    """The lines in the panel about controls that were deleted."""
     return kind_in_use(deformer).lost(deformer)
 
 
 def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
-    """The object whose ``elements`` they are; where they cannot be selected, the reason is raised."""
+    """The object that has these elements. Raises a ``SinewError`` if they cannot be selected."""
     if elements.owner is Owner.TARGET:
         return deformer.id_data
     return kind_in_use(deformer).object_with(deformer, elements)
 
 
 def posed_by(control: Object) -> Object | None:
-    """The object that this control, or one of its bones, moves."""
+    """The object that is moved by this control, or by one of its bones."""
     for obj in owners():
         if any(link.object == control for link in _links(obj)):
             return obj
@@ -163,7 +151,7 @@ def posed_by(control: Object) -> Object | None:
 
 
 def keep_evaluated(obj: Object) -> None:
-    """Let Blender evaluate what the object follows, hidden and unlinked objects too."""
+    """Make Blender evaluate the controls of an object, also hidden ones and those in no scene."""
     write_driver(obj, list(dict.fromkeys((*_links(obj), *pointer_links(obj)))))
 
 
@@ -174,5 +162,5 @@ def _links(obj: Object) -> Iterator[Link]:
 
 
 def bind_key(settings: SinewDeformer, token: str) -> tuple:
-    """What a factor depends on. Equal keys, equal factors; so undo, load and copies need no bookkeeping."""
+    """What a factor depends on. Equal keys, equal factors: so undo, load and copies need no bookkeeping."""
     return token, settings.definition.id, option_values(settings), kind_in_use(settings).key(settings)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What kinds have in common whose controls are whole objects, such as a cage.
+"""Shared by the kinds of control that are whole objects, such as a cage.
 
-A row is a ``SinewControl`` or ``StoredCage``: an object, how it rested at bind, and whether it was made for
-the deformer.
+A row is a ``SinewControl`` or a ``StoredCage``: an object, the mesh it had at bind, and whether it was made
+for the deformer.
 """
 
 from collections.abc import Iterable, Iterator
@@ -18,26 +18,26 @@ Row = SinewControl | StoredCage
 
 
 def links(rows: Iterable[Row]) -> Iterator[Link]:
-    """The objects, with their shapes."""
+    """The objects of these rows, whose vertices count too."""
     for row in rows:
         if row.object is not None:
             yield Link(row.object, by_shape=True)
 
 
 def hold_rest(row: Row, mesh: Mesh) -> None:
-    """Store how an object rests; ``mesh`` is used up."""
+    """Store the rest mesh of an object; ``mesh`` is used up."""
     row.rest = shapes.put_mesh(row.rest, mesh)
 
 
 def forget_rest(rows: Iterable[Row]) -> None:
-    """Forget how the objects rested."""
+    """Forget the rest meshes of the objects."""
     for row in rows:
         mesh, row.rest = row.rest, None
         shapes.free_meshes(mesh)
 
 
 def release(rows: Iterable[Row]) -> None:
-    """Remove the objects made for a deformer, unless another one uses them."""
+    """Remove the objects that were made for a deformer, unless another deformer uses them."""
     for row in rows:
         forget_rest((row,))
         obj, row.object = row.object, None

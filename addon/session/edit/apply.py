@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make a shape permanent, as Blender applies a modifier: on the mesh itself, or as a shape key.
+"""Makes a shape permanent, as Blender applies a modifier: in the mesh itself, or as a shape key.
 
 Main thread only.
 """
@@ -23,10 +23,10 @@ from . import deformers
 
 
 def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = False) -> list[str]:
-    """Give the mesh, or a new shape key of it, the shape of now, and take the deformer off unless ``keep``.
+    """Give the mesh, or a new shape key of it, the shape shown now. Removes the deformer unless ``keep``.
 
-    Like any modifier it works on the mesh itself: those before it in the stack stay and act on the result.
-    Their names are returned.
+    As when Blender applies a modifier, the mesh itself is changed. The modifiers before the deformer stay,
+    and act on the result. Their names are returned.
     """
     deformer = obj.sinew.deformers[index]
     modifier = shapes.find_modifier(obj, deformer)
@@ -48,7 +48,7 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
 
 
 def _refuse(obj: Object, deformer: SinewDeformer, modifier: Modifier | None, as_shape_key: bool) -> None:
-    """What Blender refuses too, and what has no shape to apply."""
+    """Refuse what Blender refuses to apply too, and a deformer without a shape."""
     if as_shape_key:
         targets.require_mesh(obj, "Shape keys are made on")
     elif not targets.holds_points(obj, targets.point_type(deformer)):
@@ -69,7 +69,7 @@ def _refuse(obj: Object, deformer: SinewDeformer, modifier: Modifier | None, as_
 
 @contextmanager
 def _switched_off(modifiers: list[Modifier]) -> Iterator[None]:
-    """The mesh itself enters the deformer, not what these made of it."""
+    """For a while, the mesh itself enters the deformer, without these modifiers."""
     for modifier in modifiers:
         modifier.show_viewport = False
     try:
@@ -80,7 +80,7 @@ def _switched_off(modifiers: list[Modifier]) -> Iterator[None]:
 
 
 def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[str]) -> tuple:
-    """What enters and what leaves the deformer, float32 (n, 3). Of a mesh alone the first is known."""
+    """The shapes before and after the deformer, float32 (n, 3). Without a mesh both are the one after it."""
     expected = targets.point_count(obj, targets.point_type(deformer))
     if deformer.rest is not None and len(deformer.rest.vertices) != expected and before:
         raise SinewError(
@@ -94,7 +94,7 @@ def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[st
     mesh = capture.mesh_after(obj, position + 1)
     try:
         left = read_positions(mesh)
-        entered = left
+        entered: np.ndarray | None = left
         if targets.is_mesh(obj):
             entered = read_incoming(mesh, *shapes.attribute_names(deformer.uid), len(left)).points
     finally:
@@ -105,7 +105,7 @@ def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[st
 
 
 def _add_key(obj: Object, name: str, entered: np.ndarray, left: np.ndarray) -> None:
-    """A key at value 0, as Blender's own Apply as Shape Key leaves it."""
+    """Add a shape key with value 0, as Blender's own Apply as Shape Key does."""
     active = obj.active_shape_key_index
     if obj.data.shape_keys is None:
         obj.shape_key_add(name="Basis", from_mix=False)

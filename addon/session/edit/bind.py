@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Binds a deformer to its mesh, and lets it go. Main thread only."""
+"""Binds a deformer to its mesh, and unbinds it. Main thread only."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -54,7 +54,7 @@ def bind(
         finally:
             obj.update_tag()
             bpy.context.view_layer.update()  # new shapes enter
-            sessions.forget_edit(obj.name)  # the user has edited nothing
+            sessions.forget_edit(obj.name)  # the updates above are no edits by the user
     finally:
         if entered is not None:
             bpy.data.meshes.remove(entered)
@@ -72,6 +72,7 @@ def _shown_in_panel(deformer: SinewDeformer) -> Iterator[None]:
 
 @contextmanager
 def _unbound_on_refusal(deformer: SinewDeformer) -> Iterator[None]:
+    """If Sinew refuses, the deformer is not bound any more."""
     try:
         yield
     except SinewError:
@@ -107,7 +108,7 @@ def _let_go(deformer: SinewDeformer) -> None:
 
 @sessions.suspended()
 def unbind(obj: Object, deformer: SinewDeformer) -> None:
-    """Show the rest shape and forget where the controls rested: the next bind starts where they are."""
+    """Show the rest shape and forget the rest of the controls: the next bind takes it as they are then."""
     _let_go(deformer)
     sessions.drop(deformer.uid)
     for kind in kinds.every_kind():

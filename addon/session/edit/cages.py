@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What operators and scripts call for cages. Main thread only."""
+"""Makes, chooses and changes cages. Main thread only."""
 
 from collections.abc import Callable
 from functools import partial
@@ -27,9 +27,10 @@ Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per 
 
 
 def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
-    """What makes a cage around what enters the deformer, or would enter a new one. Any thread may call it.
+    """A function that makes a cage around what enters the deformer, or would enter a new one.
 
-    ``options`` as ``backend.automatic_cage`` takes them. Loose points count as their convex hull.
+    Any thread may call the function. ``options`` are those of ``backend.automatic_cage``. The cage of points
+    without faces is made around their convex hull.
     """
     modifier = None if deformer is None else shapes.find_modifier(obj, deformer)
     position = len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
@@ -54,7 +55,7 @@ def _around(
 
 @sessions.suspended()
 def add_cage_object(obj: Object, shape: Shape) -> Object:
-    """A new mesh object of this shape in the frame of ``obj``, which carries it along."""
+    """A new mesh object of this shape in the frame of ``obj``, which it follows."""
     points, counts, corners = shape
     mesh = bpy.data.meshes.new(f"{obj.name} Cage")
     faces = [face.tolist() for face in np.split(corners, np.cumsum(counts)[:-1])]
@@ -69,9 +70,10 @@ def add_cage_object(obj: Object, shape: Shape) -> Object:
 
 
 def _parent(cage: Object, obj: Object) -> None:
-    """As Ctrl P does, so that the cage stays in its place when it gets another parent, an armature say.
+    """Make the cage follow the object, as Ctrl P does.
 
-    A child of a curve would go along its path, so there a constraint carries the cage.
+    So the cage stays in its place when it gets another parent, such as an armature. A child of a curve would
+    follow its path, so a constraint makes the cage follow a curve.
     """
     follows = None
     if targets.is_path(obj):
@@ -94,44 +96,15 @@ def _parent(cage: Object, obj: Object) -> None:
 
 
 @sessions.suspended()
-def set_cage(obj: Object, deformer: SinewDeformer, cage: Object) -> None:
-    """Let a mesh object move the deformer. It is drawn as wire, and rests where it is now; see ``bind``."""
-    if cage == obj:
-        raise CageError(f"{obj.name} cannot be its own cage - choose another mesh")
-    if cage.type != "MESH":
-        raise CageError(f"{cage.name} is no mesh - a cage is a closed mesh around the target")
-    if _leads_to(cage, obj):
-        raise CageError(f"{cage.name} follows {obj.name} itself - choose a cage that does not depend on it")
-    deformer.cage = cage
-    if cage.library is None:
-        cage.display_type = "WIRE"
-        cage.hide_render = True
-    kinds.keep_evaluated(obj)
-
-
-def _leads_to(cage: Object, obj: Object) -> bool:
-    """A deformer of the cage, or one behind that, has ``obj`` for its own cage."""
-    waiting, known = [cage], set()
-    while waiting:
-        for deformer in waiting.pop().sinew.deformers:
-            if deformer.cage == obj:
-                return True
-            if deformer.cage is not None and deformer.cage not in known:
-                known.add(deformer.cage)
-                waiting.append(deformer.cage)
-    return False
-
-
-@sessions.suspended()
 def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
-    """The cage rests as it is now, so the mesh is at rest too; see ``bind``."""
+    """Let the cage rest as it is now, so that the mesh is at rest too. ``bind`` must follow."""
     cage_kind.take_rest(obj, deformer)
     binding.abandon(deformer.uid)
 
 
 @sessions.suspended()
 def flip_cage(deformer: SinewDeformer) -> None:
-    """Turn the faces of the cage round, so that they look outwards; it rests as it is now, see ``bind``."""
+    """Flip the faces of the cage, so that they point outwards. ``bind`` must follow, and takes its rest."""
     cage = deformer.cage
     if cage is None or cage.data.library is not None:
         raise CageError("There is no cage here that could be flipped - make it local first")

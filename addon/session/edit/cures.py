@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The cures, one function each, by Blender's own mesh operations on an open edit of a mesh.
+"""Repairs of a mesh, one function per defect. They use Blender's own operations on a ``BMesh``.
 
-``elements`` are the indices at fault as ``diagnosis_of`` numbers them.
+``elements`` are the indices of the defective elements, as ``diagnosis_of`` numbers them.
 """
 
 import bmesh
@@ -16,7 +16,7 @@ _EXACT = 1e-7  # of the largest coordinate
 
 
 def diagnosis_of(edit: BMesh) -> Diagnosis:
-    """What is unusual about it; elements are numbered afresh."""
+    """The defects of the mesh. This renumbers its elements."""
     _number(edit)
     points = np.array([tuple(vertex.co) for vertex in edit.verts], dtype=np.float64).reshape(-1, 3)
     counts = np.array([len(face.verts) for face in edit.faces], dtype=np.int32)
@@ -34,7 +34,7 @@ def _number(edit: BMesh) -> None:
 
 
 def _exact(edit: BMesh) -> float:
-    """The distance below which places cannot be told apart in float32."""
+    """The distance below which two positions may be the same in float32."""
     return _EXACT * max((max(map(abs, v.co)) for v in edit.verts if _is_finite(v.co)), default=1.0)
 
 
@@ -43,9 +43,9 @@ def _is_finite(place) -> bool:
 
 
 def give_positions(edit: BMesh) -> int:
-    """Vertices without a finite position go to the mean of their neighbours, or go where they have none.
+    """Move vertices without a finite position to the mean of their neighbours; remove those without any.
 
-    Each shape key is filled by itself.
+    This is done for each shape key separately. Returns how many vertices there were.
     """
     mended: set[BMVert] = set()
     alone: set[BMVert] = set()
@@ -62,12 +62,12 @@ def give_positions(edit: BMesh) -> int:
 
 
 def _position(vertex: BMVert, layer: BMLayerItem | None) -> Vector:
-    """Where it is in a shape key, or in the mesh itself."""
+    """The position of a vertex in a shape key, or in the mesh itself."""
     return vertex[layer] if layer else vertex.co
 
 
 def _fill(lost: set[BMVert], layer: BMLayerItem | None) -> set[BMVert]:
-    """Give lost vertices the mean of the neighbours that are not lost, ring by ring; those never reached."""
+    """Move lost vertices to the mean of neighbours that are not lost, ring by ring; those not reached."""
     while lost:
         found = {}
         for vertex in lost:
@@ -87,13 +87,13 @@ def _fill(lost: set[BMVert], layer: BMLayerItem | None) -> set[BMVert]:
 
 
 def _merge(edit: BMesh, _elements: np.ndarray, distance: float) -> None:
-    """Only along open borders: closed parts that touch are separate on purpose."""
+    """Merge vertices of open borders only: closed parts that touch are meant to be separate."""
     border = [vertex for vertex in edit.verts if vertex.is_boundary]
     bmesh.ops.remove_doubles(edit, verts=border, dist=max(distance, _exact(edit)))
 
 
 def _dissolve(edit: BMesh, elements: np.ndarray, _distance: float) -> None:
-    """Collapse faces without area; where that fails the face alone goes, which leaves no visible hole."""
+    """Collapse faces without area. If that fails, remove the face, which leaves no visible hole."""
     edges = {edge for index in elements for edge in edit.faces[index].edges}
     bmesh.ops.dissolve_degenerate(edit, edges=list(edges), dist=_exact(edit))
     left = diagnosis_of(edit).degenerate_faces
@@ -101,7 +101,7 @@ def _dissolve(edit: BMesh, elements: np.ndarray, _distance: float) -> None:
 
 
 def _delete_faces(edit: BMesh, faces: list[BMFace]) -> None:
-    """Faces go, and the edges and vertices that only they had."""
+    """Remove faces, and the edges and vertices that belong to no other face."""
     bmesh.ops.delete(edit, geom=faces, context="FACES")
 
 
@@ -110,7 +110,7 @@ def _drop_duplicates(edit: BMesh, elements: np.ndarray, _distance: float) -> Non
 
 
 def _part_edges(edit: BMesh, _elements: np.ndarray, _distance: float) -> None:
-    """Fins and inner walls go: what is left on their edges is an ordinary surface."""
+    """Remove fins and inner walls, so that at most two faces are left on their edges."""
     fins = [face for face in edit.faces if _is_fin(face)]
     sole = set(fins)
     _delete_faces(edit, [face for face in fins if _leaves_surface(face, sole)])
@@ -121,13 +121,13 @@ def _part_edges(edit: BMesh, _elements: np.ndarray, _distance: float) -> None:
 
 
 def _is_fin(face: BMFace) -> bool:
-    """One edge on the surface, the others in the air."""
+    """Whether one edge of the face lies on more than two faces, and the others on no other face."""
     numbers = sorted(len(edge.link_faces) for edge in face.edges)
     return numbers[-1] > 2 and numbers[-2] == 1
 
 
 def _leaves_surface(fin: BMFace, fins: set[BMFace]) -> bool:
-    """Without the fins, two faces remain on its edge."""
+    """Whether two faces remain on the edge of a fin when all fins are removed."""
     return any(
         len(edge.link_faces) > 2 and sum(face not in fins for face in edge.link_faces) == 2
         for edge in fin.edges
@@ -135,7 +135,7 @@ def _leaves_surface(fin: BMFace, fins: set[BMFace]) -> bool:
 
 
 def _drop_loose(edit: BMesh, elements: np.ndarray, _distance: float) -> None:
-    """A mesh without any face is a wire on purpose."""
+    """Remove loose vertices, but not from a mesh without faces, which is meant to be a wire."""
     if len(edit.faces):
         loose: list[BMVert] = [edit.verts[index] for index in elements]
         bmesh.ops.delete(edit, geom=loose, context="VERTS")

@@ -20,7 +20,7 @@ from .names import unique_name
 
 @sessions.suspended()
 def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
-    """A new deformer at the end of the stack; it shows the rest shape until it has a handle."""
+    """A new deformer at the end of the stack. It shows the rest shape until something moves it."""
     if method not in BY_ID:
         raise SinewError(f"There is no method '{method}' - choose one of: {', '.join(BY_ID)}")
     targets.require_method(obj, BY_ID[method])
@@ -40,7 +40,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
 
 @sessions.suspended()
 def remove_deformer(obj: Object, index: int) -> None:
-    """Take a deformer off, with the controls made for it. Vertex groups that the user made stay."""
+    """Remove a deformer, with the controls and vertex groups that were made for it."""
     deformer = obj.sinew.deformers[index]
     for kind in kinds.every_kind():
         kind.release(obj, deformer)
@@ -48,7 +48,7 @@ def remove_deformer(obj: Object, index: int) -> None:
 
 
 def forget_deformer(obj: Object, index: int) -> None:
-    """Take a deformer off, and leave its controls."""
+    """Remove a deformer, but leave its controls and vertex groups."""
     deformer = obj.sinew.deformers[index]
     binding.abandon(deformer.uid)
     sessions.drop(deformer.uid)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The convex hull of points, for shapes that have no faces to put a cage around. Main thread only."""
+"""The convex hull of points, to make a cage around a shape without faces. Main thread only."""
 
 import bmesh
 import bpy
@@ -7,16 +7,16 @@ import numpy as np
 
 from ...compat import read_faces, read_positions
 
-_THICKNESS = 1e-3  # of the size: what lies in a plane or on a line becomes solid by so much
-_SLIVER = 1e-6  # of the largest triangle; smaller ones look anywhere
+_THICKNESS = 1e-3  # relative to the size: points in a plane or on a line get a hull of this thickness
+_SLIVER = 1e-6  # relative to the largest triangle: the normals of smaller ones are not reliable
 _CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
 
 
 def around(points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-    """Points (h, 3) and triangles (counts, corners) of a closed mesh that holds all ``points`` (n, 3).
+    """Points (h, 3) and triangles (counts, corners) of a closed mesh that contains all ``points`` (n, 3).
 
-    It lies about a thousandth of their size outside them. Each round adds the points that stick out most, so
-    the hull itself is always of few points: a fifth of a second for 100,000.
+    Its distance from them is about a thousandth of their size. Each round adds the points that stick out
+    most, so each hull has few points: 100,000 points take a fifth of a second.
     """
     reach = _THICKNESS * (float(np.linalg.norm(np.ptp(points, axis=0))) or 1.0)
     outermost = np.unique(np.concatenate((points @ _CORNERS.T, points, -points), axis=1).argmax(axis=0))
@@ -32,7 +32,7 @@ def around(points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray
 
 
 def _outside(points: np.ndarray, waiting: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, list[int]]:
-    """Which of the points ``waiting`` lie outside ``triangles`` (t, 3, 3); the farthest of each."""
+    """Which of the points ``waiting`` lie outside ``triangles`` (t, 3, 3); the farthest one per triangle."""
     a, b, c = triangles.transpose(1, 0, 2)
     normals = np.cross(b - a, c - a)
     length = np.linalg.norm(normals, axis=1)
@@ -47,7 +47,7 @@ def _outside(points: np.ndarray, waiting: np.ndarray, triangles: np.ndarray) -> 
 
 
 def _hull(points: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
-    """Of points in no plane, its faces looking outwards."""
+    """The convex hull of points that do not lie in a plane; its faces point outwards."""
     mesh, edit = bpy.data.meshes.new("Hull"), bmesh.new()
     try:
         mesh.vertices.add(len(points))

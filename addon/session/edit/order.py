@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The order of deformers, which is the order of their modifiers, and of handles, which changes no shape."""
+"""Changes the order of deformers, with that of their modifiers, and of handles, where it has no effect."""
 
 from bpy.types import Object
 
@@ -13,16 +13,16 @@ from ..memory import sessions
 
 @sessions.suspended()
 def move_deformer(obj: Object, index: int, target: int) -> None:
-    """Put a deformer at another place in the list; the Sinew modifiers of the stack then follow the list.
+    """Put a deformer at another place in the list, and Sinew's modifiers into the same order.
 
-    They change places with each other: modifiers of others keep theirs.
+    These change places with each other only, so all other modifiers keep their places.
     """
     baked = [deformer.name for deformer in obj.sinew.deformers if deformer.bake.is_baked]
     if baked:
         raise SinewError(f"{baked[0]} is baked, and its cache belongs where it is - Unbake it first")
     count = len(obj.sinew.deformers)
     order = animation_paths.moved(count, index, target)
-    wanted = sorted(range(count), key=order.get)
+    wanted = sorted(range(count), key=order.__getitem__)
     _restack(obj, [obj.sinew.deformers[old] for old in wanted])
     obj.sinew.deformers.move(index, target)
     animation_paths.deformers_reordered(obj, order)
@@ -32,7 +32,7 @@ def move_deformer(obj: Object, index: int, target: int) -> None:
 
 
 def _restack(obj: Object, deformers: list[SinewDeformer]) -> None:
-    """Give the Sinew modifiers the order of ``deformers``, in the places they hold together."""
+    """Put the modifiers of ``deformers`` into this order, in the places that they have together."""
     names = [
         modifier.name
         for modifier in (shapes.find_modifier(obj, deformer) for deformer in deformers)
@@ -50,7 +50,7 @@ def _restack(obj: Object, deformers: list[SinewDeformer]) -> None:
 
 
 def _arrange(obj: Object, names: list[str]) -> bool:
-    """Bring the stack in this order, from the top down."""
+    """Put the stack into this order, from the top down; returns whether Blender allowed it."""
     for place, name in enumerate(names):
         if not compat.move_modifier(obj, name, place):
             return False
@@ -62,7 +62,7 @@ def move_handle(obj: Object, deformer: SinewDeformer, index: int, target: int) -
     """Put a handle at another place in the list."""
     order = animation_paths.moved(len(deformer.handles), index, target)
     deformer.handles.move(index, target)
-    animation_paths.handles_reordered(obj, deformer, order)
+    animation_paths.rows_reordered(obj, deformer, "handles", order)
     deformer.active_handle = order.get(deformer.active_handle, target)
     kinds.keep_evaluated(obj)
     obj.update_tag()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""After an edit of the mesh or its cage: painted weights take effect, lost or new vertices are noticed.
+"""After an edit of a mesh or a cage, uses painted weights, and notices new or removed vertices.
 
-Main thread only: this makes datablocks. It runs when the edits pause, never while one is under way.
+Main thread only, as this makes datablocks. It runs when the user pauses, never during an edit.
 """
 
 from contextlib import suppress
@@ -19,11 +19,11 @@ from ..control import kinds
 from ..memory import sessions
 from . import bind
 
-_BUSY_MODES = ("EDIT", "SCULPT", "SCULPT_CURVES")  # meshes under the knife: looked at when the user leaves
+_BUSY_MODES = ("EDIT", "SCULPT", "SCULPT_CURVES")  # meshes in these modes are looked at afterwards
 
 
 def refresh() -> bool:
-    """Look at the meshes that were edited; True where one needs another solve."""
+    """Look at the meshes that were edited; returns whether one of them must be solved again."""
     waiting, changed = [], False
     for name in sessions.take_edited():
         obj = bpy.data.objects.get(name)
@@ -35,7 +35,7 @@ def refresh() -> bool:
         for deformer in obj.sinew.deformers:
             if deformer.is_bound and not deformer.bake.is_baked and not shapes.is_linked(deformer.proxy):
                 changed |= _refresh(obj, deformer)
-    sessions.take_edited()  # looking at a mesh counts as an edit for Blender, of every object that shares it
+    sessions.take_edited()  # Blender takes the above for edits, of every object that shares the mesh
     for name in waiting:
         sessions.note_edit(name)
     return changed
@@ -52,14 +52,14 @@ def _is_busy(obj: Object) -> bool:
 def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
     kind = kinds.kind_in_use(deformer)
     if deformer.auto_rebind and kind.is_stale(deformer):
-        with suppress(SinewError):  # the status says why
+        with suppress(SinewError):  # the panel says why
             kind.take_rest(obj, deformer)
             bind.bind(obj, deformer, wait=False)
         return True
     vertex_groups.follow_renamed_groups(obj, deformer)
     try:
         meshes = capture.rest_meshes(obj, deformer)
-    except SinewError:  # no vertices: the evaluation says so
+    except SinewError:  # no vertices: the evaluation shows the error
         return False
     held = (deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER") if deformer.renders_differ else None)
     if not same_topology(held[0], meshes[0]):
@@ -83,7 +83,7 @@ def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
 
 
 def _fits(old: Mesh | None, new: Mesh | None) -> bool:
-    """Renders get the vertices that they had at bind. Else what enters there now is their rest shape."""
+    """Whether the rest mesh for renders still has the same vertices, or there still is none."""
     if old is None or new is None:
         return old is new
     return same_topology(old, new)
@@ -108,7 +108,7 @@ def _discard(meshes: tuple[Mesh | None, ...]) -> None:
 
 def _change_topology(obj: Object, deformer: SinewDeformer) -> None:
     if deformer.auto_rebind:
-        with suppress(SinewError):  # the status says why
+        with suppress(SinewError):  # the panel says why
             bind.bind(obj, deformer, wait=False)
     elif not deformer.topology_changed:
         deformer.topology_changed = True

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mend the base mesh, as far as it is safe. Main thread only.
+"""Repairs the base mesh, as far as that is safe. Main thread only.
 
-Vertex groups, shape keys and UVs stay: all is done by Blender's own mesh operations.
+Vertex groups, shape keys and UVs stay, because Blender's own mesh operations are used.
 """
 
 from collections.abc import Iterator
@@ -20,7 +20,7 @@ from .cures import STEPS, diagnosis_of, give_positions
 
 @dataclass(frozen=True)
 class Cures:
-    """What to mend. Vertices of open borders merge within ``distance``, in object space."""
+    """Which defects to repair. Vertices of open borders merge within ``distance``, in object space."""
 
     not_finite: bool = True
     coincident: bool = True
@@ -32,7 +32,7 @@ class Cures:
 
 
 def summary(mended: dict[str, int], left: dict[str, int]) -> str:
-    """One line: what was mended, and what stays because no cure is safe."""
+    """One line: what was repaired, and what stays because no repair is safe."""
     done = ", ".join(counted(what, count) for what, count in mended.items() if count)
     rest = ", ".join(counted(what, count) for what, count in left.items() if count)
     if not done:
@@ -42,7 +42,7 @@ def summary(mended: dict[str, int], left: dict[str, int]) -> str:
 
 @sessions.suspended()
 def repair(obj: Object, cures: Cures) -> tuple[dict[str, int], dict[str, int]]:
-    """Mend the base mesh in Object or Edit Mode; how many of each were mended, and how many are left."""
+    """Repair the base mesh in Object or Edit Mode; how many of each defect were repaired, and are left."""
     if obj.data.library is not None:
         raise SinewError("The mesh is linked - make it local, or override it, before you repair it")
     mended = dict.fromkeys(NAMES, 0)
@@ -67,7 +67,7 @@ def repair(obj: Object, cures: Cures) -> tuple[dict[str, int], dict[str, int]]:
 
 @contextmanager
 def _editing(obj: Object) -> Iterator[BMesh]:
-    """The base mesh, in either mode; written back unless something is raised."""
+    """The base mesh in either mode. It is written back at the end, unless an error is raised."""
     mesh: Mesh = obj.data
     if obj.mode == "EDIT":
         edit = bmesh.from_edit_mesh(mesh)

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A region or a cage in one call, with a deformer where there is none yet, and bound. Main thread only.
+"""Adds a region or a control in one call, with a deformer if there is none, and binds it. Main thread only.
 
-What was made stays where it cannot be bound: the panel then says what to do. So the refusal is returned.
+If the bind is refused, what was added stays, and the panel says what to do. So the error is returned.
 """
 
 from bpy.types import Mesh, Object
 
 from ...core.errors import SinewError
-from ...core.methods import DEFAULT_CAGE_METHOD, DEFAULT_METHOD
+from ...core.methods import BY_ID, DEFAULT_CAGE_METHOD, DEFAULT_METHOD
 from ...properties import SinewDeformer, SinewHandle
+from ..control import kinds
+from ..memory import sessions
 from .bind import bind
-from .cages import CAGE_METHODS, set_cage
 from .deformers import add_deformer, remove_deformer
 from .handles.bones import is_moved_by_control
 from .handles.handles import add_captured_handle
@@ -18,7 +19,7 @@ from .handles.handles import add_captured_handle
 
 def rig_region(
     obj: Object,
-    kind: str,
+    role: str,
     vertex_group: str,
     method: str = DEFAULT_METHOD,
     *,
@@ -30,15 +31,15 @@ def rig_region(
     from_rest: bool | None = None,
     wait: bool = True,
 ) -> tuple[SinewHandle, SinewError | None]:
-    """A region of the active deformer, or of a new one with ``method``; and why it is not bound.
+    """A region of the active deformer, or of a new one with ``method``; and the error if it is not bound.
 
-    ``kind``, ``control`` and ``bone`` as ``add_handle`` takes them. Without ``from_rest``, a bone that moves
-    the mesh already moves its rest shape. What is refused before the bind leaves nothing behind.
+    ``role``, ``control`` and ``bone`` are those of ``add_handle``. If ``from_rest`` is None, a bone that
+    moves the mesh already is to move its rest shape. What is refused before the bind leaves nothing behind.
     """
     is_first = obj.sinew.active is None
     deformer = obj.sinew.active or add_deformer(obj, method)
     try:
-        handle, entered = add_captured_handle(obj, deformer, kind, vertex_group, control, bone, owns_group)
+        handle, entered = add_captured_handle(obj, deformer, role, vertex_group, control, bone, owns_group)
     except SinewError:
         if is_first:
             remove_deformer(obj, len(obj.sinew.deformers) - 1)
@@ -51,32 +52,45 @@ def rig_region(
     return handle, try_bind(obj, deformer, wait, entered)
 
 
-def rig_cage(
+def rig_control(
     obj: Object,
-    cage: Object,
+    control: Object,
     method: str = DEFAULT_CAGE_METHOD,
     *,
-    owns_cage: bool = False,
+    owned: bool = False,
     wait: bool = True,
 ) -> tuple[SinewDeformer, SinewError | None]:
-    """The deformer that follows ``cage``, a new one unless one waits for a cage; and why it is not bound."""
-    deformer = waiting_for_cage(obj)
+    """The deformer that follows an object, a new one unless one needs a control; and the error if not bound.
+
+    The object becomes a control of the kind that ``method`` asks for, such as a cage. ``owned``: it was made
+    for the deformer, and is removed with it.
+    """
+    deformer = waiting_for_control(obj, method)
     is_new = deformer is None
     deformer = deformer or add_deformer(obj, method)
     try:
-        set_cage(obj, deformer, cage)
+        use_control(obj, deformer, control, owned)
     except SinewError:
         if is_new:
             remove_deformer(obj, len(obj.sinew.deformers) - 1)
         raise
-    deformer.owns_cage = owns_cage
     return deformer, try_bind(obj, deformer, wait)
 
 
-def waiting_for_cage(obj: Object) -> SinewDeformer | None:
-    """The active deformer, where it has no cage yet and needs one."""
+@sessions.suspended()
+def use_control(obj: Object, deformer: SinewDeformer, control: Object, owned: bool = False) -> None:
+    """Let an object control a deformer. ``bind`` must follow."""
+    kinds.kind_in_use(deformer).use(obj, deformer, control, owned)
+    kinds.keep_evaluated(obj)
+
+
+def waiting_for_control(obj: Object, method: str) -> SinewDeformer | None:
+    """The active deformer, if it has no control yet and needs one of the kind that ``method`` asks for."""
     active = obj.sinew.active
-    waits = active is not None and active.definition in CAGE_METHODS and active.cage is None
+    if active is None or method not in BY_ID:
+        return None
+    kind = kinds.kind_in_use(active)
+    waits = kind is kinds.kind_of_method(BY_ID[method]) and not any(kind.links(active))
     return active if waits else None
 
 

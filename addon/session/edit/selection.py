@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the selection of Edit Mode to vertex groups, and back. Main thread only."""
+"""Makes vertex groups of the selection in Edit Mode, and selects groups and elements. Main thread only."""
 
 import bmesh
 from bpy.types import Object
@@ -34,7 +34,7 @@ def select_group(obj: Object, vertex_group: str) -> None:
 
 
 def select_elements(obj: Object, elements: Elements) -> int:
-    """Select vertices or faces by index, in Edit Mode; how many there were."""
+    """Select vertices or faces by index, in Edit Mode; returns how many of them there are."""
     edit = bmesh.from_edit_mesh(obj.data)
     for vertex in edit.verts:
         vertex.select = False

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Upkeep on the main thread, of what handlers may not do themselves: they make no datablocks.
+"""Regular work that handlers may not do themselves, because it makes datablocks. Main thread only.
 
-A copied object shows the shapes of the original until it gets its own.
-
-Main thread only: this makes datablocks.
+A copied object, for example, shows the shapes of the original until it gets its own here.
 """
 
 import bpy
@@ -19,7 +17,7 @@ from . import deformers
 
 
 def separate(obj: Object) -> None:
-    """Give a copy keys and shapes of its own. The rest mesh is never written, so it stays shared."""
+    """Give a copied object keys and shapes of its own. The rest mesh is never changed, so it stays shared."""
     for deformer in obj.sinew.deformers:
         modifier = shapes.find_modifier(obj, deformer)
         deformer.uid = shapes.new_key()
@@ -36,7 +34,7 @@ def separate(obj: Object) -> None:
 
 
 def collect() -> None:
-    """Take in what threads have finished: the next evaluation solves with it, or shows it."""
+    """Take in the results of threads. The next evaluation solves with them, or shows them."""
     ready = binding.collect()
     for obj in owners() if ready or sessions.has_work() else ():
         if any(
@@ -46,7 +44,7 @@ def collect() -> None:
 
 
 def tidy() -> None:
-    """What handlers had to leave: shapes for copies, drivers that are gone or keep the wrong control."""
+    """Give copied objects their own shapes, and renew drivers that are missing or name the wrong control."""
     found = copies()
     for obj in found:
         separate(obj)
@@ -65,12 +63,12 @@ def tidy() -> None:
 
 
 def _converted() -> list[Object]:
-    """Objects that Blender made meshes of, or of meshes: with the shape shown, and without modifiers."""
+    """Objects that Blender has converted to a mesh or from one: with a fixed shape, without modifiers."""
     return [obj for obj in owners() if obj.library is None and _former(obj)]
 
 
 def _former(obj: Object) -> list[int]:
-    """Deformers of what the object was before, the last first."""
+    """The indices of the deformers that an object had before it was converted, the last first."""
     deformers = obj.sinew.deformers
     return [
         index
@@ -80,6 +78,6 @@ def _former(obj: Object) -> list[int]:
 
 
 def has_pending() -> bool:
-    """Something waits for ``tidy``, ``refresh`` or ``settle``."""
+    """Whether there is work for ``tidy``, ``refresh`` or ``settle``."""
     waits = sessions.unsettled() or sessions.rewired() or sessions.has_edited() or _converted()
     return bool(waits) or has_copies() or not all(keeper.is_kept(obj) for obj in owners())

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When to factorise. Light meshes bind where they stand, heavy ones in a thread of their own."""
+"""Decides when to factorise. Small meshes are bound at once, large ones in a thread of their own."""
 
 import logging
 import time
@@ -29,7 +29,7 @@ from . import mesh_notes
 
 logger = logging.getLogger(__name__)
 
-HEAVY = 20_000  # vertices; below, a bind takes some tens of milliseconds and needs no thread
+HEAVY = 20_000  # vertices. Smaller meshes are bound within some tens of milliseconds, so they need no thread
 
 CANCELLED = "Binding was cancelled - press Bind to start again"
 
@@ -49,7 +49,7 @@ _watched: set[str] = remember(set())
 
 
 def require_backend() -> None:
-    """Without the native module nothing is bound, and the last solution stays."""
+    """Refuse if the native module is missing: nothing can be bound then."""
     found = availability()
     if found.module is None:
         raise BackendMissingError(found.remedy)
@@ -63,13 +63,13 @@ def ensure(
     progress: Progress | None = None,
     mode: str = "VIEWPORT",
 ) -> Bound | None:
-    """The factor for these settings; None while a thread builds it, or where an earlier refusal still stands.
+    """The factor for these settings; None while a thread builds it, or if the same bind was refused before.
 
-    Where few things changed, the factor so far becomes the new one; the last shape stays meanwhile. The
-    caller holds the session's lock, and shows a refusal.
+    If few settings changed, parts of the last factor are used for the new one. The last shape stays
+    meanwhile. The caller holds the lock of the session, and shows the error if the bind is refused.
 
-    ``deformer`` is the original settings, ``settings`` the evaluated ones (animated values); ``session`` is
-    that of the mode.
+    ``deformer`` has the original settings, ``settings`` the evaluated ones with animated values. ``session``
+    is the one of the mode.
     """
     rest = deformer.rest_in(mode)
     token = rest.get(Keys.REST_TOKEN, "")
@@ -93,7 +93,7 @@ def ensure(
         request = kind.request(settings, rest, session.rest, key, base_count)
         if rest == deformer.rest:
             abandon(deformer.uid)
-        session.drop_work()  # its answer would be one of the old factor
+        session.drop_work()  # it solves with the old factor
         prepared = None if session.bound is None else session.bound.factor.prepare_rebind(request.recipe)
         if not wait and may_wait(len(request.rest.points)):
             _jobs[deformer.uid] = _begin(request, prepared)
@@ -102,22 +102,22 @@ def ensure(
         factor = build_factor(request.recipe, progress, prepared)
     except SinewError as error:
         _note_refusal(session, deformer.uid, key)
-        raise _told(error, request) from error
+        raise _with_selectable(error, request) from error
     return _install(
         session, deformer.uid, request, factor, time.perf_counter() - begin, rest == deformer.rest
     )
 
 
 def _begin(request: BindInput, prepared: PreparedBind | None) -> Work:
-    """A thread that builds a factor; where a quick one is worth showing, that one first."""
+    """Start a thread that builds a factor. If the recipe has a preview, the thread builds that one first."""
     preview = request.recipe.preview()
     if preview is not None and prepared is None:
         return Work(partial(build_factor, preview), replace(request, recipe=preview, after=request))
     return Work(partial(build_factor, request.recipe, prepared=prepared), request)
 
 
-def _told(error: SinewError, request: BindInput | None) -> SinewError:
-    """The error of a bind, with elements that can be selected."""
+def _with_selectable(error: SinewError, request: BindInput | None) -> SinewError:
+    """The error of a bind, naming elements that can be selected."""
     if request is None:
         return error
     elements = kinds.kind_of_method(request.recipe.method).selectable(error.elements, request)
@@ -127,7 +127,7 @@ def _told(error: SinewError, request: BindInput | None) -> SinewError:
 
 
 def _keep_job_for(uid: str, key: tuple) -> None:
-    """A bind under way goes on only while it is the one wanted; a finished one is taken in at once."""
+    """Stop the bind under way if another one is wanted; take in its result if it has ended."""
     job = _jobs.get(uid)
     if job is None:
         return
@@ -138,7 +138,7 @@ def _keep_job_for(uid: str, key: tuple) -> None:
 
 
 def _note_refusal(session: Session, uid: str, key: tuple) -> None:
-    """The same bind is not tried again."""
+    """Note that this bind was refused, so that it is not tried again."""
     session.bound, session.failed = None, key
     status.put_notes(uid, ())
 
@@ -146,7 +146,7 @@ def _note_refusal(session: Session, uid: str, key: tuple) -> None:
 def _install(
     session: Session, uid: str, request: BindInput, factor: Factor, seconds: float, say: bool = True
 ) -> Bound:
-    """Take a factor in; ``say`` so in the panel, which speaks of the viewport."""
+    """Use a new factor. ``say`` whether the panel tells so: it is about viewports, not about renders."""
     session.bound = Bound(
         request.key,
         factor,
@@ -167,7 +167,7 @@ def _install(
 
 
 def summary(bound: Bound) -> str:
-    """The status line of a deformer that is well."""
+    """The line in the panel about a deformer that is bound."""
     time_spent = duration(bound.milliseconds)
     return (
         f"{len(bound.rest.points):,} {bound.rest.point_type.nouns[1]}, {bound.control}, bound in {time_spent}"
@@ -175,14 +175,14 @@ def summary(bound: Bound) -> str:
 
 
 def duration(milliseconds: float) -> str:
-    """As a person says it."""
+    """A time as people say it."""
     if milliseconds >= 1000.0:
         return f"{milliseconds / 1000.0:.1f} s"
     return f"{milliseconds:.0f} ms" if milliseconds >= 10.0 else f"{milliseconds:.1f} ms"
 
 
 def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
-    """What is unusual about the mesh. Elements count the vertices that enter: Select shows the base mesh."""
+    """What is unusual about the mesh, one line each."""
     warnings = kinds.kind_of_method(request.recipe.method).notes(factor.report, request)
     if request.rest.point_type is not MESH:
         return warnings  # there is nothing to repair
@@ -191,7 +191,7 @@ def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
 
 
 def may_wait(vertex_count: int) -> bool:
-    """A bind may run in a thread: there is a window to keep alive, and the mesh is heavy."""
+    """Whether a bind of so many vertices may run in a thread: there is a window, and the mesh is large."""
     return not bpy.app.background and vertex_count >= HEAVY
 
 
@@ -201,24 +201,24 @@ def job(uid: str) -> Work | None:
 
 
 def watch(uid: str, watched: bool = True) -> None:
-    """An operator waits for the bind of this deformer, or does so no more."""
+    """Note that an operator waits for the bind of this deformer, or no longer does."""
     (_watched.add if watched else _watched.discard)(uid)
 
 
 def unwatched() -> list[str]:
-    """Binds under way that nobody waits for: they started by themselves."""
+    """The keys of deformers with a bind under way that no operator waits for: an evaluation started it."""
     return [uid for uid in _jobs if uid not in _watched]
 
 
 def abandon(uid: str) -> None:
-    """Stop a bind under way, if there is one; its result is dropped."""
+    """Stop the bind under way, if there is one, and drop its result."""
     stopped = _jobs.pop(uid, None)
     if stopped is not None:
         stopped.cancel()
 
 
 def cancel(uid: str) -> None:
-    """Stop a bind at the user's wish and say so; Bind starts it again."""
+    """Stop a bind because the user wants it, and say so in the panel. Bind starts it again."""
     stopped = _jobs.get(uid)
     if stopped is None:
         return
@@ -228,9 +228,9 @@ def cancel(uid: str) -> None:
 
 
 def collect() -> list[str]:
-    """Take finished jobs in; the keys of the deformers that may solve now. For timers, and for tests.
+    """Take in the binds that have ended; the keys of the deformers that may solve now. For timers and tests.
 
-    A deformer may be gone since, by undo for instance: what was computed for it is dropped.
+    If a deformer was removed meanwhile, by undo for instance, the result is dropped.
     """
     finished = [uid for uid, job in _jobs.items() if job.done]
     known = {deformer.uid for obj in owners() for deformer in obj.sinew.deformers} if finished else set()
@@ -243,18 +243,18 @@ def collect() -> list[str]:
 
 
 def _take_in(uid: str) -> None:
-    """A finished job becomes the factor or the refusal of its deformer; a preview starts the real bind."""
+    """Take in a bind that has ended, with a factor or an error. After a preview the exact bind starts."""
     job, session = _jobs.pop(uid), sessions.open_session(uid)
     if job.error is not None:
         _note_refusal(session, uid, job.subject.key)
-        status.fail(uid, _told(job.error, job.subject))
+        status.fail(uid, _with_selectable(job.error, job.subject))
         return
     _install(session, uid, job.subject, job.result, job.seconds)
-    real = job.subject.after
-    if real is not None:
-        _jobs[uid] = Work(partial(build_factor, real.recipe), real)
+    exact = job.subject.after
+    if exact is not None:
+        _jobs[uid] = Work(partial(build_factor, exact.recipe), exact)
 
 
 def busy() -> bool:
-    """A thread is at work."""
+    """Whether a thread binds or solves."""
     return bool(_jobs) or sessions.has_work()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an evaluation changed, so that nothing of ours runs when nothing of ours changed.
+"""What changed since the last evaluation. If neither a target nor its controls changed, Sinew does nothing.
 
 Blender lists what it updated, but not objects that are hidden or in no scene (3.4.1). So the controls are
 compared by their matrices, and only the target is looked up in the list.
@@ -17,16 +17,16 @@ from ..memory.sessions import LastUpdate
 
 
 class Change(IntEnum):
-    """What an evaluation changed of an object and its mesh, the most of it."""
+    """The largest change of an object and its mesh since the last evaluation."""
 
     NOTHING = 0
-    DRIVEN = 1  # values of its properties at most, such as those that follow controls
+    DRIVEN = 1  # at most values of its properties, such as the one whose driver follows the controls
     SETTINGS = 2
     GEOMETRY = 3  # what enters the modifiers may differ
 
 
 class Changes:
-    """The updates of one evaluation. A render evaluates everything anew, so there all counts as changed."""
+    """What changed in one evaluation. In a render everything counts as changed, as all is evaluated anew."""
 
     def __init__(self, depsgraph: Depsgraph) -> None:
         self._depsgraph = depsgraph
@@ -34,13 +34,13 @@ class Changes:
         self._updates: dict[object, Change] | None = None
 
     def change_of(self, obj: Object) -> Change:
-        """What changed. Blender does not list objects that it does not show."""
+        """What changed of an object: everything, if Blender does not show it and so does not list it."""
         if not self._in_viewport or not obj.visible_get(view_layer=self._depsgraph.view_layer):
             return Change.GEOMETRY
         return max(self._listed(obj), self._listed(obj.data))
 
     def has_edited_mesh(self, obj: Object) -> bool:
-        """The mesh itself, or its stack of modifiers, was edited."""
+        """Whether the mesh itself, or its stack of modifiers, was edited."""
         return self._listed(obj.data) is Change.GEOMETRY
 
     def read(self, obj: Object, evaluated: Object) -> tuple[tuple, list[ControlState]]:
@@ -57,11 +57,11 @@ class Changes:
         return tuple(placed), controls
 
     def last_update(self, obj: Object) -> LastUpdate | None:
-        """What ``note`` said of the object."""
+        """What ``note`` noted of the object."""
         return sessions.last_update(obj.name_full) if self._in_viewport else None
 
     def note(self, obj: Object, update: LastUpdate) -> None:
-        """The target is up to date with this evaluation."""
+        """Note that the target is up to date."""
         if self._in_viewport:
             sessions.note_update(obj.name_full, update)
 

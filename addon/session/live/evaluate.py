@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Go through the deformers in stack order. Called in every evaluation, so equal inputs cost next to nothing.
+"""Updates the deformers in the order of the stack. Called in every evaluation: equal inputs cost very little.
 
-Handlers run this off the main thread in renders. It reads evaluated data from the depsgraph it is given, and
-writes arrays of unchanged size; it never makes or removes a datablock.
+In renders, handlers run this outside the main thread. It reads evaluated data from the depsgraph that it is
+given, and writes arrays of unchanged size. It never makes or removes a datablock.
 """
 
 import bpy
@@ -28,11 +28,10 @@ LINKED = "Linked: shows the last solution - make a library override to pose it h
 
 
 def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> None:
-    """Solve every deformer whose inputs changed. ``preview`` spends a budget; see ``settle``.
+    """Solve every deformer whose inputs changed. A ``preview`` may stop early, see ``settle``.
 
-    After an ``edit``, not a change of the frame, meshes with new geometry are looked at later (``refresh``).
-
-    Costs some microseconds a control where nothing of ours changed, however large the meshes are.
+    After an ``edit``, that is not after a change of the frame, ``refresh`` looks at meshes with new geometry.
+    If nothing changed, this takes some microseconds per control, however large the meshes are.
     """
     found = owners()
     changes = Changes(depsgraph) if found else None
@@ -66,14 +65,16 @@ def _update_object(
     new_geometry: bool,
     layout: tuple | None,
 ) -> tuple:
-    """Bring the object up to date; its layout (``LastUpdate``).
+    """Update the deformers of an object; returns its layout, as in ``LastUpdate``.
 
-    ``layout`` is given where at most controls moved since it was made: then the rig need not be looked at.
+    The ``layout`` of the last update is given if nothing but controls has changed since. Then the settings
+    and modifiers need no check.
     """
-    changed = layout is None or not _still_holds(layout, obj)
-    if changed:
+    changed = False
+    if layout is None or not _still_holds(layout, obj):
+        changed = True
         if depsgraph.mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
-            new_geometry = False  # what was read was not what entered
+            new_geometry = False  # the attributes that were evaluated belong to another modifier
         layout = _layout(obj, depsgraph.mode)
     chain = Chain()
     for modifier, shows in zip(obj.modifiers, layout, strict=True):
@@ -86,7 +87,7 @@ def _update_object(
         deformer = obj.sinew.deformers[index]
         settings = _evaluated_settings(evaluated, index, deformer)
         session, control = shapes.session_of(deformer, depsgraph.mode), controls[index]
-        if settings.method != deformer.method:  # an animated one may ask for another kind of control
+        if settings.method != deformer.method:  # an animated method may ask for another kind of control
             control = kinds.kind_in_use(settings).read(deformer, depsgraph)
         evaluation = Evaluation(
             obj,
@@ -104,12 +105,12 @@ def _update_object(
         if evaluation.in_viewport and changed:
             deformer.complete()
             if vertex_groups.follow_renamed_groups(obj, deformer):
-                session.rest = None  # its weights go by the old names
+                session.rest = None  # it knows its weights by the old names
             if shapes.connect_mask(obj, modifier, deformer):
                 obj.update_tag()
         with session.lock:
             try:
-                chain = _take(evaluation)
+                chain = _update_deformer(evaluation)
             except SinewError as error:
                 chain = _refuse(evaluation, error)
     if depsgraph.mode == "VIEWPORT" and changed:
@@ -119,7 +120,7 @@ def _update_object(
 
 
 def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
-    """The deformer that each modifier shows, by index and key."""
+    """The index and key of the deformer that each modifier shows, or None."""
     by_proxy, found = _by_shape(obj), []
     for modifier in obj.modifiers:
         shape = None
@@ -131,7 +132,7 @@ def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
 
 
 def _still_holds(layout: tuple, obj: Object) -> bool:
-    """Scripts may change lists of ours without a word to Blender."""
+    """Whether a layout is still valid: scripts may change Sinew's lists, and Blender lists no update."""
     deformers = obj.sinew.deformers
     return len(layout) == len(obj.modifiers) and all(
         shows is None or (shows[0] < len(deformers) and deformers[shows[0]].uid == shows[1])
@@ -140,8 +141,9 @@ def _still_holds(layout: tuple, obj: Object) -> bool:
 
 
 def _by_shape(obj: Object) -> dict[Object, int]:
-    """Deformers that have both shapes, by the viewport's. One that shares its key with an earlier one waits
-    for its own.
+    """The indices of deformers that have both shape objects, by the one for viewports.
+
+    A copied deformer, which still has the key of another, is left out until it gets a key of its own.
     """
     found, keys = {}, set()
     for index, deformer in enumerate(obj.sinew.deformers):
@@ -154,7 +156,7 @@ def _by_shape(obj: Object) -> dict[Object, int]:
 
 
 def _report_lost(obj: Object) -> None:
-    """Hidden data that somebody deleted is made anew by Bind."""
+    """Tell in the panel which hidden data was deleted. Bind makes it again."""
     for deformer in obj.sinew.deformers:
         session = sessions.find(deformer.uid)
         was_bound = deformer.is_bound or (session is not None and session.bound is not None)
@@ -173,15 +175,15 @@ def _report_lost(obj: Object) -> None:
 
 
 def _evaluated_settings(evaluated: Object, index: int, deformer: SinewDeformer) -> SinewDeformer:
-    """The deformer with its animated values, or the original where Blender has not copied it yet."""
+    """The deformer with its animated values, or the original if Blender has not copied it yet."""
     copies = evaluated.sinew.deformers
     if index < len(copies) and copies[index].uid == deformer.uid:
         return copies[index]
     return deformer
 
 
-def _take(evaluation: Evaluation) -> Chain:
-    """Bring one deformer up to date; what it leaves for the next."""
+def _update_deformer(evaluation: Evaluation) -> Chain:
+    """Update one deformer; returns what it passes on to the next."""
     deformer, session = evaluation.deformer, evaluation.session
     if not evaluation.settings.live:
         return incoming.after(evaluation)
@@ -210,7 +212,9 @@ def _take(evaluation: Evaluation) -> Chain:
 
 
 def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
-    if evaluation.in_viewport or evaluation.session.failed is not None:  # no bind, in viewports neither
+    """Show an error, and the rest shape; returns what the deformer passes on to the next."""
+    # A bind that was refused in a render is refused in viewports too.
+    if evaluation.in_viewport or evaluation.session.failed is not None:
         status.fail(evaluation.deformer.uid, error)
     if evaluation.in_viewport:
         if evaluation.deformer.auto_rebind and error.remedy is Remedy.CAGE_REST:
@@ -224,7 +228,10 @@ def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
 
 
 def settle() -> bool:
-    """Ask for the final answer of every preview; True where there was one. For a timer, and for tests."""
+    """Let the next evaluation replace every preview by the exact shape; whether there was one.
+
+    For timers and tests.
+    """
     asked = False
     for obj in owners():
         for deformer in obj.sinew.deformers:

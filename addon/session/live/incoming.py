@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What enters a deformer now, and what leaves it for the next one in the stack."""
+"""The positions that enter a deformer now, and those that it passes on to the next one in the stack."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from ..blocks import node_group, shapes, targets
 from ..memory.evaluation import Chain, Evaluation, is_shown
 from ..memory.sessions import Bound
 
-_DEFORMING = {  # Blender's modifiers that keep the vertices they get
+_DEFORMING = {  # modifiers of Blender that neither add nor remove vertices
     "ARMATURE",
     "CAST",
     "CORRECTIVE_SMOOTH",
@@ -34,14 +34,14 @@ TOPOLOGY_CHANGED = "Topology changed - Rebind"
 
 
 def find(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray | None, bool]:
-    """The incoming positions float32 (n, 3), None for rest; and whether only displacements can be shown."""
+    """The incoming positions float32 (n, 3), None if at rest; and whether only displacements can be shown."""
     if not targets.is_mesh(evaluation.obj):
         session = evaluation.session
         if evaluation.new_geometry or session.structure is None:
             session.structure = targets.structure(evaluation.obj)
         if session.structure != bound.rest.structure:
             raise TopologyChangedError(TOPOLOGY_CHANGED)
-        return None, True  # to a cage it is all the same: what it moves, it moves on from where that is
+        return None, True  # a cage adds displacements, so the incoming positions do not matter
     expected = len(bound.rest.points)
     if evaluation.chain.broken:
         evaluation.note("Another modifier stands between two deformers: this one adds its displacement")
@@ -74,7 +74,7 @@ def find(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray | None, bool]
 
 
 def _entering(evaluation: Evaluation) -> int | None:
-    """How many vertices enter, where nothing before this deformer can change their number."""
+    """How many vertices enter; None if a modifier before this deformer may change their number."""
     if evaluation.obj.mode == "EDIT":
         return None
     for modifier in evaluation.obj.modifiers:
@@ -90,7 +90,7 @@ def _entering(evaluation: Evaluation) -> int | None:
 
 
 def _is_last(evaluation: Evaluation) -> bool:
-    """No visible modifier follows this deformer's."""
+    """Whether no visible modifier comes after the one of this deformer."""
     return (
         next(other for other in reversed(evaluation.obj.modifiers) if is_shown(other, evaluation.mode))
         == evaluation.modifier
@@ -98,7 +98,7 @@ def _is_last(evaluation: Evaluation) -> bool:
 
 
 def after(evaluation: Evaluation) -> Chain:
-    """What leaves the deformer, as its node group computes it in float32."""
+    """What the deformer passes on, computed in float32 as its node group does."""
     shown, settings = evaluation.shown, evaluation.settings
     if shown.positions is None or shown.displacement or settings.mask_group:
         return Chain(broken=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a panel says of defects of a mesh."""
+"""The lines in the panel about defects of a mesh."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from ...backend import Diagnosis
 from ...core.elements import NO_ELEMENTS, Elements, Owner
 from ...core.status import Level, Remedy, Status
 
-NAMES = {  # what is counted: one of it, several
+NAMES = {  # per defect: the noun for one, and for several
     "not_finite": ("vertex without a finite position", "vertices without a finite position"),
     "coincident": ("coincident vertex", "coincident vertices"),
     "degenerate": ("face without area", "faces without area"),
@@ -18,18 +18,18 @@ NAMES = {  # what is counted: one of it, several
 
 
 def notes(diagnosis: Diagnosis, selectable: bool = True) -> tuple[Status, ...]:
-    """Lines for the panel. ``selectable``: elements are those of the base mesh, so Select can show them."""
+    """Lines for the panel. ``selectable``: they name elements of the base mesh, which Select can show."""
     lines = []
     for what, elements in elements_by_defect(diagnosis).items():
         if len(elements):
-            kind = "face" if what in ("degenerate", "duplicate") else "vertex"
-            shown = Elements(Owner.TARGET, kind, np.unique(elements)) if selectable else NO_ELEMENTS
+            element = "face" if what in ("degenerate", "duplicate") else "vertex"
+            shown = Elements(Owner.TARGET, element, np.unique(elements)) if selectable else NO_ELEMENTS
             lines.append(Status(Level.WARNING, counted(what, len(elements)), shown, Remedy.REPAIR))
     return tuple(lines)
 
 
 def elements_by_defect(diagnosis: Diagnosis) -> dict[str, np.ndarray]:
-    """Index arrays; edges as the (k, 2) vertices at their ends."""
+    """Index arrays per defect. Edges are given by the vertices at their ends, (k, 2)."""
     return {
         "not_finite": diagnosis.not_finite,
         "coincident": diagnosis.coincident_vertices,
@@ -41,4 +41,5 @@ def elements_by_defect(diagnosis: Diagnosis) -> dict[str, np.ndarray]:
 
 
 def counted(what: str, count: int) -> str:
+    """How many elements have a defect, in words."""
     return f"{count:,} {NAMES[what][count != 1]}"

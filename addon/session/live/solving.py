@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solve when the signature of the inputs changed, and write the shape mesh.
+"""Solves when the inputs changed, and writes the shape mesh.
 
-A drag in a window shows previews: as many steps as the drag budget allows, started from the shape before.
-Where one step is dearer than the budget, a thread solves and the shape follows the controls a little later.
-When the drag pauses, the answer that depends on the poses alone replaces the preview.
+A drag in a window shows previews, which take as many steps as the drag budget allows and start from the last
+shape. If a single step takes longer than the budget, a thread solves, and the shape follows the controls a
+little later. When the drag pauses, the exact shape, which depends on the poses alone, replaces the preview.
 """
 
 import math
@@ -30,7 +30,7 @@ from .incoming import TOPOLOGY_CHANGED
 
 @dataclass(frozen=True)
 class Question:
-    """What a shape depends on. ``early`` is content with a preview, ``final`` replaces one."""
+    """What a shape depends on. ``early`` asks for a preview, ``final`` for the exact shape after one."""
 
     signature: tuple
     incoming: np.ndarray | None  # float32 (n, 3), None for rest
@@ -41,17 +41,17 @@ class Question:
     final: bool
 
     def matches(self, other: "Question | Shown") -> bool:
-        """The same shape is asked for, or shown."""
+        """Whether the other question asks for the same shape, or the same shape is shown."""
         return self.signature == other.signature and _same(self.incoming, other.incoming)
 
 
 def solve(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, displacement: bool) -> None:
-    """Bring the shape mesh up to date. ``incoming`` float32 (n, 3), None for rest."""
+    """Update the shape mesh. ``incoming`` is float32 (n, 3), or None if the rest shape enters."""
     shown = evaluation.shown
     question = _question(evaluation, bound, incoming, displacement)
     if question is None:
         return
-    if question.matches(shown) and (shown.converged or question.early):
+    if shown.shape is not None and question.matches(shown) and (shown.converged or question.early):
         if shown.factor != _factor(evaluation):
             _show(evaluation, bound, question, shown.shape, shown.converged)
         return
@@ -68,7 +68,7 @@ def solve(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, dis
 
 
 def _factor(evaluation: Evaluation) -> float:
-    """How much is shown; files may hold anything."""
+    """How much of the deformation is shown, 0 to 1. A file may hold any number."""
     factor = evaluation.settings.factor
     if not math.isfinite(factor):
         raise OptionError("Factor is not a number - set it between 0 and 1")
@@ -78,7 +78,7 @@ def _factor(evaluation: Evaluation) -> float:
 def _question(
     evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, displacement: bool
 ) -> Question | None:
-    """None where the control is lost and nobody knows where it was."""
+    """None if the control is lost and its last place is unknown."""
     found = kinds.kind_of_method(bound.factor.recipe.method).pose(evaluation, bound)
     if found is None:
         return None
@@ -130,7 +130,7 @@ def _solve_here(evaluation: Evaluation, bound: Bound, question: Question) -> np.
 
 
 def _answer(bound: Bound, question: Question, progress: Progress | None = None) -> np.ndarray:
-    """A ``shape_array`` with the answer. Touches no Blender data: any thread will do."""
+    """A ``shape_array`` with the solution. It uses no Blender data, so any thread may call it."""
     shape = shape_array(len(bound.rest.points))
     out = shape[:-1]
     if not question.displacement:
@@ -145,17 +145,17 @@ def _answer(bound: Bound, question: Question, progress: Progress | None = None) 
 
 
 def _learn_price(session: Session, question: Question, seconds: float) -> None:
-    """What the next step of a drag will cost, and how many of them its budget allows."""
+    """Note how long a step of a drag takes, and how many of them the drag budget allows."""
     session.solve_milliseconds = seconds * 1000.0
     if not question.early:
         session.step_milliseconds = session.solve_milliseconds
-    elif "start" in question.options:  # without one, the first answer is dearer than its steps
+    elif "start" in question.options:  # without a start, a solve takes longer than its steps alone
         session.step_milliseconds = session.solve_milliseconds / question.options["max_iterations"]
         session.steps = drag.affordable_steps(session.step_milliseconds)
 
 
 def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bool:
-    """A thread may answer: nobody waits for a final shape, nor for a preview that is over the budget."""
+    """Whether a thread may solve: for a final shape, and for a preview that takes longer than the budget."""
     if not binding.may_wait(len(bound.rest.points)):
         return False
     session = evaluation.session
@@ -165,7 +165,7 @@ def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bo
 
 
 def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Question, np.ndarray] | None:
-    """The shape that a thread has found, perhaps for an earlier question; None until there is something."""
+    """The shape that a thread has computed, perhaps for an earlier question; None while there is none."""
     work = session.work
     if work is not None and not work.done:
         if question.matches(work.subject) or not work.subject.final:
@@ -173,8 +173,9 @@ def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Qu
         work.cancel()
         work = None
     if work is None:
-        if session.unanswered is not None and question.matches(session.unanswered.subject):
-            raise session.unanswered.error
+        failed = session.unanswered
+        if failed is not None and failed.error is not None and question.matches(failed.subject):
+            raise failed.error
         _ask(session, bound, question)
         return None
     session.work = None

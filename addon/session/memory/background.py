@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A native call in a thread of its own, so that a window stays alive. It touches no Blender data."""
+"""A native call in a thread of its own, so that Blender's window still responds. It uses no Blender data."""
 
 import sys
 import threading
@@ -14,9 +14,9 @@ _UNFORESEEN = "A mistake in Sinew ended this work - please report it with what t
 
 
 class Work:
-    """Runs ``call(progress)`` at once; ask ``done``, then read ``result`` or ``error``: one of them is there.
+    """Starts ``call(progress)`` at once. When it is ``done``, either ``result`` or ``error`` is set.
 
-    ``subject`` says what it is about: the one who collects it compares it with what is wanted by then.
+    ``subject`` is what the call works on. Whoever takes the result compares it with what is wanted by then.
     """
 
     def __init__(self, call: Callable[[Progress], object], subject: Any = None) -> None:
@@ -33,11 +33,11 @@ class Work:
 
     @property
     def done(self) -> bool:
-        """It ended, by result or by error."""
+        """Whether the call has ended, with a result or an error."""
         return not self.thread.is_alive()
 
     def cancel(self) -> None:
-        """Stop at the next progress call; nobody waits for it."""
+        """Stop at the next progress call. This does not wait for the thread."""
         self._cancelled = True
 
     def _run(self) -> None:
@@ -48,8 +48,8 @@ class Work:
             self.error = error
         finally:
             if self.result is None and self.error is None:
-                # A mistake in the code: its traceback goes to the console. Whoever collects this work must
-                # see that it failed, or the same work would be started again and again.
+                # A mistake in the code: its traceback goes to the console. The error must be kept, or the
+                # same call would be started again and again.
                 self.error = UnforeseenError(f"{_UNFORESEEN}: {sys.exc_info()[1]!r}")
             self.seconds = time.perf_counter() - begin
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One evaluation of one deformer: everything known while it lasts. Never kept, as it holds Blender's data."""
+"""What is known during one evaluation of one deformer. It refers to Blender's data, so it is never kept."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -44,12 +44,12 @@ ControlState = Sequence[Place | None]
 
 @dataclass(frozen=True)
 class Chain:
-    """What the deformers earlier in the stack leave for the next one.
+    """What the earlier deformers in the stack pass on to the next one.
 
-    ``points`` are the positions that left the one just before, float32 (n, 3), where they are known;
-    ``broken`` says that an earlier one is no direct neighbour: only the next evaluation knows what enters.
-    ``entered`` is the key of one that lets through what entered it. Until the next evaluation what enters the
-    later ones is still what it showed before.
+    ``points`` are the positions after the deformer just before, float32 (n, 3), if they are known. ``broken``
+    means that another modifier stands between: what enters is known in the next evaluation only. ``entered``
+    is the key of a deformer that passed its input through unchanged. Later deformers still receive what it
+    showed in the last evaluation.
     """
 
     points: np.ndarray | None = None
@@ -57,12 +57,12 @@ class Chain:
     entered: str = ""
 
     def through(self, key: str) -> "Chain":
-        """The deformer of this key lets through what entered."""
+        """The chain after the deformer of this key, which passes its input through unchanged."""
         known = self.points is not None or self.broken or self.entered
         return self if known else Chain(entered=key)
 
     def after_other_modifier(self) -> "Chain":
-        """Another add-on's or Blender's own modifier came between."""
+        """The chain after a modifier that is not Sinew's."""
         return Chain(broken=self.broken or self.points is not None)
 
 
@@ -92,12 +92,12 @@ class Evaluation:
 
     @cached_property
     def in_viewport(self) -> bool:
-        """The window's evaluation, on the main thread."""
+        """Whether this is the evaluation for the window, on the main thread."""
         return self.mode == "VIEWPORT"
 
     @property
     def shown(self) -> Shown:
-        """What this mode's shape mesh holds."""
+        """What the shape mesh of this mode holds."""
         return self.session.view(self.mode)
 
     @cached_property
@@ -106,11 +106,11 @@ class Evaluation:
         return self.deformer.shape(self.mode)
 
     def note(self, text: str) -> None:
-        """Keep one line about how incoming motion is followed, or none."""
+        """Replace the line in the panel that tells how the incoming shape is followed; empty for no line."""
         others = tuple(line for line in status.notes(self.deformer.uid) if line.level is not Level.INFO)
         status.put_notes(self.deformer.uid, (*others, Status(Level.INFO, text)) if text else others)
 
 
 def is_shown(modifier: NodesModifier, mode: str) -> bool:
-    """The modifier takes part in this mode's evaluation."""
+    """Whether the modifier takes part in the evaluation of this mode."""
     return modifier.show_viewport if mode == "VIEWPORT" else modifier.show_render

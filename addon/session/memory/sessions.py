@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The memory of the process, by deformer key.
+"""What the process remembers of each deformer, by the key of the deformer.
 
-Nothing in it is truth: any of it may be dropped at any time.
+All of it is derived from the settings in the file, so any of it may be dropped at any time.
 """
 
 import threading
@@ -18,29 +18,29 @@ from ...core.memory import remember
 from ...mesh_io import RestShape
 from .background import Work
 
-FIRST_STEPS = 4  # iterations of a drag's first redraw, while the price of one is unknown
+FIRST_STEPS = 4  # iterations in the first redraw of a drag, before it is known how long one takes
 
 
 @dataclass
 class Bound:
-    """A factor, and what it was made from."""
+    """A factor, and what it was built from."""
 
     key: tuple
     factor: Factor
     rest: RestShape
     handles: tuple[str, ...]
     indices: tuple[np.ndarray, ...]
-    control: str  # what moves the mesh, in words
+    control: str  # what moves the mesh, as the panel says it
     milliseconds: float
-    is_preview: bool = False  # rough, while a thread computes the real one
+    is_preview: bool = False  # approximate, until a thread has computed the exact one
 
 
 @dataclass
 class Shown:
-    """What one shape mesh (viewport or render) holds."""
+    """What one shape mesh holds, the one for viewports or the one for renders."""
 
     signature: tuple = ()
-    incoming: np.ndarray | None = None  # float32 (n, 3); None stands for the rest shape
+    incoming: np.ndarray | None = None  # float32 (n, 3); None means the rest shape
     shape: np.ndarray | None = None  # float32 (n + 1, 3), a ``shape_array``
     positions: np.ndarray | None = None  # float32 (n, 3), a view of it: positions, or displacements
     displacement: bool = False
@@ -48,49 +48,50 @@ class Shown:
     converged: bool = True
 
     def hold(self, shape: np.ndarray | None) -> None:
-        """Another shape is shown, or none."""
+        """Note that this shape is shown; None for no shape."""
         self.shape, self.positions = shape, None if shape is None else shape[:-1]
 
 
 @dataclass
 class Session:
-    """One deformer."""
+    """What the process remembers of one deformer."""
 
     bound: Bound | None = None
     rest: RestShape | None = None
-    structure: str | None = None  # what an object that is no mesh was last made of, see ``RestShape``
-    failed: tuple | None = None
+    structure: str | None = (
+        None  # of an object that is no mesh, when it was last looked at: see ``RestShape``
+    )
+    failed: tuple | None = None  # the key of the bind that was refused: it is not tried again
     shown: dict[str, Shown] = field(default_factory=dict)
     poses: dict[str, np.ndarray] = field(default_factory=dict)
-    settle: bool = False  # the final answer of the shown preview is wanted
-    work: Work | None = None  # a thread looks for an answer; the subject is its question
-    unanswered: Work | None = None  # the last one that failed: the same question is not asked again
-    rewire: bool = (
-        False  # a control was exchanged: the driver that keeps controls evaluated names the old one
-    )
+    settle: bool = False  # a preview is shown, and the next evaluation is to solve exactly
+    work: Work | None = None  # a solve in a thread; its subject is a ``Question``
+    unanswered: Work | None = None  # the last solve in a thread that failed: it is not repeated
+    # A control was replaced by another, but the driver that keeps controls evaluated still names the old one.
+    rewire: bool = False
     solve_milliseconds: float = 0.0
-    step_milliseconds: float = 0.0  # of a drag: one iteration, or one solve of a method without them
-    steps: int = FIRST_STEPS  # iterations that a drag may spend
+    step_milliseconds: float = 0.0  # one iteration, or one solve of a method without iterations
+    steps: int = FIRST_STEPS  # how many iterations one redraw of a drag may take
     lock: threading.RLock = field(default_factory=threading.RLock)
 
     def drop_work(self) -> None:
-        """Something newer is asked for."""
+        """Cancel the solve in a thread: another shape is wanted."""
         self.settle = False
         if self.work is not None:
             self.work.cancel()
             self.work = None
 
     def view(self, mode: str) -> Shown:
-        """The record of the viewport's or the render's shape."""
+        """What the shape mesh of this mode, VIEWPORT or RENDER, holds."""
         shown = self.shown.get(mode)
         return self.shown.setdefault(mode, Shown()) if shown is None else shown
 
 
 @dataclass(frozen=True)
 class LastUpdate:
-    """Where an object and its controls were when its deformers were last brought up to date.
+    """Where an object and its controls were when its deformers were last updated.
 
-    ``layout`` names the deformer that each of its modifiers shows, by index and key.
+    ``layout`` has an entry per modifier: the index and key of the deformer that it shows, or None.
     """
 
     placed: tuple
@@ -106,13 +107,13 @@ _suspended = 0
 
 
 def open_session(key: str) -> Session:
-    """The session of a deformer, made when first asked for."""
+    """The session of a deformer, a new one if there is none yet."""
     session = _sessions.get(key)
     return _sessions.setdefault(key, Session()) if session is None else session
 
 
 def open_render_session(key: str) -> Session:
-    """The session of a deformer for renders, where other vertices enter than in viewports."""
+    """The session for renders of a deformer into which other vertices enter there than in viewports."""
     session = open_session(key + _RENDER)
     session.poses = open_session(key).poses
     return session
@@ -132,9 +133,9 @@ def drop(key: str) -> None:
 
 
 def forget_shapes() -> None:
-    """Undo may have changed what the shape meshes hold: write them again.
+    """Call after undo and redo, which may have changed the shape meshes.
 
-    Factors are kept, their keys tell.
+    The next evaluation writes them again. Factors are kept: their keys are compared with the settings.
     """
     _last_updates.clear()
     for session in _sessions.values():
@@ -143,55 +144,55 @@ def forget_shapes() -> None:
 
 
 def note_edit(name: str) -> None:
-    """An object's mesh, or what stands before Sinew in its stack, was edited."""
+    """Note that the mesh of an object, or a modifier before Sinew's, was edited."""
     _edited.add(name)
 
 
 def forget_edit(name: str) -> None:
-    """The mesh was looked at just now."""
+    """Note that the mesh of an object was compared with its rest mesh just now."""
     _edited.discard(name)
 
 
 def take_edited() -> list[str]:
-    """The objects that were edited since the last call."""
+    """The names of the objects that were edited since the last call."""
     names = sorted(_edited)
     _edited.clear()
     return names
 
 
 def has_edited() -> bool:
-    """Some object was edited."""
+    """Whether an object was edited and not looked at since."""
     return bool(_edited)
 
 
 def last_update(name: str) -> LastUpdate | None:
-    """What ``see`` noted of an object."""
+    """What ``note_update`` noted of an object."""
     return _last_updates.get(name)
 
 
 def note_update(name: str, update: LastUpdate) -> None:
-    """Note an object whose deformers are up to date now."""
+    """Note that the deformers of an object are up to date."""
     _last_updates[name] = update
 
 
 def rewired() -> list[str]:
-    """Deformers whose control was exchanged."""
+    """The keys of the deformers of which a control was replaced by another."""
     return [key for key, session in _sessions.items() if session.rewire]
 
 
 def has_work() -> bool:
-    """A shape is looked for in a thread, or waits to be shown."""
+    """Whether a thread solves, or its shape waits to be shown."""
     return any(session.work is not None for session in _sessions.values())
 
 
 def has_answer(key: str) -> bool:
-    """A thread has found a shape that is not shown yet."""
+    """Whether a thread has solved for this deformer, and the shape is not shown yet."""
     session = _sessions.get(key)
     return session is not None and session.work is not None and session.work.done
 
 
 def unsettled() -> list[str]:
-    """Deformers whose last answer was a preview."""
+    """The keys of the deformers that show a preview."""
     return [
         key
         for key, session in _sessions.items()
@@ -201,7 +202,10 @@ def unsettled() -> list[str]:
 
 @contextmanager
 def suspended() -> Iterator[None]:
-    """The handlers rest while Sinew itself changes the scene; what they miss they see afterwards."""
+    """While Sinew itself changes the scene, its handlers do nothing.
+
+    Objects that were evaluated meanwhile are evaluated again afterwards.
+    """
     global _suspended
     _suspended += 1
     try:
@@ -216,17 +220,17 @@ def suspended() -> Iterator[None]:
 
 
 def note_missed(name: str) -> None:
-    """An object was evaluated while the handlers rested."""
+    """Note that an object was evaluated while the handlers did nothing."""
     _missed.add(name)
 
 
 def take_missed(name: str) -> bool:
-    """An evaluation of the object was missed since the last call."""
+    """Whether the handlers missed an evaluation of the object since the last call."""
     missed = name in _missed
     _missed.discard(name)
     return missed
 
 
 def is_suspended() -> bool:
-    """Sinew itself is changing the scene."""
+    """Whether Sinew itself is changing the scene."""
     return _suspended > 0

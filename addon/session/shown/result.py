@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a deformer made of its mesh, for those who show or measure it: shape, triangles, distortion.
+"""The shape, triangles and distortion of a deformed mesh, for the code that draws or measures it.
 
-Computed when asked for, kept until the factor or the shape is another. Main thread only.
+They are computed when they are asked for, and kept until the factor or the shape changes. Main thread only.
 """
 
 from dataclasses import dataclass, field
@@ -24,10 +24,10 @@ from ..memory.sessions import Bound
 
 @dataclass(frozen=True)
 class Result:
-    """The shape that leaves a deformer. ``source`` says what it was computed from.
+    """The shape after a deformer. ``source`` is what it was computed from.
 
-    ``points`` float32 (n, 3), object space; ``triangles`` int32 (t, 3). ``handles`` are the keys of the bound
-    regions, ``indices`` their vertices.
+    ``points`` are float32 (n, 3) in object space, ``triangles`` int32 (t, 3). ``handles`` are the keys of the
+    bound regions, and ``indices`` their vertices.
     """
 
     source: tuple
@@ -40,7 +40,7 @@ class Result:
 
 @dataclass(frozen=True)
 class Distortion:
-    """Ratios (n,) at the vertices, 1 where nothing happened; ``worst`` is the vertex farthest from that."""
+    """A ratio per vertex (n,), 1 where nothing is distorted. The ``worst`` vertex is farthest from 1."""
 
     source: tuple
     measure: Measure
@@ -55,7 +55,7 @@ class Distortion:
 
 @dataclass
 class _Kept:
-    """Of one deformer. The rest shape it belongs to is held, so that its identity is a key; no factor is."""
+    """What is kept of one deformer while it has this rest shape. No factor is kept."""
 
     rest: RestShape
     triangles: np.ndarray
@@ -69,29 +69,27 @@ _kept: dict[str, _Kept] = remember({})
 
 
 def source(obj: Object, deformer: SinewDeformer) -> tuple | None:
-    """What the shape shown depends on, to compare by ``same``; None without a bound shape."""
-    session = sessions.find(deformer.uid)
-    if session is None or session.bound is None or not deformer.is_bound:
+    """What the shape shown depends on, for comparison by ``same``; None if the deformer is not bound."""
+    session, bound = sessions.find(deformer.uid), _bound(deformer)
+    if session is None or bound is None:
         return None
     shown = session.view("VIEWPORT")
     mask = weights(obj, deformer, deformer.mask_group)
-    bound = session.bound
     return bound.rest, bound.indices, shown.positions, shown.incoming, shown.displacement, shown.factor, mask
 
 
 def same(one: tuple | None, other: tuple | None) -> bool:
-    """Two sources lead to one shape."""
+    """Whether two sources give the same shape."""
     if one is None or other is None:
         return one is other
     return all(a is b or (isinstance(a, float) and a == b) for a, b in zip(one, other))
 
 
 def shape_shown(obj: Object, deformer: SinewDeformer) -> Result | None:
-    """The shape that leaves the deformer now."""
-    now = source(obj, deformer)
-    if now is None:
+    """The shape after the deformer now; None if it is not bound."""
+    now, bound = source(obj, deformer), _bound(deformer)
+    if now is None or bound is None:
         return None
-    bound = sessions.find(deformer.uid).bound
     kept = _entry(deformer, bound)
     if kept.result is None or not same(kept.result.source, now):
         points = _blend(bound.rest, *now[2:])
@@ -99,55 +97,56 @@ def shape_shown(obj: Object, deformer: SinewDeformer) -> Result | None:
     return kept.result
 
 
-def measured(obj: Object, deformer: SinewDeformer, kind: Measure) -> Distortion | None:
-    """The distortion, where it was computed for the shape shown now. Costs nothing."""
+def measured(obj: Object, deformer: SinewDeformer, wanted: Measure) -> Distortion | None:
+    """The distortion, if it has been computed for the shape shown now. This never computes it."""
     kept = _kept.get(deformer.uid)
-    if kept is None or kept.distortion is None or kept.distortion.measure is not kind:
+    if kept is None or kept.distortion is None or kept.distortion.measure is not wanted:
         return None
     return kept.distortion if same(kept.distortion.source, source(obj, deformer)) else None
 
 
-def measure(obj: Object, deformer: SinewDeformer, kind: Measure) -> Distortion | None:
-    """The distortion of the shape shown now; None where nothing is bound."""
-    found = measured(obj, deformer, kind)
+def measure(obj: Object, deformer: SinewDeformer, wanted: Measure) -> Distortion | None:
+    """The distortion of the shape shown now; None if the deformer is not bound."""
+    found = measured(obj, deformer, wanted)
     result = shape_shown(obj, deformer)
     if found is not None or result is None:
         return found
     kept = _kept[deformer.uid]
     if kept.metric is None:
         kept.metric = distortion.rest_metric(result.rest.points, result.triangles)
-    ratios = distortion.ratio(kind, *distortion.singular_values(kept.metric, result.points))
+    ratios = distortion.ratio(wanted, *distortion.singular_values(kept.metric, result.points))
     values = distortion.at_vertices(kept.metric, ratios)
-    kept.distortion = Distortion(result.source, kind, values, distortion.worst(values))
+    kept.distortion = Distortion(result.source, wanted, values, distortion.worst(values))
     return kept.distortion
 
 
 def selected(deformer: SinewDeformer) -> tuple[int, ...]:
-    """The vertices selected on the control of the deformer."""
+    """The selected vertices of the control of the deformer."""
     return kinds.kind_in_use(deformer).selected(deformer)
 
 
 def influence(deformer: SinewDeformer) -> Influence | None:
-    """How far each vertex goes with those selected on the control; None where it has no weights."""
+    """How far each vertex follows the selected vertices of the control; None if it has no weights."""
     session = sessions.find(deformer.uid)
     if session is None or session.bound is None or session.bound.factor.is_released:
-        return None  # a thread may be binding another
+        return None  # a thread may be building another one
     return kinds.kind_of_method(session.bound.factor.recipe.method).influence(deformer, session.bound)
 
 
 def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | None:
-    """A vertex group float32 (n,) as painted now, else as it was at bind; None where there is none.
+    """The weights of a vertex group, float32 (n,); None if there is none.
 
-    Read once, until ``repainted``.
+    They are read from the mesh, or from the rest mesh if the mesh has other vertices, and kept until
+    ``repainted`` is called.
     """
-    session = sessions.find(deformer.uid)
-    if not group or session is None or session.bound is None or not deformer.is_bound:
+    bound = _bound(deformer)
+    if not group or bound is None:
         return None
-    groups = _entry(deformer, session.bound).groups
+    groups = _entry(deformer, bound).groups
     if group not in groups:
         names = [other.name for other in obj.vertex_groups]
         mesh = obj.data
-        if targets.vertex_count(obj) != len(session.bound.rest.points):
+        if targets.vertex_count(obj) != len(bound.rest.points):
             mesh = deformer.rest_in("VIEWPORT")
             names = group_names(mesh)
         groups[group] = group_weights(mesh, names, {group}).get(group)
@@ -155,15 +154,21 @@ def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | No
 
 
 def repainted(deformer: SinewDeformer) -> None:
-    """Vertex groups may have changed."""
+    """Call when vertex groups may have changed."""
     kept = _kept.get(deformer.uid)
     if kept is not None:
         kept.groups.clear()
 
 
 def forget() -> None:
-    """Free all of it."""
+    """Forget the results of all deformers."""
     _kept.clear()
+
+
+def _bound(deformer: SinewDeformer) -> Bound | None:
+    """The factor that the viewport shows; None where the deformer is not bound."""
+    session = sessions.find(deformer.uid)
+    return session.bound if session is not None and deformer.is_bound else None
 
 
 def _entry(deformer: SinewDeformer, bound: Bound) -> _Kept:
@@ -183,7 +188,7 @@ def _blend(
     factor: float,
     mask: np.ndarray | None,
 ) -> np.ndarray:
-    """As the node group does: from what came in to the solution, by Factor and mask."""
+    """What the node group shows: a shape between the incoming one and the solution, by Factor and mask."""
     before = rest.points_float32 if incoming is None else incoming
     if positions is None:
         return before

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grab a selection in Edit Mode: the surface around follows it once, without a deformer.
+"""Moves a selection in Edit Mode so that the surface around follows it, once and without a deformer.
 
-Only the part of the mesh that may move, with the rings of fixed vertices that its energies look at, goes to
-the native module.
+Only the part of the mesh that may move is passed to the native module, with as many rings of fixed vertices
+around it as the energies of the methods need.
 """
 
 import time
@@ -27,7 +27,7 @@ NOTHING_FREE = "Nothing around the selection is free to follow - only the select
 class Grab:
     """The selection of a mesh in Edit Mode as a handle, and what follows it.
 
-    ``follow`` a radius, ``show`` motions, ``restore`` or leave it.
+    Call ``follow`` with a radius, then ``show`` for each motion. ``restore`` puts everything back.
     """
 
     def __init__(self, obj: Object, method: Method) -> None:
@@ -35,12 +35,12 @@ class Grab:
         self._method = method
         self._patch = Patch(obj)
         self._region: Region | None = None
-        self._factor: Factor | None = None  # of the region, where it needs one and has it
+        self._factor: Factor | None = None  # of the region, if it needs one and has it already
         self._work: Work | None = None
         self._final: Work | None = None
         self._start: np.ndarray | None = None
         self._budget = FIRST_STEPS
-        self.settled = True  # what is shown is the final answer for its motion
+        self.settled = True  # whether the shape shown is the exact one for its motion
 
     @property
     def selection(self) -> np.ndarray:
@@ -49,7 +49,7 @@ class Grab:
 
     @property
     def lost(self) -> int:
-        """How many vertices have coordinates that are no numbers."""
+        """How many vertices have invalid coordinates."""
         return self._patch.lost
 
     @property
@@ -59,25 +59,25 @@ class Grab:
 
     @property
     def is_binding(self) -> bool:
-        """Another radius is on its way."""
+        """Whether a thread binds for another radius."""
         return self._work is not None
 
     @property
     def moves_alone(self) -> bool:
-        """Nothing is free to follow the selection."""
+        """Whether the selection moves alone, because nothing is free to follow it."""
         return self._region is not None and len(self._region.free) == 0
 
     @property
     def job(self) -> Work | None:
-        """A bind or a final answer under way in a thread."""
+        """A bind, or an exact solve, in a thread."""
         return self._work or self._final
 
     # What follows
 
     def follow(self, radius: float, wait: bool = True) -> None:
-        """Let the surface within ``radius`` (world units, over the surface) follow; infinite: all connected.
+        """Let what lies within ``radius`` follow, in world units over the surface; infinite: all connected.
 
-        Without ``wait`` a heavy part binds in a thread: see ``job`` and ``collect``.
+        Without ``wait`` a large part is bound in a thread: see ``job`` and ``collect``.
         """
         self._abandon()
         region = self._patch.region(radius)
@@ -89,7 +89,7 @@ class Grab:
             self._work = Work(lambda progress: self._bind(region, progress), region)
 
     def collect(self) -> bool:
-        """Take a finished bind in; True where there was one. The next ``show`` uses it."""
+        """Take in a bind that has ended; returns whether there was one. The next ``show`` uses it."""
         if self._work is None or not self._work.done:
             return False
         done, self._work = self._work, None
@@ -98,9 +98,8 @@ class Grab:
         self._take(done.subject, done.result)
         return True
 
-    def _is_bound(self, wait: bool) -> bool:
-        """The region has its factor, or needs none; False while a thread builds it."""
-        region = self._region
+    def _is_bound(self, region: Region, wait: bool) -> bool:
+        """Whether the region has its factor, or needs none. False while a thread builds it."""
         if self._factor is not None or len(region.free) == 0:
             return True
         if wait or not binding.may_wait(len(region.members)):
@@ -129,18 +128,24 @@ class Grab:
 
     # How it moves
 
-    def show(self, obj: Object, motion: np.ndarray, preview: bool = False) -> None:
-        """Move the selection by a motion of the world (4, 4), the surface with it.
+    def _followed(self) -> Region:
+        """What follows the selection. A motion needs it, so ``follow`` comes before every motion."""
+        if self._region is None:
+            raise ConstraintError("Nothing follows the selection yet - ask for a radius first")
+        return self._region
 
-        A ``preview`` spends a moment only: see ``settled``.
+    def show(self, obj: Object, motion: np.ndarray, preview: bool = False) -> None:
+        """Move the selection by a motion (4, 4) in the world, and the surface with it.
+
+        A ``preview`` takes little time, and may not be exact: see ``settled``.
         """
         self._drop_final()
         pose = self._pose(motion)
-        region, followed = self._region, None
+        region, followed = self._followed(), None
         self.settled = True
         if region.rides_along(pose):
             followed = frames.transformed(pose, region.rest)
-        elif not self._is_bound(wait=not preview):
+        elif not self._is_bound(region, wait=not preview):
             return
         elif self._factor is not None:
             options = self._options()
@@ -149,31 +154,31 @@ class Grab:
                 options["max_iterations"] = min(self._budget, options.get("max_iterations", self._budget))
                 options["start"] = self._start
             begin = time.perf_counter()
-            followed, report = self._factor.solve(self._poses(pose), **options)
+            followed, report = self._factor.solve(self._poses(region, pose), **options)
             self._start = followed
-            if early:
+            if early and report is not None:
                 self.settled = report.converged
                 self._spend(report.iterations, time.perf_counter() - begin)
-        self._write(obj, pose, followed, final=not preview)
+        self._write(obj, region, pose, followed, final=not preview)
 
     def settle(self, obj: Object, motion: np.ndarray, wait: bool = True) -> bool:
-        """Show the final answer, which depends on the motion alone; False while a thread works it out."""
-        region, pose = self._region, self._pose(motion)
+        """Show the exact shape, which depends on the motion alone; False while a thread computes it."""
+        region, pose = self._followed(), self._pose(motion)
         heavy = self._method.iterative and binding.may_wait(len(region.members))
         if wait or not heavy or len(region.free) == 0 or region.rides_along(pose):
             self.show(obj, motion)
             return True
-        if not self._is_bound(wait):
+        if not self._is_bound(region, wait):
             return False
         if self._final is None:
-            factor, poses, options = self._factor, self._poses(pose), self._options()
+            factor, poses, options = self._factor, self._poses(region, pose), self._options()
             self._final = Work(lambda progress: factor.solve(poses, progress=progress, **options))
         if not self._final.done:
             return False
         done, self._final = self._final, None
         if done.error is not None:
             raise done.error
-        self._write(obj, pose, done.result[0])
+        self._write(obj, region, pose, done.result[0])
         self.settled = True
         return True
 
@@ -188,7 +193,7 @@ class Grab:
             self._final = None
 
     def _spend(self, iterations: int, seconds: float) -> None:
-        """As many steps a redraw as the drag budget allows for this mesh."""
+        """Choose as many steps per redraw as the drag budget allows for this mesh."""
         if iterations:
             self._budget = drag.affordable_steps(1000.0 * seconds / iterations)
 
@@ -196,20 +201,22 @@ class Grab:
         return {row.id: row.default for row in self._method.parameters if not row.rebinds}
 
     def _pose(self, motion: np.ndarray) -> np.ndarray:
-        """A motion of the world as the pose (3, 4) of points that lack only the object's place."""
+        """A motion in the world as a pose (3, 4) of the points of the patch, relative to the object."""
         if not np.isfinite(motion).all():
             raise ConstraintError("The motion is not a finite number - type another one")
         pose = motion[:3].copy()
         pose[:, 3] += motion[:3, :3] @ self._patch.origin - self._patch.origin
         return pose
 
-    def _poses(self, pose: np.ndarray) -> np.ndarray:
-        poses = [pose] if len(self._region.handle) else []
-        return np.array([*poses, IDENTITY] if len(self._region.fixed) else poses)
+    def _poses(self, region: Region, pose: np.ndarray) -> np.ndarray:
+        poses = [pose] if len(region.handle) else []
+        return np.array([*poses, IDENTITY] if len(region.fixed) else poses)
 
-    def _write(self, obj: Object, pose: np.ndarray, followed: np.ndarray | None, final: bool = True) -> None:
-        """The selection goes by its pose, the free vertices by the solution (k, 3); others go to rest."""
+    def _write(
+        self, obj: Object, region: Region, pose: np.ndarray, followed: np.ndarray | None, final: bool = True
+    ) -> None:
+        """Move the selection by its pose, the free vertices to the solution (k, 3), all others to rest."""
         goals = [frames.transformed(pose, self._patch.points[self._patch.selected])]
         if followed is not None:
-            goals.append(followed[self._region.free])
-        self._patch.write(obj, self._region, np.concatenate(goals), final)
+            goals.append(followed[region.free])
+        self._patch.write(obj, region, np.concatenate(goals), final)

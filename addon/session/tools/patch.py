@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh in Edit Mode, read once: what a tool may move of it, and how that is written and put back.
+"""A mesh in Edit Mode, which a tool reads once, writes, and puts back.
 
-Everything held is arrays; each call that touches the mesh is given the object.
+Only arrays are kept. Each function that uses the mesh is given the object.
 """
 
 from dataclasses import dataclass
@@ -23,18 +23,19 @@ ALL_FIXED = "The selected vertices belong to Fixed regions, which stay - select 
 NO_PLACE = "The selected vertices have coordinates that are no numbers - Repair the mesh, or select others"
 CHANGED = "The mesh was edited meanwhile - grab again"
 
-_RINGS = 3  # energies up to the variation of curvature look three edges far
-_HEADROOM = 1.5  # how much farther than asked the surface is measured when the radius grows
-_FEW = 0.2  # of the vertices: below, updating their normals one by one is quicker than all by Blender
+_RINGS = 3  # energies up to the variation of curvature depend on vertices three edges away
+_HEADROOM = 1.5  # when the radius grows, the surface is measured up to this multiple of it
+_FEW = 0.2  # up to this share of the vertices, it is quicker to update normals one by one than all of them
 
 
 @dataclass(frozen=True)
 class Region:
     """What follows the selection within a radius.
 
-    ``members`` (k,) are vertices of the mesh; ``free``, ``handle`` and ``fixed`` places among them. ``rest``
-    (k, 3) is oriented and scaled as the world. ``moving`` (t,) are the selection and after it the free
-    vertices, ``shaded`` the vertices and faces whose normals they change, None where those are many.
+    ``members`` (k,) are vertices of the mesh; ``free``, ``handle`` and ``fixed`` are indices into them.
+    ``rest`` (k, 3) is oriented and scaled as the world. ``moving`` (t,) are the selected vertices and then
+    the free ones. ``shaded`` are the vertices and faces whose normals change with them, or None if these are
+    many.
     """
 
     radius: float
@@ -48,7 +49,7 @@ class Region:
     faces: tuple[np.ndarray, np.ndarray]
 
     def rides_along(self, pose: np.ndarray) -> bool:
-        """Nothing holds the region, and nothing bends it: it goes as one piece."""
+        """Whether the region moves as one piece: nothing holds it, and the pose is rigid."""
         linear = pose[:, :3]
         return len(self.fixed) == 0 and np.allclose(linear.T @ linear, np.eye(3), rtol=0.0, atol=1e-9)
 
@@ -56,8 +57,9 @@ class Region:
 class Patch:
     """The selection of a mesh in Edit Mode and the surface around it.
 
-    Ask for the ``region`` within a radius, ``write`` its vertices, ``restore`` them. ``points`` (n, 3) are
-    at rest, oriented and scaled as the world, and lack only the place of the object, ``origin`` (3,).
+    ``region`` gives what lies within a radius; ``write`` moves its vertices, ``restore`` puts them back.
+    ``points`` (n, 3) are at rest, oriented and scaled as the world, relative to the location of the object,
+    ``origin`` (3,).
     """
 
     def __init__(self, obj: Object) -> None:
@@ -68,7 +70,7 @@ class Patch:
         self._triangles = reach.TriangleMesh(len(self._rest), self._counts, self._corners)
         self._lengths: np.ndarray | None = None
         self._measured = 0.0
-        self._written: Region | None = None  # whose vertices are not at rest
+        self._written: Region | None = None  # the region whose vertices are not at rest
 
     @sessions.suspended()
     def _read(self, obj: Object) -> None:
@@ -112,7 +114,7 @@ class Patch:
         return self.points[self.selected] + self.origin
 
     def region(self, radius: float) -> Region:
-        """What follows within ``radius`` (world units, over the surface); infinite: all connected."""
+        """What follows within ``radius``, in world units over the surface; infinite: all connected."""
         sources = np.zeros(len(self._rest), dtype=bool)
         sources[self.selected] = True
         if np.isinf(radius):
@@ -141,14 +143,14 @@ class Patch:
         return (vertices, np.flatnonzero(faces)) if few else None
 
     def _measure(self, sources: np.ndarray, radius: float) -> np.ndarray:
-        """Lengths (n,) over the surface, measured again only where the radius outgrew what is known."""
+        """Lengths (n,) over the surface. They are measured again only if the radius is larger than before."""
         if self._lengths is None or radius > self._measured:
             self._measured = radius if self._lengths is None else radius * _HEADROOM
             self._lengths = self._triangles.lengths(self.points, sources, self._stays, self._measured)
         return self._lengths
 
     def write(self, obj: Object, region: Region, places: np.ndarray, final: bool = True) -> None:
-        """Put the vertices ``region.moving`` at ``places`` (t, 3), frame of ``points``; others rest."""
+        """Move the vertices ``region.moving`` to ``places`` (t, 3) (frame of ``points``); others rest."""
         with np.errstate(over="ignore"):  # refused just below
             moved = (places @ self._inverse.T).astype(np.float32)
         if not np.isfinite(moved).all():
@@ -177,7 +179,8 @@ class Patch:
     ) -> None:
         """Write some vertices of the mesh in Edit Mode, (w,) and float32 (w, 3).
 
-        Normals of the ``shaded`` vertices and faces follow, else all; n-gons are filled anew at the end.
+        Normals of the ``shaded`` vertices and faces are updated, or all if it is None. N-gons are
+        triangulated again if this is the ``final`` call.
         """
         edit = bmesh.from_edit_mesh(obj.data)
         if len(edit.verts) != len(self._rest) or len(edit.faces) != len(self._counts):

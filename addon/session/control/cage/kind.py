@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A cage moves the shape: an ordinary mesh object around it, as its own modifiers leave it. See ``kinds``.
+"""A cage moves the shape: an ordinary mesh object around it, after its own modifiers. See ``kinds``.
 
-The rest cage is kept as a hidden mesh in the frame of the target, so everything done to the cage later is a
-pose, in Edit Mode too.
+The rest cage is stored as a hidden mesh in the frame of the target. So whatever is done to the cage later is
+a pose, also in Edit Mode.
 """
 
 from collections.abc import Iterator
@@ -35,27 +35,27 @@ MISSING = "No cage yet - Add Cage takes the other selected mesh"
 
 MARKS_REGIONS = False
 
-_POSE = "cage"  # the key of its last pose among the session's poses
+_POSE = "cage"  # the key of the last pose of the cage in ``Session.poses``
 
 
 def name(_method: Method) -> str:
-    """The coordinates of a cage are tried one after the other, so they are not its name."""
+    """Artists try one method after the other on the same cage, so the method is not the name."""
     return "Cage"
 
 
 def is_set(settings: SinewDeformer) -> bool:
-    """A cage was chosen, now or at bind."""
+    """Whether there is a cage, or there was one at bind."""
     return settings.cage is not None or isinstance(settings.cage_rest, Mesh)
 
 
 def key(settings: SinewDeformer) -> tuple:
-    """Which rest cage."""
+    """The token of the rest cage."""
     rest = settings.cage_rest
     return (rest.get(Keys.REST_TOKEN, "") if isinstance(rest, Mesh) else "",)
 
 
 def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int) -> BindInput:
-    """Arrays for the native module, or the reason why there are none."""
+    """The arrays for the native module. Raises a ``SinewError`` if the cage cannot be bound."""
     if not isinstance(settings.cage_rest, Mesh):
         raise CageError("The cage is not bound yet - press Bind", remedy=Remedy.BIND)
     read_weights(rest, mesh, settings)
@@ -63,11 +63,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     if not len(cage.points):
         raise CageError("The cage has no vertices - add some, then Set Rest Cage", remedy=Remedy.CAGE_REST)
     if len(cage.not_finite):
-        raise CageError(
-            "Vertices of the cage are nowhere - move or delete them, then Set Rest Cage",
-            Elements(Owner.CONTROL, "vertex", cage.not_finite),
-            Remedy.CAGE_REST,
-        )
+        raise _invalid(cage.not_finite, "move or delete them, then Set Rest Cage", Remedy.CAGE_REST)
     return BindInput(
         key=key,
         recipe=Recipe(
@@ -83,7 +79,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
 
 
 def notes(report: CageReport, request: BindInput) -> tuple[Status, ...]:
-    """Points that the cage does not hold; its faces that cross."""
+    """Warnings about points outside the cage, and about faces of the cage that cross each other."""
     found, count = [], len(report.outside)
     if count:
         one, several = request.rest.point_type.nouns
@@ -97,12 +93,12 @@ def notes(report: CageReport, request: BindInput) -> tuple[Status, ...]:
 
 
 def selectable(elements: Elements, _request: BindInput) -> Elements:
-    """Those of the cage and of the target are told apart already."""
+    """The same elements: they name their owner, the cage or the target, already."""
     return elements
 
 
 def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
-    """The cage, where it has its ``elements`` still; else the reason why they cannot be selected."""
+    """The cage. Raises a ``CageError`` if it no longer has the ``elements`` of its rest."""
     cage, rest = deformer.cage, deformer.cage_rest
     if cage is None:
         raise CageError("The cage is not in this view layer - nothing to select")
@@ -113,13 +109,20 @@ def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
     return cage
 
 
+def _invalid(vertices: np.ndarray, advice: str, remedy: Remedy = Remedy.NONE) -> CageError:
+    """The refusal of a cage with such vertices."""
+    nouns = "1 cage vertex has" if len(vertices) == 1 else f"{len(vertices):,} cage vertices have"
+    text = f"{nouns} invalid coordinates (NaN or infinite) - {advice}"
+    return CageError(text, Elements(Owner.CONTROL, "vertex", vertices), remedy)
+
+
 def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
-    """The place of the cage, with its vertices."""
+    """The place of the cage and its vertices."""
     return [placement.read_place(deformer.cage, depsgraph, by_shape=True)]
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, object]] | None:
-    """The cage's vertices (c, 3) in the frame of the target; without a cage as they were last, if known."""
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    """The vertices of the cage (c, 3) in the frame of the target; without a cage the last known ones."""
     held, (place,) = evaluation.session.poses, evaluation.control
     if place is None or evaluation.deformer.cage_missing:
         return (held[_POSE], {}) if _POSE in held else None
@@ -132,18 +135,17 @@ def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, ob
         )
     world = np.array(evaluation.evaluated.matrix_world, dtype=np.float64)
     relative = frames.inverse(world, "The mesh object") @ place.matrix()
-    with np.errstate(invalid="ignore"):  # said below
+    with np.errstate(invalid="ignore"):  # refused below
         posed = frames.transformed(relative, vertices.astype(np.float64))
     lost = np.flatnonzero(~frames.are_valid(posed))
     if len(lost):
-        elements = Elements(Owner.CONTROL, "vertex", lost)
-        raise CageError("Vertices of the cage are nowhere - undo, or move them", elements)
+        raise _invalid(lost, "undo, or move them")
     held[_POSE] = posed
     return posed, {}
 
 
 def is_stale(deformer: SinewDeformer) -> bool:
-    """The cage gained or lost vertices since it was bound."""
+    """Whether the cage has gained or lost vertices since it was bound."""
     if deformer.cage_missing or not isinstance(deformer.cage_rest, Mesh):
         return False
     found = placement.read_vertices(deformer.cage, bpy.context.evaluated_depsgraph_get())
@@ -151,13 +153,13 @@ def is_stale(deformer: SinewDeformer) -> bool:
 
 
 def set_rest(obj: Object, deformer: SinewDeformer) -> None:
-    """The cage rests where it is, unless it has a rest already."""
+    """Let the cage rest where it is, unless it has a rest already."""
     if deformer.cage is not None and not isinstance(deformer.cage_rest, Mesh):
         take_rest(obj, deformer)
 
 
 def take_rest(obj: Object, deformer: SinewDeformer) -> None:
-    """The cage rests as it is now. Makes a datablock: for operators."""
+    """Let the cage rest as it is now. This makes a datablock, so handlers may not call it."""
     cage = deformer.cage
     if cage is None:
         raise CageError(MISSING)
@@ -174,28 +176,57 @@ def take_rest(obj: Object, deformer: SinewDeformer) -> None:
 
 
 def forget_rest(deformer: SinewDeformer) -> None:
-    """Forget how the cage rested."""
+    """Forget the rest of the cage."""
     objects.forget_rest((StoredCage(deformer),))
 
 
+def use(obj: Object, deformer: SinewDeformer, control: Object, owned: bool) -> None:
+    """Use a mesh object as the cage. It is drawn as wire, and rests where it is at the bind."""
+    if control == obj:
+        raise CageError(f"{obj.name} cannot be its own cage - choose another mesh")
+    if control.type != "MESH":
+        raise CageError(f"{control.name} is no mesh - a cage is a closed mesh around the target")
+    if _leads_to(control, obj):
+        raise CageError(
+            f"{control.name} follows {obj.name} itself - choose a cage that does not depend on it"
+        )
+    deformer.cage, deformer.owns_cage = control, owned
+    if control.library is None:
+        control.display_type = "WIRE"
+        control.hide_render = True
+
+
+def _leads_to(cage: Object, obj: Object) -> bool:
+    """Whether ``obj`` is the cage of a deformer of the cage, or of a cage further along."""
+    waiting, known = [cage], set()
+    while waiting:
+        for deformer in waiting.pop().sinew.deformers:
+            if deformer.cage == obj:
+                return True
+            if deformer.cage is not None and deformer.cage not in known:
+                known.add(deformer.cage)
+                waiting.append(deformer.cage)
+    return False
+
+
 def links(deformer: SinewDeformer) -> Iterator[Link]:
-    """The cage, with its shape."""
+    """The cage, whose vertices count too."""
     return objects.links((StoredCage(deformer),))
 
 
 def lost(deformer: SinewDeformer) -> tuple[str, ...]:
-    """The cage was deleted."""
+    """A line in the panel if the cage was deleted."""
     is_lost = deformer.is_bound and deformer.cage_missing
     return ("The cage was deleted, and the last shape stays - pick another",) if is_lost else ()
 
 
 def release(_obj: Object, deformer: SinewDeformer) -> None:
-    """Remove the cage made for a deformer, unless another deformer uses it."""
+    """Remove the cage that was made for a deformer, unless another deformer uses it."""
     objects.release((StoredCage(deformer),))
 
 
 def selected(deformer: SinewDeformer) -> tuple[int, ...]:
-    """The vertices selected on the cage, in Edit Mode or before it was left."""
+    """The selected vertices of the cage, in Edit Mode or as they were when it was left."""
     cage = deformer.cage
     if cage is None or cage.type != "MESH":
         return ()
@@ -207,9 +238,9 @@ def selected(deformer: SinewDeformer) -> tuple[int, ...]:
 
 
 def influence(deformer: SinewDeformer, bound: Bound) -> Influence:
-    """How far each vertex goes with those selected on the cage.
+    """How far each point follows the selected vertices of the cage.
 
-    Modifiers of the cage keep the numbers of its own vertices, or add others after them.
+    Modifiers of the cage keep the indices of its own vertices, and number those that they add after them.
     """
     factor = bound.factor
     vertices = tuple(v for v in selected(deformer) if v < len(factor.recipe.control.points))

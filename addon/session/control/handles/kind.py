@@ -7,7 +7,7 @@ import numpy as np
 from bpy.types import Depsgraph, Object
 
 from ....core.elements import NO_ELEMENTS, Elements, Owner
-from ....core.errors import SinewError
+from ....core.errors import ConstraintError, SinewError
 from ....core.methods import Method
 from ....core.status import Level, Status
 from ....properties import SinewDeformer
@@ -44,6 +44,7 @@ __all__ = (
     "selected",
     "set_rest",
     "take_rest",
+    "use",
 )
 
 MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
@@ -51,13 +52,13 @@ MARKS_REGIONS = True
 
 
 def name(method: Method) -> str:
-    """Each method makes another surface of the same handles."""
+    """The method: each one makes another shape of the same handles."""
     return method.label
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """Parts that nothing holds."""
-    if not report.free_parts:
+    """A warning about parts of the mesh that no region holds. A space method moves all parts."""
+    if request.recipe.method.is_space or not report.free_parts:
         return ()
     count = report.free_parts
     text = "1 free part stays at rest" if count == 1 else f"{count} free parts stay at rest"
@@ -66,7 +67,7 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
 
 
 def selectable(elements: Elements, request: BindInput) -> Elements:
-    """The vertices of the handles that the native module names by their rows."""
+    """The vertices of handles, where the native module names handles by their rows."""
     if elements.element != "handle":
         return elements
     members = [request.indices[row] for row in elements.indices]
@@ -74,7 +75,7 @@ def selectable(elements: Elements, request: BindInput) -> Elements:
 
 
 def object_with(_deformer: SinewDeformer, _elements: Elements) -> Object:
-    """Controls of handles have no elements."""
+    """Always raises: the controls of handles have no elements."""
     raise SinewError("The controls of handles have nothing that could be selected")
 
 
@@ -86,25 +87,30 @@ def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
     ]
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, Any]]:
-    """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape."""
-    affine, from_rest = poses.gather(evaluation, bound)
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape."""
+    affine, from_rest = poses.bound_poses(evaluation, bound)
     return affine, {"from_rest": from_rest}
 
 
+def use(_obj: Object, _deformer: SinewDeformer, control: Object, _owned: bool) -> None:
+    """Always refuses: a handle needs a region too."""
+    raise ConstraintError(f"{control.name} alone moves no handle - name the vertices that follow it")
+
+
 def is_stale(_deformer: SinewDeformer) -> bool:
-    """Only the places of objects and bones count."""
+    """Never: only the places of objects and bones count, not their vertices."""
     return False
 
 
 def forget_rest(deformer: SinewDeformer) -> None:
-    """The next bind starts where the controls are then."""
+    """Forget the rest frames: at the next bind the controls rest where they are then."""
     for handle in deformer.handles:
         handle.has_rest = handle.has_last_pose = False
 
 
 def lost(deformer: SinewDeformer) -> tuple[str, ...]:
-    """Handles whose control was deleted."""
+    """A line in the panel per handle whose control was deleted."""
     return tuple(
         f"{handle.name} has lost its control and stays where it was - pick another"
         for handle in deformer.handles
@@ -113,9 +119,9 @@ def lost(deformer: SinewDeformer) -> tuple[str, ...]:
 
 
 def selected(_deformer: SinewDeformer) -> tuple[int, ...]:
-    """Controls of handles have no vertices."""
+    """None: the controls of handles have no vertices."""
     return ()
 
 
 def influence(_deformer: SinewDeformer, _bound: Bound) -> None:
-    """How far a vertex follows one handle is the outcome of a solve, not a weight."""
+    """None: how far a vertex follows a handle is the result of a solve, not a weight."""

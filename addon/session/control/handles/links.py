@@ -10,14 +10,17 @@ from ...blocks.keeper import Link, find_driver
 
 
 def links(deformer: SinewDeformer) -> Iterator[Link]:
-    """One per handle that has a control."""
+    """The object or bone of each handle that has a control."""
     for handle in deformer.handles:
         if handle.kind == "HANDLE" and handle.control is not None:
             yield Link(handle.control, handle.bone)
 
 
 def follow_renamed_bones(obj: Object) -> bool:
-    """Blender renames bones in drivers, not in our settings: take the new names from there."""
+    """Take over the new names of bones, which Blender changes in drivers but not in Sinew's settings.
+
+    Returns whether there were any.
+    """
     curve = find_driver(obj)
     kept = list(dict.fromkeys(link for deformer in obj.sinew.deformers for link in links(deformer)))
     if curve is None or len(curve.driver.variables) < len(kept):

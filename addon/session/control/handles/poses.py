@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the controls are, as poses in the object space of the target."""
+"""The places of the controls as poses in the object space of the target."""
 
 from functools import lru_cache
 
@@ -20,28 +20,28 @@ IDENTITY = np.eye(4)[:3]
 
 
 def control_matrix(handle: SinewHandle, depsgraph: Depsgraph) -> np.ndarray | None:
-    """The control in the world (4, 4), as evaluated; None if there is none."""
+    """The evaluated control in the world, (4, 4); None if it is missing."""
     place = read_place(handle.control, depsgraph, handle.bone)
     return None if place is None else place.matrix()
 
 
 def _inverse(matrix: Matrix, whose: str) -> np.ndarray:
-    """The inverse (4, 4) of what rests from frame to frame: it is not even read into an array again."""
-    return _inverse_of_frozen(matrix.copy().freeze(), whose)
+    """The inverse (4, 4). It is kept for matrices that stay the same from frame to frame."""
+    return _kept_inverse(matrix.copy().freeze(), whose)
 
 
 @lru_cache(maxsize=256)
-def _inverse_of_frozen(matrix: Matrix, whose: str) -> np.ndarray:
+def _kept_inverse(matrix: Matrix, whose: str) -> np.ndarray:
     return frames.inverse(np.array(matrix.copy(), dtype=np.float64), whose)
 
 
 def rest_of(handle: SinewHandle) -> np.ndarray:
-    """The control relative to the target at rest, (4, 4)."""
+    """The rest frame: the control relative to the target at rest, (4, 4)."""
     return np.array(handle.rest_matrix, dtype=np.float64).reshape(4, 4, order="F")
 
 
 def set_rest(handle: SinewHandle, matrix: np.ndarray) -> None:
-    """Store the control's rest frame."""
+    """Store the rest frame of the control."""
     handle.rest_matrix = matrix.ravel(order="F").tolist()
     handle.has_rest = True
 
@@ -49,17 +49,21 @@ def set_rest(handle: SinewHandle, matrix: np.ndarray) -> None:
 def capture_rest(
     handle: SinewHandle, target: np.ndarray, control: np.ndarray, pose: np.ndarray | None = None
 ) -> None:
-    """Make ``control`` (world, now) stand for ``pose``, by default the identity, so that nothing jumps."""
+    """Choose the rest frame so that ``control``, which is its place in the world now, means ``pose``.
+
+    By default that is the identity. So nothing jumps.
+    """
     now = frames.inverse(target, "The mesh object") @ control
     if pose is not None:
         now = frames.inverse(np.vstack((pose, (0.0, 0.0, 0.0, 1.0))), handle.name) @ now
     set_rest(handle, now)
 
 
-def gather(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
-    """Poses (k, 3, 4) in bound order, and (k,) whether each moves the rest shape.
+def bound_poses(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
+    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape.
 
-    A control that was deleted leaves its handle where it was last; one that was exchanged takes over there.
+    If a control was deleted, its handle stays where it was last. If another control took its place, that one
+    starts from there.
     """
     deformer, depsgraph, session = evaluation.deformer, evaluation.depsgraph, evaluation.session
     world = evaluation.evaluated.matrix_world
@@ -98,20 +102,22 @@ def gather(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.ndarray
 
 
 def _keep(handle: SinewHandle, pose: np.ndarray) -> None:
-    """Let the file know where a region without a control stays."""
+    """Store in the file where a region without a control stays."""
     values = pose.astype(np.float32).ravel()
     if not handle.has_last_pose or not np.array_equal(values, np.array(handle.last_pose, dtype=np.float32)):
         handle.last_pose, handle.has_last_pose = values.tolist(), True
 
 
 def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
-    """Where a region whose control is gone stays: as the file says, else as the saved shape shows it."""
+    """Where a region without its control stays: as stored in the file, else as the saved shape shows it."""
     handle = next(handle for handle in deformer.handles if handle.uid == bound.handles[row])
     kept = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
     if handle.has_last_pose and np.isfinite(kept).all():
         return kept
     rest = bound.rest.points
     members = bound.indices[row]
+    if not len(members):
+        return IDENTITY
     for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):
         shape = read_shape(proxy.data) if proxy is not None else None
         if shape is not None and len(shape) == len(rest):
@@ -120,7 +126,7 @@ def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
 
 
 def complete_rest_frames(obj: Object, deformer: SinewDeformer) -> None:
-    """Rest frames for handles that have a control but no frame yet."""
+    """Give a rest frame to each handle that has a control but no rest frame yet."""
     target = np.array(obj.matrix_world, dtype=np.float64)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     for handle in deformer.handles:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Removes what was made for handles. Main thread only."""
+"""Removes controls and vertex groups that were made for handles. Main thread only."""
 
 import bpy
 from bpy.types import Object
@@ -8,14 +8,14 @@ from ....properties import SinewDeformer, SinewHandle, deformers_of
 
 
 def release(obj: Object, deformer: SinewDeformer) -> None:
-    """The controls and the vertex groups made for the handles of a deformer."""
+    """Remove the controls and the vertex groups that were made for the handles of a deformer."""
     for handle in deformer.handles:
         release_control(handle)
         release_group(obj, deformer, handle)
 
 
 def release_control(handle: SinewHandle) -> None:
-    """Remove the empty made for a handle, unless another handle uses it."""
+    """Remove the empty that was made for a handle, unless another handle uses it."""
     control, handle.control = handle.control, None
     if control is None or not handle.owns_control or control.library is not None or deformers_of(control):
         return
@@ -30,7 +30,7 @@ def release_control(handle: SinewHandle) -> None:
 
 
 def release_group(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
-    """Remove the vertex group made for a handle, unless another handle uses it."""
+    """Remove the vertex group that was made for a handle, unless another handle uses it."""
     if not handle.owns_group:
         return
     shared = any(

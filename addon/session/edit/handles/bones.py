@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bone that becomes a control already does to the mesh."""
+"""Whether a bone that becomes a control moves the mesh already."""
 
 from bpy.types import Object
 
@@ -8,7 +8,7 @@ from ...blocks import shapes
 
 
 def is_moved_by_control(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> bool:
-    """An armature that comes before the deformer moves the mesh by the handle's bone already."""
+    """Whether an Armature modifier before the deformer moves the mesh by the bone of the handle."""
     armature, bone = handle.control, handle.bone
     if armature is None or not bone or bone not in obj.vertex_groups or bone not in armature.data.bones:
         return False

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Controls: empties made for a handle, or objects and bones the user names."""
+"""Gives controls to handles: empties made for them, or objects and bones that the user chooses."""
 
 import colorsys
 
@@ -13,20 +13,21 @@ from ....core.geometry import frames
 from ....mesh_io import RestShape
 from ....properties import SinewHandle
 from ...control.handles import poses
+from ...control.placement import read_place
 
 
 def colour(number: int) -> tuple[float, float, float]:
-    """Colours far apart from each other, for the ``number``-th handle."""
+    """The colour of handle ``number``. The colours of successive handles are easy to tell apart."""
     return colorsys.hsv_to_rgb((0.06 + number * 0.618034) % 1.0, 0.75, 0.95)
 
 
 def make_empty(
     obj: Object, rest: RestShape, members: np.ndarray, name: str, pose: np.ndarray
 ) -> tuple[Object, np.ndarray]:
-    """An empty at the region, z along its mean normal, and its rest frame relative to the target (4, 4).
+    """An empty at a region, with z along its mean normal, and its rest frame relative to the target (4, 4).
 
-    It is a child of the target, so it rides along, and its own transform is zero at rest: Alt+G, Alt+R,
-    Alt+S bring the region back to rest.
+    It is a child of the target, so it moves along with it. Its own transform is zero at rest, so Alt+G, Alt+R
+    and Alt+S bring the region back to rest.
     """
     target = np.array(obj.matrix_world, dtype=np.float64)
     relative = frames.inverse(target, obj.name)
@@ -51,12 +52,11 @@ def make_empty(
 def assign(
     obj: Object, handle: SinewHandle, control: Object, bone: str, pose: np.ndarray | None = None
 ) -> None:
-    """Let an object or a bone move a handle, from ``pose`` on; nothing jumps."""
+    """Let an object or a bone move a handle. Its place now means ``pose``, so nothing jumps."""
     if control == obj:
         raise ConstraintError(f"{obj.name} cannot control itself - choose another object")
-    if bone and (control.pose is None or bone not in control.pose.bones):
+    place = read_place(control, bpy.context.evaluated_depsgraph_get(), bone)
+    if place is None:
         raise ConstraintError(f"{control.name} has no bone '{bone}' - choose one of its pose bones")
     handle.control, handle.bone = control, bone
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    matrix = poses.control_matrix(handle, depsgraph)
-    poses.capture_rest(handle, np.array(obj.matrix_world, dtype=np.float64), matrix, pose)
+    poses.capture_rest(handle, np.array(obj.matrix_world, dtype=np.float64), place.matrix(), pose)

@@ -25,18 +25,18 @@ from . import empties
 def add_handle(
     obj: Object,
     deformer: SinewDeformer,
-    kind: str,
+    role: str,
     vertex_group: str,
     control: Object | None = None,
     bone: str = "",
     owns_group: bool = False,
 ) -> SinewHandle:
-    """A region of the named vertex group; a handle gets ``control`` (and ``bone``), or an empty of its own.
+    """Add a region: the vertices of a vertex group. ``role`` is HANDLE, FIXED or SUPPORT.
 
-    The region is not bound yet: see ``bind``. Where the deformer is posed already, the control stands at
-    the posed region and nothing jumps.
+    A handle follows ``control``, or its ``bone``, or else gets an empty of its own. If the deformer is posed
+    already, the control is placed at the posed region, so nothing jumps. ``bind`` must follow.
     """
-    handle, entered = add_captured_handle(obj, deformer, kind, vertex_group, control, bone, owns_group)
+    handle, entered = add_captured_handle(obj, deformer, role, vertex_group, control, bone, owns_group)
     if entered is not None:
         bpy.data.meshes.remove(entered)
     return handle
@@ -46,7 +46,7 @@ def add_handle(
 def add_captured_handle(
     obj: Object,
     deformer: SinewDeformer,
-    kind: str,
+    role: str,
     vertex_group: str,
     control: Object | None = None,
     bone: str = "",
@@ -57,7 +57,7 @@ def add_captured_handle(
         raise ConstraintError(f"{obj.name} has no vertex group '{vertex_group}' - choose one of its groups")
     handle = deformer.handles.add()
     handle.uid = shapes.new_key()
-    handle.kind = kind
+    handle.kind = role
     handle.vertex_group = vertex_group
     handle.owns_group = owns_group
     handle.name = unique_name(
@@ -65,7 +65,7 @@ def add_captured_handle(
     )
     handle.colour = empties.colour(len(deformer.handles) - 1)
     deformer.active_handle = len(deformer.handles) - 1
-    if kind != "HANDLE":
+    if role != "HANDLE":
         return handle, None
     try:
         return handle, _give_control(obj, deformer, handle, control, bone)
@@ -105,7 +105,7 @@ def _members(mesh: Mesh, handle: SinewHandle) -> np.ndarray:
 
 
 def _current_pose(deformer: SinewDeformer, rest: RestShape, members: np.ndarray) -> np.ndarray:
-    """How the region is moved at present, as a rigid pose."""
+    """How the region is moved now, as a rigid pose."""
     session = sessions.find(deformer.uid)
     shown = session.view("VIEWPORT") if session else None
     if shown is None or shown.positions is None or len(shown.positions) != len(rest.points):
@@ -117,13 +117,13 @@ def _current_pose(deformer: SinewDeformer, rest: RestShape, members: np.ndarray)
 
 @sessions.suspended()
 def remove_handle(obj: Object, deformer: SinewDeformer, index: int) -> None:
-    """Let a region go, with the control and the group made for it."""
+    """Remove a region, with the control and the vertex group that were made for it."""
     handle = deformer.handles[index]
     release_control(handle)
     release_group(obj, deformer, handle)
     order = animation_paths.removed(len(deformer.handles), index)
     deformer.handles.remove(index)
-    animation_paths.handles_reordered(obj, deformer, order)
+    animation_paths.rows_reordered(obj, deformer, "handles", order)
     deformer.active_handle = max(0, min(deformer.active_handle, len(deformer.handles) - 1))
     kinds.keep_evaluated(obj)
     obj.update_tag()

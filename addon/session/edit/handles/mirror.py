@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirror handles across the object's local X: groups with their soft weights, controls with their pose.
+"""Mirrors handles across the local X of the object: vertex groups with weights, and controls with their pose.
 
-The other side is found by name. A handle without a side in its name lies on the centre and is evened out:
-one half takes the weights of the other. That is what Blender's own Mirror does with one half selected. With
-both it swaps them, which leaves an uneven region uneven; and a mean would soften what is held exactly.
+The other side is found by name. A handle without a side in its name lies on the centre and is made even: one
+half takes the weights of the other. Blender's own Mirror does the same if one half is selected. If both are,
+it swaps them, which leaves an uneven region uneven. The mean of both would lower weights of 1, which hold
+vertices exactly.
 """
 
 from dataclasses import dataclass, field
@@ -31,7 +32,7 @@ _COPIED = ("kind", "weight", "colour", "enabled", "from_rest") + tuple(
 
 @dataclass(frozen=True)
 class MirrorOptions:
-    """``source``: the side that is copied. ``tolerance`` in object space."""
+    """``source`` is the side that is copied. ``tolerance`` is in object space."""
 
     source: Side = Side.LEFT
     tolerance: float = 1e-3
@@ -41,8 +42,8 @@ class MirrorOptions:
 
 @dataclass
 class Mirrored:
-    """What was done: pairs of names, handles evened out, vertices without an image, and those on the centre
-    that stay with the source."""
+    """What was done: pairs of names, handles that were made even, how many vertices have no image on the
+    other side, and how many on the centre stay with the source."""
 
     pairs: list[tuple[str, str]] = field(default_factory=list)
     evened: list[str] = field(default_factory=list)
@@ -51,23 +52,23 @@ class Mirrored:
 
 
 def handles_of_side(deformer: SinewDeformer, side: Side) -> list[str]:
-    """Keys of the handles of one side, and of those on the centre."""
+    """The keys of the handles of one side, and of those on the centre."""
     return [handle.uid for handle in deformer.handles if side_of_handle(handle) in (side, None)]
 
 
 def _sided_name(handle: SinewHandle) -> str:
-    """The name that tells the side: the handle's, else its group's; empty on the centre."""
+    """The name that tells the side: that of the handle, or else of its group; empty on the centre."""
     return next((name for name in (handle.name, handle.vertex_group) if flip(name)), "")
 
 
 def side_of_handle(handle: SinewHandle) -> Side | None:
-    """None on the centre."""
+    """The side of a handle; None on the centre."""
     return side_of(_sided_name(handle))
 
 
 @sessions.suspended()
 def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: MirrorOptions) -> Mirrored:
-    """Mirror the handles with these keys. The deformer is not bound again yet."""
+    """Mirror the handles with these keys. The deformer is not bound again: see ``bind``."""
     if obj.data.library is not None:
         raise SinewError("The mesh is linked - make it local, or override it, before you change its groups")
     made = _missing_groups(obj, deformer, keys, options)
@@ -109,12 +110,12 @@ def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: Mirro
 
 
 def _by_key(deformer: SinewDeformer, key: str) -> SinewHandle:
-    """Looked up each time: adding a handle moves the others in memory."""
+    """The handle with a key. Look it up again after handles were added, which moves them in memory."""
     return next(handle for handle in deformer.handles if handle.uid == key)
 
 
 def _counterpart(deformer: SinewDeformer, source: SinewHandle) -> SinewHandle | None:
-    """The handle of the other side, by its name, else by that of its group."""
+    """The handle of the other side, found by its name or else by the name of its group."""
     for name in ("name", "vertex_group"):
         wanted = flip(getattr(source, name))
         for handle in deformer.handles:
@@ -132,7 +133,7 @@ def _target_group(deformer: SinewDeformer, source: SinewHandle) -> str:
 def _missing_groups(
     obj: Object, deformer: SinewDeformer, keys: list[str], options: MirrorOptions
 ) -> list[str]:
-    """Make the groups of the other side first: a Mirror modifier then fills them. Names of the new ones."""
+    """Make the missing vertex groups of the other side, which a Mirror modifier then fills; their names."""
     made = []
     for key in keys:
         source = _by_key(deformer, key)
@@ -145,7 +146,7 @@ def _missing_groups(
 
 
 def _rest(obj: Object, deformer: SinewDeformer, keys: list[str]) -> tuple[RestShape, dict[str, np.ndarray]]:
-    """What enters the modifier, and the vertices of each source in it. Sources without any are left out."""
+    """What enters the modifier, and the vertices of each handle in it. Handles without any are left out."""
     mesh = capture.rest_mesh(obj, deformer)
     try:
         rest = read_rest(mesh)
@@ -169,7 +170,7 @@ def _refuse_lopsided(
     across: dict[str, np.ndarray],
     options: MirrorOptions,
 ) -> None:
-    """A region to one side needs a side in its name, and a mesh that has another side."""
+    """Refuse regions that lie on one side without a side in their name, or without an image on the other."""
     is_alone = len(across) == 1
     for key in list(across):
         handle, x = _by_key(deformer, key), rest.points[members[key], 0]
@@ -198,7 +199,7 @@ def _refuse_lopsided(
 
 
 def _add(deformer: SinewDeformer, source: SinewHandle, made: list[str]) -> str:
-    """A handle for the other side; its key."""
+    """Add a handle for the other side; returns its key."""
     name = flip(source.name) or flip(source.vertex_group)
     group = _target_group(deformer, source)
     handle = deformer.handles.add()
@@ -209,7 +210,7 @@ def _add(deformer: SinewDeformer, source: SinewHandle, made: list[str]) -> str:
 
 
 def _even_out_painted(obj: Object, deformer: SinewDeformer, plane: MirrorPlane, source: Side) -> None:
-    """The groups of parameters, and the mask."""
+    """Make the vertex groups of painted parameters and of the mask even."""
     for name in vertex_groups.painting_groups(deformer) | {deformer.mask_group}:
         if name in obj.vertex_groups:
             plane.even_out(obj.vertex_groups[name], source)

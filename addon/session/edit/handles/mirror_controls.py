@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The control of a mirrored handle: the bone or object of the other side, else an empty.
+"""Gives a control to a mirrored handle: the bone or object of the other side, or else an empty.
 
 With S the reflection across the target's local X, the mirror image of a frame or pose M is S M S: a rigid
 motion again, and the one Blender's Paste Pose Flipped gives bones.
@@ -24,7 +24,7 @@ _CLOSE = 1e-3  # largest difference of poses that count as equal: a millimetre, 
 
 
 def _mirrored(matrix: np.ndarray) -> np.ndarray:
-    """The mirror image of a 4x4 matrix."""
+    """The mirror image of a matrix (4, 4)."""
     return _REFLECTION @ matrix @ _REFLECTION
 
 
@@ -36,9 +36,9 @@ def give(
     rest: RestShape,
     members: np.ndarray,
 ) -> None:
-    """Let the control of the other side move ``target``, in the mirrored pose.
+    """Let the control of the other side move the handle ``target``, in the mirrored pose.
 
-    ``members``: its vertices in ``rest``. A control the user chose before stays, where it is.
+    ``members`` are its vertices in ``rest``. A control that the user chose before stays where it is.
     """
     if target.kind != "HANDLE":
         release_control(target)
@@ -59,7 +59,7 @@ def give(
 
 
 def _pose(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> np.ndarray:
-    """The pose of a handle now, (3, 4); of one whose control is gone, the last."""
+    """The pose of a handle now, (3, 4); its last one if its control is gone."""
     matrix = poses.control_matrix(handle, bpy.context.evaluated_depsgraph_get())
     if matrix is not None and handle.has_rest:
         return frames.pose(_world(obj), matrix, poses.rest_of(handle), f"The control of {handle.name}")
@@ -72,7 +72,7 @@ def _world(obj: Object) -> np.ndarray:
 
 
 def _other_side(obj: Object, source: SinewHandle) -> tuple[Object | None, str]:
-    """The bone of the same armature, or the object of the scene, with the flipped name."""
+    """The bone of the same armature, or the object of the scene, with the name of the other side."""
     control = source.control
     if control is None:
         return None, ""
@@ -103,7 +103,7 @@ def _give_empty(
 
 
 def _place(obj: Object, target: SinewHandle, frame: np.ndarray, pose: np.ndarray) -> None:
-    """Put the control of a handle where ``pose`` takes its rest frame, and make that its rest frame."""
+    """Move the control of a handle to where ``pose`` takes the rest frame ``frame``, and store that frame."""
     control = target.control
     if control.parent == obj and control.parent_type == "OBJECT":
         control.matrix_parent_inverse = Matrix(frame.tolist())
@@ -114,7 +114,7 @@ def _place(obj: Object, target: SinewHandle, frame: np.ndarray, pose: np.ndarray
 
 
 def _give_bone(obj: Object, source: SinewHandle, target: SinewHandle, control: Object, bone: str) -> None:
-    """The bone rests where the mirror image of the source's rest has it: the same in its own axes."""
+    """Let a bone move a handle. It rests, in its own axes, as the bone of the source does in its axes."""
     target.control, target.bone, target.owns_control = control, bone, False
     if not source.has_rest:
         return
@@ -128,13 +128,16 @@ def _give_bone(obj: Object, source: SinewHandle, target: SinewHandle, control: O
 def _give_object(
     obj: Object, target: SinewHandle, control: Object, frame: np.ndarray | None, pose: np.ndarray
 ) -> None:
-    """It keeps its place. Where that is the mirror image of the source's rest or pose, so is its rest frame;
-    elsewhere what it stands for now is the mirrored pose."""
+    """Let an object move a handle, without moving the object.
+
+    If it stands at the mirror image of the rest or pose of the source, its rest frame is mirrored too. Else
+    its place now means the mirrored pose.
+    """
     target.owns_control = False
     empties.assign(obj, target, control, "", pose[:3])
-    if frame is None:
-        return
     matrix = poses.control_matrix(target, bpy.context.evaluated_depsgraph_get())
+    if frame is None or matrix is None:
+        return
     now = frames.pose(_world(obj), matrix, frame, control.name)
     if any(np.abs(now - known[:3]).max() < _CLOSE for known in (pose, np.eye(4))):
         poses.set_rest(target, frame)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""No vertex obeys two masters: take shared vertices out of one of two hard regions."""
+"""Takes shared vertices out of one of two hard regions: a vertex may belong to one only."""
 
 import numpy as np
 from bpy.types import Object
@@ -13,10 +13,11 @@ from ...memory import sessions
 
 @sessions.suspended()
 def part_regions(obj: Object, deformer: SinewDeformer) -> list[tuple[str, str, int]]:
-    """Let every vertex that two hard regions share go from the later one.
+    """Take every vertex that two hard regions share out of the later one.
 
-    Where nothing would be left of the later one, the earlier one gives way: a handle inside a fixed part.
-    Returns (the one that keeps, the one that gave, how many) for each pair; the deformer is not bound yet.
+    If nothing would be left of that one, such as a handle inside a fixed region, the earlier one gives the
+    vertices up. Returns (the region that keeps, the one that gives, how many) per pair. The deformer is not
+    bound again: see ``bind``.
     """
     if obj.data.library is not None:
         raise SinewError("The mesh is linked - make it local, or override it, before you change its groups")
@@ -28,7 +29,7 @@ def part_regions(obj: Object, deformer: SinewDeformer) -> list[tuple[str, str, i
             shared = hard[earlier.uid] & hard[later.uid]
             if not shared.any():
                 continue
-            keeps, gives = _masters(earlier, later, hard, shared)
+            keeps, gives = _keeper_and_giver(earlier, later, hard, shared)
             obj.vertex_groups[gives.vertex_group].remove(np.flatnonzero(shared).tolist())
             hard[gives.uid] &= ~shared
             parted.append((keeps.name, gives.name, int(shared.sum())))
@@ -37,7 +38,7 @@ def part_regions(obj: Object, deformer: SinewDeformer) -> list[tuple[str, str, i
 
 
 def _hard(obj: Object, handle: SinewHandle) -> np.ndarray:
-    """Vertices (n,) of the base mesh that the region holds exactly."""
+    """Which vertices (n,) of the base mesh the region holds exactly."""
     names = [group.name for group in obj.vertex_groups]
     painted = group_weights(obj.data, names, {handle.vertex_group}).get(handle.vertex_group)
     if painted is None:
@@ -47,10 +48,10 @@ def _hard(obj: Object, handle: SinewHandle) -> np.ndarray:
     return painted.astype(np.float64) * handle.weight >= 1.0
 
 
-def _masters(
+def _keeper_and_giver(
     earlier: SinewHandle, later: SinewHandle, hard: dict[str, np.ndarray], shared: np.ndarray
 ) -> tuple[SinewHandle, SinewHandle]:
-    """Which of the two keeps the shared vertices, and which gives them up."""
+    """The region that keeps the shared vertices, and the one that gives them up."""
     if earlier.vertex_group != later.vertex_group:
         if (hard[later.uid] & ~shared).any():
             return earlier, later

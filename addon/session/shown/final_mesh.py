@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface a window shows, and which of its vertices come from which vertex of a deformer.
+"""The mesh that a window shows after all modifiers, and which of its vertices come from which of a deformer.
 
 Later modifiers may add vertices: copies (Mirror, Array, Solidify), or new ones in between (Subdivision).
 """
@@ -23,11 +23,12 @@ from .result import Result
 
 
 @dataclass(frozen=True)
-class Surface:
-    """``points`` float32 (m, 3) object space, ``triangles`` int32 (t, 3).
+class FinalMesh:
+    """``points`` are float32 (m, 3) in object space, ``triangles`` int32 (t, 3).
 
-    Where vertices were added, ``origin`` int32 (m,) names the deformer's vertex that each one is or copies,
-    -1 for those in between, which the ``edges`` (e, 2) tie to the others. Else both are None.
+    If later modifiers added vertices, ``origin`` int32 (m,) is the vertex of the deformer that each vertex is
+    or copies, and -1 for vertices in between, which the ``edges`` (e, 2) connect to the others. Else both are
+    None.
     """
 
     points: np.ndarray
@@ -36,29 +37,29 @@ class Surface:
     edges: np.ndarray | None = None
 
 
-def find(obj: Object, depsgraph: Depsgraph, deformer: SinewDeformer, result: Result) -> Surface:
-    """The surface as shown now; what leaves the deformer, where later modifiers lose the order of vertices.
+def find(obj: Object, depsgraph: Depsgraph, deformer: SinewDeformer, result: Result) -> FinalMesh:
+    """The mesh as shown now, or the shape after the deformer if later modifiers lose the order of vertices.
 
-    In Edit Mode Blender keeps the final shape to itself, so there it is what leaves the deformer too.
+    In Edit Mode Blender gives no access to the final mesh, so there it is the shape after the deformer too.
     """
     evaluated, count = obj.evaluated_get(depsgraph), len(result.points)
     if obj.mode == "EDIT" or evaluated.type != "MESH":
-        return Surface(result.points, result.triangles)
+        return FinalMesh(result.points, result.triangles)
     with _final_mesh(obj, evaluated) as mesh:
         names = shapes.attribute_names(deformer.uid)
         if read_incoming(mesh, *names, count).points is None:
-            return Surface(result.points, result.triangles)
+            return FinalMesh(result.points, result.triangles)
         if len(mesh.vertices) == count:
-            return Surface(read_positions(mesh), result.triangles)
+            return FinalMesh(read_positions(mesh), result.triangles)
         incoming, index = read_attributes(mesh, *names)
         inside = np.clip(index, 0, count - 1)
         copies = (index == inside) & (incoming == incoming[inside]).all(axis=1)
         origin = np.where(copies, inside, -1)
-        return Surface(read_positions(mesh), read_triangles(mesh), origin, read_edges(mesh))
+        return FinalMesh(read_positions(mesh), read_triangles(mesh), origin, read_edges(mesh))
 
 
 def is_current(obj: Object, deformer: SinewDeformer) -> bool:
-    """The mesh still is the one that was bound: no refusal, no vertices added or removed in Edit Mode."""
+    """Whether the mesh is the one that was bound: no error, and no vertices added or removed in Edit Mode."""
     if status.current(deformer.uid).level is Level.ERROR:
         return False
     if obj.mode != "EDIT":
@@ -68,7 +69,7 @@ def is_current(obj: Object, deformer: SinewDeformer) -> bool:
 
 @contextmanager
 def _final_mesh(obj: Object, evaluated: Object) -> Iterator[Mesh]:
-    """The evaluated mesh. A Subdivision at the end may live on the graphics card alone: then a copy."""
+    """The evaluated mesh. After a Subdivision it may be on the graphics card only, so this makes a copy."""
     visible = [modifier for modifier in obj.modifiers if is_shown(modifier, "VIEWPORT")]
     if not visible or visible[-1].type != "SUBSURF":
         yield evaluated.data
