@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Copies, deletions, new names, new orders, orphans, instances, shared meshes."""
+"""Copies, deletions, new names, new orders, orphans, shared meshes."""
 
 from __future__ import annotations
 
@@ -32,13 +32,11 @@ from rig import (
     close,
     evaluated_points,
     grid_object,
-    instances_of,
     key_heights,
     linked,
     make_active,
     move_world,
     new_armature,
-    new_empty,
     reopen,
     update,
 )
@@ -517,60 +515,7 @@ def orphans_purged_after_a_rebind_of_another_size(rig: HandleRig) -> None:
     assert len([mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")]) == rig.hidden_meshes
 
 
-# --- instances and shared meshes
-
-
-def collection_of(*objects: bpy.types.Object) -> bpy.types.Collection:
-    """In no scene."""
-    collection = bpy.data.collections.new("Asset")
-    for obj in objects:
-        collection.objects.link(obj)
-    return collection
-
-
-def add_instance(collection: bpy.types.Collection, x: float = 0.0) -> None:
-    instance = new_empty("Instance")
-    instance.instance_type, instance.instance_collection = "COLLECTION", collection
-    instance.location.x = x
-
-
-@EVENTS.on(ALL)
-def put_into_a_collection_with_instances(rig: HandleRig) -> None:
-    collection = collection_of(rig.obj)
-    for x in (3.0, 6.0):
-        add_instance(collection, x)
-    rig.lift(0.25)
-    found = instances_of(rig.name)
-    assert sorted(matrix[0, 3] for matrix, _points in found) == [3.0, 6.0]
-    for _matrix, points in found:
-        assert close(points, rig.at(0.75), rig.tolerance)
-
-
-@EVENTS.on(ALL, then=is_over)
-def instanced_on_vertices(rig: HandleRig) -> None:
-    parent = grid_object("Field", cells=1)
-    parent.instance_type = "VERTS"
-    rig.obj.parent = parent
-    update()
-    rig.lift(0.25)
-    found = instances_of(rig.name)
-    assert len(found) == 4
-    for _matrix, points in found:
-        assert close(points, rig.at(0.75), rig.tolerance)
-
-
-@EVENTS.on(REGIONS, then=is_over)
-def shown_by_an_instance_alone(rig: HandleRig) -> None:
-    """Target and control are in no scene but the one that the instance gives them."""
-    control = rig.control
-    collection = collection_of(rig.obj, control)
-    for obj in (rig.obj, control):
-        bpy.context.scene.collection.objects.unlink(obj)
-    add_instance(collection)
-    update()
-    control.matrix_basis = Matrix.Translation((0.0, 0.0, 0.75))
-    ((_matrix, points),) = instances_of(rig.name)
-    assert close(points, rig.at(0.75))
+# --- shared meshes
 
 
 def raise_one_vertex(mesh: bpy.types.Mesh) -> None:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes, view layers, exclusions; controls hidden in every way, in viewport and render."""
+"""Scenes, view layers, exclusions, instances; controls hidden in every way, in viewport and render."""
 
 import bpy
 import pytest
+from events import ALL, REGIONS, Event, Table, every, is_over
 from expected import Expected
 from inside import catch_up
 from mathutils import Matrix
@@ -11,11 +12,16 @@ from rig import (
     MATRIX,
     Rig,
     close,
+    grid_object,
+    instances_of,
     key_heights,
     new_armature,
+    new_empty,
     update,
 )
 from rigs import HandleRig
+
+INSTANCES = Table()
 
 
 def own_collection(*objects: bpy.types.Object) -> bpy.types.Collection:
@@ -244,3 +250,64 @@ def test_the_scene_deleted_that_the_rig_was_made_in(rig: HandleRig):
     assert rig.shows_in(second, rig.at(0.5))
     if bpy.context.scene == second:
         assert rig.shows(rig.at(0.5))
+
+
+# --- instances
+
+
+def collection_of(*objects: bpy.types.Object) -> bpy.types.Collection:
+    """In no scene."""
+    collection = bpy.data.collections.new("Asset")
+    for obj in objects:
+        collection.objects.link(obj)
+    return collection
+
+
+def add_instance(collection: bpy.types.Collection, x: float = 0.0) -> None:
+    instance = new_empty("Instance")
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    instance.location.x = x
+
+
+@INSTANCES.on(ALL)
+def put_into_a_collection_with_instances(rig: HandleRig) -> None:
+    collection = collection_of(rig.obj)
+    for x in (3.0, 6.0):
+        add_instance(collection, x)
+    rig.lift(0.25)
+    found = instances_of(rig.name)
+    assert sorted(matrix[0, 3] for matrix, _points in found) == [3.0, 6.0]
+    for _matrix, points in found:
+        assert close(points, rig.at(0.75), rig.tolerance)
+
+
+@INSTANCES.on(ALL, then=is_over)
+def instanced_on_vertices(rig: HandleRig) -> None:
+    parent = grid_object("Field", cells=1)
+    parent.instance_type = "VERTS"
+    rig.obj.parent = parent
+    update()
+    rig.lift(0.25)
+    found = instances_of(rig.name)
+    assert len(found) == 4
+    for _matrix, points in found:
+        assert close(points, rig.at(0.75), rig.tolerance)
+
+
+@INSTANCES.on(REGIONS, then=is_over)
+def shown_by_an_instance_alone(rig: HandleRig) -> None:
+    """Target and control are in no scene but the one that the instance gives them."""
+    control = rig.control
+    collection = collection_of(rig.obj, control)
+    for obj in (rig.obj, control):
+        bpy.context.scene.collection.objects.unlink(obj)
+    add_instance(collection)
+    update()
+    control.matrix_basis = Matrix.Translation((0.0, 0.0, 0.75))
+    ((_matrix, points),) = instances_of(rig.name)
+    assert close(points, rig.at(0.75))
+
+
+@every(INSTANCES)
+def test_instances_show_the_pose(posed: HandleRig, event: Event):
+    event.run(posed)
