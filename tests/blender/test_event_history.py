@@ -102,10 +102,6 @@ def anew(plate: Rig, _expected: Expected) -> np.ndarray:
     return bound_anew(plate)
 
 
-def nothing(_plate: Rig) -> None:
-    pass
-
-
 def add_middle(plate: Rig) -> None:
     add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.15)
 
@@ -171,7 +167,7 @@ class Case:
 
     press: Callable[[], None]
     shape: Callable[[Rig, Expected], np.ndarray]
-    prepare: Callable[[Rig], None] = nothing
+    prepare: Callable[[Rig], object] = lambda _plate: None
     before: Callable[[Rig, Expected], np.ndarray] = unchanged
 
 
