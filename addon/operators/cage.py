@@ -122,8 +122,8 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
                 cage = self._chosen(context, obj)
             else:
                 cage = session.add_cage_object(obj, shape or self._maker(obj)(None))
-            deformer, refusal = session.rig_cage(
-                obj, cage, self.method, owns_cage=self.source == "AUTO", wait=wait
+            deformer, refusal = session.rig_control(
+                obj, cage, self.method, owned=self.source == "AUTO", wait=wait
             )
             _show(context, cage)
         self.report_bind(refusal, f"{cage.name}: {deformer.status}")
@@ -133,7 +133,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
         symmetry = "automatic" if self.symmetric else "none"
         return session.cage_maker(
             obj,
-            session.waiting_for_cage(obj),
+            session.waiting_for_control(obj, self.method),
             faces=self.faces,
             margin=self.margin,
             quads=self.quads,

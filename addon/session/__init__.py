@@ -9,7 +9,7 @@ from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_m
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
 from .edit.bind import bind, unbind
-from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, flip_cage, set_cage, set_rest_cage
+from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, flip_cage, set_rest_cage
 from .edit.deformers import add_deformer, remove_deformer
 from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, remove_handle
@@ -19,7 +19,7 @@ from .edit.order import move_deformer, move_handle
 from .edit.refresh import refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
-from .edit.rigging import rig_cage, rig_region, try_bind, waiting_for_cage
+from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
 from .edit.selection import group_from_selection, select_elements, select_group
 from .edit.upkeep import collect, has_pending, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
@@ -89,11 +89,10 @@ __all__ = (
     "repair_summary",
     "require_mesh",
     "reset_curve",
-    "rig_cage",
+    "rig_control",
     "rig_region",
     "select_elements",
     "select_group",
-    "set_cage",
     "set_rest_cage",
     "settle",
     "side_of_handle",
@@ -106,6 +105,7 @@ __all__ = (
     "unsettled",
     "unwatched",
     "update",
-    "waiting_for_cage",
+    "use_control",
+    "waiting_for_control",
     "watch",
 )

@@ -54,7 +54,8 @@ std::vector<int> integers(const py::handle& object, const char* name)
     std::vector<int> values(wide.size());
     for (py::ssize_t k = 0; k < wide.size(); ++k) {
         const std::int64_t value = wide.data()[k];
-        // Out of 32 bits is out of any mesh: -1 is refused by whoever checks the range.
+        // A number that does not fit into 32 bits is no index of any mesh. It becomes -1, which later checks
+        // refuse.
         const bool fits =
             value >= std::numeric_limits<int>::min() && value <= std::numeric_limits<int>::max();
         values[k] = fits ? static_cast<int>(value) : -1;
@@ -74,7 +75,7 @@ std::vector<double> numbers(const py::handle& object, const char* name)
 {
     const FloatArray array = floats(object, name);
     if (array.ndim() > 1)
-        throw InvalidOption(std::string(name) + ": give one number or a flat array, one a vertex");
+        throw InvalidOption(std::string(name) + ": give one number, or a flat array with one per vertex");
     return {array.data(), array.data() + array.size()};
 }
 
@@ -84,7 +85,7 @@ Poses poses(const py::handle& object)
     if (array.size() == 0)
         return {};
     if (array.ndim() != 3 || array.shape(1) != 3 || array.shape(2) != 4)
-        throw InvalidConstraint("poses: the shape must be (k, 3, 4), one affine map a handle");
+        throw InvalidConstraint("poses: the shape must be (k, 3, 4), one affine map per handle");
     Poses result(array.shape(0));
     for (std::size_t h = 0; h < result.size(); ++h)
         result[h] = Eigen::Map<const Pose>(array.data() + 12 * h);
@@ -95,7 +96,7 @@ std::vector<Handle> handles(const py::handle& regions, const py::object& weights
                             const py::object& continuity)
 {
     if (!py::isinstance<py::sequence>(regions) && !py::isinstance<py::array>(regions))
-        throw py::type_error("handles: a sequence of index arrays is needed, one a handle");
+        throw py::type_error("handles: a sequence of index arrays is needed, one per handle");
     std::vector<Handle> result;
     for (const py::handle region : regions) {
         const std::string name = "handle " + std::to_string(result.size());
@@ -104,7 +105,7 @@ std::vector<Handle> handles(const py::handle& regions, const py::object& weights
 
     const auto per_handle = [&](const py::object& values, const char* name) {
         if (!py::isinstance<py::sequence>(values) && !py::isinstance<py::array>(values))
-            throw py::type_error(std::string(name) + ": a sequence is needed, one entry a handle");
+            throw py::type_error(std::string(name) + ": a sequence is needed, with one entry per handle");
         if (py::len(values) != result.size())
             throw InvalidConstraint(std::string(name) + ": " + std::to_string(py::len(values)) +
                                     " entries for " + std::to_string(result.size()) + " handles");
@@ -139,7 +140,7 @@ std::optional<std::vector<bool>> flags(const py::object& object, std::size_t cou
         return std::nullopt;
     const py::array array = any_array(object, "from_rest");
     if (array.size() > 0 && array.dtype().kind() != 'b')
-        refuse_type(array, "from_rest", "a flag or one a handle");
+        refuse_type(array, "from_rest", "a flag or one per handle");
     const auto values = py::array_t<bool, py::array::c_style | py::array::forcecast>(array);
     if (values.ndim() == 0)
         return std::vector<bool>(count, *values.data());
@@ -150,8 +151,8 @@ Progress progress(const py::object& callback)
 {
     if (!callback.is_none() && !PyCallable_Check(callback.ptr()))
         throw py::type_error("progress: a callable (fraction, stage) or None is needed");
-    // The caller's argument keeps the callable alive, so a borrowed pointer is enough and the
-    // function object may be destroyed without the GIL.
+    // The caller's argument keeps the callable alive. So a borrowed pointer is enough, and the C++ function
+    // may be destroyed without the GIL.
     PyObject* const function = callback.is_none() ? nullptr : callback.ptr();
     return Progress([function](double fraction, const char* stage) {
         const py::gil_scoped_acquire gil;
@@ -178,13 +179,13 @@ SinglePoints singles(const py::object& object, const char* name, py::ssize_t row
 
 namespace {
 
-/// \param number  gives number k of the positions
+/// \param number  number(k) is the k-th number of the positions
 template <class Number>
 void require_finite_rows(Eigen::Index rows, Number&& number)
 {
     std::atomic<bool> finite{true};
     parallel_chunks(static_cast<int>(rows), 8192, [&](int begin, int end) {
-        std::uint32_t largest = 0; // of the bits without the sign, which have the order of the numbers
+        std::uint32_t largest = 0; // bits without the sign are ordered like the magnitudes of the numbers
         for (std::size_t k = 3 * static_cast<std::size_t>(begin); k < 3 * static_cast<std::size_t>(end); ++k)
             largest = std::max(largest, std::bit_cast<std::uint32_t>(number(k)) & 0x7FFFFFFFU);
         if (largest >= 0x7F800000U)
@@ -192,7 +193,7 @@ void require_finite_rows(Eigen::Index rows, Number&& number)
     });
     if (!finite)
         throw InvalidConstraint(
-            "the solution is not finite in single precision - check the scale of the poses");
+            "the solution is not finite in single precision; check the scale of the poses");
 }
 
 } // namespace

@@ -17,12 +17,12 @@ namespace sinew::bindings {
 
 namespace py = pybind11;
 
-// One rule for every array argument: C-contiguous float64 is read in place; other real types
-// and layouts (float32, integers, Fortran order, slices, lists) are converted once; text,
-// objects, booleans and complex numbers are a TypeError; a wrong shape is the argument's own
-// error (InvalidMesh, InvalidConstraint or InvalidOption).
+// The rule for every array argument: C-contiguous float64 is read in place. Other real types and layouts
+// (float32, integers, Fortran order, slices, lists) are converted once. Text, objects, booleans and complex
+// numbers raise a TypeError. A wrong shape raises InvalidMesh, InvalidConstraint or InvalidOption, depending
+// on the argument.
 
-/// The bindings hold references, so the array outlives every view taken of it.
+/// The array must live as long as any view of it, so the bindings keep a reference.
 using FloatArray = py::array_t<double, py::array::c_style>;
 
 /// \throw py::type_error  naming the argument.
@@ -31,7 +31,7 @@ FloatArray floats(const py::handle& object, const char* name);
 /// Integers of any width, checked against 32 bits.
 std::vector<int> integers(const py::handle& object, const char* name);
 
-/// (n, 3) view of an array; E is thrown on another shape.
+/// (n, 3) view of an array. Throws an E for another shape.
 template <class E>
 PointsView points(const FloatArray& array, const char* name)
 {
@@ -44,7 +44,7 @@ PointsView points(const FloatArray& array, const char* name)
     return {array.data(), array.shape(0), 3};
 }
 
-/// None, or an (n, 3) array that is kept alive as long as its view.
+/// None, or an (n, 3) array and a view of it.
 struct OptionalPoints
 {
     /// \throw InvalidConstraint  another shape.
@@ -57,30 +57,33 @@ struct OptionalPoints
 /// One number, or one per vertex.
 std::vector<double> numbers(const py::handle& object, const char* name);
 
-/// (k, 3, 4) -> poses. \throw InvalidConstraint  another shape.
+/// (k, 3, 4) -> poses.
+/// \throw InvalidConstraint  another shape.
 Poses poses(const py::handle& object);
 
-/// handles, weights and continuity as set_handles() takes them.
+/// The handles from the arguments of set_handles() in Python.
 std::vector<Handle> handles(const py::handle& regions, const py::object& weights,
                             const py::object& continuity);
 
-/// None, one flag, or one a handle.
+/// None, one flag, or one per handle.
 std::optional<std::vector<bool>> flags(const py::object& object, std::size_t count);
 
-/// Ticks into a Python callable (None for none) under the GIL and lets Ctrl-C through.
+/// Progress that calls a Python callable, or nothing for None. It takes the GIL for that, and lets Ctrl-C
+/// cancel.
 Progress progress(const py::object& callback);
 
-/// (n, 3) view of the float32 array that a caller wants filled: C-contiguous, writable, of `rows` rows.
-/// \throw py::type_error     naming the argument, for what else it is.
+/// (rows, 3) view of a C-contiguous, writable float32 array that the caller wants to be filled.
+/// \throw py::type_error     for anything else; it names the argument.
 /// \throw InvalidConstraint  another shape.
 using SinglePoints = Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
 SinglePoints singles(const py::object& object, const char* name, py::ssize_t rows);
 
 /// Rounds to single precision. Needs no GIL.
-/// \throw InvalidConstraint  a position is not finite then.
+/// \throw InvalidConstraint  a rounded position is not finite.
 void round_into(const Points& positions, SinglePoints& out);
 
-/// Needs no GIL. \throw InvalidConstraint  a position is not finite.
+/// Needs no GIL.
+/// \throw InvalidConstraint  a position is not finite.
 void require_finite(const SinglePoints& positions);
 
 /// "anew", "updated" or "kept".

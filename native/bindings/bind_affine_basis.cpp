@@ -8,18 +8,18 @@ namespace sinew::bindings {
 
 void bind_affine_basis(py::module_& module)
 {
-    py::class_<AffineBasis>(
-        module, "AffineBasis",
-        "Precomputed answer of a ThinShell to affine handle motion [Botsch & Kobbelt 2004, section 5].")
+    py::class_<AffineBasis>(module, "AffineBasis",
+                            "The precomputed response of a ThinShell to affine handle motions [Botsch & "
+                            "Kobbelt 2004, section 5].")
         .def(py::init([](const ThinShell& shell) {
                  const Points& rest = shell.rest().points();
                  return AffineBasis(rest, shell.respond(AffineBasis::columns(rest, shell.regions())));
              }),
              py::arg("thin_shell"), py::call_guard<py::gil_scoped_release>(),
-             "thin_shell  with its handles set. Cost: 4k solves together, once.")
+             "thin_shell  a ThinShell with handles. Cost: one solve of 4k columns.")
         .def_property_readonly(
             "matrix", [](const AffineBasis& basis) { return basis.matrix(); },
-            "(n, 4k) answers to x, y, z and 1 on each handle; the ones sum to 1.")
+            "(n, 4k) the responses to x, y, z and 1 on each handle; the responses to 1 sum to 1.")
         .def(
             "solve",
             [](const AffineBasis& basis, const py::object& object) {

@@ -5,6 +5,8 @@
 
 namespace sinew::bindings {
 
+namespace {
+
 void bind_arap(py::module_& module)
 {
     bind_surface_method<Arap>(
@@ -12,9 +14,9 @@ void bind_arap(py::module_& module)
         R"(As-rigid-as-possible [Sorkine & Alexa 2007] with smooth rotations [Levi & Gotsman 2015].
 
 Minimises sum_i r_i sum_j w_ij |(q_i - q_j) - R_i (p_i - p_j)|^2 + alpha A sum_ij r_ij w_ij |R_i - R_j|^2
-over points q and rotations R, ordered pairs, tutorial section 6. Details rotate with the surface.
-set_handles() is two factorisations and the start's hierarchy. What enters keeps its edges as rigid as
-possible.)")
+over points q and rotations R, for ordered pairs of neighbours (tutorial section 6). Details rotate with the
+surface. p is the incoming shape. set_handles() costs two factorisations and those of a hierarchy of coarser
+graphs.)")
         .def(py::init([](const SurfaceMesh& mesh, double smoothness, const std::string& cells,
                          const py::object& rigidity, int max_iterations, double tolerance) {
                  ArapOptions options;
@@ -33,13 +35,13 @@ possible.)")
              py::arg("max_iterations") = ArapOptions{}.max_iterations,
              py::arg("tolerance") = ArapOptions{}.tolerance, R"(
 mesh            SurfaceMesh, the rest shape.
-smoothness      alpha >= 0 of the smooth rotations; 0 is the textbook energy, which buckles on
-                dense meshes.
+smoothness      alpha >= 0: how smooth the rotations are; 0 gives the energy of Sorkine and Alexa, which
+                buckles on dense meshes.
 cells           'spokes' [SA07] or 'rims' (spokes and rims).
-rigidity        > 0, or (n,) >= 0 painted: how stiff each vertex's cell is; values below 1e-3 of
-                the largest are raised to it.
-max_iterations  budget of a solve, >= 1.
-tolerance       >= 0: stop after two relative decreases of the energy in a row below it.
+rigidity        how stiff each vertex's cell is: a number > 0, or (n,) painted, >= 0; values below 1e-3 of
+                the largest one are raised to that.
+max_iterations  largest number of iterations of a solve, >= 1.
+tolerance       >= 0: stop when the relative decrease of the energy is below it twice in succession.
 
 Raises InvalidOption.)")
         .def(
@@ -49,11 +51,15 @@ Raises InvalidOption.)")
                 return arap.energy(points<InvalidConstraint>(array, "positions"));
             },
             py::arg("positions"),
-            R"(Energy of given points over the parts with a handle, rotations fitted -> a number.
+            R"(Energy of given points over the parts with a handle, with fitted rotations -> a number.
 
 positions  (n, 3). The unit is that of sum w |edge|^2: the square of a length.
 
 Raises InvalidConstraint for another shape or a number that is not finite.)");
 }
+
+const MethodBinding binding(&bind_arap);
+
+} // namespace
 
 } // namespace sinew::bindings

@@ -44,16 +44,18 @@ void bind_automatic_cage(py::module_& module)
 {
     py::class_<AutomaticCageReport>(module, "AutomaticCageReport",
                                     "What automatic_cage() did; lengths are shares of the target's diagonal.")
-        .def_readonly("faces", &AutomaticCageReport::faces, "Triangles, a quad counts as two.")
-        .def_readonly("quads", &AutomaticCageReport::quads, "Pairs of them that are quads.")
-        .def_readonly("reached", &AutomaticCageReport::reached, "No more faces than were wanted.")
+        .def_readonly("faces", &AutomaticCageReport::faces, "Number of triangles; a quad counts as two.")
+        .def_readonly("quads", &AutomaticCageReport::quads, "How many pairs of these triangles are quads.")
+        .def_readonly("reached", &AutomaticCageReport::reached,
+                      "Whether there are no more faces than wanted; one more in a symmetric cage.")
         .def_readonly("mirror_axis", &AutomaticCageReport::mirror_axis, "0 to 2, or -1 for none.")
         .def_readonly("wrap_faces", &AutomaticCageReport::wrap_faces,
-                      "Faces of the fine surface that was simplified.")
-        .def_readonly("margin", &AutomaticCageReport::margin, "At which the target was wrapped.")
+                      "Number of triangles of the fine surface that was simplified.")
+        .def_readonly("margin", &AutomaticCageReport::margin,
+                      "The margin of that surface, more than wanted where the target has many holes.")
         .def_readonly("clearance", &AutomaticCageReport::clearance,
                       "Distance of the cage from the closest vertex of the target.")
-        .def_readonly("seconds", &AutomaticCageReport::seconds, "Wall clock.")
+        .def_readonly("seconds", &AutomaticCageReport::seconds, "Wall clock time of the call.")
         .def("__repr__", [](const AutomaticCageReport& report) {
             return "<AutomaticCageReport: " + std::to_string(report.faces) + " faces, clearance " +
                    std::to_string(report.clearance) + ">";
@@ -62,35 +64,37 @@ void bind_automatic_cage(py::module_& module)
     module.def("automatic_cage", &make_cage, py::arg("mesh"), py::arg("faces") = 300,
                py::arg("margin") = 1.0 / 60.0, py::kw_only(), py::arg("symmetry") = "automatic",
                py::arg("quads") = false, py::arg("progress") = py::none(), R"(
-A coarse cage around any mesh: closed, embedded, looking outward, all of the mesh inside (checked).
+Make a coarse cage around any mesh. It is closed, does not cross itself, looks outward, and has the whole mesh
+inside; all this is checked.
 
-mesh      SurfaceMesh; any parts, holes, crossings; loose vertices count.
-faces     triangles wanted, a quad counts as two; 12 to 100000.
-margin    how far from the mesh the cage starts, as a share of its diagonal; 0.004 to 0.25.
-symmetry  'automatic' (about the first of x, y, z in which the vertices mirror), 'none', 'x', 'y' or 'z'.
-quads     join triangles into quads where either diagonal is safe.
-progress  callable (fraction, stage); return False to cancel.
+mesh      SurfaceMesh, with any parts, holes and crossings; loose vertices are inside the cage, too.
+faces     number of triangles wanted, 12 to 100000; a quad counts as two.
+margin    distance from the mesh at which the cage is begun, as a share of its diagonal; 0.004 to 0.25.
+symmetry  'automatic' (along the first of x, y, z along which the vertices are mirrored), 'none', 'x', 'y' or 'z'.
+quads     join triangles into quads where the cage is good with either diagonal.
+progress  None or callable(fraction, stage); returning False cancels.
 
 Returns (points (n, 3), faces (m, 3) or, with quads, (counts, indices), AutomaticCageReport).
-Cost: about 1 s at the default margin, as 1 / margin^2. Raises InvalidMesh where nothing can be enclosed, Cancelled.)");
+Cost: grows as 1 / margin^2; about 1 s with the default margin. Raises InvalidMesh where no good cage is found,
+InvalidOption or Cancelled.)");
 
     py::class_<CageDiagnosis>(module, "CageDiagnosis",
                               "What keeps a mesh from being a good cage, by element.")
         .def_property_readonly(
             "open_edges", [](const CageDiagnosis& d) { return pair_array(d.open_edges); },
-            "(k, 2) vertices of edges of one face.")
+            "(k, 2) vertices of edges with one face.")
         .def_property_readonly(
             "non_manifold_edges", [](const CageDiagnosis& d) { return pair_array(d.non_manifold_edges); },
-            "(k, 2) vertices of edges of three or more faces.")
+            "(k, 2) vertices of edges with three or more faces.")
         .def_property_readonly(
             "inverted_faces", [](const CageDiagnosis& d) { return to_numpy(d.inverted_faces); },
-            "(k,) faces that look inward; cavities may.")
+            "(k,) faces that look inward and should be flipped.")
         .def_property_readonly(
             "degenerate_faces", [](const CageDiagnosis& d) { return to_numpy(d.degenerate_faces); },
-            "(k,) faces with a triangle of no area.")
+            "(k,) faces with a triangle without area.")
         .def_property_readonly(
             "crossing_faces", [](const CageDiagnosis& d) { return pair_array(d.crossing_faces); },
-            "(k, 2) pairs of faces that meet beside what they share.")
+            "(k, 2) pairs of faces that meet elsewhere than at common corners.")
         .def_property_readonly(
             "outside_points", [](const CageDiagnosis& d) { return to_numpy(d.outside_points); },
             "(k,) points outside the cage.")

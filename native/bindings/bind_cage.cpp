@@ -35,9 +35,10 @@ void bind_cage(py::module_& module)
     py::class_<CageCoordinates, SpaceMethod, std::shared_ptr<CageCoordinates>>(
         module, "CageCoordinates", "What every cage method can do.")
         .def("influence", &influence, py::arg("vertices"),
-             R"(How far each point goes with some vertices of the cage -> (n,) the sum of their weights.
+             R"(How strongly some vertices of the cage move each point -> (n,) the sums of their weights.
 
-vertices  indices; one that comes twice counts once. Cost: O(points x vertices), sparse O(weights).
+vertices  indices; one that comes twice counts once. Cost: O(points x vertices), or O(weights) if they are
+          sparse.
 
 Raises InvalidConstraint for an index that the cage does not have.)")
         .def_property_readonly("vertex_weights", &vertex_weights, "(n, c) weights of the cage's vertices.");

@@ -38,7 +38,7 @@ void raise(const py::handle& type, const Error& error)
     PyErr_SetObject(type.ptr(), instance.ptr());
 }
 
-/// Python types by C++ type; borrowed, the module keeps them alive.
+/// The Python exception of each C++ error. The references are borrowed, as the module keeps the types alive.
 std::map<std::type_index, PyObject*>& types()
 {
     static std::map<std::type_index, PyObject*> map;
@@ -104,25 +104,28 @@ void bind_core(py::module_& module)
             "What rebind() took over: 'anew' for nothing, 'updated' for a part, 'kept' for everything.")
         .def_readonly("changed", &BindReport::changed,
                       "What differs from the object that rebind() was given.")
-        .def_readonly("handle_count", &BindReport::handle_count, "Handles, fixed regions among them.")
-        .def_readonly("constrained_vertices", &BindReport::constrained_vertices, "Vertices held exactly.")
-        .def_readonly("soft_vertices", &BindReport::soft_vertices, "Vertices pulled softly.")
+        .def_readonly("handle_count", &BindReport::handle_count,
+                      "Number of handles, including fixed regions.")
+        .def_readonly("constrained_vertices", &BindReport::constrained_vertices,
+                      "Number of vertices that a handle holds exactly.")
+        .def_readonly("soft_vertices", &BindReport::soft_vertices,
+                      "Number of vertices that a handle pulls softly.")
         .def_readonly("free_parts", &BindReport::free_parts,
-                      "Connected parts without any constraint; they stay at rest.")
+                      "Number of connected parts without any constraint; they stay at rest.")
         .def_property_readonly(
             "free_vertices", [](const BindReport& r) { return to_numpy(r.free_vertices); },
-            "(f,) vertices of those parts.")
+            "(f,) the vertices of those parts.")
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
-                      "Faces with a triangle of (nearly) no area, solved with a floored area.")
+                      "Number of faces with a triangle of (nearly) no area, whose area was raised.")
         .def_readonly("factorizations", &BindReport::factorizations,
-                      "Numeric factorisations so far, those taken over by rebind() among them.")
+                      "Numeric factorisations so far, including those taken over by rebind().")
         .def_readonly("analyses", &BindReport::analyses, "Symbolic factorisations so far, likewise.")
         .def_readonly(
             "refactored", &BindReport::refactored,
-            "Share of the last numeric factorisation that had to be computed; below 1 where a bind\n"
-            "kept the rest of the factor.")
+            "Share of the last numeric factorisation that had to be computed; below 1 if a bind kept\n"
+            "the rest of the factor.")
         .def_readonly("factor_bytes", &BindReport::factor_bytes, "Memory of the factors.")
-        .def_readonly("seconds", &BindReport::seconds, "Wall clock of the call.")
+        .def_readonly("seconds", &BindReport::seconds, "Wall clock time of the call.")
         .def("__repr__", [](const BindReport& r) {
             return "<BindReport: " + std::to_string(r.handle_count) + " handles, " +
                    std::to_string(r.constrained_vertices) + " held, " + std::to_string(r.soft_vertices) +
@@ -143,10 +146,10 @@ void bind_core(py::module_& module)
 
     module.def("limit_threads", &limit_threads, py::arg("count"),
                "At most `count` threads in the library's own loops; 0 lifts the limit.");
-    module.def(
-        "limit_memory", &limit_memory, py::arg("size"),
-        "No factor may take more than `size` bytes; 0 lifts the limit. A bind that would is refused by\n"
-        "OutOfMemory, which names both sizes, before the memory is taken.");
+    module.def("limit_memory", &limit_memory, py::arg("size"),
+               "No factor and no weights may take more than `size` bytes; 0 lifts the limit. A bind that "
+               "would take\n"
+               "more raises OutOfMemory, which names both sizes, before it takes the memory.");
 }
 
 } // namespace sinew::bindings

@@ -18,25 +18,27 @@ GreenOptions options(const PointWeightOptions& weights, const std::string& outsi
             exit_face};
 }
 
-} // namespace
-
 void bind_green(py::module_& module)
 {
     bind_cage_method<Green>(
         module, "Green", R"(Green coordinates [Lipman, Levin & Cohen-Or 2008], section 5.4.
 
-Shapes are kept: similarities of the cage are reproduced, shears are not. A closed form: cost
-O(points x triangles).)",
+They keep shapes: similarities of the cage are reproduced, shears are not. They have a closed form; the cost
+is O(points x triangles).)",
         &options,
-        R"(outside     what becomes of points outside: continued through the 'nearest' triangle, through one
-            'face', or an 'error' that names them.
-exit_face   of the cage, for outside='face'.
+        R"(outside     for points outside, the map is continued through the 'nearest' triangle or through one
+            'face', or an 'error' names them.
+exit_face   the face of the cage for outside='face'.
 )",
         py::arg("outside") = "nearest", py::arg("exit_face") = -1)
         .def_property_readonly(
             "face_weights", &Green::face_weights,
             "(n, t) weights of the normals of the triangles that the cage's faces are cut into, "
-            "in the cage's units of length.");
+            "in the unit of length of the cage.");
 }
+
+const MethodBinding binding(&bind_green);
+
+} // namespace
 
 } // namespace sinew::bindings

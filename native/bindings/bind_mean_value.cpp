@@ -4,15 +4,22 @@
 
 namespace sinew::bindings {
 
+namespace {
+
 void bind_mean_value(py::module_& module)
 {
     bind_cage_method<MeanValue>(
         module, "MeanValue",
         R"(Mean value coordinates [Ju, Schaefer & Warren 2005], section 5.4.
 
-Sum 1 and linear precision everywhere, outside the cage too; may be negative where a concave cage is seen
-through itself. A closed form: cost O(points x triangles).)",
+The weights sum to 1 and have linear precision everywhere, also outside the cage. They may be negative where, seen
+from a point, one part of a concave cage hides another. They have a closed form; the cost is
+O(points x triangles).)",
         +[](const PointWeightOptions& weights) { return weights; }, "");
 }
+
+const MethodBinding binding(&bind_mean_value);
+
+} // namespace
 
 } // namespace sinew::bindings

@@ -16,7 +16,7 @@ struct Faces
     std::vector<int> counts, corners;
 };
 
-/// Faces as the constructor takes them.
+/// Faces from the argument of the constructor in Python.
 Faces read_faces(const py::object& faces)
 {
     if (py::isinstance<py::tuple>(faces)) {
@@ -55,7 +55,7 @@ bool is_made_of(const SurfaceMesh& mesh, const py::object& point_object, const p
     return mesh.is_made_of(given, faces.counts, faces.corners);
 }
 
-/// Read-only (rows, columns) view of memory that `owner` keeps alive.
+/// A read-only (rows, columns) view of memory that `owner` keeps alive.
 template <class T>
 py::array_t<T> view_of(const T* data, py::ssize_t rows, py::ssize_t columns, const py::object& owner)
 {
@@ -74,7 +74,7 @@ py::array_t<int> edge_array(const std::vector<std::array<int, 2>>& edges)
 
 void bind_mesh(py::module_& module)
 {
-    py::class_<Diagnosis>(module, "Diagnosis", "What is unusual about a mesh, by element index.")
+    py::class_<Diagnosis>(module, "Diagnosis", "What is unusual about a mesh, as lists of element indices.")
         .def_property_readonly(
             "non_manifold_edges", [](const Diagnosis& d) { return edge_array(d.non_manifold_edges); },
             "(k, 2) vertices of edges with three or more faces.")
@@ -92,10 +92,10 @@ void bind_mesh(py::module_& module)
             "List of (l,) vertex arrays, in order along each border.")
         .def_property_readonly(
             "degenerate_faces", [](const Diagnosis& d) { return to_numpy(d.degenerate_faces); },
-            "(k,) faces of area below 1e-10 of their longest edge squared.")
+            "(k,) faces whose area is at most 1e-10 of their longest edge squared.")
         .def_property_readonly(
             "duplicate_faces", [](const Diagnosis& d) { return to_numpy(d.duplicate_faces); },
-            "(k,) faces with the vertices of an earlier face.")
+            "(k,) faces with the same vertices as an earlier face.")
         .def_property_readonly(
             "inconsistent_edges", [](const Diagnosis& d) { return edge_array(d.inconsistent_edges); },
             "(k, 2) edges along which both faces run the same way.")
@@ -104,17 +104,17 @@ void bind_mesh(py::module_& module)
             "(k,) vertices in no face.")
         .def_property_readonly(
             "coincident_vertices", [](const Diagnosis& d) { return to_numpy(d.coincident_vertices); },
-            "(k,) vertices exactly where an earlier one is.")
-        .def_readonly("component_count", &Diagnosis::component_count, "Connected parts.")
+            "(k,) vertices exactly where an earlier vertex is.")
+        .def_readonly("component_count", &Diagnosis::component_count, "Number of connected parts.")
         .def_property_readonly(
             "clean", [](const Diagnosis& d) { return summary(d) == "clean"; }, "Nothing is unusual.")
         .def("summary", &summary, "One line with the counts, or 'clean'.")
         .def("__repr__", [](const Diagnosis& d) { return "<Diagnosis: " + summary(d) + ">"; });
 
-    py::class_<SurfaceMesh>(module, "SurfaceMesh", R"(Rest surface of polygons of any size.
+    py::class_<SurfaceMesh>(module, "SurfaceMesh", R"(A rest surface of polygons of any size.
 
-Any number of parts, boundaries, non-manifold edges, duplicate and zero-area faces and loose
-vertices are normal input. Immutable; O(n) to build.)")
+It may have any number of parts, boundaries, non-manifold edges, duplicate faces, faces without area, and loose
+vertices. It never changes. Cost: O(n).)")
         .def(py::init(&make_mesh), py::arg("points"), py::arg("faces"), R"(
 points  (n, 3) rest positions in object space.
 faces   (m, 3) or (m, 4) integers, or a tuple (counts (m,), indices (sum of counts,)).
@@ -144,7 +144,7 @@ and indices out of range; `elements` lists the culprits.)")
             "Connected parts.")
         .def_property_readonly(
             "components", [](const SurfaceMesh& m) { return to_numpy(connected_components(m).labels); },
-            "(n,) part of each vertex; parts are joined through faces.")
+            "(n,) the part of each vertex; vertices are connected through faces.")
         .def("is_made_of", &is_made_of, py::arg("points"), py::arg("faces"),
              R"(Whether the constructor was given the same points and faces. Cost: O(n).
 
@@ -153,7 +153,7 @@ faces   as in the constructor.
 
 Raises InvalidMesh for arrays of another shape.)")
         .def("diagnose", &diagnose, py::call_guard<py::gil_scoped_release>(),
-             "Everything unusual, with element indices. O(n log n).")
+             "What is unusual about the mesh -> Diagnosis. Cost: O(n log n).")
         .def("__repr__", [](const SurfaceMesh& m) {
             return "<SurfaceMesh: " + std::to_string(m.vertex_count()) + " vertices, " +
                    std::to_string(m.face_count()) + " faces>";

@@ -54,11 +54,13 @@ void bind_operators(py::module_& module)
             return laplacian_power(mesh, order, discretization(kind));
         },
         py::arg("mesh"), py::arg("order"), py::arg("discretization") = "cotan_voronoi",
-        "(n, n) symmetric order-k operator L (M^-1 L)^(k-1), Eq. 18. Raises InvalidOption below order 1.");
+        "(n, n) symmetric operator of order k, L (M^-1 L)^(k-1), Eq. 18. Raises InvalidOption below order "
+        "1.");
     module.def("gradient", &gradient_matrix, py::arg("mesh"),
                "(3t, n) sparse G: rows 3k..3k+2 are the gradient on triangle k.");
-    module.def("divergence", &divergence_matrix, py::arg("mesh"),
-               "(n, 3t) sparse G^T D with D the triangle areas; divergence @ gradient = cotan L.");
+    module.def(
+        "divergence", &divergence_matrix, py::arg("mesh"),
+        "(n, 3t) sparse G^T D, where D has the areas of the triangles; divergence @ gradient = cotan L.");
     module.def("fit_rotations", &fit_rotations, py::arg("S"),
                "(k, 3, 3) -> (k, 3, 3) rotations R (det +1) that maximise trace(R^T S); exact for "
                "reflected and rank-deficient S. Raises InvalidOption for another shape.");

@@ -12,22 +12,25 @@ PositiveMeanValueOptions options(const PointWeightOptions& weights, bool exact, 
     return {weights, exact, directions, cage_outside(outside)};
 }
 
-} // namespace
-
 void bind_positive_mean_value(py::module_& module)
 {
     bind_cage_method<PositiveMeanValue>(
         module, "PositiveMeanValue",
-        R"(Positive mean value coordinates [Lipman et al. 2007], section 5.4: of what each point sees of the cage.
+        R"(Positive mean value coordinates [Lipman et al. 2007], section 5.4: mean values of what a point sees.
 
-Non-negative, sum 1, linear precision; mean values in a convex cage. Continuous, but their gradients jump
-where an edge of the cage comes into view.)",
+The weights are not negative, sum to 1 and have linear precision; in a convex cage they are mean values. They are
+continuous, but their gradients jump where an edge of the cage comes into view.)",
         &options,
-        R"(exact       by cutting away what is hidden; False: by rays, a preview whose weights jump by some 1e-3.
+        R"(exact       whether to cut hidden parts away exactly; False takes rays, a preview whose weights jump by
+            some 1e-3.
 directions  rays per point, an even number of at least 8.
 outside     points outside: 'error' names them, 'mean_value' gives them mean value weights.
 )",
         py::arg("exact") = true, py::arg("directions") = 1024, py::arg("outside") = "error");
 }
+
+const MethodBinding binding(&bind_positive_mean_value);
+
+} // namespace
 
 } // namespace sinew::bindings

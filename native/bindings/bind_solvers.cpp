@@ -23,7 +23,8 @@ FactorOptions factor_options(const std::string& ordering, const std::string& bac
                                           {"nested_dissection", Ordering::nested_dissection}})};
 }
 
-/// Eigen leaves unsorted or unsummed columns as they came; the factor reads sorted ones.
+/// A matrix with sorted columns and without double entries, as the factor needs it. Those of SciPy may be
+/// neither.
 SparseMatrix tidy(const SparseMatrix& matrix)
 {
     if (matrix.rows() != matrix.cols())
@@ -40,7 +41,7 @@ SparseMatrix tidy(const SparseMatrix& matrix)
 
 void bind_solvers(py::module_& module)
 {
-    py::class_<SpdFactor>(module, "SpdFactor", "Sparse Cholesky factor, kept for many right-hand sides.")
+    py::class_<SpdFactor>(module, "SpdFactor", "A sparse Cholesky factor for many right-hand sides.")
         .def(
             py::init([](const SparseMatrix& matrix, const std::string& ordering, const std::string& backend) {
                 SpdFactor factor(factor_options(ordering, backend));
@@ -82,7 +83,7 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
                 factor.factorize(sorted);
             },
             py::arg("matrix"),
-            "(n, n) other values; the symbolic part is kept while the pattern is the same.\n"
+            "(n, n) a matrix with other values; the symbolic part is kept if the pattern is the same.\n"
             "Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemory.")
         .def_property_readonly("size", &SpdFactor::size, "Rows of the matrix, n.")
         .def_property_readonly("nonzeros", &SpdFactor::nonzeros, "Entries of the factor.")

@@ -65,18 +65,18 @@ void bind_space(py::module_& module)
             "What rebind() took over: 'anew' for nothing, or 'kept' for everything.")
         .def_readonly("changed", &SpaceReport::changed,
                       "What differs from the object that rebind() was given.")
-        .def_readonly("point_count", &SpaceReport::point_count, "Points bound.")
+        .def_readonly("point_count", &SpaceReport::point_count, "Number of points bound.")
         .def_property_readonly(
             "outside", [](const SpaceReport& report) { return to_numpy(report.outside); },
             "(k,) points outside the cage.")
         .def_readonly(
             "dropped", &SpaceReport::dropped,
-            "What the threshold changed in the weights of a point, at most: times the longest move of "
-            "a cage vertex, a bound of how far a warped point is off.")
+            "How much the threshold changed the weights of a point, at most. The error of a warped point is "
+            "at most this times the longest move of a cage vertex.")
         .def_readonly("error", &SpaceReport::error,
-                      "Estimate of the largest error of a weight; 0 where the form is closed.")
+                      "Estimate of the largest error of a weight; 0 for a closed form.")
         .def_readonly("weight_bytes", &SpaceReport::weight_bytes, "Memory of the weights.")
-        .def_readonly("seconds", &SpaceReport::seconds, "Wall clock of the call.")
+        .def_readonly("seconds", &SpaceReport::seconds, "Wall clock time of the call.")
         .def("__repr__", [](const SpaceReport& report) {
             return "<CageReport: " + std::to_string(report.point_count) + " points, " +
                    std::to_string(report.outside.size()) + " outside>";
@@ -90,13 +90,13 @@ void bind_space(py::module_& module)
 points    (n, 3) rest points, in the frame of the cage.
 progress  None or callable(fraction, stage); returning False cancels.
 
-Raises InvalidConstraint (points not finite, or where the method has no weights), OutOfMemory or Cancelled;
-the object then stays as it was.)")
+Raises InvalidConstraint (a point is not finite, or the method has no weights for it), OutOfMemory or
+Cancelled; the object then stays as it was.)")
         .def("rebind", &rebind, py::arg("former"), py::arg("points"), py::arg("progress") = py::none(),
              R"(As bind(), taking over the weights of another object where they are the same -> CageReport.
 
-former    SpaceMethod. Where can_reuse(former, points), no points are bound to it afterwards; elsewhere it
-          stays as it was. Nobody may warp with it meanwhile.
+former    SpaceMethod. If can_reuse(former, points), it has no bound points afterwards; otherwise it stays
+          as it was. No other thread may warp with it meanwhile.
 points    (n, 3); this and progress as in bind().
 
 Raises InvalidConstraint, OutOfMemory or Cancelled; both objects then stay as they were.)")
@@ -106,13 +106,13 @@ Raises InvalidConstraint, OutOfMemory or Cancelled; both objects then stay as th
 points  (n, 3) rest points. Raises InvalidConstraint for another shape.)")
         .def("warp", &warp, py::arg("cage_points"), py::arg("out") = py::none(), py::kw_only(),
              py::arg("incoming") = py::none(),
-             R"(Where the posed control takes the bound points -> (n, 3).
+             R"(Where the posed control moves the bound points -> (n, 3).
 
-cage_points  (c, 3) the posed control: of a cage its vertices.
+cage_points  (c, 3) the posed control, for example the vertices of a cage.
 out          None, or a writable C-contiguous (n, 3) float32 array to write into, which is returned.
-incoming     (n, 3) what entered this frame: the displacements are added to it; None for the bound points.
+incoming     (n, 3) the shape to which the displacements are added; None for the bound points.
 
-The control at rest gives these points back to the last bit.
+The control at rest gives exactly the incoming shape.
 
 Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or before bind().)");
 }

@@ -94,7 +94,7 @@ py::array refine(const SubdivisionSurface& surface, const py::array_t<T, py::arr
     return refined;
 }
 
-/// (m, k) where all faces have k corners, else (counts, indices).
+/// (m, k) if all faces have k corners, otherwise (counts, indices).
 py::object face_array(const std::vector<int>& counts, const std::vector<int>& corners)
 {
     const auto faces = static_cast<py::ssize_t>(counts.size());
@@ -111,25 +111,25 @@ void bind_subdivision(py::module_& module)
 {
     py::class_<SubdivisionSurface>(module, "SubdivisionSurface", R"(A mesh refined by OpenSubdiv.
 
-Catmull & Clark 1978, Loop 1987, creases of DeRose, Kass & Truong 1998; results as of Blender's Subdivision
-modifier. The first vertices are those of the mesh, then come those that each level adds.)")
+Catmull & Clark 1978, Loop 1987, with the creases of DeRose, Kass & Truong 1998. The surface is that of Blender's
+Subdivision modifier. The first vertices are those of the mesh, then come those that each level adds.)")
         .def(py::init(&make_surface), py::arg("mesh"), py::kw_only(), py::arg("scheme") = "catmull_clark",
              py::arg("level") = 2, py::arg("limit") = false, py::arg("creases") = py::none(),
              py::arg("corners") = py::none(), py::arg("boundary_smooth") = "all",
              py::arg("uv_smooth") = "preserve_boundaries", py::arg("face_varying") = py::none(), R"(
-scheme           'catmull_clark', 'loop' (triangles alone) or 'bilinear'.
-level            how often faces are split, 0 to 10.
-limit            the vertices lie where endless subdivision takes them (Blender: use limit surface).
-creases          (edges (k, 2), sharpness (k,) or one number): sharp for so many levels, for ever from 10 on.
-                 Blender's creases c in [0, 1] are 10 c^2.
+scheme           'catmull_clark', 'loop' (only triangles) or 'bilinear'.
+level            how many times faces are split, 0 to 10.
+limit            whether to move the vertices to the limit of endless subdivision (Blender: Use Limit Surface).
+creases          (edges (k, 2), sharpness (k,) or one number): sharp for so many levels; from 10 on, for all levels.
+                 A crease c of Blender, in [0, 1], is the sharpness 10 c^2.
 corners          (vertices (k,), sharpness (k,) or one number).
 boundary_smooth  'all' or 'preserve_corners'.
 uv_smooth        'none', 'preserve_corners', 'preserve_corners_and_junctions',
                  'preserve_corners_junctions_and_concave', 'preserve_boundaries' or 'smooth_all'.
-face_varying     (corners,) index of a value, a UV say, at each face corner; None for no such channel.
+face_varying     (corners,) index of a value, for example a UV, at each face corner; None for no such channel.
 
-Cost: about 1 us a refined vertex. Raises InvalidMesh for faces that the scheme cannot take, InvalidOption for
-edges that the mesh has not, OutOfMemory above limit_memory().)")
+Cost: about 1 us per refined vertex. Raises InvalidMesh for faces that the scheme cannot take, InvalidOption for
+edges that the mesh does not have, OutOfMemory above limit_memory().)")
         .def(
             "refine",
             [](const SubdivisionSurface& surface, const py::object& object, const py::object& out) {
@@ -139,8 +139,8 @@ edges that the mesh has not, OutOfMemory above limit_memory().)")
                 return refine<double>(surface, floats(object, "points"), out);
             },
             py::arg("points"), py::arg("out") = py::none(), R"(
-(n, 3) control points -> (m, 3) refined points, float32 for float32, else float64; written into `out`
-where one is given. One pass over the weights.
+(n, 3) control points -> (m, 3) refined points, float32 for float32, otherwise float64; written into `out` if that
+is given. Cost: one pass over the weights.
 
 Raises InvalidConstraint for another shape.)")
         .def_property_readonly("matrix", &SubdivisionSurface::matrix,
@@ -148,7 +148,8 @@ Raises InvalidConstraint for another shape.)")
         .def_property_readonly(
             "faces",
             [](const SubdivisionSurface& s) { return face_array(s.face_counts(), s.face_corners()); },
-            "(f, 4) refined faces, (f, 3) of loop; at level 0 (counts, indices) where sizes differ.")
+            "(f, 4) refined faces, (f, 3) with loop; at level 0, (counts, indices) if faces have different "
+            "sizes.")
         .def(
             "normals",
             [](const SubdivisionSurface& surface, const py::object& object) {
@@ -163,7 +164,7 @@ Raises InvalidConstraint for another shape.)")
                 return to_numpy(std::move(normals));
             },
             py::arg("refined"),
-            "(m, 3) refined points -> (m, 3) unit normals: faces around each, by area.\n"
+            "(m, 3) refined points -> (m, 3) unit normals, means over the faces around each point by area.\n"
             "Raises InvalidConstraint for another shape.")
         .def(
             "refine_face_varying",
@@ -185,7 +186,7 @@ Raises InvalidConstraint for another shape.)")
         .def_property_readonly(
             "face_varying_corners",
             [](const SubdivisionSurface& s) { return to_numpy(s.face_varying_corners()); },
-            "(c,) the refined value at each refined face corner.")
+            "(c,) the index of the refined value at each refined face corner.")
         .def_property_readonly("vertex_count", &SubdivisionSurface::vertex_count, "Refined vertices, m.")
         .def_property_readonly("control_count", &SubdivisionSurface::control_count, "Control vertices, n.")
         .def("__repr__", [](const SubdivisionSurface& s) {

@@ -57,9 +57,9 @@ void bind_surface(py::module_& module)
              py::arg("continuity") = py::none(), py::arg("progress") = py::none(),
              R"(Factorise for these handles -> BindReport. Cost: see the class.
 
-handles     sequence of (h_i,) vertex index arrays, one per handle; a fixed region is a handle too.
-weights     None, or one entry per handle: None, a number or (h_i,) numbers in [0, 1]. 1 holds exactly,
-            less pulls with stiffness w / (1 - w) of the vertex's own, 0 lets go.
+handles     sequence of (h_i,) vertex index arrays, one per handle; a fixed region is a handle, too.
+weights     None, or one entry per handle: None, a number or (h_i,) numbers in [0, 1]. 1 holds a vertex exactly,
+            less pulls it with w / (1 - w) times its own stiffness, 0 leaves it free.
 continuity  None (2), a number, or one per handle, in [0, 2]: C0 to C2 at the region's border, as far
             as the order of the method allows. C1 needs regions two rings deep, C2 three.
 progress    None or callable(fraction, stage); returning False cancels.
@@ -67,13 +67,13 @@ progress    None or callable(fraction, stage); returning False cancels.
 Raises InvalidConstraint, FactorizationFailed or Cancelled; the object then stays as it was.)")
         .def("rebind", &rebind, py::arg("former"), py::arg("handles"), py::arg("weights") = py::none(),
              py::arg("continuity") = py::none(), py::arg("progress") = py::none(),
-             R"(As set_handles(), taking over what still holds from another object -> BindReport.
+             R"(As set_handles(), taking over from another object what is still valid -> BindReport.
 
-former   SurfaceMethod. Where can_reuse(former), it has no handles afterwards; elsewhere it stays as it was.
-         Nobody may solve with it meanwhile.
+former   SurfaceMethod. If can_reuse(former), it has no handles afterwards; otherwise it stays as it was.
+         No other thread may solve with it meanwhile.
 handles  (h_i,) vertex indices each; this and the others as in set_handles().
 
-The report's `reuse` and `changed` tell what was taken over and what differs.
+The report's `reuse` and `changed` say how much was taken over and what differs.
 Raises InvalidConstraint, FactorizationFailed or Cancelled; both objects then stay as they were.)")
         .def("can_reuse", &can_reuse, py::arg("former"),
              "Whether rebind() would take anything over from another method. Cost: O(n), to compare.")
@@ -83,18 +83,20 @@ Raises InvalidConstraint, FactorizationFailed or Cancelled; both objects then st
              py::arg("progress") = py::none(), py::arg("out") = py::none(),
              R"(Deform -> (positions (n, 3), SolveReport). No factorisation; safe from several threads.
 
-poses           (k, 3, 4) affine map of each handle from its rest frame, object space.
-incoming        (n, 3) what entered this frame; None for rest. Handle targets are pose * incoming.
-from_rest       None, a flag, or (k,) flags: handles whose targets are pose * rest.
-start           None: the result depends on the poses alone. (n, 3): warm start while dragging.
-max_iterations  other budget for this call; 0 gives the start itself.
-tolerance       other tolerance for this call.
+poses           (k, 3, 4) affine map of each handle in object space, from its rest to its posed state.
+incoming        (n, 3) the shape to deform; None for the rest shape. A handle's targets are pose * incoming.
+from_rest       None, a flag, or (k,) flags: the handles whose targets are pose * rest instead.
+start           (n, 3) the shape to start from while a control is dragged; with None, the result depends on
+                the poses alone.
+max_iterations  largest number of iterations of this call; 0 gives the start itself.
+tolerance       tolerance of this call.
 progress        None or callable(fraction, stage); returning False cancels.
-out             None, or a float32 array (n, 3) to write into and return; half written after an error.
+out             None, or a float32 array (n, 3) to write into and return. After an error, parts of it may
+                have been written.
 
-A linear method needs no start, max_iterations, tolerance and progress, and accepts them.
-Raises InvalidConstraint for a wrong count, shape or non-finite number, InvalidOption or Cancelled. A spent
-budget is in the report, not an error.)")
+A linear method accepts start, max_iterations, tolerance and progress, but does not use them.
+Raises InvalidConstraint for a wrong count, shape or non-finite number, InvalidOption or Cancelled. If the
+iterations are used up, the report says so; this is no error.)")
         .def_property_readonly("rest", &SurfaceMethod::rest, "SurfaceMesh, the rest shape.");
 }
 

@@ -3,6 +3,7 @@
 
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
+#include "native/bindings/method_binding.h"
 #include "native/space/cage/cage.h"
 #include "native/space/cage/cage_coordinates.h"
 
@@ -26,11 +27,11 @@ inline CageOutside cage_outside(const std::string& outside)
                                {{"error", CageOutside::refuse}, {"mean_value", CageOutside::mean_value}});
 }
 
-/// The class of a cage method, whose constructor takes the words that all have and then its own; what remains
-/// is what it alone can do.
-/// \param options  makes the method's options of the weights' options and the method's own words.
-/// \param words    their documentation.
-/// \param own      py::arg(...) = default of each of them.
+/// Defines the class of a cage method and its constructor, which takes the arguments that all cage methods
+/// have and then its own. The caller adds what only this method can do.
+/// \param options  makes the method's options from those of the weights and its own arguments.
+/// \param words    documentation of its own arguments.
+/// \param own      py::arg(...) = default for each of its own arguments.
 template <class Method, class Options, class... Own, class... Words>
 py::class_<Method, CageCoordinates, std::shared_ptr<Method>>
 bind_cage_method(py::module_& module, const char* name, const char* doc,
@@ -39,10 +40,10 @@ bind_cage_method(py::module_& module, const char* name, const char* doc,
 {
     py::class_<Method, CageCoordinates, std::shared_ptr<Method>> result(module, name, doc);
     const std::string text = R"(
-cage        SurfaceMesh, the closed rest cage, faces outwards.
-precision   of the weights kept: 'single' (half the memory and time of a warp) or 'double'.
-threshold   weights of a smaller magnitude are dropped, the others changed so that their sum stays,
-            and stored sparsely; 0 keeps all, densely.
+cage        SurfaceMesh, the closed rest cage, with faces that look outwards.
+precision   of the weights: 'single' (half the memory and time of a warp) or 'double'.
+threshold   weights of a smaller magnitude are dropped, the others are changed so that their sum stays
+            the same, and stored as a sparse matrix; 0 keeps all, as a dense matrix.
 )" + words + R"(
 Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)";
     result.def(py::init([options](const SurfaceMesh& cage, const std::string& precision, double threshold,

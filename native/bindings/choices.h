@@ -9,7 +9,8 @@
 
 namespace sinew::bindings {
 
-/// A named choice -> its enumerator. \throw InvalidOption  listing the names.
+/// The enumerator that belongs to a name.
+/// \throw InvalidOption  an unknown name; the message lists the known ones.
 template <class T>
 T choose(const std::string& value, const char* name, std::initializer_list<std::pair<const char*, T>> choices)
 {

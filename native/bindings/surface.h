@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/bindings/arguments.h"
+#include "native/bindings/method_binding.h"
 #include "native/surface/method.h"
 
 #include <memory>
@@ -9,7 +10,7 @@
 
 namespace sinew::bindings {
 
-/// The class of a surface method; what remains is its constructor, and what it alone can do.
+/// Defines the class of a surface method. The caller adds the constructor and what only this method can do.
 template <class Method>
 py::class_<Method, SurfaceMethod, std::shared_ptr<Method>>
 bind_surface_method(py::module_& module, const char* name, const char* doc)
@@ -17,7 +18,7 @@ bind_surface_method(py::module_& module, const char* name, const char* doc)
     return {module, name, doc};
 }
 
-/// Runs `solve(positions)` without the GIL; the positions go out as an array, with the report.
+/// Runs solve(positions) without the GIL, and returns the positions as an array, with the report.
 template <class Solve>
 py::tuple solved(Solve&& solve)
 {
@@ -30,7 +31,7 @@ py::tuple solved(Solve&& solve)
     return py::make_tuple(to_numpy(std::move(positions)), report);
 }
 
-/// The same; unless `out` is None, the positions go there, rounded to single precision.
+/// The same, but unless `out` is None, the positions are written there, rounded to single precision.
 template <class Solve>
 py::tuple solved(const py::object& out, int vertex_count, Solve&& solve)
 {
@@ -40,8 +41,8 @@ py::tuple solved(const py::object& out, int vertex_count, Solve&& solve)
     SolveReport report;
     {
         const py::gil_scoped_release unlocked;
-        thread_local Points kept; // its pages stay mapped from frame to frame
-        Points positions = std::exchange(kept, {}); // taken out: a progress call may come in here again
+        thread_local Points kept; // so that its memory stays mapped from frame to frame
+        Points positions = std::exchange(kept, {}); // a progress callback may call this function again
         report = solve(positions);
         round_into(positions, single);
         kept = std::move(positions);

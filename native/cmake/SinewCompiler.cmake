@@ -6,13 +6,14 @@ if(MSVC)
   target_compile_options(sinew_compiler INTERFACE /W4 /permissive- /utf-8 /bigobj /wd4127)
   target_compile_definitions(sinew_compiler INTERFACE _USE_MATH_DEFINES NOMINMAX)
 else()
-  # Vectors of 32 bytes never cross a call between objects (core/simd/lane_types.inl), so their ABI is no matter.
+  # No function that another object file calls takes a vector of 32 bytes (core/simd/lane_types.inl), so the warning
+  # that the calling convention of such vectors has changed does not apply.
   target_compile_options(sinew_compiler INTERFACE -Wall -Wextra -Wpedantic -Wno-psabi)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     # Every 64-bit x86 machine that Blender 4.2 and later runs on has SSE4.2.
     target_compile_options(sinew_compiler INTERFACE -msse4.2)
   endif()
-  # Contracting a*b+c differently in two call sites would make equal poses give unequal shapes.
+  # A compiler that fuses a * b + c in one place and not in another would make equal poses give unequal shapes.
   target_compile_options(sinew_compiler INTERFACE -ffp-contract=off)
 endif()
 
@@ -26,8 +27,9 @@ if(SINEW_SANITIZE)
   endif()
 endif()
 
-# Compiles each file of kernels (native/<room>/<name>, with .h and .inl) once for every set of instructions that is named
-# after it, beside the baseline of all processors. No fused operations: all give the same results to the last bit.
+# Compiles each file of kernels (native/<room>/<name>, with .h and .inl) for the baseline of all processors and for every
+# set of instructions that is named after the file. Fused operations stay off, so all give the same results to the last
+# bit.
 function(sinew_add_kernels target)
   if(NOT MSVC AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     target_compile_definitions(${target} PUBLIC SINEW_HAVE_WIDE_KERNELS)
@@ -52,8 +54,8 @@ function(sinew_add_kernels target)
   endforeach()
 endfunction()
 
-# CGAL counts on the rounding mode that it sets. Its exact numbers are Boost's: as quick here as GMP's, and nothing
-# that a wheel has to carry.
+# CGAL sets the rounding mode, which the compiler must respect. Its exact numbers are those of Boost, which are as fast
+# here as those of GMP and need no library in the wheel.
 function(sinew_compile_with_cgal target names)
   target_include_directories(${target} SYSTEM PRIVATE ${CGAL_INCLUDE_DIR})
   get_target_property(sources ${target} SOURCES)

@@ -7,7 +7,7 @@
 
 namespace sinew {
 
-/// Root of all errors that the library throws on purpose. Carries the indices at
+/// Base class of all errors that the library throws on purpose. It carries the indices of the elements at
 /// fault, so that a caller can show or select them.
 class Error : public std::runtime_error
 {
@@ -24,7 +24,7 @@ private:
     std::vector<int> elements_;
 };
 
-/// The rest shape cannot be read: index out of range, non-finite point, no vertex.
+/// The rest shape cannot be read: an index is out of range, a point is not finite, or there is no vertex.
 class InvalidMesh : public Error
 {
     using Error::Error;
@@ -42,13 +42,13 @@ class InvalidOption : public Error
     using Error::Error;
 };
 
-/// The system has no unique solution, or its factor no room.
+/// The system has no unique solution, or there is no memory for its factor.
 class FactorizationFailed : public Error
 {
     using Error::Error;
 };
 
-/// A factor would take more than limit_memory() allows, or than the machine has.
+/// A factor would take more memory than limit_memory() allows, or more than the machine has.
 class OutOfMemory : public FactorizationFailed
 {
     using FactorizationFailed::FactorizationFailed;

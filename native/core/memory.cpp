@@ -27,7 +27,7 @@ void require_memory(std::int64_t bytes, const char* what)
 std::string in_words(std::int64_t bytes)
 {
     const double megabytes = static_cast<double>(bytes) / (1024.0 * 1024.0);
-    const bool large = megabytes >= 1023.5; // what would round to 1024 MB
+    const bool large = megabytes >= 1023.5; // from here on megabytes would be rounded to 1024 MB
     const double value = large ? megabytes / 1024.0 : megabytes;
     char text[32];
     std::snprintf(text, sizeof text, value < 99.95 ? "%.1f %s" : "%.0f %s", value, large ? "GB" : "MB");

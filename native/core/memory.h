@@ -10,24 +10,24 @@
 
 namespace sinew {
 
-/// No factor and no weights of a cage may take more than `bytes`; 0 lifts the limit. What stands already is
-/// kept.
+/// No factor and no weights of points may take more than `bytes`; 0 lifts the limit. What has been computed
+/// already is kept.
 void limit_memory(std::int64_t bytes);
 
-/// \param what  needs them, for the message.
-/// \throw OutOfMemory  `bytes` is more than the limit; both are named.
+/// \param what  the thing that needs `bytes`, for the message.
+/// \throw OutOfMemory  `bytes` is more than the limit; the message names both.
 void require_memory(std::int64_t bytes, const char* what = "the factor");
 
 /// "3.1 GB", "310 MB" or "0.4 MB", for messages; a GB is 1024^3 bytes, as Blender counts.
 std::string in_words(std::int64_t bytes);
 
-/// Workspaces that stay from call to call, so that only the first call allocates; calls at the same time have
-/// one each.
+/// Workspaces that are kept from call to call, so that only the first call allocates memory. Each of several
+/// calls at the same time has its own.
 template <class T>
 class Pool
 {
 public:
-    /// A workspace that goes back to its pool in the end.
+    /// A workspace that returns to its pool when the lease ends.
     class Lease
     {
     public:
@@ -48,7 +48,7 @@ public:
         std::unique_ptr<T> work_;
     };
 
-    /// \param make  gives a std::unique_ptr<T> where none is idle.
+    /// \param make  makes a std::unique_ptr<T>; called where no workspace is idle.
     template <class Make>
     Lease take(Make&& make)
     {

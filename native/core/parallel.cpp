@@ -13,7 +13,7 @@ namespace sinew {
 void parallel_chunks(int count, int grain, const std::function<void(int, int)>& body)
 {
     const int chunks = (count + grain - 1) / grain;
-    // Below a few chunks waking a second thread costs more than it saves.
+    // For so few chunks, waking a second thread costs more time than it saves.
     if (chunks < 4) {
         for (int c = 0; c < chunks; ++c)
             body(c * grain, std::min(count, (c + 1) * grain));

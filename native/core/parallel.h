@@ -6,15 +6,15 @@
 
 namespace sinew {
 
-/// Runs body(begin, end) over [0, count) in chunks of `grain`. The chunk borders depend on
-/// count and grain only, never on the number of threads, so sums gathered by chunk are
-/// reproducible to the last bit on every machine.
+/// Runs body(begin, end) over [0, count) in chunks of `grain`. Where the chunks begin depends on count and
+/// grain only, never on the number of threads, so sums that are gathered per chunk are reproducible to the
+/// last bit on every machine.
 void parallel_chunks(int count, int grain, const std::function<void(int begin, int end)>& body);
 
-/// Runs body(task) for each of a few heavy tasks, in any order.
+/// Runs body(task) once for each of a few heavy tasks, in any order.
 void parallel_tasks(int count, const std::function<void(int task)>& body);
 
-/// body(i) for every i in [0, count); items must be independent.
+/// Runs body(i) for every i in [0, count). The calls must not depend on each other.
 template <class Body>
 void parallel_for(int count, Body&& body, int grain = 2048)
 {
@@ -24,7 +24,7 @@ void parallel_for(int count, Body&& body, int grain = 2048)
     });
 }
 
-/// Sum of body(i), in an order that does not depend on the number of threads.
+/// The sum of body(i), added up in an order that does not depend on the number of threads.
 template <class Body>
 double parallel_sum(int count, Body&& body, int grain = 2048)
 {

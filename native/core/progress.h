@@ -8,12 +8,12 @@
 
 namespace sinew {
 
-/// Progress out, cancellation in. Long calls tick between their stages, at least
+/// Reports progress to the caller and lets the caller cancel. Long calls tick between their stages, at least
 /// once per factorisation and per iteration, always from the calling thread.
 class Progress
 {
 public:
-    /// Takes the share done, in [0, 1], and the stage's name; false cancels.
+    /// Gets the share that is done, in [0, 1], and the name of the stage; returns false to cancel.
     using Callback = std::function<bool(double fraction, const char* stage)>;
 
     Progress() = default;

@@ -12,12 +12,12 @@ using Vector3 = Eigen::Vector3d;
 using Matrix3 = Eigen::Matrix3d;
 using VectorX = Eigen::VectorXd;
 using MatrixX = Eigen::MatrixXd;
-/// One row after the other.
+/// A matrix that is stored one row after the other.
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// (n, 3) points, one a row: NumPy's order, so that arrays enter without a copy.
+/// (n, 3) points, one per row: NumPy's order, so that arrays enter without a copy.
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
-/// Points that somebody else owns, NumPy perhaps.
+/// Points in memory that somebody else owns, for example NumPy.
 using PointsView = Eigen::Map<const Points>;
 
 inline PointsView view(const Points& points) { return {points.data(), points.rows(), 3}; }
@@ -26,7 +26,7 @@ inline PointsView view(const Points& points) { return {points.data(), points.row
 using Pose = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
 using Poses = std::vector<Pose>;
 
-/// Column-major with 32-bit indices: what CHOLMOD reads without a copy.
+/// Column-major with 32-bit indices, which CHOLMOD reads without a copy.
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
 inline Vector3 apply(const Pose& pose, const Vector3& point)

@@ -28,8 +28,8 @@ namespace {
 using Symmetry = AutomaticCageOptions::Symmetry;
 
 constexpr double mirror_tolerance = 1e-3;
-constexpr double on_mirror = 1e-5; // wrap vertices this close to the mirror are put on it
-constexpr int attempts = 3;        // each at twice the margin of the one before
+constexpr double on_mirror = 1e-5; // vertices of the wrap that are this close to the mirror are put on it
+constexpr int attempts = 3;        // each with twice the margin of the one before
 
 /// From object space to a box of diagonal 1 around the origin.
 struct Frame
@@ -53,8 +53,8 @@ Frame frame_of(const SurfaceMesh& target)
     return {low + 0.5 * (high - low), size};
 }
 
-/// A part of the progress of the whole.
-Progress share(const Progress& whole, double from, double to)
+/// The progress of a part of the work, which takes the whole from one fraction to another.
+Progress part_of(const Progress& whole, double from, double to)
 {
     return Progress([&whole, from, to](double fraction, const char* stage) {
         whole.tick(from + (to - from) * std::min(fraction, 1.0), stage);
@@ -62,7 +62,7 @@ Progress share(const Progress& whole, double from, double to)
     });
 }
 
-/// What has to be inside, closed by fans over its borders.
+/// The target, with its borders closed by fans.
 TriangleSoup soup_of(const SurfaceMesh& target, const Frame& frame)
 {
     TriangleSoup soup;
@@ -79,7 +79,7 @@ TriangleSoup soup_of(const SurfaceMesh& target, const Frame& frame)
         for (std::size_t k = 0; k < loop.size(); ++k)
             soup.triangles.push_back({loop[k], loop[(k + 1) % loop.size()], middle});
     }
-    // The wrap leaves out flat triangles: their corners, and loose vertices, become tiny ones.
+    // The wrap ignores flat triangles. Their corners and loose vertices get tiny triangles of their own.
     std::vector<char> held(target.vertex_count(), 0);
     for (const Triangle& t : soup.triangles)
         if (!is_flat(corners_of(soup.points, t)))
@@ -97,11 +97,11 @@ TriangleSoup soup_of(const SurfaceMesh& target, const Frame& frame)
     return soup;
 }
 
-/// The target's vertices by place, to ask whether there is one at the image of each.
-class Images
+/// The target's vertices in cells of space, to find out whether they are mirror-symmetric.
+class MirrorTest
 {
 public:
-    Images(const SurfaceMesh& target, const Frame& frame)
+    MirrorTest(const SurfaceMesh& target, const Frame& frame)
     {
         for (int v = 0; v < target.vertex_count(); ++v)
             points_.push_back(frame.in(target.point(v)));
@@ -109,7 +109,8 @@ public:
             cells_[cell(p)].push_back(p);
     }
 
-    bool mirror(int axis) const
+    /// Whether there is a vertex at the mirror image of each vertex.
+    bool passes(int axis) const
     {
         return std::ranges::all_of(points_, [&](Vector3 p) {
             p[axis] = -p[axis];
@@ -147,14 +148,14 @@ int mirror_axis(const SurfaceMesh& target, const Frame& frame, Symmetry symmetry
 {
     if (symmetry != Symmetry::automatic)
         return static_cast<int>(symmetry) - static_cast<int>(Symmetry::x); // none is -1
-    const Images images(target, frame);
+    const MirrorTest test(target, frame);
     for (int axis = 0; axis < 3; ++axis)
-        if (images.mirror(axis))
+        if (test.passes(axis))
             return axis;
     return -1;
 }
 
-/// The soup and its image.
+/// Adds the mirror image of the soup to it.
 void add_image(TriangleSoup& soup, int axis)
 {
     const int count = static_cast<int>(soup.points.size());
@@ -169,7 +170,7 @@ void add_image(TriangleSoup& soup, int axis)
     }
 }
 
-/// The part on the positive side of the mirror; vertices on the cut have the coordinate 0.
+/// The part on the positive side of the mirror; vertices on the cut get the coordinate 0.
 TriangleSoup positive_half(const TriangleSoup& whole, int axis)
 {
     TriangleSoup half;
@@ -190,7 +191,7 @@ TriangleSoup positive_half(const TriangleSoup& whole, int axis)
         return at->second;
     };
     for (const Triangle& t : whole.triangles) {
-        std::vector<int> kept; // the corners of what is left, two to four
+        std::vector<int> kept; // the corners of the part that is left, two to four
         bool any = false;
         for (int k = 0; k < 3; ++k) {
             const int a = t[k], b = t[(k + 1) % 3];
@@ -208,7 +209,7 @@ TriangleSoup positive_half(const TriangleSoup& whole, int axis)
     return half;
 }
 
-/// The half and its image, joined along the mirror. Faces keep their order, images follow.
+/// Completes the half with its mirror image, joined along the mirror. The faces of the half come first.
 void complete(std::vector<Vector3>& points, Polygons& faces, int axis)
 {
     std::vector<int> image(points.size());
@@ -229,7 +230,8 @@ void complete(std::vector<Vector3>& points, Polygons& faces, int axis)
     }
 }
 
-/// Closed, embedded, and the target inside it: on the coordinates that go out.
+/// Whether the cage is closed, does not cross itself, and contains the target. The coordinates checked are
+/// those that are returned, rounding included.
 bool is_good(const SurfaceMesh& cage, const SurfaceMesh& target)
 {
     const Diagnosis diagnosis = diagnose(cage);
@@ -256,7 +258,8 @@ bool is_good(const SurfaceMesh& cage, const SurfaceMesh& target)
         256);
     if (pokes)
         return false;
-    // Triangles that do not meet the cage are inside where one corner is. A flat one may reach out unseen.
+    // A part that does not meet the cage is inside if one of its vertices is. Whether a flat triangle meets
+    // the cage is not known, so all its corners are checked.
     std::vector<char> asked(target.vertex_count(), 0);
     const Components parts = connected_components(target);
     std::vector<char> known(parts.count, 0);
@@ -321,7 +324,7 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
     for (int attempt = 0; attempt < attempts; ++attempt, margin *= 2) {
         const double start = static_cast<double>(attempt) / attempts, width = 1.0 / attempts;
         const auto stage = [&](double from, double to) {
-            return share(progress, start + width * from, start + width * to);
+            return part_of(progress, start + width * from, start + width * to);
         };
         TriangleSoup wrap = wrapped(soup, margin, margin, stage(0.0, 0.5));
         const int wrap_faces = static_cast<int>(wrap.triangles.size());

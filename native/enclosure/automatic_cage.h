@@ -9,31 +9,31 @@
 
 namespace sinew {
 
-/// Lengths are shares of the diagonal of the target's bounding box.
+/// All lengths are shares of the diagonal of the target's bounding box.
 struct AutomaticCageOptions
 {
     enum class Symmetry {
-        automatic, ///< about the first of x, y, z in which the target's vertices mirror to 1e-3
+        automatic, ///< mirrored along the first of x, y, z along which the target's vertices are, to 1e-3
         none,
-        x,
-        y,
-        z, ///< the cage of the target and its image, about the middle of its box
+        x, ///< mirrored along x about the middle of the target's box, around the target and its mirror image
+        y, ///< the same along y
+        z, ///< the same along z
     };
 
-    int faces = 300;            ///< triangles wanted, a quad counts as two; 12 to 100,000
-    double margin = 1.0 / 60.0; ///< how far from the target the cage starts, 0.004 to 0.25
+    int faces = 300; ///< number of triangles wanted, 12 to 100,000; a quad counts as two
+    double margin = 1.0 / 60.0; ///< distance from the target at which the cage is begun, 0.004 to 0.25
     Symmetry symmetry = Symmetry::automatic;
-    bool quads = false;         ///< join triangles into quads where both diagonals are safe
+    bool quads = false; ///< join triangles into quads where the cage is good with either diagonal
 };
 
 struct AutomaticCageReport
 {
-    int faces = 0;          ///< triangles, a quad counts as two
-    int quads = 0;          ///< of them, pairs of triangles
-    bool reached = false;   ///< no more faces than wanted (a symmetric cage: at most one more)
-    int mirror_axis = -1;   ///< 0 to 2, or -1 for a cage without symmetry
-    int wrap_faces = 0;     ///< of the fine surface that was simplified
-    double margin = 0.0;    ///< at which it was wrapped; more than asked where the target has many holes
+    int faces = 0; ///< number of triangles; a quad counts as two
+    int quads = 0; ///< how many pairs of these triangles are quads
+    bool reached = false; ///< whether there are no more faces than wanted; one more in a symmetric cage
+    int mirror_axis = -1; ///< 0 to 2, or -1 for a cage without symmetry
+    int wrap_faces = 0; ///< number of triangles of the fine surface that was simplified
+    double margin = 0.0; ///< the margin of that surface, more than wanted where the target has many holes
     double clearance = 0.0; ///< distance from the cage to the closest vertex of the target
     double seconds = 0.0;
 };
@@ -41,24 +41,26 @@ struct AutomaticCageReport
 struct AutomaticCage
 {
     Points points;
-    std::vector<int> counts;  ///< corners of each face: 3, or 4
+    std::vector<int> counts; ///< corners of each face: 3, or 4
     std::vector<int> corners; ///< face after face, outward
     AutomaticCageReport report;
 };
 
-/// A coarse cage around any target: closed, embedded, looking outward, the whole target inside.
+/// Makes a coarse cage around any target. The cage is closed and does not cross itself, its faces look
+/// outward, and the whole target is inside.
 ///
-/// The target is wrapped (CageWrap), the wrap simplified outwards (ProgressiveHull) and tightened. The result
-/// is checked, not assumed: each edge has two faces that run along it in both directions, no two faces cross,
-/// no face of the target meets the cage and each part lies inside. Where the check fails, or a wrap of many
-/// holes cannot become as coarse as wanted, wraps of twice and four times the margin are tried, and the
-/// coarsest good cage is given.
+/// A wrap of the target (wrapped()) is simplified outwards and tightened (ProgressiveHull). The result is
+/// checked, not assumed: each edge has two faces that run along it in opposite directions, no two faces
+/// cross, no face of the target meets the cage, and each part lies inside. Where the check fails, or a wrap
+/// with many holes cannot become as coarse as wanted, wraps with twice and four times the margin are tried,
+/// and the result is the coarsest good cage.
 ///
-/// Open borders of the target are closed by fans first, lest the wrap creep into an open neck. Loose vertices
-/// are inside too. Deterministic. Cost: as (diagonal / margin)^2; 1 s at the default.
+/// Open borders of the target are closed by fans first, so that the wrap does not grow into an open neck.
+/// Loose vertices are inside, too. Equal input gives equal cages. Cost: grows as (diagonal / margin)^2; 1 s
+/// with the default margin.
 ///
-/// \throw InvalidOption  faces or margin out of range.
-/// \throw InvalidMesh    all points in one place, or too far apart to measure; no good cage was found.
+/// \throw InvalidOption  `faces` or `margin` is out of range.
+/// \throw InvalidMesh    all points are in one place or too far apart to measure, or no good cage was found.
 /// \throw Cancelled      by `progress`.
 AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptions& options = {},
                              const Progress& progress = {});

@@ -3,7 +3,9 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/core/report.h"
 #include "native/enclosure/wrap.h"
+#include "native/mesh/half_edges.h"
 #include "native/mesh/triangle_tree.h"
 
 #include <Eigen/Geometry>
@@ -15,57 +17,33 @@ namespace sinew {
 
 namespace {
 
-/// One side of a face along an edge.
-struct Side
-{
-    int low, high; ///< the edge
-    int face;
-    bool rising; ///< the face runs from low to high
-};
-
-std::vector<Side> sorted_sides(const SurfaceMesh& cage)
-{
-    std::vector<Side> sides;
-    for (int f = 0; f < cage.face_count(); ++f) {
-        const auto loop = cage.face(f);
-        for (std::size_t k = 0; k < loop.size(); ++k) {
-            const int a = loop[k], b = loop[(k + 1) % loop.size()];
-            if (a != b)
-                sides.push_back({std::min(a, b), std::max(a, b), f, a < b});
-        }
-    }
-    std::ranges::sort(sides, {},
-                      [](const Side& s) { return std::array{s.low, s.high, s.face, int{s.rising}}; });
-    return sides;
-}
-
 struct Neighbour
 {
     int face;
-    bool agrees; ///< both look to the same side
+    bool agrees; ///< whether both faces look to the same side
 };
 
-/// Faces joined through edges of two faces, each turned to agree with the first.
+/// A connected part: faces joined through edges that two faces share.
 struct Sheet
 {
     std::vector<int> faces;
-    std::vector<char> turned; ///< (faces) where they look the other way
-    bool closed = true;
+    std::vector<char> turned; ///< (faces) whether each has to be flipped to agree with the first
+    bool closed = true;       ///< whether each side of each face has a neighbour
 };
 
 std::vector<Sheet> sheets(const SurfaceMesh& cage, const std::vector<std::vector<Neighbour>>& neighbours)
 {
     std::vector<Sheet> found;
-    std::vector<char> seen(neighbours.size(), 0), turned(neighbours.size(), 0);
+    std::vector<char> visited(neighbours.size(), 0), turned(neighbours.size(), 0);
     for (int first = 0; first < static_cast<int>(neighbours.size()); ++first) {
-        if (seen[first])
+        if (visited[first])
             continue;
         Sheet sheet{{first}, {}};
-        seen[first] = 1;
+        visited[first] = 1;
         for (std::size_t k = 0; k < sheet.faces.size(); ++k)
             for (const auto& [face, agrees] : neighbours[sheet.faces[k]])
-                if (!seen[face]) {
-                    seen[face] = 1;
+                if (!visited[face]) {
+                    visited[face] = 1;
                     turned[face] = agrees == (turned[sheet.faces[k]] != 0);
                     sheet.faces.push_back(face);
                 }
@@ -78,14 +56,14 @@ std::vector<Sheet> sheets(const SurfaceMesh& cage, const std::vector<std::vector
     return found;
 }
 
-/// Which faces of the sheets look inward. A sheet's own volume tells its sense, the winding of the others
-/// around it whether it is a cavity.
+/// The faces of the sheets that look inward. The sign of the volume that a sheet encloses says which way its
+/// faces look; how often the other sheets wind around it says whether it is the wall of a cavity.
 std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vector3>& points,
                           const std::vector<std::vector<Triangle>>& cut)
 {
     std::vector<std::vector<Triangle>> outward(found.size());
     std::vector<Eigen::AlignedBox3d> boxes(found.size());
-    std::vector<char> reversed(found.size(), 0); // `turned` has to be swapped to look outward
+    std::vector<char> reversed(found.size(), 0); // where the faces that are not `turned` look inward
     for (std::size_t s = 0; s < found.size(); ++s) {
         double volume = 0.0;
         const Vector3& origin = points[cut[found[s].faces.front()].front()[0]];
@@ -107,7 +85,7 @@ std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vec
     for (std::size_t s = 0; s < found.size(); ++s) {
         int around = 0;
         for (std::size_t other = 0; other < found.size(); ++other)
-            // Parts that cross are not in one another.
+            // Of two parts that cross, neither is inside the other.
             if (other != s && found[other].closed && boxes[other].contains(boxes[s]))
                 around += std::ranges::all_of(outward[s], [&](const Triangle& t) {
                     return winding_number(points, outward[other], points[t[0]]) > 0.5;
@@ -121,7 +99,7 @@ std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vec
     return faces;
 }
 
-/// The pair of faces behind each pair of triangles, each once, none with itself.
+/// The pairs of faces whose triangles meet, each pair once.
 std::vector<std::array<int, 2>> crossing(const SurfaceMesh& cage, const std::vector<Vector3>& points)
 {
     std::vector<std::array<int, 2>> pairs;
@@ -180,23 +158,17 @@ CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsV
         soup.points.push_back(cage.point(v));
 
     std::vector<std::vector<Neighbour>> neighbours(cage.face_count());
-    const std::vector<Side> sides = sorted_sides(cage);
-    for (std::size_t begin = 0, end; begin < sides.size(); begin = end) {
-        end = begin + 1;
-        while (end < sides.size() && sides[end].low == sides[begin].low &&
-               sides[end].high == sides[begin].high)
-            ++end;
-        const std::array edge{sides[begin].low, sides[begin].high};
-        if (end - begin == 1) {
-            diagnosis.open_edges.push_back(edge);
-        } else if (end - begin > 2) {
-            diagnosis.non_manifold_edges.push_back(edge);
+    for_each_edge(sorted_half_edges(cage), [&](std::span<const HalfEdge> along) {
+        if (along.size() == 1) {
+            diagnosis.open_edges.push_back(along[0].edge());
+        } else if (along.size() > 2) {
+            diagnosis.non_manifold_edges.push_back(along[0].edge());
         } else {
-            const Side &a = sides[begin], &b = sides[begin + 1];
-            neighbours[a.face].push_back({b.face, a.rising != b.rising});
-            neighbours[b.face].push_back({a.face, a.rising != b.rising});
+            const HalfEdge &a = along[0], &b = along[1];
+            neighbours[a.face].push_back({b.face, a.from != b.from});
+            neighbours[b.face].push_back({a.face, a.from != b.from});
         }
-    }
+    });
 
     std::vector<std::vector<Triangle>> cut(cage.face_count());
     for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
@@ -217,18 +189,14 @@ CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsV
 
 std::string summary(const CageDiagnosis& d)
 {
-    std::string text;
-    const auto add = [&](std::size_t count, const char* one, const char* many) {
-        if (count > 0)
-            text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (count == 1 ? one : many);
-    };
-    add(d.open_edges.size(), "open edge", "open edges");
-    add(d.non_manifold_edges.size(), "non-manifold edge", "non-manifold edges");
-    add(d.inverted_faces.size(), "inverted face", "inverted faces");
-    add(d.degenerate_faces.size(), "face without area", "faces without area");
-    add(d.crossing_faces.size(), "pair of crossing faces", "pairs of crossing faces");
-    add(d.outside_points.size(), "point outside", "points outside");
-    return text.empty() ? "clean" : text;
+    return summary_of({
+        {d.open_edges.size(), "open edge", "open edges"},
+        {d.non_manifold_edges.size(), "non-manifold edge", "non-manifold edges"},
+        {d.inverted_faces.size(), "inverted face", "inverted faces"},
+        {d.degenerate_faces.size(), "face without area", "faces without area"},
+        {d.crossing_faces.size(), "pair of crossing faces", "pairs of crossing faces"},
+        {d.outside_points.size(), "point outside", "points outside"},
+    });
 }
 
 } // namespace sinew

@@ -10,27 +10,30 @@
 
 namespace sinew {
 
-/// What keeps a mesh from being a good cage: closed, looking outward, embedded, around its target.
+/// What keeps a mesh from being a good cage. A good cage is closed, does not cross itself, looks outward, and
+/// has its target inside.
 struct CageDiagnosis
 {
-    std::vector<std::array<int, 2>> open_edges;         ///< of one face
-    std::vector<std::array<int, 2>> non_manifold_edges; ///< of three or more
-    std::vector<int> inverted_faces;                    ///< look inward; turning them round mends the cage
-    std::vector<int> degenerate_faces;                  ///< with a triangle of no area
-    std::vector<std::array<int, 2>> crossing_faces;     ///< pairs that meet beside what they share
-    std::vector<int> outside_points;                    ///< target points outside the cage
-    int component_count = 0;                            ///< connected parts with faces
+    std::vector<std::array<int, 2>> open_edges;         ///< edges with one face
+    std::vector<std::array<int, 2>> non_manifold_edges; ///< edges with three or more faces
+    std::vector<int> inverted_faces;                    ///< faces that look inward and should be flipped
+    std::vector<int> degenerate_faces;                  ///< faces with a triangle without area
+    std::vector<std::array<int, 2>> crossing_faces; ///< pairs that meet elsewhere than at common corners
+    std::vector<int> outside_points;                ///< target points outside the cage
+    int component_count = 0;                        ///< connected parts with faces
 };
 
-/// Faces are the triangles that SurfaceMesh cuts them into. A part inside an odd number of other parts is a
-/// cavity and looks inward, into the hole. A part that has no inside and outside (Moebius) has inverted
-/// faces. Points closer than 1e-9 of the cage's size to it are not outside.
+/// Faces are taken as the triangles that SurfaceMesh cuts them into. A part inside an odd number of other
+/// parts is the wall of a cavity, and looks into it. A part that has no inside and outside (a Moebius strip)
+/// has inverted faces. Points closer to the cage than 1e-9 of its size are not outside.
 ///
-/// \param points  none for the cage alone. Cost: faces log faces, and points times faces.
-/// \throw InvalidConstraint  a point that is not finite.
+/// Cost: O(faces log faces + points * faces).
+///
+/// \param points  the points of the target; without them, only the cage is diagnosed.
+/// \throw InvalidConstraint  a point is not finite.
 CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsView>& points = {});
 
-/// One line that names what is wrong with counts, or "clean".
+/// One line with the number of each fault, or "clean".
 std::string summary(const CageDiagnosis& diagnosis);
 
 } // namespace sinew

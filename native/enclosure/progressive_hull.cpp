@@ -16,11 +16,11 @@ namespace sinew {
 
 namespace {
 
-constexpr double closeness = 1e-3;    // to the middle of the edge, beside the planes
-constexpr double least_cosine = 0.2;  // between a normal before and after: 78 degrees
-constexpr double least_shape = 0.1;   // of 1 for an equilateral triangle
-constexpr double fold_cosine = -0.97; // between neighbours: closer to a fold than 14 degrees
-constexpr double farthest = 0.25;     // of the size: how far from its edge a vertex may go
+constexpr double closeness = 1e-3; // weight of the distance to the edge's middle, where the planes have 1
+constexpr double least_cosine = 0.2; // between the normals before and after a collapse: 78 degrees
+constexpr double least_shape = 0.1; // of a triangle; an equilateral one has 1
+constexpr double fold_cosine = -0.97; // between the normals of neighbours: 14 degrees from a fold
+constexpr double farthest = 0.25; // how far from its edge a new vertex may be, as a share of the size
 
 /// The points p with normal.p >= distance.
 struct HalfSpace
@@ -29,9 +29,10 @@ struct HalfSpace
     double distance;
 };
 
-/// The minimum of (p - centre)' H (p - centre) over the half spaces, within origin + span: where a half space
-/// is violated the minimum lies on its plane, so it is sought there, among the half spaces before it. False
-/// for none.
+/// Finds the minimum of (p - centre)' H (p - centre) over the points of origin + span that are in all half
+/// spaces. The half spaces are added one by one: where one is violated, the new minimum lies on its plane, so
+/// it is sought there, among the half spaces before it.
+/// \return false where no point is in all half spaces.
 template <int Dim>
 bool minimum(const Matrix3& H, const Vector3& centre, std::span<const HalfSpace> spaces,
              const Vector3& origin, const Eigen::Matrix<double, 3, Dim>& span, double slack, Vector3& p)
@@ -68,7 +69,7 @@ bool minimum(const Matrix3& H, const Vector3& centre, std::span<const HalfSpace>
 
 Vector3 area_of(const Corners& t) { return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]); }
 
-/// 1 for an equilateral triangle, 0 for one without area.
+/// The shape of a triangle: 1 if it is equilateral, 0 if it has no area.
 double shape(const Corners& t)
 {
     const double sides =
@@ -83,7 +84,7 @@ int shared_corners(const Triangle& a, const Triangle& b)
     return static_cast<int>(std::ranges::count_if(a, [&](int v) { return contains(b, v); }));
 }
 
-/// Nearly one on the other, at a common edge.
+/// Whether two triangles at a common edge are nearly folded onto each other.
 bool nearly_folded(const Corners& a, const Corners& b)
 {
     const Vector3 m = area_of(a), n = area_of(b);
@@ -150,7 +151,7 @@ void ProgressiveHull::renew_boxes()
 void ProgressiveHull::propose(int a, int b)
 {
     const bool mirror = on_mirror(a) || on_mirror(b);
-    const Vector3 middle = 0.5 * (points_[a] + points_[b]); // the origin here: small numbers round less
+    const Vector3 middle = 0.5 * (points_[a] + points_[b]); // the origin of what follows, to round less
     Matrix3 H = Matrix3::Zero();
     Vector3 h = Vector3::Zero();
     double constant = 0.0, total = 0.0;
@@ -196,7 +197,7 @@ void ProgressiveHull::propose(int a, int b)
     queue_.push({cost, a, b, stamps_[a] + stamps_[b], point});
 }
 
-/// No face of the fan meets another one of it, or of the surface without `replaced`.
+/// Whether no face of the fan meets another one of the fan, or a face of the surface that is not `replaced`.
 bool ProgressiveHull::stays_embedded(const Fan& fan, const std::vector<int>& replaced)
 {
     Box whole;
@@ -225,7 +226,8 @@ bool ProgressiveHull::stays_embedded(const Fan& fan, const std::vector<int>& rep
     return true;
 }
 
-/// An inner edge between vertices on the mirror would be one with its image.
+/// An edge inside the half whose ends are both on the mirror would coincide with its mirror image, so there
+/// must be none.
 bool ProgressiveHull::keeps_mirror(const Fan& fan, int vertex, bool on) const
 {
     if (mirror_axis_ < 0 || !on)
@@ -246,7 +248,7 @@ bool ProgressiveHull::may_collapse(const Candidate& edge)
     std::ranges::set_intersection(ring_a, ring_b, std::back_inserter(both));
     const auto sides =
         std::ranges::count_if(around_[edge.a], [&](int f) { return contains(faces_[f], edge.b); });
-    // The link condition; two vertices on the mirror are collapsed along it alone.
+    // The link condition. Where both vertices are on the mirror, the edge must lie on it, too.
     if (static_cast<std::ptrdiff_t>(both.size()) != sides ||
         sides != (on_mirror(edge.a) && on_mirror(edge.b) ? 1 : 2))
         return false;
@@ -275,7 +277,7 @@ bool ProgressiveHull::may_collapse(const Candidate& edge)
     return keeps_mirror(fan, edge.a, on_mirror(edge.a) || on_mirror(edge.b)) && stays_embedded(fan, replaced);
 }
 
-/// a takes the place of both.
+/// Vertex a takes the place of both.
 void ProgressiveHull::collapse(const Candidate& edge)
 {
     for (int f : around_[edge.b]) {
@@ -329,13 +331,13 @@ void ProgressiveHull::collapse(int faces, const Progress& progress)
         if (++done % 128 == 0) {
             progress.tick(static_cast<double>(first - face_count_) / std::max(1, first - faces),
                           "simplifying");
-            renew_boxes(); // without the dead
+            renew_boxes(); // leaves out the faces that are gone
         }
     }
     renew_boxes();
 }
 
-/// Neither what is enclosed nor the surface itself is touched on the way.
+/// Whether a vertex may move without touching `within` or the surface on its way.
 bool ProgressiveHull::may_move(int vertex, const Vector3& to, const TriangleTree& within)
 {
     if (mirror_axis_ >= 0 && !on_mirror(vertex) && to[mirror_axis_] < 0.5 * points_[vertex][mirror_axis_])
@@ -357,7 +359,7 @@ bool ProgressiveHull::may_move(int vertex, const Vector3& to, const TriangleTree
     }
     if (after < std::min(0.15, before))
         return false;
-    // What the fan sweeps over is bounded by the fan before, the fan after and these.
+    // The space that the fan sweeps over is bounded by the old fan, the new fan and these triangles.
     for (int v : ring(vertex))
         if (within.meets({points_[vertex], to, points_[v]}))
             return false;

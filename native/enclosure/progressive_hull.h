@@ -14,35 +14,35 @@
 
 namespace sinew {
 
-/// A closed surface that is made coarser while it keeps enclosing what it enclosed.
+/// A closed surface that becomes coarser while it keeps enclosing what it enclosed.
 ///
 /// P. Sander et al. "Silhouette Clipping." SIGGRAPH 2000, section 3: progressive hulls. An edge is collapsed
 /// to the point outside all planes of the faces around it that is closest to them: with areas A, planes n.p =
 /// d and the edge's middle m, it minimises sum A (n.p - d)^2 + 1e-3 sum A |p - m|^2 under n.p >= d. Departs
-/// from the paper: a collapse must also keep the surface embedded, the normals within 78 degrees and the
-/// triangles' shapes, which keeps thin limbs apart and the cage usable.
+/// from the paper: after a collapse the surface must also be free of crossings, no normal may have turned by
+/// more than 78 degrees, and no triangle may be too thin. This keeps thin limbs apart and the cage usable.
 ///
-/// Half of a mirror-symmetric surface may be given: vertices flagged as `on_mirror` have the coordinate 0
-/// along `mirror_axis` and stay there, all others stay on its positive side, so that the half and its image
-/// make an embedded whole.
+/// One half of a mirror-symmetric surface may be given: its vertices on the mirror have the coordinate 0
+/// along `mirror_axis` and keep it, all others stay on the positive side, so that the half and its mirror
+/// image together do not cross.
 class ProgressiveHull
 {
 public:
-    /// \param size         what lengths are compared with
+    /// \param size         the size of the target, with which lengths are compared
     /// \param mirror_axis  0 to 2, or -1 for a whole surface
     ProgressiveHull(TriangleSoup surface, double size, int mirror_axis = -1);
 
-    /// Collapses edges, cheapest first, until `faces` are left or nothing may be collapsed any more.
-    /// Deterministic.
+    /// Collapses edges, cheapest first, until `faces` faces remain or no edge may be collapsed. Equal
+    /// surfaces give equal results.
     void collapse(int faces, const Progress& progress);
 
-    /// Pulls the vertices towards `within`, which the surface encloses, and evens them out, as long as
-    /// neither is touched: four rounds.
+    /// Moves the vertices in four rounds towards `within`, which the surface encloses, and spaces them
+    /// evenly, as long as the surface touches neither `within` nor itself.
     void tighten(const TriangleTree& within, const Progress& progress);
 
     int face_count() const { return face_count_; }
 
-    /// What is left, in the order of the first vertices and faces.
+    /// The remaining vertices and faces, in their first order.
     TriangleSoup surface() const;
 
 private:
@@ -53,10 +53,10 @@ private:
         int a, b, stamp;
         Vector3 point;
 
-        // The queue gives the greatest: the cheapest here, and one order among equals.
+        // The queue returns the greatest candidate, which shall be the cheapest; ties go by the vertices.
         bool operator<(const Candidate& o) const { return std::tie(o.cost, o.a, o.b) < std::tie(cost, a, b); }
     };
-    /// Triangles that a move makes, with the vertices they will have.
+    /// The triangles around a vertex as they will be after a move.
     struct Fan
     {
         std::vector<Corners> corners;

@@ -28,7 +28,8 @@ struct Pair
 
 Vector3 normal(const Corners& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
 
-/// The largest cosine of its angles, or 2 where it is not convex or bent by more than 45 degrees.
+/// The largest cosine among the angles of a quad, or 2 where it is not convex or bent by more than 45
+/// degrees.
 double badness(const std::vector<Vector3>& points, const std::array<int, 4>& loop)
 {
     constexpr double least = 0.7;
@@ -47,7 +48,7 @@ double badness(const std::vector<Vector3>& points, const std::array<int, 4>& loo
     return worst;
 }
 
-/// At points of fourths of the sides.
+/// Whether points of a triangle, spaced by a fourth of its sides, are at least `apart` away.
 bool is_away(const Corners& t, const TriangleTree& from, double apart)
 {
     for (int i = 0; i <= 4; ++i)
@@ -94,9 +95,9 @@ Polygons paired(const std::vector<Vector3>& points, const std::vector<Triangle>&
     struct Cut
     {
         Triangle indices;
-        int first, second; ///< the triangles whose place it takes
+        int first, second; ///< the triangles that it replaces
     };
-    std::vector<Cut> cuts; // all that may be there, by either diagonal
+    std::vector<Cut> cuts; // all triangles that the result may be cut into, along either diagonal
     for (int t = 0; t < static_cast<int>(triangles.size()); ++t)
         cuts.push_back({triangles[t], t, t});
 

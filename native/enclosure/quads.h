@@ -11,10 +11,11 @@ using Polygons = std::vector<std::vector<int>>;
 
 Polygons polygons(const std::vector<Triangle>& triangles);
 
-/// Joins triangles of an embedded surface into quads, the squarest and flattest pairs first. A pair is
-/// joined where along the other diagonal, too, the surface would be embedded, free of `within`, and as far
-/// as fifteen points of a triangle can tell by `apart` away from it: whichever diagonal somebody cuts the
-/// quad along, it encloses. Quads and left triangles come in the order of their first triangle.
+/// Joins triangles of a surface that does not cross itself into quads, the pairs closest to rectangles first.
+/// Two triangles are joined only if the surface cut along the other diagonal does not cross itself or
+/// `within` either, and fifteen points of each new triangle are at least `apart` away from `within`: so the
+/// surface encloses `within` whichever diagonal a program cuts the quad along. Quads and remaining triangles
+/// come in the order of their first triangles.
 Polygons paired(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles,
                 const TriangleTree& within, double apart);
 

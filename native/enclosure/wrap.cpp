@@ -14,7 +14,7 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 
-/// Ticks while the wrap shrinks. How many facets it will visit is not known before.
+/// Reports progress while the wrap shrinks. How many facets it will visit is not known before.
 struct Ticker : CGAL::Alpha_wraps_3::internal::Wrapping_default_visitor
 {
     const Progress& progress;

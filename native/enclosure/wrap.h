@@ -9,7 +9,7 @@
 
 namespace sinew {
 
-/// Points and triangles that somebody works on.
+/// Points, and triangles that name them by index.
 struct TriangleSoup
 {
     std::vector<Vector3> points;
@@ -21,8 +21,8 @@ struct TriangleSoup
 /// C. Portaneri et al. "Alpha Wrapping with an Offset." ACM Transactions on Graphics 41(4), 2022, by CGAL.
 ///
 /// \param alpha   openings narrower than this are closed.
-/// \param offset  the wrap contains the triangles where alpha is not much larger than this.
-/// \throw Cancelled  by `progress`, which counts on from 0 towards 1.
+/// \param offset  the wrap contains the triangles if alpha is not much larger than this.
+/// \throw Cancelled  by `progress`. Its fraction approaches 1, as the number of steps is not known before.
 TriangleSoup wrapped(const TriangleSoup& target, double alpha, double offset, const Progress& progress);
 
 } // namespace sinew

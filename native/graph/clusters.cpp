@@ -11,14 +11,17 @@ namespace sinew {
 
 namespace {
 
-constexpr double hat_radius = 1.6; ///< of the shares, in cluster radii
+constexpr double hat_radius = 1.6; ///< how far the shares of a cluster reach, in cluster radii
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 using Entry = std::pair<double, int>;
 using Front = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 
-/// Visits nodes by rising distance from a seed along the edges.
-/// \param reaches  whether an edge to a node at a distance is followed; if so, notes the distance.
+/// Visits nodes in the order of their distance from a seed along the edges.
+/// \param distance  (nodes) the distances that `reaches` has noted.
+/// \param visit     visit(node, distance)
+/// \param reaches   reaches(node, distance) says whether the walk goes on to a node; if so, it has noted the
+///                  distance.
 template <class Visit, class Reaches>
 void grow(const GraphEdges& edges, const Points& rest, int seed, const std::vector<double>& distance,
           Visit&& visit, Reaches&& reaches)
@@ -62,7 +65,7 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
     };
     for (int i = 0; i < graph.size(); ++i)
         if (!graph.is_idle(i) && label[i] < 0)
-            add(i); // one seed for each part of each region at least
+            add(i); // each part of each region needs a seed
     std::priority_queue<Entry> farthest;
     for (int i = 0; i < graph.size(); ++i)
         if (!graph.is_idle(i))
@@ -71,7 +74,7 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
         const auto [d, i] = farthest.top();
         farthest.pop();
         if (d > distance[i]) {
-            farthest.emplace(distance[i], i); // outdated: it came nearer meanwhile
+            farthest.emplace(distance[i], i); // a seed added since then is nearer
             continue;
         }
         if (d <= 0)
@@ -81,7 +84,8 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
     }
 }
 
-/// Shares are squared hats over the distance to each seed along the edges, normalised at every node.
+/// The share of a cluster at a node is the square of a hat function of the node's distance from the seed
+/// along the edges; at every node the shares are divided by their sum.
 ClusterMap::ClusterMap(const HandleGraph& graph, const Points& rest, const Clusters& clusters)
     : label_(clusters.label), members_(clusters.seeds.size(), 0)
 {

@@ -9,19 +9,20 @@
 namespace sinew {
 
 /// Clusters of a graph by farthest-point growth: each new seed is the node farthest from all seeds, and takes
-/// over what is nearer to it than to any other. They never cross a handle's border; idle nodes are in none.
+/// over the nodes that are nearer to it than to any other seed. No cluster crosses the border of a handle;
+/// idle nodes are in no cluster.
 struct Clusters
 {
-    std::vector<int> label; ///< cluster of each node, -1 where idle
-    std::vector<int> seeds; ///< node from which each cluster grew
-    double radius = 0.0;    ///< no node is farther from its seed along the edges
+    std::vector<int> label; ///< the cluster of each node, -1 for idle nodes
+    std::vector<int> seeds; ///< the node from which each cluster grew
+    double radius = 0.0;    ///< the largest distance of a node from its seed along the edges
 
     /// \param rest    (nodes, 3) where the nodes are.
-    /// \param wanted  clusters; each part of each region is one at least.
+    /// \param wanted  number of clusters; there may be more, as each part of each region has one at least.
     Clusters(const HandleGraph& graph, const Points& rest, int wanted);
 };
 
-/// The way between a graph and its clusters.
+/// Takes values from the nodes of a graph to its clusters and back.
 class ClusterMap
 {
 public:
@@ -29,12 +30,12 @@ public:
     ClusterMap(const HandleGraph& graph, const Points& rest, const Clusters& clusters);
 
     int cluster_count() const { return static_cast<int>(members_.size()); }
-    /// Cluster of each node, -1 where idle.
+    /// The cluster of each node, -1 for idle nodes.
     const std::vector<int>& label() const { return label_; }
     /// Number of nodes in each cluster.
     const std::vector<int>& members() const { return members_; }
 
-    /// Clusters near a node with their shares, which sum to 1.
+    /// The clusters near a node, with weights that sum to 1.
     struct Shares
     {
         const int* clusters;
@@ -47,7 +48,7 @@ public:
         return {clusters_.data() + first, weights_.data() + first, offsets_[node + 1] - first};
     }
 
-    /// (clusters, 3) means of the nodes' points over each cluster.
+    /// (clusters, 3) the mean of the points of each cluster's nodes.
     void restrict(const PointsView& points, Points& means) const;
     Points restrict(const PointsView& points) const
     {
@@ -55,10 +56,10 @@ public:
         restrict(points, means);
         return means;
     }
-    /// (clusters) means of one number per node.
+    /// (clusters) the same for one number per node.
     std::vector<double> restrict(const std::vector<double>& values) const;
 
-    /// Cluster old[p] is number p from now on.
+    /// From now on, cluster old[p] has the number p.
     void renumber(const std::vector<int>& old);
 
 private:
@@ -67,8 +68,9 @@ private:
     std::vector<double> weights_;
 };
 
-/// The graph of the clusters. One sits at the mean of its nodes; an edge collects the crossing w |e| over the
-/// distance of the means; pulls of one handle add up.
+/// The graph whose nodes are the clusters. A cluster lies at the mean of its nodes. The weight of the edge
+/// between two clusters is the sum of w |e| over the edges from one to the other, divided by the distance of
+/// their means. The pulls of one handle on a cluster add up.
 /// \param rest  (nodes, 3)
 HandleGraph graph_of_clusters(const HandleGraph& graph, const Points& rest, const ClusterMap& map);
 

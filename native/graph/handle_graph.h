@@ -8,7 +8,7 @@
 
 namespace sinew {
 
-/// Directed edges of a graph: those of node i stand in [offsets[i], offsets[i + 1]), its neighbours rising.
+/// The directed edges of a graph: those of node i are [offsets[i], offsets[i + 1]), by rising neighbour.
 struct GraphEdges
 {
     std::vector<int> offsets{0}, neighbours;
@@ -25,20 +25,21 @@ struct GraphPull
     double stiffness; ///< in the units of the method's Laplacian
 };
 
-/// What handles do to the nodes of a graph.
+/// Which nodes of a graph the handles hold or pull.
 struct GraphHandles
 {
-    std::vector<int> hard;  ///< handle that holds each node, or -1
+    std::vector<int> hard;  ///< the handle that holds each node, or -1
     std::vector<char> idle; ///< whether each node is in a part without a handle
     std::vector<GraphPull> pulls;
 
     GraphHandles() = default;
-    /// \param diagonal  a vertex's own entry of the method's Laplacian, the unit of soft pulls; where it is
-    ///                  zero, 1 is.
+    /// \param diagonal  gives a vertex's own entry of the method's Laplacian. This is the unit of soft pulls;
+    ///                  where it is not positive, the unit is 1.
     GraphHandles(const Regions& regions, const std::function<double(int)>& diagonal);
 };
 
-/// A weighted graph of which handles hold some nodes and pull at others: a mesh, or clusters of one.
+/// A weighted graph, some of whose nodes are held or pulled by handles. The nodes are the vertices of a mesh,
+/// or clusters of them.
 class HandleGraph
 {
 public:
@@ -55,10 +56,10 @@ public:
     /// The nodes that are neither held nor idle, rising.
     const std::vector<int>& free_nodes() const { return free_nodes_; }
     int free_count() const { return static_cast<int>(free_nodes_.size()); }
-    /// A node's index among the free ones, or -1.
+    /// The index of a node in free_nodes(), or -1.
     int place(int node) const { return place_[node]; }
 
-    /// The same graph; its node i is this one's node old[i].
+    /// The same graph with other numbers: its node i is node old[i] of this one.
     HandleGraph renumbered(const std::vector<int>& old) const;
 
 private:
@@ -67,7 +68,7 @@ private:
     std::vector<int> free_nodes_, place_;
 };
 
-/// new[old[i]] = i
+/// The inverse of a renumbering: result[old[i]] = i.
 std::vector<int> new_numbers(const std::vector<int>& old);
 
 } // namespace sinew

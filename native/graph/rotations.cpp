@@ -15,14 +15,15 @@ std::vector<Eigen::Quaterniond> blended_rotations(const HandleGraph& graph,
     Eigen::MatrixX4d q(handles, 4);
     for (int h = 0; h < handles; ++h)
         q.row(h) = Eigen::Quaterniond(fit_rotation(poses[h].leftCols<3>())).coeffs().transpose();
-    // The dominant eigenvector is the mean of the rotations; quaternions on its far side turn.
+    // The dominant eigenvector is the mean of the rotations. A quaternion and its negative are the same
+    // rotation, so those on the far side of the mean are negated.
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(q.transpose() * q);
     const Eigen::Vector4d mean = eigen.eigenvectors().col(3);
     for (int h = 0; h < handles; ++h)
         if (q.row(h).dot(mean) < 0)
             q.row(h) *= -1;
 
-    // Departures from the mean: handles that agree leave nothing to round.
+    // Only departures from the mean are blended, so no rounding remains where all handles agree.
     const GraphEdges& edges = graph.edges();
     MatrixX sides = MatrixX::Zero(graph.free_count(), 4);
     for (int f = 0; f < graph.free_count(); ++f) {

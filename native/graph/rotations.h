@@ -12,17 +12,18 @@
 
 namespace sinew {
 
-/// One rotation per node: those of the handles, blended between them by harmonic weights, quaternions on one
-/// side. The identity where idle.
+/// One rotation per node. A held node has the rotation closest to its handle's pose. Between the handles the
+/// quaternions of these rotations are blended by harmonic weights, all of them on the same side of 4-space.
+/// Idle nodes have the identity.
 /// \param laplacian  minus the entries of a Laplacian, one per directed edge of the graph.
 /// \param factor     of that Laplacian on the free nodes, with the pulls on its diagonal.
-/// \param poses      (k) of the handles, whose rotations are those closest to them.
+/// \param poses      (k) the poses of the handles.
 std::vector<Eigen::Quaterniond> blended_rotations(const HandleGraph& graph,
                                                   const std::vector<double>& laplacian,
                                                   const SingleFactor& factor, const Poses& poses);
 
-/// The rotation of a node that is not idle, of those of the clusters near it: their mean, quaternions on one
-/// side.
+/// The rotation that a node gets from the clusters near it: the mean of their quaternions by the node's
+/// shares, all on the side of its own cluster's. The node is not idle.
 /// \param rotations  one per cluster.
 Eigen::Quaterniond handed_down(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& rotations,
                                int node);

@@ -23,7 +23,7 @@ Components connected_components(const SurfaceMesh& mesh)
             int b = root(v);
             if (a > b)
                 std::swap(a, b);
-            parent[b] = a; // the lowest vertex leads, so labels follow the vertex order
+            parent[b] = a; // the lowest vertex is the root, so parts are numbered by it
         }
     }
     Components parts;

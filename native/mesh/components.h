@@ -7,13 +7,14 @@
 
 namespace sinew {
 
+/// The connected parts of a mesh.
 struct Components
 {
     int count = 0;
-    std::vector<int> labels; ///< (n) part of each vertex, numbered by lowest vertex
+    std::vector<int> labels; ///< (n) the part of each vertex; parts are numbered by their lowest vertices
 };
 
-/// Parts connected through faces; a vertex of no face is a part of its own. O(n).
+/// Vertices are connected through faces; a vertex in no face is a part of its own. Cost: O(n).
 Components connected_components(const SurfaceMesh& mesh);
 
 } // namespace sinew

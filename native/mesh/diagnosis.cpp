@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/diagnosis.h"
 
+#include "native/core/report.h"
 #include "native/mesh/components.h"
+#include "native/mesh/half_edges.h"
 
 #include <Eigen/Geometry>
 
@@ -13,32 +15,8 @@ namespace sinew {
 
 namespace {
 
-/// One corner's outgoing side of a face: from -> to.
-struct HalfEdge
-{
-    int low, high; ///< the undirected edge
-    int from, to;
-    int face;
-};
-
-std::vector<HalfEdge> sorted_half_edges(const SurfaceMesh& mesh)
-{
-    std::vector<HalfEdge> sides;
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const auto loop = mesh.face(f);
-        for (std::size_t k = 0; k < loop.size(); ++k) {
-            const int a = loop[k];
-            const int b = loop[(k + 1) % loop.size()];
-            if (a != b)
-                sides.push_back({std::min(a, b), std::max(a, b), a, b, f});
-        }
-    }
-    std::ranges::sort(sides, {}, [](const HalfEdge& s) { return std::array{s.low, s.high, s.face, s.from}; });
-    return sides;
-}
-
-/// Chains border sides head to tail. At a vertex with several ways out the loop takes
-/// the lowest unused one, so every side ends up in exactly one loop.
+/// Chains the sides of the border head to tail. Where several sides leave a vertex, the loop takes the first
+/// one that is unused, so every side ends up in exactly one loop.
 std::vector<std::vector<int>> chain(const std::vector<HalfEdge>& border)
 {
     std::multimap<int, int> outgoing;
@@ -58,11 +36,11 @@ std::vector<std::vector<int>> chain(const std::vector<HalfEdge>& border)
     return loops;
 }
 
-/// Counts the fans of faces around each vertex: faces are joined where they share an
-/// edge at that vertex.
+/// Vertices with more than one fan of faces around them. Faces belong to one fan where they share an edge at
+/// the vertex.
 std::vector<int> several_fans(const SurfaceMesh& mesh, const std::vector<HalfEdge>& sides)
 {
-    // One union-find node a corner, joined through the two corners of every shared edge.
+    // A union-find structure with one node per corner, joined through the two corners of every shared edge.
     std::vector<int> first_corner(mesh.face_count() + 1, 0);
     for (int f = 0; f < mesh.face_count(); ++f)
         first_corner[f + 1] = first_corner[f] + static_cast<int>(mesh.face(f).size());
@@ -155,19 +133,14 @@ Diagnosis diagnose(const SurfaceMesh& mesh)
     Diagnosis found;
     const std::vector<HalfEdge> sides = sorted_half_edges(mesh);
     std::vector<HalfEdge> border;
-    for (std::size_t begin = 0, end; begin < sides.size(); begin = end) {
-        end = begin + 1;
-        while (end < sides.size() && sides[end].low == sides[begin].low &&
-               sides[end].high == sides[begin].high)
-            ++end;
-        const std::array edge{sides[begin].low, sides[begin].high};
-        if (end - begin == 1)
-            border.push_back(sides[begin]);
-        else if (end - begin > 2)
-            found.non_manifold_edges.push_back(edge);
-        else if (sides[begin].from == sides[begin + 1].from)
-            found.inconsistent_edges.push_back(edge);
-    }
+    for_each_edge(sides, [&](std::span<const HalfEdge> along) {
+        if (along.size() == 1)
+            border.push_back(along[0]);
+        else if (along.size() > 2)
+            found.non_manifold_edges.push_back(along[0].edge());
+        else if (along[0].from == along[1].from)
+            found.inconsistent_edges.push_back(along[0].edge());
+    });
     found.boundary_loops = chain(border);
     found.non_manifold_vertices = several_fans(mesh, sides);
 
@@ -189,19 +162,15 @@ Diagnosis diagnose(const SurfaceMesh& mesh)
 
 std::string summary(const Diagnosis& d)
 {
-    std::string text;
-    const auto add = [&](std::size_t count, const char* one, const char* many) {
-        if (count > 0)
-            text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + (count == 1 ? one : many);
-    };
-    add(d.degenerate_faces.size(), "face without area", "faces without area");
-    add(d.duplicate_faces.size(), "duplicate face", "duplicate faces");
-    add(d.non_manifold_edges.size(), "non-manifold edge", "non-manifold edges");
-    add(d.non_manifold_vertices.size(), "non-manifold vertex", "non-manifold vertices");
-    add(d.inconsistent_edges.size(), "edge between opposed faces", "edges between opposed faces");
-    add(d.loose_vertices.size(), "loose vertex", "loose vertices");
-    add(d.coincident_vertices.size(), "doubled vertex", "doubled vertices");
-    return text.empty() ? "clean" : text;
+    return summary_of({
+        {d.degenerate_faces.size(), "face without area", "faces without area"},
+        {d.duplicate_faces.size(), "duplicate face", "duplicate faces"},
+        {d.non_manifold_edges.size(), "non-manifold edge", "non-manifold edges"},
+        {d.non_manifold_vertices.size(), "non-manifold vertex", "non-manifold vertices"},
+        {d.inconsistent_edges.size(), "edge between opposed faces", "edges between opposed faces"},
+        {d.loose_vertices.size(), "loose vertex", "loose vertices"},
+        {d.coincident_vertices.size(), "doubled vertex", "doubled vertices"},
+    });
 }
 
 } // namespace sinew

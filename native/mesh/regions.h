@@ -10,21 +10,22 @@
 
 namespace sinew {
 
-/// One marked region. A fixed region is a handle whose pose is the identity.
+/// A region that an artist marked. A fixed region is a handle whose pose is the identity.
 struct Handle
 {
     std::vector<int> vertices;
-    /// One a vertex, in [0, 1]: 1 holds exactly, less pulls softly, 0 lets go. Empty: all 1.
+    /// One per vertex, in [0, 1]: 1 holds the vertex exactly, less pulls it softly, 0 leaves it free. Empty
+    /// where all are 1.
     std::vector<double> weights;
-    /// How smoothly the free surface leaves the region, 0 to 2 (C0 to C2), as far as the
-    /// order of the energy allows; values between blend.
+    /// How smoothly the free surface leaves the region, from 0 to 2 (C0 to C2), as far as the order of the
+    /// energy allows; values between these blend them.
     double continuity = 2.0;
 
     bool operator==(const Handle&) const = default;
 };
 
-/// A soft constraint pulls a vertex with stiffness weight / (1 - weight), in units of the
-/// vertex's own diagonal entry of the system.
+/// Pulls a vertex with the stiffness weight / (1 - weight), in units of the vertex's own diagonal entry of
+/// the system.
 struct SoftConstraint
 {
     int vertex;
@@ -34,72 +35,73 @@ struct SoftConstraint
     double stiffness() const { return weight / (1.0 - weight); }
 };
 
-/// One vertex that one handle holds or pulls.
+/// A vertex, and a handle that holds or pulls it.
 struct Constraint
 {
     int vertex;
     int handle;
 };
 
-/// Handles over a mesh of n vertices, checked and turned into per-vertex constraints.
-/// A vertex belongs to one hard handle at most; a hard constraint overrides soft ones; soft
-/// ones of several handles add up.
+/// The handles on a mesh of n vertices, checked and turned into constraints of single vertices. At most one
+/// handle holds a vertex exactly, and then no handle pulls it; the soft pulls of several handles add up.
 class Regions
 {
 public:
     Regions() = default;
 
-    /// \throw InvalidConstraint  a handle without vertices, an index out of range, weights of
-    ///   another length, a weight outside [0, 1], a continuity outside [0, 2], or a vertex held
-    ///   hard by two handles.
-    Regions(const std::vector<Handle>& handles, const Components& parts);
+    /// \throw InvalidConstraint  a handle without vertices, an index out of range, another number of weights
+    ///   than of vertices, a weight outside [0, 1], a continuity outside [0, 2], or a vertex that two handles
+    ///   hold exactly.
+    Regions(std::vector<Handle> handles, const Components& parts);
 
-    int handle_count() const { return static_cast<int>(continuity_.size()); }
+    const std::vector<Handle>& handles() const { return handles_; }
+    int handle_count() const { return static_cast<int>(handles_.size()); }
     int vertex_count() const { return static_cast<int>(hard_.size()); }
 
     /// The handle that holds a vertex exactly, or -1.
     int hard(int vertex) const { return hard_[vertex]; }
     const std::vector<SoftConstraint>& soft() const { return soft_; }
-    /// All constraints: the hard ones by rising vertex, then those of soft() in their order.
+    /// All constraints: first the hard ones by rising vertex, then those of soft() in their order.
     std::vector<Constraint> constraints() const;
-    double continuity(int handle) const { return continuity_[handle]; }
+    double continuity(int handle) const { return handles_[handle].continuity; }
 
-    /// True in parts that no handle touches; they follow the incoming shape.
+    /// Whether a vertex is in a part that no handle touches; such parts follow the incoming shape.
     bool is_idle(int vertex) const { return idle_[vertex]; }
-    /// True where a position has to be solved for.
+    /// Whether the position of a vertex has to be solved for.
     bool is_free(int vertex) const { return hard_[vertex] < 0 && !idle_[vertex]; }
 
-    /// The counts of a bind report; the caller adds its factorisations and its time.
+    /// A bind report with the counts of handles and vertices; the caller adds factorisations and time.
     BindReport report() const;
 
 private:
+    std::vector<Handle> handles_;
     std::vector<int> hard_;
     std::vector<SoftConstraint> soft_;
-    std::vector<double> continuity_;
     std::vector<bool> idle_;
     int idle_parts_ = 0;
 };
 
-/// What a surface method gets each frame besides the poses.
+/// Where the handles want their vertices in one frame.
 struct Targets
 {
-    const Poses& poses;
+    const Poses& poses; ///< (k) of the handles
     PointsView rest;
-    std::optional<PointsView> incoming;           ///< none: the rest shape comes in
-    const std::vector<bool>* from_rest = nullptr; ///< per handle; null: all from incoming
+    std::optional<PointsView> incoming; ///< the shape that entered this frame; without one, the rest shape
+    /// (k) whether the pose of each handle applies to the rest shape; null: all apply to the incoming shape.
+    const std::vector<bool>* from_rest = nullptr;
 
     PointsView base() const { return incoming ? *incoming : rest; }
 
-    /// Where handle `handle` wants vertex `vertex`: its pose applied to the incoming
-    /// position, or to the rest position for a handle that rides on what moved the mesh.
-    Vector3 of(int vertex, int handle) const
+    /// Where a handle wants a vertex: its pose, applied to the incoming position or to the rest position. The
+    /// latter is for a handle whose control moves along with what deformed the incoming shape.
+    Vector3 position(int vertex, int handle) const
     {
         const bool aims_from_rest = from_rest && (*from_rest)[handle];
         return apply(poses[handle], (aims_from_rest ? rest : base()).row(vertex).transpose());
     }
 
-    /// \throw InvalidConstraint  the number of poses or flags is not the number of handles, a
-    ///   pose or incoming point is not finite, or incoming has another size than rest.
+    /// \throw InvalidConstraint  the number of poses or flags is not the number of handles, a pose or an
+    ///   incoming point is not finite, or `incoming` has another size than `rest`.
     void check(int handle_count) const;
 };
 

@@ -11,20 +11,19 @@ namespace sinew {
 
 using Triangle = std::array<int, 3>;
 
-/// Polygon surface: faces of any size, any number of parts, boundaries, non-manifold
-/// edges, duplicate and zero-area faces, loose vertices. Immutable after construction.
+/// A polygon surface with faces of any size. It may have any number of parts, boundaries, non-manifold edges,
+/// duplicate faces, faces without area, and loose vertices. It never changes after construction.
 ///
-/// Faces with more than three corners are triangulated once, here, so that every
-/// operator sees the same surface: quads along the better diagonal, larger faces by
-/// ear clipping in the plane of their area vector.
+/// The constructor triangulates faces of more than three corners, so that every operator works on the same
+/// surface: quads along the better diagonal, larger faces by ear clipping in the plane of their area vector.
 class SurfaceMesh
 {
 public:
     /// \param points   (n, 3) rest positions, n >= 1, finite.
-    /// \param counts   (m) corners of each face, each >= 3.
+    /// \param counts   (m) number of corners of each face, each >= 3.
     /// \param corners  (sum of counts) vertex indices, face after face.
-    /// \throw InvalidMesh  no vertex, a non-finite point, a face of fewer than three
-    ///                     corners, an index out of range, counts that do not add up.
+    /// \throw InvalidMesh  there is no vertex, a point is not finite, a face has fewer than three corners, an
+    ///   index is out of range, or the counts do not add up.
     SurfaceMesh(Points points, std::vector<int> counts, std::vector<int> corners);
 
     const Points& points() const { return points_; }
@@ -46,7 +45,7 @@ public:
     bool is_made_of(const PointsView& points, std::span<const int> counts,
                     std::span<const int> corners) const;
 
-    /// Unique undirected edges (a < b) of the faces, without the cuts of the triangulation.
+    /// The edges (a < b) of the faces, each once, without the cuts of the triangulation.
     std::vector<std::array<int, 2>> edges() const;
 
 private:

@@ -24,7 +24,7 @@ Point exact(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
 
 Kernel::Triangle_3 exact(const Corners& t) { return {exact(t[0]), exact(t[1]), exact(t[2])}; }
 
-/// Of two triangles with the edge (a, b) in common: whether one lies on the other.
+/// Whether one of two triangles with the common edge (a, b) is folded onto the other.
 bool folded(const Vector3& a, const Vector3& b, const Vector3& apex, const Vector3& other)
 {
     return CGAL::coplanar(exact(a), exact(b), exact(apex), exact(other)) &&
@@ -37,7 +37,8 @@ bool is_flat(const Corners& triangle) { return exact(triangle).is_degenerate(); 
 
 bool triangles_meet(const Corners& a, const Triangle& a_indices, const Corners& b, const Triangle& b_indices)
 {
-    int shared = 0, alone_a = 3, alone_b = 3, at_a = 0, at_b = 0; // sums of 0, 1, 2 less the shared ones
+    // `alone_a` and `alone_b` begin as 0 + 1 + 2; less two shared corners, the third is left.
+    int shared = 0, alone_a = 3, alone_b = 3, at_a = 0, at_b = 0;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             if (a_indices[i] == b_indices[j]) {
@@ -94,7 +95,7 @@ std::vector<std::array<int, 2>> meeting_pairs(const std::vector<Vector3>& points
 double winding_number(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles,
                       const Vector3& at)
 {
-    double sum = 0.0; // of solid angles: A. van Oosterom, J. Strackee 1983
+    double sum = 0.0; // of half solid angles: A. van Oosterom, J. Strackee 1983
     for (const auto& [i, j, k] : triangles) {
         const Vector3 a = points[i] - at, b = points[j] - at, c = points[k] - at;
         const double u = a.norm(), v = b.norm(), w = c.norm();
@@ -119,7 +120,7 @@ TriangleTree::TriangleTree(const std::vector<Vector3>& points, const std::vector
         if (const Kernel::Triangle_3 t = exact(corners_of(points, triangle)); !t.is_degenerate())
             impl_->triangles.push_back(t);
     impl_->tree.rebuild(impl_->triangles.cbegin(), impl_->triangles.cend());
-    impl_->tree.build(); // now, and not at the first question of some thread
+    impl_->tree.build(); // now: otherwise the first threads that ask would build it
     impl_->tree.accelerate_distance_queries();
 }
 

@@ -17,26 +17,27 @@ inline Corners corners_of(const std::vector<Vector3>& points, const Triangle& tr
     return {points[triangle[0]], points[triangle[1]], points[triangle[2]]};
 }
 
-/// Corners exactly on one line, or in one point.
+/// Whether the corners are exactly on one line, or in one point.
 bool is_flat(const Corners& triangle);
 
-/// Whether two triangles, neither of them flat, have more in common than the corners and edges that they
-/// share by index. Exact. Triangles of the same three corners do; two at an edge do where one lies on the
-/// other.
+/// Whether two triangles, neither of them flat, have more points in common than the corners and edges that
+/// they share by index. The answer is exact. Two triangles with the same three corners meet; two at a common
+/// edge meet where one is folded onto the other.
 bool triangles_meet(const Corners& a, const Triangle& a_indices, const Corners& b, const Triangle& b_indices);
 
-/// All pairs (i < j) of triangles that meet, ascending; flat ones are left out. A sweep along x: O(n log n)
-/// and the pairs that overlap there.
+/// All pairs (i < j) of triangles that meet, ascending; flat triangles are left out. Cost: O(n log n) for a
+/// sweep along x, and a test for each pair of triangles that overlap along x.
 std::vector<std::array<int, 2>> meeting_pairs(const std::vector<Vector3>& points,
                                               const std::vector<Triangle>& triangles);
 
-/// How often the triangles go round a point: 1 inside a closed surface that looks outward, 0 outside, and a
-/// share of it where the surface is open (A. Jacobson et al., "Robust Inside-Outside Segmentation", SIGGRAPH
-/// 2013). O(n).
+/// How often the triangles wind around a point: 1 inside a closed surface whose faces look outward, 0
+/// outside, and fractions where the surface is open (A. Jacobson et al., "Robust Inside-Outside
+/// Segmentation", SIGGRAPH 2013). Cost: O(n).
 double winding_number(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles,
                       const Vector3& at);
 
-/// Answers by a tree of boxes; flat triangles are left out. Any number of threads may ask.
+/// A tree of boxes around triangles, for quick answers about them. Flat triangles are left out. Any number of
+/// threads may ask at once.
 class TriangleTree
 {
 public:
@@ -44,9 +45,9 @@ public:
     ~TriangleTree();
     TriangleTree(TriangleTree&&) noexcept;
 
-    /// Exact; false for a flat one.
+    /// Whether a triangle touches or crosses one of the tree. Exact; false for a flat triangle.
     bool meets(const Corners& triangle) const;
-    /// The point of the triangles that is closest, up to rounding. There must be a triangle.
+    /// The closest point on the triangles, up to rounding. There must be a triangle.
     Vector3 closest(const Vector3& point) const;
 
 private:

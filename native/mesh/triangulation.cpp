@@ -34,7 +34,8 @@ std::vector<Vector2> flatten(const Points& points, std::span<const int> polygon)
     return flat;
 }
 
-/// 1 for an equilateral corner triangle, 0 for a degenerate one, negative if reflex.
+/// The shape of the triangle at a corner: 1 if it is equilateral, 0 if it has no area, negative if the corner
+/// is reflex.
 double quality(const Vector2& a, const Vector2& b, const Vector2& c)
 {
     const double lengths = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
@@ -81,8 +82,8 @@ public:
     }
 
 private:
-    /// Quality of the ear at i; -2 and less where it is no ear, so that one is still cut
-    /// when nothing better is left.
+    /// The quality of the ear at corner i. A corner that is no ear gets -2 or less, so that it is cut only
+    /// when no ear is left.
     double score(int i) const
     {
         const int a = previous_[i];
@@ -103,7 +104,8 @@ private:
     std::vector<double> score_;
 };
 
-/// The diagonal whose worse triangle is better; ties go to corner 0.
+/// Cuts along the diagonal whose worse triangle is the better one; with equal triangles, along the one from
+/// corner 0.
 void cut_quad(const Points& points, std::span<const int> q, std::vector<Triangle>& triangles)
 {
     const std::vector<Vector2> p = flatten(points, q);

@@ -8,10 +8,10 @@
 
 namespace sinew {
 
-/// Appends the k - 2 triangles of one polygon of k >= 3 corners, oriented as the polygon.
-/// Concave and non-planar polygons are cut in the plane of their area vector, where the
-/// best-shaped ear goes first; a polygon without any ear (self-crossing, collinear) is
-/// still cut into k - 2 triangles over its own corners. O(k^2).
+/// Appends the k - 2 triangles of one polygon of k >= 3 corners, oriented as the polygon. Concave and
+/// non-planar polygons are cut in the plane of their area vector, the best-shaped ear first. A polygon
+/// without any ear (one that crosses itself, or lies on a line) is still cut into k - 2 triangles with its
+/// corners. Cost: O(k^2).
 void triangulate(const Points& points, std::span<const int> polygon, std::vector<Triangle>& triangles);
 
 } // namespace sinew

@@ -18,17 +18,17 @@ namespace sinew {
 namespace {
 
 constexpr double least_mass = 1e-6;            ///< of a vertex, as a share of the mean
-constexpr double least_mass_degenerate = 1e-2; ///< of a vertex of a degenerate triangle
+constexpr double least_mass_degenerate = 1e-2; ///< the same for a vertex of a degenerate triangle
 
-/// What element k adds between two vertices.
+/// What one element adds between two vertices.
 struct WeightedEdge
 {
     int from, to;
     double weight;
 };
 
-/// sum over the edges of w (f_i - f_j)^2 as a matrix: the columns side by side, each summing its own edges in
-/// their order.
+/// The matrix of the quadratic form sum over the edges of w (f_i - f_j)^2. The columns are computed in
+/// parallel, each as a sum over its edges in their order.
 SparseMatrix matrix_of_edges(int n, const std::vector<WeightedEdge>& edges)
 {
     std::vector<int> begin(n + 1, 0);
@@ -121,7 +121,7 @@ TriangleMetric triangle_metric(const SurfaceMesh& mesh, double least_area)
 int degenerate_face_count(const SurfaceMesh& mesh, const TriangleMetric& metric)
 {
     int count = 0;
-    int last = -1; // triangles of one face follow each other
+    int last = -1; // the triangles of a face follow one another, so this counts each face once
     for (int t : metric.degenerate) {
         count += mesh.triangle_faces()[t] != last;
         last = mesh.triangle_faces()[t];

@@ -5,11 +5,11 @@
 
 namespace sinew {
 
-/// A parameter that is one number, or one per vertex (painted), as one value for each of n vertices; empty
-/// where it is zero everywhere. Painted values below `least` times their largest are raised to that, so that
-/// a region painted black stays solvable.
-/// \param name  of the parameter, for messages.
-/// \throw InvalidOption  another number of values, or one that is negative or not finite.
+/// One value for each of n vertices, from a parameter that is one number or one number per vertex (painted).
+/// Empty where the parameter is zero everywhere. Painted values below `least` times the largest one are
+/// raised to that, so that the system stays solvable where a region is painted black.
+/// \param name  the name of the parameter, for messages.
+/// \throw InvalidOption  there are neither 1 nor n values, or a value is negative or not finite.
 std::vector<double> painted(const std::vector<double>& values, int n, double least, const char* name);
 
 } // namespace sinew

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Four fits of rotation_fit.h side by side, one a lane. For kernels; see core/lane_types.inl.
+// Four fits of rotation_fit.h at once, one per lane, for the .inl files of kernels (see lane_types.inl).
 
 #include "native/core/simd/lane_types.inl"
 
@@ -10,8 +10,8 @@ namespace {
 constexpr double least_slope = 1e-3;
 constexpr int most_newton_steps = 60;
 
-/// Four matrices on the way to their rotations, each lane one. In three stages, so that a caller may run the
-/// middle one, a chain of divisions, on several of them in turn.
+/// Fits rotations to four matrices, one per lane, in three stages: begin(), some steps, finish(). A step
+/// waits for a division, so a caller that has several of these steps them in turn.
 struct FourFits
 {
     using L = Lanes<double>;
@@ -24,7 +24,7 @@ struct FourFits
         L square = S[0] * S[0];
         for (int k = 1; k < 9; ++k)
             square = square + S[k] * S[k];
-        // S = 0 becomes K = 0, whose quaternion is the identity.
+        // S = 0 gives K = 0, whose quaternion is the identity.
         const L scale = choose(above(square, constant(1e-300)), constant(1.0) / root(square), constant(0.0));
         L A[9];
         for (int k = 0; k < 9; ++k)
@@ -43,39 +43,41 @@ struct FourFits
              (k01 * k13 - k03 * k11) * (k02 * k23 - k22 * k03) +
              (k02 * k13 - k03 * k12) * (k02 * k13 - k12 * k03);
 
-        // From above Newton falls onto the largest root without overshooting. sqrt(3) is above; and so is a
-        // first step from below, out of the convex part, where only that one root lies ahead.
+        // From above, Newton's iteration approaches the largest root without overshooting. It may start at
+        // sqrt(3), or where a first step from a guess below the root leads: the polynomial is convex there,
+        // and that root is the only one ahead, so the step ends above it.
         const L most = constant(1.7320508075688774);
         l = guess * scale;
         evaluate();
-        const L ahead = l - value / slope;
-        l = choose(above(l, constant(0.58)) & above(constant(1e-16), value) &
-                       above(slope, constant(least_slope)) & above(most, ahead),
+        const L ahead = l - value_ / slope_;
+        l = choose(above(l, constant(0.58)) & above(constant(1e-16), value_) &
+                       above(slope_, constant(least_slope)) & above(most, ahead),
                    ahead, most);
-        safe = above(most, constant(0.0));
+        safe_ = above(most, constant(0.0));
     }
 
     /// One step of Newton's iteration.
     void step()
     {
         evaluate();
-        safe = safe & above(slope, constant(least_slope));
-        move = value / slope;
-        l = l - move;
+        safe_ = safe_ & above(slope_, constant(least_slope));
+        move_ = value_ / slope_;
+        l = l - move_;
     }
 
-    /// What is left after a step is about 4 move^2 / slope.
+    /// Whether all lanes have converged. The error after a step is about 4 move^2 / slope.
     bool done() const
     {
-        return all(above(slope, constant(1e17) * move * move) | above(constant(least_slope), slope));
+        return all(above(slope_, constant(1e17) * move_ * move_) | above(constant(least_slope), slope_));
     }
 
-    /// The rotations, row-major; returns where they are safe. In the other lanes a singular value
-    /// decomposition has to take over.
+    /// \param[out] R  the rotations, row-major.
+    /// \return in which lanes they are safe. In the others, a singular value decomposition has to take over.
     Mask finish(L* R) const
     {
         // Every non-zero column of the adjugate of M = K - l I is the eigenvector; the one with the largest
-        // diagonal entry is the best conditioned. Cofactors by minors of the lower and the upper two rows.
+        // diagonal entry is the best conditioned. a and b are minors of the upper and of the lower two rows,
+        // C their sums, the cofactors.
         const L m00 = k00 - l, m11 = k11 - l, m22 = k22 - l, m33 = k33 - l;
         const L b01 = k02 * k13 - k12 * k03, b02 = k02 * k23 - m22 * k03, b03 = k02 * m33 - k23 * k03;
         const L b12 = k12 * k23 - m22 * k13, b13 = k12 * m33 - k23 * k13, b23 = m22 * m33 - k23 * k23;
@@ -92,7 +94,7 @@ struct FourFits
         const L C23 = k13 * a02 - k03 * a12 - k23 * a01;
         const L C33 = k02 * a12 - k12 * a02 + m22 * a01;
 
-        // The diagonal cofactors are products of three negative eigenvalues and a square.
+        // The diagonal cofactors are negative: products of three negative eigenvalues and a square.
         const L zero = constant(0.0);
         L q0 = C00, q1 = C01, q2 = C02, q3 = C03, best = zero - C00;
         const auto take = [&](L diagonal, L w, L x, L y, L z) {
@@ -118,7 +120,7 @@ struct FourFits
         R[6] = two * (q1 * q3 - q0 * q2);
         R[7] = two * (q2 * q3 + q0 * q1);
         R[8] = one - two * (q1 * q1 + q2 * q2);
-        return safe & above(norm, constant(1e-200));
+        return safe_ & above(norm, constant(1e-200));
     }
 
 private:
@@ -126,13 +128,13 @@ private:
     void evaluate()
     {
         const L square = l * l;
-        value = (square - constant(2.0)) * square + c1 * l + c0;
-        slope = constant(4.0) * l * (square - constant(1.0)) + c1;
+        value_ = (square - constant(2.0)) * square + c1 * l + c0;
+        slope_ = constant(4.0) * l * (square - constant(1.0)) + c1;
     }
 
     L k00, k11, k22, k33, k01, k02, k03, k12, k13, k23; ///< K of [Hor87]
-    L c0, c1, l, value, slope, move;
-    Mask safe;
+    L c0, c1, l, value_, slope_, move_;
+    Mask safe_;
 };
 
 } // namespace

@@ -13,13 +13,14 @@ namespace sinew {
 
 namespace {
 
-constexpr double most_given = 0.1; ///< of the factor's rows: each of them costs as if it were unknown
+/// The largest share of the factor's rows that may be given. In a solve, each costs as much as an unknown.
+constexpr double most_given = 0.1;
 
 /// y = row i of A x; A is symmetric, so its columns are its rows.
 void multiply_row(const SparseMatrix& A, int i, const RowMatrix& x, double* y)
 {
     const auto columns = x.cols();
-    if (columns == 3) { // a frame's x, y, z stay in registers
+    if (columns == 3) { // the sums of x, y and z stay in registers
         double sum[3] = {0, 0, 0};
         for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
             const double* other = x.data() + 3 * it.row();
@@ -58,7 +59,7 @@ void ConstrainedQuadratic::restore(Problem problem) { factorize(std::move(proble
 
 void ConstrainedQuadratic::factorize(Problem next)
 {
-    if (!next.matrix) { // back to before the first one: the factor's memory is given back
+    if (!next.matrix) { // there was no problem before: the memory of the factor is freed
         factor_.factorize(SparseMatrix(0, 0));
         problem_ = std::move(next);
         return;
@@ -99,7 +100,7 @@ bool ConstrainedQuadratic::update(const Problem& next)
     if (held > most_given * static_cast<double>(next.unknowns.size()))
         return false;
 
-    // Every entry that changes has both its row and its column among these.
+    // Both the row and the column of every entry that changes are marked.
     std::vector<char> changed(next.unknowns.size(), false);
     parallel_for(static_cast<int>(next.unknowns.size()), [&](int u) {
         const int column = next.unknowns[u];

@@ -9,24 +9,24 @@
 
 namespace sinew {
 
-/// Minimiser of 1/2 x^T A x - b^T x with some entries of x given:
+/// Minimises 1/2 x^T A x - b^T x where some entries x_c of x are given:
 ///
 ///     A_ff x_f = b_f - A_fc x_c
 ///
-/// factorised once, solved for any number of columns.
+/// It is factorised once and solved for any number of columns.
 class ConstrainedQuadratic
 {
 public:
-    /// What is factorised. `unknowns` are the rows that the factor was analysed for, ascending; those that
-    /// were given later stand in it as rows of the identity.
+    /// What is factorised. `unknowns` are the rows that the factor was analysed for, ascending. Some of them
+    /// may have become given rows since then; in the factor, these are rows of the identity.
     struct Problem
     {
         std::shared_ptr<const SparseMatrix> matrix; ///< null before factorize()
-        std::vector<bool> free;                     ///< (n)
+        std::vector<bool> free;                     ///< (n) whether each row is unknown
         std::vector<int> unknowns;
     };
 
-    /// Inner products of the columns of x over all rows, see forms().
+    /// Inner products between the columns of a solution, see forms().
     struct Forms
     {
         MatrixX energy;   ///< x^T A x
@@ -34,13 +34,13 @@ public:
         MatrixX load;     ///< of the right-hand side b_f - A_fc x_c
     };
 
-    /// Their traces: the same over all columns together.
+    /// The traces of Forms: the same for all columns together.
     struct Norms
     {
         double energy = 0, residual = 0, load = 0;
     };
 
-    /// What solve() needs a frame.
+    /// The workspace of solve().
     struct Workspace
     {
         RowMatrix unknowns;
@@ -48,25 +48,25 @@ public:
 
     explicit ConstrainedQuadratic(const FactorOptions& options = {}) : factor_(options) {}
 
-    /// Where some of the free rows became given ones and some entries others, under the same pattern, only
-    /// what they reach in the factor is computed again, if that is little.
+    /// If the pattern is the same and only some entries changed, or some free rows became given ones, only
+    /// the part of the factor that depends on these is computed again.
     ///
     /// \param matrix  (n, n) symmetric positive semi-definite, both triangles stored; kept.
     /// \param free    (n) true where x is unknown. A_ff must be positive definite.
-    /// \throw FactorizationFailed  A_ff is singular; the element named is a row of `matrix`. restore() then
-    ///   brings back the last problem().
+    /// \throw FactorizationFailed  A_ff is singular; the element of the error is a row of `matrix`. Call
+    ///   restore() with the former problem() then.
     void factorize(std::shared_ptr<const SparseMatrix> matrix, const std::vector<bool>& free);
 
-    /// Factorises what problem() was before, to the same bits.
+    /// Factorises a former problem() again, with the same bits as before.
     void restore(Problem problem);
 
-    /// \param[in,out] x  (n, k) the given rows in, all rows out.
+    /// \param[in,out] x  (n, k) with the given rows at first, with all rows afterwards.
     /// \param rhs        (n, k) b; null for zero.
     void solve(RowMatrix& x, const RowMatrix* rhs = nullptr) const;
-    /// The same with a workspace that stays from call to call: no array of the matrix' size is allocated.
+    /// The same with a workspace that is kept from call to call, so that no large array is allocated.
     void solve(RowMatrix& x, const RowMatrix* rhs, Workspace& work) const;
 
-    /// \param x, rhs  as solve() left them.
+    /// \param x, rhs  a solution of solve() and its right-hand side.
     Forms forms(const RowMatrix& x, const RowMatrix* rhs = nullptr) const;
     Norms norms(const RowMatrix& x, const RowMatrix* rhs = nullptr) const;
 
@@ -84,7 +84,7 @@ private:
     void right_side_row(int row, const RowMatrix& x, const RowMatrix* rhs, double* b) const;
 
     Problem problem_;
-    std::vector<char> bordering_; ///< (n) free with a neighbour that is given
+    std::vector<char> bordering_; ///< (n) whether each row is free and has a neighbour that is given
     SpdFactor factor_;
 };
 

@@ -13,22 +13,22 @@ namespace sinew {
 
 namespace {
 
-/// Breadth-first from `start`, neighbours by rising degree; appends to `order`.
+/// Appends to `order` what a breadth-first search from `start` visits, neighbours by rising degree.
 /// E. Cuthill, J. McKee. "Reducing the bandwidth of sparse symmetric matrices." ACM 1969.
-void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& seen, std::vector<int>& order)
+void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& visited, std::vector<int>& order)
 {
     const int* offsets = matrix.outerIndexPtr();
     const auto degree = [&](int v) { return offsets[v + 1] - offsets[v]; };
     std::size_t head = order.size();
-    seen[start] = true;
+    visited[start] = true;
     order.push_back(start);
     while (head < order.size()) {
         const int v = order[head++];
         const std::size_t begin = order.size();
         for (SparseMatrix::InnerIterator it(matrix, v); it; ++it) {
             const int u = static_cast<int>(it.row());
-            if (!seen[u]) {
-                seen[u] = true;
+            if (!visited[u]) {
+                visited[u] = true;
                 order.push_back(u);
             }
         }
@@ -41,18 +41,18 @@ std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
 {
     const SparseMatrix matrix = lower.selfadjointView<Eigen::Lower>();
     const int n = static_cast<int>(matrix.cols());
-    std::vector<bool> seen(n, false);
+    std::vector<bool> visited(n, false);
     std::vector<int> order;
     order.reserve(n);
     for (int seed = 0; seed < n; ++seed) {
-        if (seen[seed])
+        if (visited[seed])
             continue;
-        // A vertex at the far end gives the narrowest levels: walk there once, then number
-        // the part from it.
-        std::vector<bool> visited = seen;
+        // The levels of the search are narrowest from a vertex at one end of the part. A first search ends at
+        // such a vertex, and a second one from there numbers the part.
+        std::vector<bool> visited_by_trial = visited;
         std::vector<int> trial;
-        cuthill_mckee(matrix, seed, visited, trial);
-        cuthill_mckee(matrix, trial.back(), seen, order);
+        cuthill_mckee(matrix, seed, visited_by_trial, trial);
+        cuthill_mckee(matrix, trial.back(), visited, order);
     }
     std::ranges::reverse(order);
     return order;
@@ -60,7 +60,7 @@ std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
 
 std::vector<int> minimum_degree(const SparseMatrix& matrix)
 {
-    if (have_cholmod()) // twice as fast as Eigen's
+    if (have_cholmod()) // its minimum degree is twice as fast as Eigen's
         return cholmod_minimum_degree(matrix);
     Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
     Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Lower>(), permutation);

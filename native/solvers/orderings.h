@@ -10,15 +10,15 @@ namespace sinew {
 /// Elimination orderings for sparse Cholesky factors (appendix A of the tutorial).
 ///
 ///   natural                 the order of the unknowns; a reference, never fast
-///   reverse_cuthill_mckee   small band; for long thin shapes
+///   reverse_cuthill_mckee   a small bandwidth; for long thin shapes
 ///   minimum_degree          cheap to find; the default
-///   nested_dissection       less fill on large surfaces, 5-6 times dearer to find; repays
-///                           after some 65-100 solves. Needs CHOLMOD with METIS.
+///   nested_dissection       a smaller factor on large surfaces; takes 5 to 6 times as long to find, which
+///                           pays off after 65 to 100 solves. Needs CHOLMOD with METIS.
 enum class Ordering { natural, reverse_cuthill_mckee, minimum_degree, nested_dissection };
 
-/// p such that row p[i] of the symmetric matrix is eliminated as number i. Only the
-/// pattern matters.
-/// \throw InvalidOption  nested dissection in a build without it.
+/// p such that row p[i] of the symmetric matrix is eliminated as number i. Only the pattern of the matrix is
+/// read.
+/// \throw InvalidOption  nested dissection was asked for in a build without it.
 std::vector<int> elimination_order(const SparseMatrix& matrix, Ordering ordering);
 
 } // namespace sinew

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int grain = 4096;
 
-/// The lower triangle of the matrix with its unknown order[i] as number i.
+/// The lower triangle of the matrix after unknown order[i] has become number i.
 SparseMatrix ordered(const SparseMatrix& matrix, const std::vector<int>& order)
 {
     std::vector<int> place(order.size());
@@ -109,7 +109,7 @@ void SingleFactor::solve_rows(const Rows& rhs, Rows& solution) const
             solution.row(order_[i]) = x.row(i);
         return;
     }
-    // Scaled to 1: a right side near convergence would fall below the least float.
+    // The right side is scaled to 1, as near convergence it may be smaller than the least float.
     std::vector<double> peaks((size_ + grain - 1) / grain);
     parallel_chunks(size_, grain, [&](int begin, int end) {
         peaks[begin / grain] = rhs.middleRows(begin, end - begin).cwiseAbs().maxCoeff();

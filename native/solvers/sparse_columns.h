@@ -10,7 +10,8 @@
 
 namespace sinew {
 
-/// One column of a sparse matrix as it grows. Values added to the same row are summed in the order they came.
+/// A column of a sparse matrix while it is assembled. Values for the same row are summed in the order of the
+/// calls.
 class SparseColumn
 {
 public:
@@ -30,7 +31,7 @@ public:
 
     int count() const { return static_cast<int>(rows_.size()); }
 
-    /// Writes count() entries by rising row, and starts anew.
+    /// Writes count() entries by rising row, and clears the column.
     void move_to(int* rows, double* values)
     {
         std::sort(rows_.begin(), rows_.end());
@@ -50,13 +51,14 @@ public:
     }
 
 private:
-    std::vector<int> slot_; ///< of each row, -1 where there is no entry
+    std::vector<int> slot_; ///< where the entry of each row is, or -1
     std::vector<int> rows_;
     std::vector<double> values_;
 };
 
-/// A sparse matrix whose column c is what body(c, column) adds; the columns are made in parallel. The body
-/// runs twice, to count and to fill: cheaper than keeping the parts beside the whole.
+/// A sparse matrix whose column c has the entries that body(c, column) adds; the columns are assembled in
+/// parallel. The body runs twice, first to count and then to fill, which needs less memory than keeping a
+/// copy of all columns.
 template <class Body>
 SparseMatrix sparse_by_columns(int rows, int columns, Body&& body)
 {
@@ -84,7 +86,7 @@ SparseMatrix sparse_by_columns(int rows, int columns, Body&& body)
     return matrix;
 }
 
-/// A diag(d) B, the columns in parallel. Exactly symmetric where A = B is.
+/// A diag(d) B, with the columns in parallel. If A = B is symmetric, the product is exactly symmetric.
 inline SparseMatrix sparse_product(const SparseMatrix& A, const VectorX& d, const SparseMatrix& B)
 {
     return sparse_by_columns(

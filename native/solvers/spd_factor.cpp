@@ -16,12 +16,13 @@ namespace sinew {
 
 namespace {
 
-/// A pivot below this share of its diagonal entry is rounding: the matrix is singular, or a
-/// solution would have no correct digit. Honest pivots shrink with the order k of an operator as
-/// (edge length / size)^2k and reach 1e-12 for k = 2 at a million unknowns.
+/// A pivot below this share of its diagonal entry consists of rounding errors: the matrix is singular, or a
+/// solution would have no correct digit. The pivots of a good operator of order k shrink as
+/// (edge length / size)^2k, to 1e-12 for k = 2 and a million unknowns.
 constexpr double rounding = 1e-14;
 
-/// Above this share of the work a new ordering is worth its price: it knows what is held.
+/// An update that costs more than this share of a factorisation is not done: a factorisation with a new
+/// ordering leaves out the rows that are given now, so it is worth its cost.
 constexpr double most_updated = 0.8;
 
 std::unique_ptr<FactorEngine> make_engine(const FactorOptions& options, const SparseMatrix& matrix)
@@ -71,7 +72,7 @@ void SpdFactor::analyze(const SparseMatrix& matrix, std::uint64_t pattern)
 template <class Matrix>
 int SpdFactor::compute(const Matrix& matrix)
 {
-    stands_ = false;
+    valid_ = false;
     share_ = 1;
     try {
         return engine_->factorize(matrix);
@@ -83,7 +84,7 @@ int SpdFactor::compute(const Matrix& matrix)
     }
 }
 
-void SpdFactor::forget()
+void SpdFactor::clear()
 {
     engine_.reset();
     size_ = 0;
@@ -92,7 +93,7 @@ void SpdFactor::forget()
 void SpdFactor::factorize(const SparseMatrix& matrix)
 {
     if (matrix.cols() == 0)
-        return forget();
+        return clear();
     const std::uint64_t pattern = digest(matrix);
     if (!engine_ || matrix.cols() != size_ || pattern != pattern_)
         analyze(matrix, pattern);
@@ -103,24 +104,24 @@ void SpdFactor::factorize(const SparseMatrix& matrix)
 void SpdFactor::factorize(const PrincipalBlock& block)
 {
     if (block.size() == 0)
-        return forget();
+        return clear();
     const std::uint64_t pattern = block.digest();
     if (!engine_ || block.size() != size_ || pattern != pattern_)
-        analyze(block.copy(), pattern); // a copy for the pattern only, gone before the factor grows
+        analyze(block.copy(), pattern); // the copy is freed before the factor is computed
     const int broken = compute(block);
     check(block.diagonal(), broken);
 }
 
 bool SpdFactor::update(const PrincipalBlock& block, const std::vector<int>& changed)
 {
-    if (!stands_ || !engine_ || block.size() != size_ || block.digest() != pattern_)
+    if (!valid_ || !engine_ || block.size() != size_ || block.digest() != pattern_)
         return false;
     require_memory(engine_->bytes());
     double share = 0;
     const std::optional<int> broken = engine_->update(block, changed, most_updated, share);
     if (!broken)
         return false;
-    stands_ = false;
+    valid_ = false;
     share_ = share;
     check(block.diagonal(), *broken);
     return true;
@@ -135,7 +136,7 @@ void SpdFactor::check(const VectorX& diagonal, int broken)
     for (int i = 0; i < size_; ++i)
         if (!(pivots[i] > rounding * diagonal[i]))
             refuse(i, "is singular to working precision; it broke down");
-    stands_ = true;
+    valid_ = true;
 }
 
 void SpdFactor::require_factor(Eigen::Index rows) const
@@ -143,8 +144,8 @@ void SpdFactor::require_factor(Eigen::Index rows) const
     if (rows != size_)
         throw InvalidConstraint("right side: " + std::to_string(rows) + " rows for " + std::to_string(size_) +
                                 " unknowns");
-    if (!stands_ && size_ > 0)
-        throw FactorizationFailed("there is no factor: the last matrix was refused");
+    if (!valid_ && size_ > 0)
+        throw FactorizationFailed("there is no factor, as the last matrix could not be factorised");
 }
 
 MatrixX SpdFactor::solve(const MatrixX& rhs) const

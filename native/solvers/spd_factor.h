@@ -11,10 +11,16 @@
 
 namespace sinew {
 
-/// automatic: CHOLMOD supernodal for second-ring matrices (12 and more entries a row) and
-/// for more than 60,000 unknowns, simplicial below, where
-/// its solves are 1.4-2.5 times faster; Eigen's LDL^T in a build without CHOLMOD.
-enum class FactorBackend { automatic, supernodal, simplicial, ldlt };
+/// The libraries that factorise.
+enum class FactorBackend {
+    automatic,  ///< the fastest of these for the matrix, see below
+    supernodal, ///< CHOLMOD with one dense block per supernode
+    simplicial, ///< CHOLMOD with one column at a time
+    ldlt        ///< Eigen's LDL^T
+};
+// automatic is supernodal for matrices with 12 or more entries per row (those that couple second neighbours)
+// and for more than 60,000 unknowns; for others it is simplicial, whose solves are then 1.4 to 2.5 times
+// faster; and ldlt in a build without CHOLMOD.
 
 struct FactorOptions
 {
@@ -25,9 +31,9 @@ struct FactorOptions
 /// Sparse Cholesky factor of a symmetric positive definite matrix.
 ///
 ///   call          repeat it when ...      cost
-///   factorize()   the values changed      numeric; symbolic too when the pattern changed
-///   update()      some columns changed    numeric, of what these columns reach
-///   solve()       the right side changed  two triangular solves a column
+///   factorize()   the values changed      a numeric factorisation; a symbolic one if the pattern changed
+///   update()      some columns changed    a numeric factorisation of what depends on these columns
+///   solve()       the right side changed  two triangular solves per column
 class SpdFactor
 {
 public:
@@ -37,43 +43,45 @@ public:
     SpdFactor& operator=(SpdFactor&&) noexcept;
 
     /// \param matrix  (n, n) symmetric, both triangles or the lower one stored.
-    /// \throw FactorizationFailed  not positive definite or nearly singular; names an unknown as
-    ///   element `vertex`.
-    /// \throw OutOfMemory  above limit_memory(), told before the factor is computed and with what
-    ///   stood here untouched; or above what the machine has.
+    /// \throw FactorizationFailed  the matrix is not positive definite or nearly singular; the element of the
+    ///   error, a vertex, is the unknown at which this showed.
+    /// \throw OutOfMemory  the factor would need more than limit_memory() allows, in which case the former
+    ///   factor is kept; or it needs more than the machine has.
     void factorize(const SparseMatrix& matrix);
 
     /// The same for some rows and columns of a matrix.
     void factorize(const PrincipalBlock& block);
 
-    /// The same for a block that differs in `changed` columns and rows alone. False, and nothing is done,
-    /// where that is not faster than factorize(): another pattern, another engine, too many columns reached.
-    /// The factor is that of factorize() to the last bit.
+    /// The same for a block of which only the `changed` columns and rows differ from the last one. The factor
+    /// is that of factorize() to the last bit.
+    /// \return false, and nothing is done, where this is not faster than factorize(): the pattern is another
+    ///   one, the engine cannot update, or too much depends on the changed columns.
     /// \throw FactorizationFailed, OutOfMemory  as factorize().
     bool update(const PrincipalBlock& block, const std::vector<int>& changed);
 
-    /// \param rhs  (n, k), any number of columns; x, y and z together cost 1.3-1.7 times one.
+    /// \param rhs  (n, k) any number of columns; three together cost 1.3 to 1.7 times as much as one.
     /// \throw FactorizationFailed  the last matrix was refused.
     MatrixX solve(const MatrixX& rhs) const;
-    /// The same by rows, in place: right-hand sides in, solutions out.
+    /// The same by rows and in place: x has the right-hand sides at first and the solutions afterwards.
     void solve_rows(RowMatrix& x) const;
 
-    /// The factor itself where it is supernodal; else none.
+    /// The factor itself if it is supernodal.
     std::optional<SupernodalFactor> supernodal() const
     {
-        return stands_ && engine_ ? engine_->supernodal() : std::nullopt;
+        return valid_ && engine_ ? engine_->supernodal() : std::nullopt;
     }
 
     int size() const { return size_; }
     std::int64_t nonzeros() const;
-    std::int64_t bytes() const;                            ///< memory of the factor
-    int factorizations() const { return factorizations_; } ///< numeric ones, so far
-    int analyses() const { return analyses_; }             ///< symbolic ones, so far
-    double share() const { return share_; } ///< of a whole numeric factorisation that the last one did
+    std::int64_t bytes() const; ///< memory of the factor
+    int factorizations() const { return factorizations_; } ///< numeric factorisations so far
+    int analyses() const { return analyses_; } ///< symbolic factorisations so far
+    /// The work of the last numeric factorisation, as a share of that of a whole one.
+    double share() const { return share_; }
 
 private:
     void analyze(const SparseMatrix& matrix, std::uint64_t pattern);
-    void forget();
+    void clear();
     template <class Matrix>
     int compute(const Matrix& matrix);
     void check(const VectorX& diagonal, int broken);
@@ -81,9 +89,9 @@ private:
 
     FactorOptions options_;
     std::unique_ptr<FactorEngine> engine_;
-    std::uint64_t pattern_ = 0; ///< the analysed one's digest
+    std::uint64_t pattern_ = 0; ///< digest of the pattern that was analysed
     int size_ = 0;
-    bool stands_ = false; ///< the last factorisation succeeded
+    bool valid_ = false; ///< whether the last factorisation succeeded
     int factorizations_ = 0;
     int analyses_ = 0;
     double share_ = 0;

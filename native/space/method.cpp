@@ -61,7 +61,7 @@ SpaceReport SpaceMethod::rebind(SpaceMethod& former, PointsView points, const Pr
     const std::vector<std::string> changed = differences(former, points);
     if (!changed.empty()) {
         SpaceReport report = bind(points, progress);
-        report.changed = in_a_row(changed);
+        report.changed = joined(changed);
         return report;
     }
     progress.tick(1.0, "taking over the weights");

@@ -17,27 +17,28 @@ namespace sinew {
 struct SpaceReport
 {
     Reuse reuse = Reuse::anew;
-    std::string changed; ///< what differs from the earlier object: "cage, points"; empty for none
+    std::string changed; ///< what differs from the earlier object: "cage, points"; empty for nothing
     int point_count = 0;
-    std::vector<int> outside;      ///< points outside the control
-    double dropped = 0.0;          ///< what the threshold changed, see PointWeights::dropped()
-    double error = 0.0; ///< estimate of the largest error of a weight; 0 where the form is closed
+    std::vector<int> outside; ///< points outside the control
+    double dropped = 0.0;     ///< how much the threshold changed the weights, see PointWeights::dropped()
+    double error = 0.0; ///< estimate of the largest error of a weight; 0 where the method has a closed form
     std::int64_t weight_bytes = 0; ///< memory of the weights
-    double seconds = 0.0; ///< wall clock of the call
+    double seconds = 0.0;          ///< wall clock time of the call
 };
 
 /// Where warp() writes: (n, 3) numbers, row-major, which the caller owns.
 using PositionsOut = std::variant<double*, float*>;
 
-/// A deformation of the space around points by a control: the vertices of a cage or lattice, handle points,
-/// points of curves.
+/// A deformation of the space around points by a control. The control consists of points: the vertices of a
+/// cage or lattice, handle points, or points of curves.
 ///
 ///   call          repeat it when ...           cost
-///   constructor   the rest control changed     a part of bind() that is the same for all points
+///   constructor   the rest control changed     the part of bind() that is the same for all points
 ///   bind()        the points changed           the weights of each point
-///   rebind()      instead of both: takes over  nothing where nothing differs, else as they do
-///                 what an earlier object has
-///   warp()        the control moved            O(n), no weights; safe from several threads at once
+///   rebind()      instead of bind(), to take   nothing if nothing differs, otherwise that of bind()
+///                 over an earlier object's
+///                 weights
+///   warp()        the control moved            O(n), without weights; safe from several threads at once
 class SpaceMethod
 {
 public:
@@ -47,27 +48,28 @@ public:
 
     /// Leaves the object as it was if it throws.
     /// \param points  (n, 3) rest points, in the frame of the control.
-    /// \throw InvalidConstraint  a point is not finite, or the method has no weights there; they are named.
+    /// \throw InvalidConstraint  points are not finite, or the method has no weights for them.
     /// \throw OutOfMemory, Cancelled
     SpaceReport bind(PointsView points, const Progress& progress = {});
 
-    /// bind(), taking over the weights of `former` where can_reuse() is true; no points are bound to that
+    /// bind(), taking over the weights of `former` if can_reuse() is true; then `former` has no bound points
     /// afterwards. Leaves both objects as they were if it throws.
     /// \throw as bind()
     SpaceReport rebind(SpaceMethod& former, PointsView points, const Progress& progress = {});
 
-    /// Whether `former` has the weights that bind() would compute: the same class, control, options and
-    /// points.
+    /// Whether `former` has the weights that bind() would compute: it has the same class, control, options
+    /// and points.
     bool can_reuse(const SpaceMethod& former, const PointsView& points) const;
 
-    /// The displacements of the bound points, added to what entered.
+    /// Adds the displacements of the bound points to the incoming shape.
     /// \param control   (c, 3) the posed control.
-    /// \param incoming  (n, 3) what entered this frame; none for the bound points.
+    /// \param incoming  (n, 3) the shape to deform in this frame; without one, the bound points.
     /// \param out       (n, 3)
-    /// \throw InvalidConstraint  nothing is bound; `control` or `incoming` of another size or not finite.
+    /// \throw InvalidConstraint  no points are bound, or `control` or `incoming` has another size or is not
+    ///   finite.
     void warp(PointsView control, const std::optional<PointsView>& incoming, PositionsOut out) const;
 
-    /// (n, 3) the points bound.
+    /// (n, 3) the bound points.
     const Points& points() const { return points_; }
 
 protected:
@@ -75,13 +77,15 @@ protected:
 
     /// Computes what warp() needs and completes the report. Must leave the object as it was if it throws.
     virtual void compute(PointsView points, SpaceReport& report, const Progress& progress) = 0;
-    /// \param base  (n, 3) what the displacements are added to.
+    /// Writes base + displacements to `out`.
+    /// \param base  (n, 3)
     virtual void displace(PointsView control, PointsView base, PositionsOut out) const = 0;
-    /// Names of the settings, the control among them, that differ from those of an object of the same class.
+    /// Names of the settings that differ from those of an object of the same class; the control is one of
+    /// them.
     virtual std::vector<std::string> changed_settings(const SpaceMethod& former) const = 0;
     /// Exchanges all that compute() made with an object of the same class and settings.
     virtual void swap_weights(SpaceMethod& other) = 0;
-    /// What moves the points, for messages: "cage".
+    /// What the control is called in messages: "cage".
     virtual const char* control_name() const = 0;
 
 private:

@@ -13,14 +13,15 @@ namespace sinew {
 namespace {
 
 constexpr double endless = 10.0;
-constexpr int squarings = 8; // 2^8 steps, of which each shortens what is not the limit to 0.7 or less
+constexpr int squarings = 8; // 2^8 steps; each multiplies the distance from the limit by 0.7 at most
 
 double left_after_a_level(double sharpness)
 {
     return sharpness >= endless ? sharpness : std::max(0.0, sharpness - 1.0);
 }
 
-/// Rows of the points of the next level. Columns: the vertex, its neighbours along edges, those across faces.
+/// One step of subdivision around a vertex. A row has the weights of one point of the next level: those of
+/// the vertex, of its neighbours along edges, and of those across faces.
 class Step
 {
 public:
@@ -54,7 +55,7 @@ private:
 
     Row face(int k) const { return 0.25 * (at(0) + at(1 + k) + at(1 + after(k)) + at(1 + edges_ + k)); }
 
-    /// Of an edge of two faces: those of borders are sharp.
+    /// The point on an edge with two faces; the edges of borders are sharp.
     Row smooth_edge(int k) const
     {
         if (around_.triangles)
@@ -77,7 +78,7 @@ private:
         return (n - 2.0) / n * at(0) + sum / (n * n);
     }
 
-    /// By what is sharp at all.
+    /// The vertex, by the rule for the edges that have any sharpness.
     Row vertex_by(double sharpness, const std::vector<double>& edges) const
     {
         const auto sharp_edges = std::ranges::count_if(edges, [](double s) { return s > 0.0; });
@@ -92,8 +93,8 @@ private:
         return row;
     }
 
-    /// The rule of this level, blended with that of the next by the mean of the sharpnesses that end between
-    /// them.
+    /// The vertex, by the rule of this level. Where sharpnesses end before the next level, this rule is
+    /// blended with that of the next level by the mean of these sharpnesses.
     Row vertex() const
     {
         std::vector<double> next;
@@ -143,7 +144,7 @@ std::vector<double> limit_mask(const Neighbourhood& around)
     Eigen::RowVectorXd mask = last.row(0);
     for (auto step = steps.rbegin(); step != steps.rend(); ++step)
         mask = Eigen::RowVectorXd(mask * *step);
-    mask /= mask.sum(); // rows of 256 steps sum to 1 but for their rounding
+    mask /= mask.sum(); // after 256 steps, the weights sum to 1 up to rounding only
     return {mask.data(), mask.data() + mask.size()};
 }
 

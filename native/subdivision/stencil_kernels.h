@@ -3,8 +3,9 @@
 
 namespace sinew {
 
-/// Rows [begin, end) of a sparse matrix times points of four numbers each, the last one unused; three numbers
-/// a row come out. Every variant does the same operations in the same order, without fused ones.
+/// Multiply rows [begin, end) of a sparse matrix by points. A point has four numbers, of which the last is
+/// unused; a row of the result has three. Every variant does the same operations in the same order and fuses
+/// none, so results agree to the last bit.
 struct StencilKernels
 {
     void (*in_double)(const int* offsets, const int* indices, const double* weights, const double* points,

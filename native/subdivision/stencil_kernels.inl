@@ -16,7 +16,7 @@ void rows(const int* offsets, const int* indices, const T* weights, const T* poi
           T* to)
 {
     for (int i = begin; i < end; ++i) {
-        // Two sums, so that an addition need not wait for the one before it.
+        // Two sums, so that an addition does not have to wait for the one before it.
         Lanes<T> even = {}, odd = {};
         int k = offsets[i];
         for (; k + 1 < offsets[i + 1]; k += 2) {
@@ -28,7 +28,7 @@ void rows(const int* offsets, const int* indices, const T* weights, const T* poi
         const Lanes<T> sum = even + odd;
         T* const row = to + 3 * static_cast<std::size_t>(i);
         if (i + 1 < end) {
-            store(row, sum); // the fourth number gives way to the next row
+            store(row, sum); // the next row overwrites the fourth number
         } else {
             row[0] = sum[0];
             row[1] = sum[1];

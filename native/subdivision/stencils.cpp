@@ -17,7 +17,8 @@ constexpr int grain = 4096;
 template <class T, class Rows>
 void apply_rows(const SparseRows& matrix, const T* weights, const T* points, T* to, Rows rows)
 {
-    // Few beside the rows. Four numbers each: a point is one load, and the last one needs nothing behind it.
+    // The points are few compared with the rows. They are copied to four numbers each, so that one load reads
+    // a point without reading past the end of the last one.
     const int count = static_cast<int>(matrix.cols());
     const auto padded = std::make_unique_for_overwrite<T[]>(4 * static_cast<std::size_t>(count));
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -34,7 +35,7 @@ void apply_rows(const SparseRows& matrix, const T* weights, const T* points, T* 
 
 Stencils::Stencils(SparseRows&& matrix)
 {
-    matrix_.swap(matrix); // which Eigen moves, where its move constructor copies
+    matrix_.swap(matrix); // the move constructor of Eigen's sparse matrices would copy
     matrix_.makeCompressed();
     single_.assign(matrix_.valuePtr(), matrix_.valuePtr() + matrix_.nonZeros());
 }

@@ -34,7 +34,7 @@ using Refiner = Far::TopologyRefiner;
 constexpr int highest_level = 10;
 constexpr int highest_valence = 65535; // OpenSubdiv counts the neighbours of an element in 16 bits
 
-/// The elements at which `bad(k)` holds.
+/// The elements k for which bad(k) is true.
 template <class Bad>
 std::vector<int> where(int count, Bad&& bad)
 {
@@ -74,7 +74,7 @@ void check(const SurfaceMesh& mesh, const SubdivisionOptions& options,
         return std::ranges::adjacent_find(sorted) != sorted.end();
     });
     if (!repeats.empty())
-        throw InvalidMesh("faces: a corner comes twice in faces " + list_some(repeats), Error::Element::face,
+        throw InvalidMesh("faces: a vertex comes twice in faces " + list_some(repeats), Error::Element::face,
                           repeats);
     const auto large = where(faces, [&](int f) { return mesh.face(f).size() > highest_valence; });
     if (!large.empty())
@@ -104,7 +104,7 @@ void check(const SurfaceMesh& mesh, const SubdivisionOptions& options,
         if (v < 0 || v >= mesh.vertex_count())
             outside.push_back(v);
     if (!outside.empty())
-        throw InvalidOption("corners: no such vertices: " + list_some(outside), Error::Element::vertex,
+        throw InvalidOption("corners: the mesh has no vertices " + list_some(outside), Error::Element::vertex,
                             outside);
 
     std::size_t corners = 0;
@@ -127,14 +127,14 @@ void require_room(const SurfaceMesh& mesh, const SubdivisionOptions& options, st
         corners += static_cast<std::int64_t>(mesh.face(f).size());
     for (int level = 0; level < options.level; ++level) {
         vertices += edges + (loop ? 0 : faces);
-        edges = 2 * edges + corners; // a triangle adds three, a polygon one a corner
+        edges = 2 * edges + corners; // new edges: three in a triangle, one per corner in a polygon
         faces = loop ? 4 * faces : corners;
         corners = loop ? 3 * faces : 4 * faces;
         all_vertices += vertices;
     }
-    // A vertex has 4 faces and 4 edges, about 250 bytes in OpenSubdiv's tables, and a row of about 18
-    // entries, which the stencil table, the matrix and its floats hold at once; a limit matrix and its
-    // product as many again.
+    // Per refined vertex there are 4 face corners and 4 edge ends, about 250 bytes in OpenSubdiv's tables,
+    // and a row of about 18 weights, which the stencil table, the matrix and its copy in floats hold at the
+    // same time. The matrix of the limit and its product with the other take as much again.
     const std::int64_t entries = vertices * 18;
     const std::int64_t bytes = 250 * all_vertices + entries * (options.limit ? 60 : 30) + 8 * corners;
     if (corners > std::numeric_limits<int>::max() || entries > std::numeric_limits<int>::max())
@@ -143,7 +143,7 @@ void require_room(const SurfaceMesh& mesh, const SubdivisionOptions& options, st
     require_memory(bytes, "the subdivision");
 }
 
-/// OpenSubdiv prints what it complains about unless told otherwise. What it cannot do shows in its results.
+/// Keeps OpenSubdiv from printing its complaints. Where it fails, its results show it.
 void silence()
 {
     static const bool once = [] {
@@ -215,12 +215,12 @@ std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptio
     if (!refiner)
         throw InvalidMesh("faces: OpenSubdiv cannot read this mesh");
     Refiner::UniformOptions uniform(depth);
-    uniform.fullTopologyInLastLevel = true; // for the limit
+    uniform.fullTopologyInLastLevel = true; // the limit masks need it
     refiner->RefineUniform(uniform);
     return refiner;
 }
 
-/// Rows of any order of entries -> a compressed matrix with ascending columns.
+/// A compressed matrix with ascending columns, from rows whose entries are in any order.
 SparseRows ascending(int columns, const std::vector<int>& sizes, const std::vector<int>& indices,
                      const std::vector<double>& weights)
 {
@@ -264,7 +264,7 @@ SparseRows stencils(const Refiner& refiner, int level, int controls, bool face_v
     return ascending(controls, table->GetSizes(), table->GetControlIndices(), table->GetWeights());
 }
 
-/// What OpenSubdiv takes for a point while it forms weighted sums: here the sum is written down instead.
+/// Takes the place of a point where OpenSubdiv forms weighted sums, and records the weights instead.
 struct Row
 {
     std::vector<std::pair<int, double>> entries;
@@ -278,8 +278,8 @@ struct Numbers
     int operator[](int point) const { return point; }
 };
 
-/// Where OpenSubdiv's closed masks are not exact: sharpness is left, or an endless crease ends. At edges of
-/// more faces than two it has no rule but to stay sharp.
+/// Whether OpenSubdiv's limit mask is not exact for a vertex: sharpness is left there, or a crease that is
+/// sharp on all levels ends. Edges of more than two faces are always sharp.
 bool needs_own_mask(const Far::TopologyLevel& level, int vertex)
 {
     if (level.IsVertexNonManifold(vertex) || level.IsVertexInfSharp(vertex))
@@ -314,7 +314,7 @@ void set_own_mask(const Far::TopologyLevel& level, int vertex, bool triangles, R
             row.AddWithWeight(points[k], mask[k]);
 }
 
-/// (count, n) from the points of the last level to the first of the limit.
+/// (count, n) the weights of the limits of the first `count` points of the last level.
 SparseRows limits(const Refiner& refiner, int count)
 {
     std::vector<Row> rows(refiner.GetLevel(refiner.GetMaxLevel()).GetNumVertices());
@@ -349,7 +349,7 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     const auto edges = mesh.edges();
     check(mesh, options, edges);
     require_room(mesh, options, static_cast<std::int64_t>(edges.size()));
-    if (mesh.face_count() == 0) { // OpenSubdiv knows no such mesh
+    if (mesh.face_count() == 0) { // OpenSubdiv refuses such a mesh
         SparseRows identity(mesh.vertex_count(), mesh.vertex_count());
         identity.setIdentity();
         stencils_ = Stencils(std::move(identity));
@@ -357,7 +357,7 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
         return;
     }
     silence();
-    // The limit masks are those of quads, which all faces are from level 1 on.
+    // The limit masks are for quads, and only from level 1 on all faces are quads.
     const int depth = std::max(options.level, options.limit ? 1 : 0);
     const std::unique_ptr<Refiner> refiner = refined(mesh, options, depth);
 
@@ -410,7 +410,7 @@ Points SubdivisionSurface::normals(PointsView refined) const
         Vector3 sum = Vector3::Zero();
         for (int k = around_offsets_[v]; k < around_offsets_[v + 1]; ++k)
             sum += areas[around_[k]];
-        normals.row(v) = sum.normalized().transpose(); // zero stays zero
+        normals.row(v) = sum.normalized().transpose(); // normalized() leaves a zero vector as it is
     });
     return normals;
 }

@@ -13,15 +13,18 @@
 
 namespace sinew {
 
-/// What SurfaceMethod::solve() is asked.
+/// The arguments of SurfaceMethod::solve().
 struct SolveRequest
 {
-    Poses poses{}; ///< (k) affine maps from each handle's rest frame, object space
-    std::optional<PointsView> incoming{}; ///< (n, 3) what entered this frame; none for rest
-    std::optional<std::vector<bool>> from_rest{}; ///< (k) which handles aim from rest; none: no handle does
-    /// (n, 3) warm start while a control is dragged; the result of an iterative method then depends on it.
+    Poses poses{}; ///< (k) affine maps in object space, one per handle, from its rest to its posed state
+    std::optional<PointsView> incoming{}; ///< (n, 3) the shape to deform in this frame; without one, the rest
+    /// (k) whether the pose of each handle applies to the rest shape instead of the incoming one; without
+    /// these flags, all poses apply to the incoming shape.
+    std::optional<std::vector<bool>> from_rest{};
+    /// (n, 3) the shape from which an iterative method starts while a control is dragged; its result then
+    /// depends on this shape.
     std::optional<PointsView> start{};
-    std::optional<int> max_iterations{}; ///< of an iterative method; none for the budget of its options
+    std::optional<int> max_iterations{}; ///< of an iterative method; without it, those of its options
     std::optional<double> tolerance{}; ///< likewise
     Progress progress{};
 };
@@ -31,8 +34,9 @@ struct SolveRequest
 ///   call            repeat it when ...               cost
 ///   constructor     rest shape or options changed    assembly, O(n) at most
 ///   set_handles()   another set of handles           the factorisation
-///   rebind()        instead of both: takes over      from nothing to a whole factorisation
-///                   what an earlier object has
+///   rebind()        instead of set_handles(), to     from nothing to a whole factorisation
+///                   take over an earlier object's
+///                   factor
 ///   solve()         the handles moved                no factorisation; safe from several threads at once
 class SurfaceMethod
 {
@@ -45,19 +49,19 @@ public:
     /// \throw Cancelled            by `progress`.
     BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {});
 
-    /// set_handles(), taking over what still holds from `former`, which has no handles afterwards where
-    /// can_reuse() is true, and stays as it was elsewhere. The report says what was taken over and what
-    /// differs. Leaves both objects as they were if it throws.
+    /// set_handles(), taking over from `former` what is still valid. The report says how much that was, and
+    /// what differs between the two objects. If can_reuse() is true, `former` has no handles afterwards;
+    /// otherwise it stays as it was. Leaves both objects as they were if it throws.
     /// \throw as set_handles()
     BindReport rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
                       const Progress& progress = {});
 
-    /// Whether rebind() would take anything over: the same class on the same rest shape, with handles, and no
-    /// option differs but those that the method updates.
+    /// Whether rebind() would take anything over: `former` has handles, it is of the same class and has the
+    /// same rest shape, and only options differ that the method can update.
     bool can_reuse(const SurfaceMethod& former) const;
 
-    /// \param[out] positions  (n, 3) deformed points. Before set_handles(): what entered.
-    /// \throw InvalidConstraint  see Targets::check; `start` of another size or not finite.
+    /// \param[out] positions  (n, 3) deformed points; before set_handles(), the incoming shape.
+    /// \throw InvalidConstraint  see Targets::check; or `start` has another size or is not finite.
     /// \throw InvalidOption      max_iterations < 0 or tolerance < 0.
     /// \throw Cancelled          by the request's progress.
     SolveReport solve(const SolveRequest& request, Points& positions) const;
@@ -71,33 +75,34 @@ protected:
 
     /// Factorises for these regions and completes the report. Must leave the object as it was if it throws.
     virtual void bind(const Regions& regions, BindReport& report, const Progress& progress) = 0;
-    /// \param targets  those of the request, checked.
+    /// Computes the deformed points after bind().
+    /// \param targets  the targets of the request, which have been checked.
     virtual SolveReport deform(const SolveRequest& request, const Targets& targets,
                                Points& positions) const = 0;
-    /// Names of the options of which bind() makes something else than `former`, an object of the same class.
+    /// Names of the options that change the result of bind() and differ from those of `former`, an object of
+    /// the same class.
     virtual std::vector<std::string> changed_options(const SurfaceMethod& former) const = 0;
-    /// Whether bind() can make use of a factor for another value of this option.
+    /// Whether bind() can start from a factor for another value of this option.
     virtual bool updates(const std::string& option) const = 0;
     /// Exchanges all that bind() made with an object of the same class and rest shape.
     virtual void swap_binding(SurfaceMethod& other) = 0;
 
-    const std::vector<Handle>& handles() const { return handles_; }
-    /// \throw InvalidConstraint  another number of points than the rest shape has, or one is not finite.
+    /// \throw InvalidConstraint  there are more or fewer points than the rest shape has, or one is not
+    ///   finite.
     void require_same_size(const PointsView& points, const char* name) const;
 
 private:
     struct Comparison
     {
-        std::vector<std::string> changed; ///< names of what differs, handles left out
+        std::vector<std::string> changed; ///< names of what differs, without the handles
         bool reusable;
     };
     Comparison compare(const SurfaceMethod& former) const;
     void swap_all(SurfaceMethod& other);
 
-    std::shared_ptr<const SurfaceMesh> rest_; ///< does not move when the method does
+    std::shared_ptr<const SurfaceMesh> rest_; ///< shared, so that its address stays when the method is moved
     Components parts_;
     Regions regions_;
-    std::vector<Handle> handles_;
     BindReport report_;
     bool bound_ = false;
 };

@@ -129,7 +129,7 @@ def test_face_varying_values_are_refined_by_their_own_matrix() -> None:
         ({"creases": ([0, 1], 1.0)}, sn.InvalidOption, "pairs"),
         ({"creases": ([(0, 1)], [1.0, 2.0])}, sn.InvalidOption, "2 sharpnesses for 1"),
         ({"creases": 3}, TypeError, "pair"),
-        ({"corners": ([8], 1.0)}, sn.InvalidOption, "no such vertices: 8"),
+        ({"corners": ([8], 1.0)}, sn.InvalidOption, "the mesh has no vertices 8"),
         ({"corners": ([0], -1.0)}, sn.InvalidOption, "below 0"),
         ({"face_varying": [0, 1]}, sn.InvalidOption, "2 indices for 24"),
     ],

@@ -5,6 +5,8 @@ from collections.abc import Iterator
 
 import bpy
 import pytest
+from cages import ball, box
+from registry import WITH_CAGE, WITH_HANDLES
 
 
 def members(protocol: type) -> Iterator[str]:
@@ -36,6 +38,26 @@ def test_every_method_has_a_kind_and_belongs_to_it_alone(room) -> None:
     assert sorted(method.id for method in listed) == sorted(m.id for m in room("core.methods").METHODS)
     for kind in kinds.every_kind():
         assert all(kinds.kind_of_method(method) is kind for method in kinds.methods_of(kind))
+
+
+def test_one_call_lets_an_object_control_a_deformer_of_its_kind(room) -> None:
+    """As Add Cage does; a kind that needs more than an object refuses, and leaves nothing behind."""
+    session, errors = room("session"), room("core.errors")
+    target, cage, other = ball(), box(), box("Other")
+    for owned, method in enumerate(WITH_CAGE[:2]):
+        deformer, refusal = session.rig_control(target, cage, method, owned=bool(owned))
+        assert refusal is None
+        assert (deformer.cage, deformer.owns_cage, deformer.is_bound) == (cage, bool(owned), True)
+        assert not any(d.cage is None for d in target.sinew.deformers)
+    deformer.cage = None
+    assert session.waiting_for_control(target, WITH_CAGE[0]) == deformer
+    assert session.waiting_for_control(target, WITH_HANDLES[0]) is None
+    assert session.rig_control(target, other, WITH_CAGE[0])[0] == deformer
+    assert len(target.sinew.deformers) == 2
+    for method, control in ((WITH_HANDLES[0], cage), (WITH_CAGE[0], target)):
+        with pytest.raises(errors.SinewError):
+            session.rig_control(target, control, method)
+        assert len(target.sinew.deformers) == 2
 
 
 @pytest.mark.parametrize("owned", [True, False])

@@ -17,6 +17,7 @@ from .package import package, validate
 from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT, SANITIZE_TREE
 from .results import Outcome, outcome
 from .shell import jobs, must, run
+from .tidy import tidy
 
 RESULTS = BUILD / "results"
 TESTS = ROOT / "tests"
@@ -61,7 +62,7 @@ def lint(timeout: float) -> Outcome:
         note = f"{name}: try tools/format" if name in formats else name
         passed = run(command, timeout=timeout) == 0
         total += Outcome(passed=1) if passed else Outcome(failed=1, note=note)
-    return total
+    return total + (Outcome(passed=1) if tidy() else Outcome(failed=1, note="clang-tidy"))
 
 
 def architecture(timeout: float) -> Outcome:
@@ -250,7 +251,7 @@ def _emptied(folder: Path) -> Path:
 
 
 LAYERS = (
-    Layer("lint", 120, lint),
+    Layer("lint", 420, lint),
     Layer("architecture", 120, architecture),
     Layer("tools", 120, tools),
     Layer("native", 300, native),

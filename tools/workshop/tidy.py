@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs clang-tidy on each source of native/, and again only if the source or what it depends on has changed.
 
+Kernels, which are compiled once for each set of instructions, are read as compiled for the baseline.
+
 For each source that passed, an empty file is kept beside the files of ccache. Its name is a digest of the
 compile command, the settings, and the source with all files of this repository that it includes.
 """
@@ -45,10 +47,15 @@ def tidy() -> bool:
 
 
 def commands() -> dict[Path, str]:
-    """The commands by which the dev preset compiles the sources of native/."""
+    """The commands by which the dev preset compiles native/; of the kernels, only their baseline."""
     entries = json.loads((NATIVE_TREE / "compile_commands.json").read_text(encoding="utf-8"))
-    native = ROOT / "native"
-    return {Path(e["file"]): e["command"] for e in entries if Path(e["file"]).is_relative_to(native)}
+    found = {Path(entry["file"]): entry["command"] for entry in entries}
+    native, kernels = ROOT / "native", NATIVE_TREE / "native"
+    return {
+        file: command
+        for file, command in found.items()
+        if file.is_relative_to(native) or (file.is_relative_to(kernels) and file.stem.endswith("_baseline"))
+    }
 
 
 def digest(file: Path, command: str) -> str:

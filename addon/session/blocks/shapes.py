@@ -29,7 +29,7 @@ def new_key() -> str:
 
 
 def find_modifier(obj: Object, deformer: SinewDeformer) -> NodesModifier | None:
-    """The modifier that shows this deformer, or did before somebody deleted its hidden shape."""
+    """The modifier that shows this deformer, or did before its hidden shape was deleted."""
     nodes = [modifier for modifier in obj.modifiers if modifier.type == "NODES"]
     shape = deformer.shape("VIEWPORT")
     if shape is not None:
@@ -72,13 +72,13 @@ def ensure(
     deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
     render_count = vertex_count if render_count is None else render_count
     deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
-    kind = targets.point_type(deformer)
+    point_type = targets.point_type(deformer)
     if modifier is None:
         modifier = obj.modifiers.new(Datablocks.MODIFIER, "NODES")
         modifier.show_expanded = False  # Sinew sets its inputs
-        node_group.attach(modifier, node_group.ensure(kind))
-    elif not node_group.shows(modifier, kind):
-        modifier.node_group = node_group.ensure(kind)
+        node_group.attach(modifier, node_group.ensure(point_type))
+    elif not node_group.shows(modifier, point_type):
+        modifier.node_group = node_group.ensure(point_type)
     connect(modifier, deformer)
     return modifier
 

@@ -64,6 +64,12 @@ class ControlKind(Protocol):
     def object_with(self, deformer: SinewDeformer, elements: Elements) -> Object:
         """The control that has these elements. Raises a ``SinewError`` if they cannot be selected."""
 
+    def use(self, obj: Object, deformer: SinewDeformer, control: Object, owned: bool) -> None:
+        """Let an object control the deformer; raises a ``SinewError`` if it cannot. The bind comes later.
+
+        ``owned``: the object was made for the deformer, and is removed with it.
+        """
+
     def links(self, deformer: SinewDeformer) -> Iterable[Link]:
         """The objects and bones that Blender must evaluate for the deformer."""
 

@@ -96,35 +96,6 @@ def _parent(cage: Object, obj: Object) -> None:
 
 
 @sessions.suspended()
-def set_cage(obj: Object, deformer: SinewDeformer, cage: Object) -> None:
-    """Use a mesh object as the cage of a deformer. It is drawn as wire, and rests where it is at the bind."""
-    if cage == obj:
-        raise CageError(f"{obj.name} cannot be its own cage - choose another mesh")
-    if cage.type != "MESH":
-        raise CageError(f"{cage.name} is no mesh - a cage is a closed mesh around the target")
-    if _leads_to(cage, obj):
-        raise CageError(f"{cage.name} follows {obj.name} itself - choose a cage that does not depend on it")
-    deformer.cage = cage
-    if cage.library is None:
-        cage.display_type = "WIRE"
-        cage.hide_render = True
-    kinds.keep_evaluated(obj)
-
-
-def _leads_to(cage: Object, obj: Object) -> bool:
-    """Whether ``obj`` is the cage of a deformer of the cage, or of a cage further along."""
-    waiting, known = [cage], set()
-    while waiting:
-        for deformer in waiting.pop().sinew.deformers:
-            if deformer.cage == obj:
-                return True
-            if deformer.cage is not None and deformer.cage not in known:
-                known.add(deformer.cage)
-                waiting.append(deformer.cage)
-    return False
-
-
-@sessions.suspended()
 def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
     """Let the cage rest as it is now, so that the mesh is at rest too. ``bind`` must follow."""
     cage_kind.take_rest(obj, deformer)

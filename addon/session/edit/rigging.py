@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Adds a region or a cage in one call, with a deformer if there is none yet, and binds it. Main thread only.
+"""Adds a region or a control in one call, with a deformer if there is none, and binds it. Main thread only.
 
 If the bind is refused, what was added stays, and the panel says what to do. So the error is returned.
 """
@@ -7,10 +7,11 @@ If the bind is refused, what was added stays, and the panel says what to do. So 
 from bpy.types import Mesh, Object
 
 from ...core.errors import SinewError
-from ...core.methods import DEFAULT_CAGE_METHOD, DEFAULT_METHOD
+from ...core.methods import BY_ID, DEFAULT_CAGE_METHOD, DEFAULT_METHOD
 from ...properties import SinewDeformer, SinewHandle
+from ..control import kinds
+from ..memory import sessions
 from .bind import bind
-from .cages import CAGE_METHODS, set_cage
 from .deformers import add_deformer, remove_deformer
 from .handles.bones import is_moved_by_control
 from .handles.handles import add_captured_handle
@@ -51,32 +52,45 @@ def rig_region(
     return handle, try_bind(obj, deformer, wait, entered)
 
 
-def rig_cage(
+def rig_control(
     obj: Object,
-    cage: Object,
+    control: Object,
     method: str = DEFAULT_CAGE_METHOD,
     *,
-    owns_cage: bool = False,
+    owned: bool = False,
     wait: bool = True,
 ) -> tuple[SinewDeformer, SinewError | None]:
-    """The deformer that follows ``cage``, a new one unless one needs a cage; and the error if not bound."""
-    deformer = waiting_for_cage(obj)
+    """The deformer that follows an object, a new one unless one needs a control; and the error if not bound.
+
+    The object becomes a control of the kind that ``method`` asks for, such as a cage. ``owned``: it was made
+    for the deformer, and is removed with it.
+    """
+    deformer = waiting_for_control(obj, method)
     is_new = deformer is None
     deformer = deformer or add_deformer(obj, method)
     try:
-        set_cage(obj, deformer, cage)
+        use_control(obj, deformer, control, owned)
     except SinewError:
         if is_new:
             remove_deformer(obj, len(obj.sinew.deformers) - 1)
         raise
-    deformer.owns_cage = owns_cage
     return deformer, try_bind(obj, deformer, wait)
 
 
-def waiting_for_cage(obj: Object) -> SinewDeformer | None:
-    """The active deformer, if it needs a cage and has none yet."""
+@sessions.suspended()
+def use_control(obj: Object, deformer: SinewDeformer, control: Object, owned: bool = False) -> None:
+    """Let an object control a deformer. ``bind`` must follow."""
+    kinds.kind_in_use(deformer).use(obj, deformer, control, owned)
+    kinds.keep_evaluated(obj)
+
+
+def waiting_for_control(obj: Object, method: str) -> SinewDeformer | None:
+    """The active deformer, if it has no control yet and needs one of the kind that ``method`` asks for."""
     active = obj.sinew.active
-    waits = active is not None and active.definition in CAGE_METHODS and active.cage is None
+    if active is None or method not in BY_ID:
+        return None
+    kind = kinds.kind_in_use(active)
+    waits = kind is kinds.kind_of_method(BY_ID[method]) and not any(kind.links(active))
     return active if waits else None
 
 

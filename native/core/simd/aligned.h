@@ -7,8 +7,8 @@
 
 namespace sinew {
 
-/// Memory that begins where a cache line does: numbers side by side that straddle two lines cost twice as
-/// much.
+/// Allocates memory that begins at the start of a cache line: loading a vector of numbers that straddles two
+/// cache lines takes twice the time.
 template <class T>
 struct AlignedAllocator
 {

@@ -5,10 +5,11 @@ namespace sinew {
 
 /// A set of kernels is a struct of function pointers, written once in an .inl file and compiled once for each
 /// set of instructions (sinew_add_kernels in native/cmake). It declares one static member of its own type for
-/// each set that the build makes: `baseline`, `avx2` and, where eight lanes gain something, `avx512`.
+/// each set that the build makes: `baseline`, `avx2` and, where eight lanes are faster than four, `avx512`.
 enum class Instructions { baseline, avx2, avx512 };
 
-/// The kernels compiled with these instructions; null where this processor lacks them, or nobody made them.
+/// The kernels compiled with these instructions; null where the processor lacks the instructions, or the
+/// build made no such kernels.
 template <class Kernels>
 const Kernels* kernels_with(Instructions instructions)
 {
@@ -23,7 +24,7 @@ const Kernels* kernels_with(Instructions instructions)
     return instructions == Instructions::baseline ? &Kernels::baseline : nullptr;
 }
 
-/// Those with the widest instructions that this processor runs.
+/// The kernels with the widest instructions that this processor runs.
 template <class Kernels>
 const Kernels& widest_kernels()
 {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Angles and logarithms side by side. For the .inl files of kernels, see lane_types.inl. Only
-// additions, multiplications, divisions and roots: the same bits on every machine, unlike those of a C
-// library.
+// Angles and logarithms of all lanes at once, for the .inl files of kernels (see lane_types.inl). They
+// consist of additions, multiplications, divisions and roots only, so they give the same bits on every
+// machine, which the functions of C libraries do not.
 
 #include "native/core/simd/lane_types.inl"
 
@@ -65,7 +65,7 @@ inline void split(Lanes<double> x, Lanes<double>& m, Lanes<double>& e)
 {
     const LaneBits bits = bits_of(x);
     m = lanes_of((bits & same_bits(0x000fffffffffffffULL)) | same_bits(0x3ff0000000000000ULL));
-    // The exponent becomes the last digits of a number of which 2^52 is subtracted.
+    // The bits of the exponent become the last bits of the number 2^52 + exponent.
     e = lanes_of((bits >> 52) | same_bits(0x4330000000000000ULL)) - constant(0x1p52 + 1023.0);
 }
 
@@ -75,7 +75,8 @@ inline Lanes<double> log_of_ratio(Lanes<double> a, Lanes<double> b)
     Lanes<double> m, n, e, f;
     split(a, m, e);
     split(b, n, f);
-    // ln(m / n) = 2 atanh z, |z| <= 1/3; the polynomial is (atanh(z) / z - 1) / z^2 by Chebyshev points.
+    // ln(m / n) = 2 atanh z with |z| <= 1/3. The polynomial interpolates (atanh(z) / z - 1) / z^2 at
+    // Chebyshev points.
     const Lanes<double> z = (m - n) / (m + n), u = z * z, u2 = u * u, u4 = u2 * u2;
     const Lanes<double> low = (constant(0.3333333333333333) + constant(0.20000000000007292) * u) +
                               (constant(0.1428571428355438) + constant(0.11111111358713932) * u) * u2;
@@ -83,19 +84,19 @@ inline Lanes<double> log_of_ratio(Lanes<double> a, Lanes<double> b)
                                  (constant(0.06657072104827468) + constant(0.06000536404795356) * u) * u2;
     const Lanes<double> high = constant(0.04400369243072337) + constant(0.08082022805971766) * u;
     const Lanes<double> series = low + (middle + high * u4) * u4;
-    // ln 2 in two parts, so that its product with the exponent is exact.
+    // ln 2 is split into two parts, so that the product of the first with the exponent is exact.
     const Lanes<double> k = e - f, twice = z + z;
     return k * constant(6.93147180369123816490e-01) +
            (twice + (twice * (u * series) + k * constant(1.90821492927058770002e-10)));
 }
 
-/// An angle's tangent as numerator / denominator, |ratio| <= tan(pi / 8), and what must be added.
+/// An angle as atan(numerator / denominator) + base, where |numerator / denominator| <= tan(pi / 8).
 struct ReducedAngle
 {
     Lanes<double> numerator, denominator, base;
 };
 
-/// For y >= 0: of atan2(y, |x|).
+/// The angle atan2(y, |x|) for y >= 0.
 inline ReducedAngle reduce(Lanes<double> y, Lanes<double> x)
 {
     const Lanes<double> zero = constant(0.0), flat = magnitude(x);
@@ -107,10 +108,10 @@ inline ReducedAngle reduce(Lanes<double> y, Lanes<double> x)
         choose(steep, constant(1.5707963267948966), choose(oblique, constant(0.78539816339744831), zero))};
 }
 
-/// The angle in [0, pi] whose reduced tangent is t; x tells on which side.
+/// The angle in [0, pi] whose reduced tangent is t. Its cosine has the sign of x.
 inline Lanes<double> angle_of(const ReducedAngle& reduced, Lanes<double> t, Lanes<double> x)
 {
-    // (atan(t) / t - 1) / t^2 by Chebyshev points
+    // The polynomial interpolates (atan(t) / t - 1) / t^2 at Chebyshev points.
     const Lanes<double> u = t * t, u2 = u * u, u4 = u2 * u2;
     const Lanes<double> low = (constant(-0.3333333333333333) + constant(0.1999999999999552) * u) +
                               (constant(-0.14285714284666542) + constant(0.11111111015256361) * u) * u2;
@@ -123,7 +124,7 @@ inline Lanes<double> angle_of(const ReducedAngle& reduced, Lanes<double> t, Lane
     return choose(above(constant(0.0), x), constant(3.1415926535897931) - angle, angle);
 }
 
-/// atan2(y, x) for y >= 0: 2 units in the last place; 0 where both are 0.
+/// atan2(y, x) for y >= 0, to 2 units in the last place; 0 where both are 0.
 inline Lanes<double> angle_between(Lanes<double> y, Lanes<double> x)
 {
     const ReducedAngle reduced = reduce(y, x);
@@ -131,7 +132,7 @@ inline Lanes<double> angle_between(Lanes<double> y, Lanes<double> x)
     return angle_of(reduced, reduced.numerator / denominator, x);
 }
 
-/// atan2(y, x) / y for y > 0, by one division: 4 units in the last place.
+/// atan2(y, x) / y for y > 0, with a single division, to 4 units in the last place.
 inline Lanes<double> angle_over_sine(Lanes<double> y, Lanes<double> x)
 {
     const ReducedAngle reduced = reduce(y, x);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Four numbers side by side, or eight where SINEW_EIGHT_LANES is defined. For the .inl files of kernels,
-// which are compiled once for each instruction set: in an unnamed namespace, so that no function compiled for
-// wider instructions is shared with other code.
+// Vectors of four numbers, or of eight where SINEW_EIGHT_LANES is defined; one number of a vector is a lane.
+// For the .inl files of kernels, which are compiled once for each set of instructions. Everything is in an
+// unnamed namespace, so that no function compiled for wider instructions is shared with other code.
 
 #ifndef __GNUC__
 #include <cmath>
@@ -46,13 +46,13 @@ inline void store(T* to, Lanes<T> lanes)
 }
 
 #ifndef SINEW_EIGHT_LANES
-/// Lane k in all four.
+/// A vector with lane k in all four lanes.
 template <int k, class T>
 inline T splat(T lanes)
 {
     return __builtin_shufflevector(lanes, lanes, k, k, k, k);
 }
-/// (y, z, x, w)
+/// (x, y, z, w) -> (y, z, x, w)
 template <class T>
 inline T turned(T lanes)
 {
@@ -64,7 +64,7 @@ inline bool all(Mask mask)
     return mask[0] && mask[1] && mask[2] && mask[3];
 }
 #endif
-/// Lane k of the n-th becomes lane n of the k-th.
+/// Lane k of the n-th vector becomes lane n of the k-th.
 inline void transpose(FourLanes& a, FourLanes& b, FourLanes& c, FourLanes& d)
 {
     const FourLanes ab02 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
@@ -76,7 +76,7 @@ inline void transpose(FourLanes& a, FourLanes& b, FourLanes& c, FourLanes& d)
     c = __builtin_shufflevector(ab02, cd02, 2, 3, 6, 7);
     d = __builtin_shufflevector(ab13, cd13, 2, 3, 6, 7);
 }
-/// Lane k of a, b, c and d to the k-th row of four numbers.
+/// Stores lane k of a, b, c and d as the k-th row of four numbers.
 inline void store_rows(double* rows, int stride, Lanes<double> a, Lanes<double> b, Lanes<double> c,
                        Lanes<double> d)
 {
@@ -96,10 +96,10 @@ inline void store_rows(double* rows, int stride, Lanes<double> a, Lanes<double> 
 #endif
 }
 inline Lanes<double> constant(double value) { return value - Lanes<double>{}; }
-inline Lanes<double> root(Lanes<double> a) // one by one each would look whether errno is to be set
+inline Lanes<double> root(Lanes<double> a) // std::sqrt of each lane would check whether to set errno
 {
 #if defined(SINEW_EIGHT_LANES)
-    return _mm512_maskz_sqrt_pd(255, a); // the plain one warns of what it leaves undefined
+    return _mm512_maskz_sqrt_pd(255, a); // GCC warns of undefined lanes in the version without a mask
 #elif defined(__AVX__)
     return _mm256_sqrt_pd(a);
 #elif defined(__SSE2__)
@@ -111,14 +111,14 @@ inline Lanes<double> root(Lanes<double> a) // one by one each would look whether
                          __builtin_sqrt(a[3])};
 #endif
 }
-/// Lane by lane: where a > b.
+/// A mask of the lanes in which a > b.
 inline auto above(Lanes<double> a, Lanes<double> b) { return a > b; }
 template <class Mask>
 inline Lanes<double> choose(Mask mask, Lanes<double> yes, Lanes<double> no)
 {
     return mask ? yes : no;
 }
-/// Bit k: what lane k of a mask of doubles says.
+/// An integer whose bit k is lane k of a mask of doubles.
 template <class Mask>
 inline int mask_bits(Mask mask)
 {

@@ -5,7 +5,7 @@
 
 namespace {
 
-/// Eight rows in two vectors, three columns: six sums side by side.
+/// Two vectors hold the eight rows, so the three columns are six sums that grow side by side.
 void multiply(const double* block, int columns, const double* factors, double* sums)
 {
     Lanes<double> sum[6], b[2];

@@ -6,12 +6,12 @@ namespace sinew {
 /// Columns of a packed strip.
 constexpr int strip_width = 8;
 
-/// Products of dense row-major blocks of doubles. Every variant does the same operations in the same
-/// order, without fused ones: results agree to the last bit.
+/// Products of dense row-major blocks of doubles. Every variant does the same operations in the same order
+/// and fuses none, so results agree to the last bit.
 struct DenseKernels
 {
-    /// c (rows, strips * strip_width) += a (rows, inner) * b. `b` is packed: strip after strip, (inner,
-    /// strip_width) each. Row r of the product is added to row place[r] of c, to row r where place is null.
+    /// c (rows, strips * strip_width) += a (rows, inner) * b. `b` is packed strip after strip, (inner,
+    /// strip_width) each. Row r of the product is added to row place[r] of c, or to row r if `place` is null.
     void (*add_product)(const double* a, int stride_a, int rows, int inner, const double* b, int strips,
                         double* c, int stride_c, const int* place);
 

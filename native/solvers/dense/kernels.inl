@@ -27,7 +27,7 @@ void add_product(const double* a, int stride_a, int rows, int inner, const doubl
 {
     const auto line = [&](int r) { return c + static_cast<std::ptrdiff_t>(place ? place[r] : r) * stride_c; };
     for (int s = 0; s < strips; ++s, b += 8 * inner) {
-        constexpr int high = lane_count; // as many sums as there are registers for
+        constexpr int high = lane_count; // so that all sums are in registers
         int r = 0;
         for (; r + high <= rows; r += high) {
             double* lines[high];

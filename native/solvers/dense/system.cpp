@@ -13,9 +13,9 @@ namespace sinew {
 
 namespace {
 
-constexpr int panel = 64;       ///< columns eliminated at once
-constexpr int tile = 48; ///< rows that a thread updates at once: their part of a panel stays in its cache
-constexpr int row_padding = 16; ///< numbers; also keeps rows of 2^k numbers out of one another's cache lines
+constexpr int panel = 64;       ///< columns that are eliminated at once
+constexpr int tile = 48; ///< rows that a thread updates at once; their part of a panel stays in its cache
+constexpr int row_padding = 16; ///< numbers; without them, rows of 2^k numbers would compete for cache lines
 
 int padded(int count) { return (count + strip_width - 1) / strip_width * strip_width; }
 
@@ -64,7 +64,7 @@ DenseSystem::DenseSystem(int size, int columns)
     pivot_sizes_.resize(static_cast<std::size_t>(size));
 }
 
-/// Columns [begin, end) of the rows from `begin` on.
+/// Eliminates columns [begin, end) in the rows from `begin` on.
 void DenseSystem::eliminate(int begin, int end)
 {
     for (int k = begin; k < end; ++k) {
@@ -84,7 +84,7 @@ void DenseSystem::eliminate(int begin, int end)
     }
 }
 
-/// The other columns of the rows [begin, end), below which they then are subtracted.
+/// Completes the other columns of rows [begin, end), and subtracts these rows from those below them.
 void DenseSystem::substitute(int begin, int end)
 {
     const int width = size_ + columns_ - end;

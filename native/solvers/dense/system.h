@@ -15,7 +15,7 @@ class PackedColumns
 {
 public:
     PackedColumns() = default;
-    /// \param from  (rows, columns), row-major with `stride`; negated where `sign` is -1.
+    /// \param from  (rows, columns), row-major with `stride`; negated if `sign` is -1.
     PackedColumns(const double* from, int rows, int columns, std::size_t stride, double sign = 1.0);
 
     int strips() const { return strips_; }
@@ -28,13 +28,13 @@ private:
     AlignedVector<double> packed_;
 };
 
-/// A X = B for a general square A, by blocked Gaussian elimination with row pivoting. Same bits on any number
-/// of threads and with any instruction set.
+/// Solves A X = B for a general square A, by blocked Gaussian elimination with row pivoting. Results agree to
+/// the last bit on any number of threads and with any set of instructions.
 class DenseSystem
 {
 public:
-    /// All zero; (size + columns) * size numbers.
-    /// \throw OutOfMemory  more than limit_memory() allows.
+    /// Makes a system of zeros, of (size + columns) * size numbers.
+    /// \throw OutOfMemory  it would take more than limit_memory() allows.
     DenseSystem(int size, int columns);
 
     static std::int64_t bytes(int size, int columns);
@@ -43,8 +43,8 @@ public:
     double* row(int i) { return entries_.data() + static_cast<std::size_t>(i) * stride_; } ///< of A
     double* right_side(int i) { return row(i) + size_; }                                   ///< of B
 
-    /// X in place of B, once; destroys A. Cost 2/3 size^3 + 2 size^2 columns operations.
-    /// Where A is singular X is not finite or huge, and a pivot is zero or tiny: ask pivot_sizes().
+    /// Replaces B by X and destroys A, so call it once. Cost: 2/3 size^3 + 2 size^2 columns operations.
+    /// If A is singular, X is huge or not finite, and one of pivot_sizes() is zero or tiny.
     /// \throw Cancelled
     void solve(const Progress& progress);
 

@@ -9,8 +9,8 @@ struct PairProducts
     double ss, yy, sy, y_Ly, s_g, Ly_g, z_g;
 };
 
-/// The loops of minimize() over `count` numbers. Every variant does the same operations in the same
-/// order, without fused ones: results agree to the last bit.
+/// The loops of minimize() over `count` numbers. Every variant does the same operations in the same order and
+/// fuses none, so results agree to the last bit.
 struct LbfgsKernels
 {
     /// With d = z + sum_k share_s[k] s[k] - share_Ly[k] Ly[k] over some pairs: trial = x - t d, and
@@ -21,7 +21,7 @@ struct LbfgsKernels
     /// With y = g - old_g: Ly = z - old_z, and the products of s, y, Ly, g and z.
     PairProducts (*pair)(const double* old_g, const double* g, const double* old_z, const double* z,
                          const float* s, int count, float* Ly);
-    /// Of g with some pairs: products[2 k] with s[k], products[2 k + 1] with Ly[k].
+    /// The products of g with some pairs: products[2 k] is that with s[k], products[2 k + 1] that with Ly[k].
     void (*products)(const double* g, int pairs, const float* const* s, const float* const* Ly, int count,
                      double* products);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bodies of LbfgsKernels, compiled once for each set of instructions; see core/lane_types.inl.
+// The bodies of LbfgsKernels, compiled once for each set of instructions; see lane_types.inl.
 
 #include "native/core/simd/lane_types.inl"
 

@@ -18,22 +18,23 @@ namespace {
 
 constexpr int most_trials = 3;
 constexpr double armijo = 1e-4;
-/// Relative rise of F that is rounding, not ascent.
+/// A relative rise of F that may come from rounding.
 constexpr double rounding = 1e-12;
-/// Of s.y, relative to |s| |y|: below, rounding to single precision could turn its sign.
+/// The least s.y / (|s| |y|) of a pair that is kept. Rounding to single precision could change the sign of a
+/// smaller one.
 constexpr double least_curvature = 1e-6;
 
-constexpr int grain = 2048; ///< numbers a parallel chunk: its vectors stay in the cache between two loops
+constexpr int grain = 2048; ///< numbers per parallel chunk; its vectors stay in the cache between two loops
 constexpr int most_window = 16;
 
 } // namespace
 
-/// The last correction pairs, in single precision: s and L^-1 y, whose products with the gradient are all
-/// that the recursion needs. An iteration reads each of them twice.
+/// The last correction pairs s and L^-1 y, in single precision. The recursion needs only their inner products
+/// with each other and with the gradient, so an iteration reads each of them twice.
 class LbfgsWorkspace::History
 {
 public:
-    /// Forgets everything.
+    /// Removes all pairs.
     void reset(int window, Eigen::Index numbers)
     {
         if (numbers_ != numbers || window_ != window)
@@ -48,13 +49,12 @@ public:
     int size() const { return size_; }
     void clear() { size_ = 0; }
 
-    /// Takes in the pair of the last step() and of what it changed: (g, z) to (g1, z1). Left out where its
-    /// curvature is not positive.
+    /// Adds the pair of the last step(), which changed (g, z) to (g1, z1), unless its curvature is too small.
     void extend(const Points& g, const Points& g1, const Points& z, const Points& z1)
     {
         if (window_ == 0)
             return;
-        if (size_ == window_) { // the oldest goes
+        if (size_ == window_) { // the oldest pair makes room
             std::rotate(pairs_.begin(), pairs_.begin() + 1, pairs_.end());
             --size_;
         }
@@ -78,7 +78,7 @@ public:
             sums.s_g += part.s_g, sums.Ly_g += part.Ly_g, sums.z_g += part.z_g;
         }
         z_g_ = sums.z_g;
-        // What changed between g and g1 is y of the new pair.
+        // g1 - g is y of the new pair, so its products are differences of those with g1 and with g.
         for (int k = 0; k < size_; ++k) {
             double s_g = 0.0, Ly_g = 0.0;
             for (int chunk = 0; chunk < chunks; ++chunk) {
@@ -99,8 +99,9 @@ public:
         ++size_;
     }
 
-    /// d = H g by the two-loop recursion, with z = L^-1 g in place of a solve in its middle: the shares of
-    /// s and L^-1 y that it adds to z. Returns the slope g.d.
+    /// The two-loop recursion for d = H g, in inner products: computes the shares of s and L^-1 y that have
+    /// to be added to z = L^-1 g.
+    /// \return the slope g.d
     double recur()
     {
         for (int k = size_ - 1; k >= 0; --k) {
@@ -122,7 +123,7 @@ public:
         return slope;
     }
 
-    /// trial = x - t d, which the next pair's s is taken from.
+    /// trial = x - t d. The step becomes s of the next pair.
     void step(const Points& x, const Points& z, double t, Points& trial)
     {
         trial.resize(x.rows(), 3);
@@ -147,16 +148,16 @@ private:
             : s(new float[numbers]), Ly(new float[numbers]), later_s_y(window), later_y_Ly(window)
         {
         }
-        std::unique_ptr<float[]> s, Ly; ///< step, L^-1 y for the change y of the gradient
-        double s_g = 0.0, Ly_g = 0.0;   ///< with the present g
-        /// Its s and its L^-1 y with the y of itself and of the pairs after it.
+        std::unique_ptr<float[]> s, Ly; ///< the step, and L^-1 y for the change y of the gradient
+        double s_g = 0.0, Ly_g = 0.0; ///< their products with the present g
+        /// The products of s and of L^-1 y with y of this pair and of those after it.
         std::vector<double> later_s_y, later_y_Ly;
         double share_s = 0.0, share_Ly = 0.0;
     };
 
     Pair& at(int k) { return *pairs_[k]; }
 
-    /// Where the vectors of the pairs stand, from number `begin` on.
+    /// Pointers to the vectors of all pairs, from number `begin` on.
     void collect(int begin, const float** s, const float** Ly)
     {
         for (int k = 0; k < size_; ++k) {
@@ -167,8 +168,8 @@ private:
 
     const LbfgsKernels& kernels_ = widest_kernels<LbfgsKernels>();
     int window_ = 0, numbers_ = 0, size_ = 0;
-    double z_g_ = 0.0; ///< with the present z and g
-    std::vector<std::unique_ptr<Pair>> pairs_; ///< those in use first, oldest first; then one for the next
+    double z_g_ = 0.0; ///< product of the present z and g
+    std::vector<std::unique_ptr<Pair>> pairs_; ///< the pairs in use, oldest first; then one for the next step
     std::vector<PairProducts> parts_;
     std::vector<double> older_;
 };
@@ -225,7 +226,7 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
             F_trial = problem.evaluate(trial, trial_g);
             ++report.iterations;
             accepted = F_trial <= F;
-            // At the minimum the plain step moves within rounding.
+            // At the minimum, the plain step changes F by rounding only.
             report.converged = !accepted && F_trial <= F + rounding * std::abs(F);
         }
         if (!accepted) {

@@ -9,20 +9,20 @@
 
 namespace sinew {
 
-/// A smooth function F >= 0 of (n, 3) unknowns whose Hessian is bounded by a fixed matrix L:
-/// the step x - L^-1 g never overshoots by more than the model's own hidden state does.
+/// A smooth function F >= 0 of (n, 3) unknowns whose Hessian is bounded by a fixed matrix L, so that a step
+/// x - L^-1 g does not overshoot. F may also depend on a state, such as rotations that are fitted to x.
 class MetricProblem
 {
 public:
     virtual ~MetricProblem() = default;
 
-    /// F(x), and its gradient. May move hidden state that F depends on (fitted rotations).
+    /// F(x) and its gradient. May change the state.
     virtual double evaluate(const Points& x, Points& gradient) = 0;
 
     /// z = L^-1 g.
     virtual void precondition(const Points& gradient, Points& z) const = 0;
 
-    /// Keeps the hidden state, and brings it back after a rejected step.
+    /// Keeps a copy of the state, and restores it after a rejected step.
     virtual void keep_state() = 0;
     virtual void restore_state() = 0;
 };
@@ -30,12 +30,12 @@ public:
 struct LbfgsOptions
 {
     int max_iterations = 40;  ///< trial steps, rejected ones included
-    double tolerance = 1e-4;  ///< stop after two relative decreases in a row below this
+    double tolerance = 1e-4;  ///< stop when the relative decrease of F is below this twice in succession
     double floor = 0.0;       ///< stop when F is below this
-    int window = 5;           ///< correction pairs, 16 at most
+    int window = 5;           ///< number of correction pairs, at most 16
 };
 
-/// What minimize() works in. Kept from one call to the next, it spares the time to allocate it.
+/// The workspace of minimize(). If it is kept from one call to the next, it is not allocated again.
 struct LbfgsWorkspace
 {
     class History;
@@ -54,15 +54,15 @@ struct LbfgsWorkspace
 /// T. Liu, S. Bouaziz, L. Kavan. "Quasi-Newton Methods for Real-Time Simulation of Hyperelastic
 /// Materials." 2017.
 ///
-/// Keeps s and L^-1 y for each pair, so one application of L^-1 an iteration is enough, and their inner
-/// products, so that two passes over them are; in single precision, as they only shape the steps. Each
-/// step passes an Armijo test with up to three trials; then the plain step x - L^-1 g is taken
-/// and the history dropped. A plain step that raises F ends the iteration: no accepted step
-/// raises F.
+/// The history keeps s and L^-1 y for each correction pair, so that an iteration applies L^-1 only once. It
+/// also keeps their inner products, so that an iteration reads the pairs only twice. The pairs are in single
+/// precision, as they affect the direction of the steps only. A step must pass an Armijo test and has up to
+/// three trials. If all fail, the plain step x - L^-1 g is taken and the history is cleared. If the plain
+/// step raises F, too, the iteration ends, so no accepted step ever raises F.
 ///
-/// \param[in,out] x  (n, 3) start in, best point out.
-/// \param work       of any earlier call; null for its own.
-/// \return iterations (trials), rejected, energy = F, residual = last relative decrease, converged.
+/// \param[in,out] x  (n, 3) the start at first, the best point afterwards.
+/// \param work       the workspace of an earlier call; null for a new one.
+/// \return iterations (trials), rejected, energy = F, residual = the last relative decrease, converged.
 SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options,
                      const Progress& progress = {}, LbfgsWorkspace* work = nullptr);
 

@@ -20,7 +20,7 @@
 #include <malloc.h>
 #endif
 #ifdef __GNUC__
-// Absent unless the BLAS is OpenBLAS.
+// These exist only if the BLAS is OpenBLAS.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_parallel() __attribute__((weak));
 #endif
@@ -39,7 +39,8 @@ namespace sinew {
 
 namespace {
 
-constexpr int most_own_columns = 16; ///< beyond, CHOLMOD's blocks of columns read the factor less often
+/// For more columns than this, CHOLMOD is faster than SupernodalSolve, as it reads the factor less often.
+constexpr int most_own_columns = 16;
 
 enum class Blas { unknown, serial, pthread, openmp };
 
@@ -52,10 +53,10 @@ Blas blas()
     return Blas::unknown;
 }
 
-/// CHOLMOD opens OpenMP loops of its own whose spinning threads slow every later loop on a
-/// small machine by up to ten times, and a BLAS of several threads gains nothing at these
-/// block sizes. Both are held to one thread while a call runs. OpenBLAS' serial build is not
-/// safe from two threads, so its calls queue; its OpenMP build hangs without active levels.
+/// Limits CHOLMOD and the BLAS to one thread while a call runs. CHOLMOD's own OpenMP loops leave spinning
+/// threads behind, which make every later loop on a small machine up to ten times slower, and for blocks of
+/// these sizes a BLAS of several threads is no faster. The serial build of OpenBLAS allows only one caller at
+/// a time, so calls wait for each other; its OpenMP build hangs if OpenMP may have no active levels.
 class ThreadGuard
 {
 public:
@@ -90,20 +91,20 @@ private:
 #endif
 };
 
-/// A factor is written once and read whole every frame: large pages save a fault every 4 KB of it, and most
-/// of the address translations of a solve.
+/// A factor is written once and read as a whole in every frame. Large pages save a page fault per 4 KB when
+/// it is written, and most address translations when it is read.
 void ask_for_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes)
 {
 #ifdef __linux__
     constexpr std::uintptr_t page = 1 << 21;
     const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + page - 1) / page * page;
     const auto end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / page * page;
-    if (begin < end) // advice: a kernel without them goes on as it was
+    if (begin < end) // an operating system without large pages ignores this
         madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 #endif
 }
 
-/// cholmod_common is workspace, not state: each call has its own, so solves may overlap.
+/// A cholmod_common. It is only a workspace, so each call has its own, and several may solve at once.
 class Workspace
 {
 public:
@@ -129,7 +130,7 @@ private:
     ThreadGuard guard_;
 };
 
-/// A view of the matrix, lower triangle; CHOLMOD reads it and never writes.
+/// A view of the lower triangle of a matrix; CHOLMOD does not write to it.
 cholmod_sparse view(const SparseMatrix& matrix)
 {
     cholmod_sparse s{};
@@ -315,12 +316,13 @@ private:
         throw FactorizationFailed("CHOLMOD failed with status " + std::to_string(status));
     }
 
-    /// Numbers for CHOLMOD's structure, in its own place: its solve serves many columns.
+    /// Computes the values of CHOLMOD's own factor in place, so that CHOLMOD can solve for many columns.
     int factorize_supernodes(const PrincipalBlock& block, cholmod_common* common)
     {
         if (!factor_->x) {
 #ifdef __GLIBC__
-            malloc_trim(0); // what ordering and analysis took is no longer needed, and the factor is large
+            malloc_trim(
+                0); // returns the memory of ordering and analysis before the large factor is allocated
 #endif
             factor_->x = cholmod_malloc(factor_->xsize + SupernodalFactor::padding, sizeof(double), common);
             if (!factor_->x)
@@ -336,7 +338,7 @@ private:
         return broken;
     }
 
-    /// Values of the chosen supernodes; of all where none are named.
+    /// Computes the values of the chosen supernodes; of all if `chosen` is empty.
     int compute(const PrincipalBlock& block, const std::vector<char>& chosen)
     {
         const SupernodalFactor structure = supernodes();
@@ -386,7 +388,7 @@ private:
 
     bool supernodal_;
     cholmod_factor* factor_ = nullptr;
-    std::unique_ptr<SupernodalSolve<double>> own_; ///< faster than CHOLMOD's up to four columns
+    std::unique_ptr<SupernodalSolve<double>> own_; ///< solves for few columns
     std::int64_t nonzeros_ = 0;
 };
 

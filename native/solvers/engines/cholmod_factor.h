@@ -5,18 +5,18 @@
 
 namespace sinew {
 
-/// True in a build with CHOLMOD.
+/// Whether the build has CHOLMOD.
 bool have_cholmod();
 
-/// CHOLMOD, one dense block a supernode (fast for bi-Laplacians) or one column at a time
-/// (faster solves for small Laplacians). Null in a build without CHOLMOD.
+/// CHOLMOD with one dense block per supernode (fast for bi-Laplacians), or with one column at a time (faster
+/// solves for small Laplacians). Null in a build without CHOLMOD.
 std::unique_ptr<FactorEngine> make_cholmod_factor(bool supernodal);
 
-/// AMD through CHOLMOD; only in a build with it.
+/// Minimum degree by AMD, which is a part of CHOLMOD. Call it only in a build with CHOLMOD.
 std::vector<int> cholmod_minimum_degree(const SparseMatrix& matrix);
 
-/// METIS' nested dissection through CHOLMOD.
-/// \throw InvalidOption  the build has none.
+/// Nested dissection by METIS, through CHOLMOD.
+/// \throw InvalidOption  the build does not have it.
 std::vector<int> nested_dissection(const SparseMatrix& matrix);
 
 } // namespace sinew

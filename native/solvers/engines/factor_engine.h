@@ -12,7 +12,7 @@
 
 namespace sinew {
 
-/// What a sparse Cholesky library has to offer to stand behind SpdFactor.
+/// The interface that SpdFactor needs of a sparse Cholesky library.
 class FactorEngine
 {
 public:
@@ -21,25 +21,27 @@ public:
     /// Symbolic factorisation of the lower triangle, in the given elimination order.
     virtual void analyze(const SparseMatrix& matrix, const std::vector<int>& order) = 0;
 
-    /// Numeric factorisation of a matrix with the analysed pattern. Returns the unknown at
-    /// which it broke down, or -1.
+    /// Numeric factorisation of a matrix with the analysed pattern.
+    /// \return the unknown at which it broke down, or -1.
     virtual int factorize(const SparseMatrix& matrix) = 0;
     virtual int factorize(const PrincipalBlock& block) { return factorize(block.copy()); }
 
-    /// Numeric factorisation after a change of the `changed` rows and columns of the block alone. It computes
-    /// only what depends on them, and its result is that of factorize() to the last bit. It does nothing and
-    /// returns an empty value if the engine cannot do this, or if more than the share `most` of the work of
-    /// factorize() would have to be done. Otherwise it sets `share` to the share of that work that was done.
+    /// The same for a block of which only the `changed` columns and rows differ from the last one. It
+    /// computes only what depends on them, and the result is that of factorize() to the last bit.
+    /// \param most        largest share of the work of factorize() to do.
+    /// \param[out] share  the share that was done.
+    /// \return as factorize(); nothing, and nothing is done, if the engine cannot do this, or the share would
+    ///   be larger than `most`.
     virtual std::optional<int> update(const PrincipalBlock& /*block*/, const std::vector<int>& /*changed*/,
                                       double /*most*/, double& /*share*/)
     {
         return {};
     }
 
-    /// X = A^-1 B, column by column. Safe from several threads at once.
+    /// X = A^-1 B. Several threads may call it at once.
     virtual void solve(const MatrixX& rhs, MatrixX& solution) const = 0;
 
-    /// The same by rows, in place.
+    /// The same by rows and in place.
     virtual void solve_rows(RowMatrix& x) const
     {
         MatrixX solution(x.rows(), x.cols());
@@ -47,16 +49,16 @@ public:
         x = solution;
     }
 
-    /// The factor itself where it is supernodal, with values; else none.
+    /// The factor itself if it is supernodal and has values.
     virtual std::optional<SupernodalFactor> supernodal() const { return {}; }
 
-    /// What was left of each unknown's diagonal entry when it was eliminated.
+    /// The pivot of each unknown: what was left of its diagonal entry when it was eliminated.
     virtual VectorX pivots() const = 0;
 
-    /// Memory of the factor, in bytes; known from analyze() on.
+    /// Memory of the factor in bytes; known after analyze().
     virtual std::int64_t bytes() const = 0;
 
-    /// Entries of the factor.
+    /// Number of entries of the factor.
     virtual std::int64_t nonzeros() const = 0;
 };
 

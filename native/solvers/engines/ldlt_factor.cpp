@@ -9,7 +9,7 @@ namespace sinew {
 
 namespace {
 
-/// Eigen's L can be asked for after the numeric step only; its pattern is there after the symbolic one.
+/// Gives the number of entries after the symbolic step; Eigen's own class has it only after the numeric one.
 class Ldlt : public Eigen::SimplicialLDLT<SparseMatrix, Eigen::Lower, Eigen::NaturalOrdering<int>>
 {
 public:

@@ -5,7 +5,7 @@
 
 namespace sinew {
 
-/// Eigen's simplicial LDL^T: always there, a reference for CHOLMOD.
+/// Eigen's simplicial LDL^T. Every build has it; with CHOLMOD, it is the reference.
 std::unique_ptr<FactorEngine> make_ldlt_factor();
 
 } // namespace sinew

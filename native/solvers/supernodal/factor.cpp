@@ -31,10 +31,10 @@ constexpr int most_parts = 32;
 constexpr int panel_width = 96;         ///< columns of a supernode that one thread updates
 constexpr int strip_width = 48;         ///< columns of a product
 constexpr int panel_height = 256;       ///< rows of a panel's lower part that one thread solves
-constexpr double least_parallel = 5e6;  ///< operations; below, one thread is faster
-constexpr double least_shared = 2e6;    ///< the same for one supernode
+constexpr double least_parallel = 5e6;  ///< operations; for fewer, one thread is faster
+constexpr double least_shared = 2e6;    ///< the same for a single supernode
 
-/// c = a b^T + beta c or its negative; (rows, inner) times (columns, inner).
+/// c = alpha a b^T + beta c, with a (rows, inner) and b (columns, inner).
 void multiply(int rows, int columns, int inner, double alpha, const double* a, int stride_a, const double* b,
               int stride_b, double beta, double* c, int stride_c)
 {
@@ -48,15 +48,15 @@ void divide(int rows, int columns, const double* L, int stride, double* b, int s
     dtrsm_("R", "L", "T", "N", &rows, &columns, &one, L, &stride, b, &stride_b);
 }
 
-/// What a thread needs of its own.
+/// The workspace of a thread.
 struct Workspace
 {
-    /// Rows from `begin` on that follow each other from `line` on in the supernode at hand.
+    /// Rows of a product, from `begin` on, that are successive lines of the target, from `line` on.
     struct Run
     {
         int begin, line;
     };
-    std::vector<int> place; ///< (size) line of a row in the supernode at hand
+    std::vector<int> place; ///< (size) the line that each row has in the supernode that is being computed
     std::vector<double> product;
     std::vector<Run> runs;
 };
@@ -85,7 +85,7 @@ public:
 
         const int parts = static_cast<int>(cut.parts.size());
         std::vector<int> broken(parts, -1);
-        std::vector<std::vector<int>> leftover(parts); // what still flows to the top
+        std::vector<std::vector<int>> leftover(parts); // supernodes that contribute to those on top
         each(parts, true, [&](int p) { broken[p] = subtree(cut.parts[p], leftover[p]); });
         for (const int position : broken)
             if (position >= 0)
@@ -105,7 +105,7 @@ public:
 
 private:
     bool is_chosen(int s) const { return chosen_.empty() || chosen_[s]; }
-    /// The supernode that k's next row belongs to.
+    /// The supernode that has the next row of k as a column.
     int target(int k) const { return tree_.owner[f_.rows_of(k)[next_row_[k]]]; }
 
     static void each(int count, bool parallel, const std::function<void(int)>& task)
@@ -129,23 +129,25 @@ private:
         return -1;
     }
 
-    /// Everything that ended in s moves to the supernode of its next row, and s itself starts.
+    /// Registers what has contributed to s, and s itself, as a source of the next supernode that it
+    /// contributes to.
+    /// \param leftover  gets the sources of supernodes from `end` on.
     void pass_on(int s, std::vector<int>* leftover, int end)
     {
-        const auto hand_over = [&](int k) {
+        const auto register_source = [&](int k) {
             if (next_row_[k] == f_.height(k))
                 return;
             const int above = target(k);
             (above < end ? sources_[above] : *leftover).push_back(k);
         };
         for (const int k : sources_[s])
-            hand_over(k);
+            register_source(k);
         sources_[s] = {};
         next_row_[s] = f_.columns(s);
-        if (!is_chosen(s)) // its next reader is the first that is computed
+        if (!is_chosen(s)) // skips supernodes that are not computed
             while (next_row_[s] < f_.height(s) && !is_chosen(target(s)))
                 ++next_row_[s];
-        hand_over(s);
+        register_source(s);
     }
 
     /// Rows [first, last) of source k that are columns of its target.
@@ -159,7 +161,7 @@ private:
         if (!is_chosen(s))
             return -1;
         std::vector<int>& list = sources_[s];
-        std::sort(list.begin(), list.end()); // in the same order however they came
+        std::sort(list.begin(), list.end()); // the threads add them in any order
         std::vector<Source> sources;
         sources.reserve(list.size());
         for (const int k : list) {
@@ -181,7 +183,7 @@ private:
         return factorize_block(s, parallel);
     }
 
-    /// Columns [begin, end) of supernode s: those of A less what flows in.
+    /// Computes columns [begin, end) of supernode s: those of A, less the contributions of the sources.
     void gather(int s, int begin, int end, const std::vector<Source>& sources, Workspace& work)
     {
         const int height = f_.height(s), first = f_.first[s];
@@ -208,7 +210,7 @@ private:
         }
     }
 
-    /// block(s) -= L_k(from.., :) L_k(from..to, :)^T, in strips, so that little is computed above the
+    /// block(s) -= L_k(from.., :) L_k(from..to, :)^T. It works in strips, which compute little above the
     /// diagonal.
     void subtract(int s, int k, int from, int to, Workspace& work)
     {
@@ -224,7 +226,7 @@ private:
         const double* a = f_.block(k) + from;
         double* block = f_.block(s);
         const int line = work.place[rows[0]], column = rows[0] - f_.first[s];
-        if (work.place[rows[tall - 1]] - line == tall - 1) { // side by side there, too
+        if (work.place[rows[tall - 1]] - line == tall - 1) { // the rows are successive lines of the target
             multiply(tall, wide, inner, -1.0, a, stride, a, stride, 1.0,
                      block + static_cast<std::size_t>(column) * height + line, height);
             return;
@@ -232,7 +234,7 @@ private:
         work.product.resize(std::max(work.product.size(), static_cast<std::size_t>(tall) * wide));
         double* product = work.product.data();
         multiply(tall, wide, inner, 1.0, a, stride, a, stride, 0.0, product, tall);
-        work.runs.clear(); // of rows that are neighbours there, too
+        work.runs.clear();
         for (int r = 0; r < tall; ++r) {
             const int there = work.place[rows[r]];
             if (work.runs.empty() || work.runs.back().line + r - work.runs.back().begin != there)
@@ -250,7 +252,7 @@ private:
         }
     }
 
-    /// Dense factor of the gathered block. The panels are the same on any number of threads.
+    /// Factorises the gathered block as a dense matrix. The panels do not depend on the number of threads.
     int factorize_block(int s, bool parallel)
     {
         const int width = f_.columns(s), height = f_.height(s);
@@ -283,9 +285,9 @@ private:
     const std::vector<char>& chosen_;
     const bool parallel_;
     const SupernodalTree tree_;
-    std::vector<int> position_;            ///< (size) of each unknown
-    std::vector<int> next_row_;            ///< of each supernode: the first row not yet used above
-    std::vector<std::vector<int>> sources_; ///< what flows into each supernode next
+    std::vector<int> position_; ///< (size) the position of each unknown
+    std::vector<int> next_row_; ///< the first row of each supernode that no target has used yet
+    std::vector<std::vector<int>> sources_; ///< the supernodes that contribute next to each supernode
     Pool<Workspace> workspaces_;
 };
 
@@ -307,7 +309,7 @@ std::vector<double> supernodal_work(const SupernodalFactor& factor)
     std::vector<double> work(factor.supernodes, 0.0);
     for (int s = 0; s < factor.supernodes; ++s) {
         const double columns = factor.columns(s), height = factor.height(s);
-        work[s] += columns * columns * height; // up to a third too many
+        work[s] += columns * columns * height; // an estimate, up to a third too high
         const int* rows = factor.rows_of(s);
         for (int r = factor.columns(s); r < factor.height(s); ++r)
             work[tree.owner[rows[r]]] += 2 * columns * (height - r);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bodies of LaneKernels, compiled once for each set of instructions. Only code of this file may be seen
-// by a compiler that uses wider instructions: an inline function shared with other files could end up there,
-// too.
+// The bodies of LaneKernels, compiled once for each set of instructions. Nothing else may be compiled with
+// wider instructions: the linker could take an inline function from here for other files, too.
 
 #include "native/core/simd/lane_types.inl"
 
@@ -9,9 +8,9 @@ namespace {
 
 using sinew::LaneSupernode;
 
-// A supernode's own points stand as they come, x, y, z and one to spare; the rows that its columns meet stand
-// in blocks of eight rows, first their x, then their y, ...: then a vector holds one coordinate of several
-// rows, which lie side by side in the factor, too, and no lane is to spare.
+// A supernode's own points are stored one after the other, with x, y, z and an unused number. The rows below
+// are stored in blocks of eight: first the x of all eight, then their y, and so on. A vector then has one
+// coordinate of several rows, which are neighbours in the factor, too, and no lane is unused.
 
 constexpr int eight = 8;
 
@@ -29,7 +28,7 @@ struct WideOf<float>
     typedef float type __attribute__((vector_size(32), aligned(4)));
 };
 template <class T>
-using Wide = typename WideOf<T>::type; ///< some of eight rows
+using Wide = typename WideOf<T>::type; ///< one coordinate of several of the eight rows
 template <class T>
 inline Wide<T> load_wide(const T* from)
 {
@@ -96,8 +95,8 @@ inline void clear(T* numbers, std::ptrdiff_t count)
         numbers[k] = T(0);
 }
 
-/// Many columns are read at once, or blocks too short for the processor to see where the reading goes: what
-/// comes one block of columns later is fetched into the second cache, and at least some kilobytes ahead.
+/// How many numbers ahead to fetch into the second-level cache: one block of columns, within bounds. A
+/// processor does not foresee these reads, as they come from many columns at once, or from short blocks.
 template <class T>
 inline std::ptrdiff_t fetched_ahead(int height)
 {
@@ -138,7 +137,8 @@ inline void subtract_product(const T* L, std::ptrdiff_t stride, int columns, int
     }
 }
 
-/// points -= L^T rows for a few columns, each sum in a vector of its own until the end.
+/// points -= L^T rows for a few columns. Each column has its own vector of sums, which is added up at the
+/// end.
 template <int lanes, int columns, class T>
 inline void subtract_dots(const T* L, std::ptrdiff_t stride, int height, const T* rows, T* points,
                           std::ptrdiff_t ahead)
@@ -159,7 +159,7 @@ inline void subtract_dots(const T* L, std::ptrdiff_t stride, int height, const T
         }
     Lanes<T> point[4] = {};
     for (int k = 0; k < lanes; ++k) {
-        Lanes<T> across[4]; // beyond the columns nobody looks
+        Lanes<T> across[4]; // only the first `columns` are used
         for (int c = 0; c < 4; ++c)
             across[c] = folded(sum[least(c, columns - 1)][k]);
         transpose(across[0], across[1], across[2], across[3]);
@@ -170,12 +170,12 @@ inline void subtract_dots(const T* L, std::ptrdiff_t stride, int height, const T
         store(points + 4 * c, load(points + 4 * c) - point[c]);
 }
 
-/// points -= L^T rows, the last columns first; `rows` is zero past `height`.
+/// points -= L^T rows, from the last column to the first; `rows` is zero past `height`.
 template <int lanes, class T>
 inline void subtract_transposed(const T* L, std::ptrdiff_t stride, int columns, int height, const T* rows,
                                 T* points, std::ptrdiff_t ahead)
 {
-    constexpr int together = lanes == 3 ? 4 : 2; // their sums stay in registers
+    constexpr int together = lanes == 3 ? 4 : 2; // so many columns that their sums stay in registers
     int first = columns / together * together;
     switch (columns - first) {
     case 3:
@@ -194,8 +194,7 @@ inline void subtract_transposed(const T* L, std::ptrdiff_t stride, int columns, 
     }
 }
 
-// The inverse of a triangle, four rows at a time: four sums grow side by side, where one alone would wait for
-// each addition.
+// Products with the inverse of a triangle, for `count` rows at a time, whose sums do not wait for each other.
 
 template <int count, class T>
 inline void triangle_rows(const T* block, std::ptrdiff_t stride, int first, const T* diagonal, T* points)
@@ -237,7 +236,7 @@ inline void triangle_columns(const T* block, std::ptrdiff_t stride, int first, i
         store(points + 4 * (first + k), sum[k]);
 }
 
-/// points = T points
+/// points = T points, where T is the inverse of the triangle of a block
 template <class T>
 inline void triangle(const T* block, std::ptrdiff_t stride, int columns, const T* diagonal, T* points)
 {
@@ -257,7 +256,7 @@ inline void triangle(const T* block, std::ptrdiff_t stride, int columns, const T
         triangle_rows<4>(block, stride, first -= 4, diagonal, points);
 }
 
-/// points = T^T points
+/// points = T^T points, with the same T
 template <class T>
 inline void triangle_transposed(const T* block, std::ptrdiff_t stride, int columns, const T* diagonal,
                                 T* points)
@@ -278,7 +277,7 @@ inline void triangle_transposed(const T* block, std::ptrdiff_t stride, int colum
     }
 }
 
-/// Four rows of their blocks as points; the fourth lane is zero where there are three.
+/// Four rows, from blocks of eight to points. The fourth lane is zero if there are three lanes.
 template <int lanes, class T>
 inline void to_points(const T* rows, int r, Lanes<T> (&point)[4])
 {
@@ -305,7 +304,8 @@ inline void forward(const LaneSupernode<T>& s, T* own, T* points, int inside, T*
     const int rest = s.height - s.width;
     const std::ptrdiff_t ahead = fetched_ahead<T>(s.height);
     T* const below = workspace;
-    T* const beside = below + static_cast<std::ptrdiff_t>(in_eights(rest)) * lanes; // own later columns
+    T* const beside =
+        below + static_cast<std::ptrdiff_t>(in_eights(rest)) * lanes; // for its own later columns
     clear(below,
           static_cast<std::ptrdiff_t>(in_eights(rest) + (s.width > width ? in_eights(s.width) : 0)) * lanes);
     Lanes<T> point[4];

@@ -7,7 +7,8 @@ namespace sinew {
 
 namespace {
 
-/// Sums of mixed indices, so that no copy of the pattern is kept. visit(c, entry) calls entry(row).
+/// A digest of a pattern of n columns, as a sum of hashed indices. visit(c, entry) calls entry(row) for each
+/// entry of column c.
 template <class Visit>
 std::uint64_t digest_of(int columns, Visit&& visit)
 {

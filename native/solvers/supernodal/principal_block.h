@@ -8,20 +8,21 @@
 
 namespace sinew {
 
-/// The rows and columns `unknowns` of a symmetric matrix, read where they stand: a factorisation needs no
-/// copy of them. Those that are not `free` stand as rows and columns of the identity.
+/// A view of the rows and columns `unknowns` of a symmetric matrix, so that a factorisation needs no copy of
+/// them. Those of them that are not `free` are rows and columns of the identity.
 class PrincipalBlock
 {
 public:
-    /// \param matrix    (n, n) both triangles stored.
-    /// \param unknowns  ascending. All three are kept by reference.
-    /// \param free      (n)
+    /// Keeps references to all three.
+    /// \param matrix    (n, n) with both triangles stored.
+    /// \param unknowns  rows of the matrix, ascending.
+    /// \param free      (n) whether each row of the matrix is unknown.
     PrincipalBlock(const SparseMatrix& matrix, const std::vector<int>& unknowns,
                    const std::vector<bool>& free);
 
     int size() const { return static_cast<int>(unknowns_.size()); }
 
-    /// visit(unknown, value) for the entries of a column that may differ from zero.
+    /// Calls visit(unknown, value) for each entry of a column that may differ from zero.
     template <class Visit>
     void column(int unknown, Visit&& visit) const
     {
@@ -35,9 +36,9 @@ public:
                 visit(place_[it.row()], it.value());
     }
 
-    /// The block for itself. Rows of the identity keep their pattern, with zeros.
+    /// The block as a matrix. Rows of the identity keep the pattern of the matrix, with zeros.
     SparseMatrix copy() const;
-    /// Of the pattern of copy().
+    /// A digest of the pattern of copy().
     std::uint64_t digest() const;
     VectorX diagonal() const;
 
@@ -45,10 +46,10 @@ private:
     const SparseMatrix& matrix_;
     const std::vector<int>& unknowns_;
     const std::vector<bool>& free_;
-    std::vector<int> place_; ///< (n) unknown of a row, or -1
+    std::vector<int> place_; ///< (n) the index of each row in `unknowns`, or -1
 };
 
-/// Of the pattern alone.
+/// A digest of the pattern.
 std::uint64_t digest(const SparseMatrix& matrix);
 
 } // namespace sinew

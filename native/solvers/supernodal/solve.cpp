@@ -17,7 +17,7 @@ namespace {
 
 constexpr int block_width = LaneSupernode<double>::triangle_width;
 constexpr int most_subtrees = 16;
-constexpr double least_parallel = 1.5e5; ///< factor entries; below, one thread is faster
+constexpr double least_parallel = 1.5e5; ///< entries of the factor; for fewer, one thread is faster
 
 } // namespace
 
@@ -31,12 +31,12 @@ struct SupernodalSolve<T>::Impl
         int first_column, last_column;
     };
 
-    /// Reused by later solves; several at once each take their own.
+    /// Kept for later solves; each of several solves at once has its own.
     struct Workspace
     {
-        std::vector<T> points;            ///< (n) lanes in elimination order, for solve()
-        std::vector<std::vector<T>> sums; ///< one a subtree: lanes of the unknowns above all subtrees
-        std::vector<std::vector<T>> spaces; ///< of the kernels: one a subtree, the last for the top
+        std::vector<T> points;            ///< (n) points of four lanes in the order of elimination
+        std::vector<std::vector<T>> sums; ///< one per subtree: its contributions to the unknowns on top
+        std::vector<std::vector<T>> spaces; ///< for the kernels: one per subtree, and one for the top
     };
 
     explicit Impl(const BasicSupernodalFactor<T>& factor)
@@ -50,7 +50,7 @@ struct SupernodalSolve<T>::Impl
     int height(int s) const { return f.height(s); }
     T* block(int s) const { return f.block(s); }
 
-    /// Of the chosen supernodes; of all where none are named.
+    /// For the chosen supernodes, or for all if `chosen` is empty.
     void invert_diagonal_blocks(const std::vector<char>& chosen)
     {
         reciprocals.resize(f.size);
@@ -66,7 +66,8 @@ struct SupernodalSolve<T>::Impl
         });
     }
 
-    /// The inverse of a lower triangle: its diagonal, and transposed above L's diagonal its strict part.
+    /// Inverts a lower triangle L. The diagonal of the inverse goes to `diagonal`, its strict part transposed
+    /// above the diagonal of L.
     static void invert(T* L, int stride, int width, T* diagonal)
     {
         for (int i = 0; i < width; ++i) {
@@ -80,7 +81,7 @@ struct SupernodalSolve<T>::Impl
         }
     }
 
-    /// Parts of the tree of equal weight; what is left on top is done alone.
+    /// Cuts the tree into subtrees of similar weight, which run in parallel, and supernodes on top of them.
     void choose_subtrees()
     {
         std::vector<double> entries(f.supernodes);
@@ -105,7 +106,7 @@ struct SupernodalSolve<T>::Impl
         return {block(s), reciprocals.data() + f.first[s], f.rows_of(s) + columns(s), columns(s), height(s)};
     }
 
-    /// The rows from `inside` on add to `sums`.
+    /// The contributions to rows from `inside` on go to `sums`.
     void forward(int s, int lanes, T* points, int inside, T* sums, T* space) const
     {
         kernels.forward(supernode(s), lanes, points + lane_count * static_cast<std::size_t>(f.first[s]),
@@ -173,8 +174,8 @@ struct SupernodalSolve<T>::Impl
         });
     }
 
-    /// fill(points) writes the right sides, four lanes a point in the order of elimination, and read(points)
-    /// finds the solutions there.
+    /// fill(points) writes the right-hand sides as points of four lanes in the order of elimination;
+    /// read(points) gets the solutions in the same layout.
     template <class Fill, class Read>
     void run(int lanes, Fill&& fill, Read&& read) const
     {
@@ -186,7 +187,7 @@ struct SupernodalSolve<T>::Impl
         read(points);
     }
 
-    /// body(unknown, lanes) for each point.
+    /// Calls body(unknown, lanes) for each point.
     template <class Body>
     void each(T* points, const Body& body) const
     {
@@ -198,10 +199,10 @@ struct SupernodalSolve<T>::Impl
 
     BasicSupernodalFactor<T> f;
     const LaneKernels<T>& kernels;
-    std::vector<T> reciprocals; ///< of the diagonal
+    std::vector<T> reciprocals; ///< of the diagonal of the factor
     std::vector<Subtree> subtrees;
     std::vector<char> on_top;
-    std::vector<int> top_position; ///< of each column on top among all such, else -1
+    std::vector<int> top_position; ///< the place of each column among those on top, or -1
     int top_count = 0;
     mutable Pool<Workspace> workspaces;
 };

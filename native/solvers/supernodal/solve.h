@@ -12,10 +12,10 @@ namespace sinew {
 
 /// Triangular solves with a supernodal factor of doubles or floats for up to four right-hand sides at once.
 ///
-/// A solve reads the factor twice; each value read serves all columns. Subtrees of the elimination tree
-/// run in parallel, and what they add to the unknowns above them is summed in a fixed order: the result
-/// does not depend on the number of threads. Blocks of the diagonal are inverted beforehand, in place of
-/// their unused upper triangles, so that no chain of divisions stalls the solve.
+/// A solve reads the factor twice, and uses each value for all right-hand sides. Subtrees of the elimination
+/// tree run in parallel. Their contributions to the unknowns above them are summed in a fixed order, so the
+/// result does not depend on the number of threads. The constructor inverts blocks of the diagonal and stores
+/// the inverses in the unused upper triangles, so that a solve does not wait for divisions.
 ///
 ///   call         cost
 ///   constructor  O(n b^2) for blocks of b = 16 columns
@@ -27,15 +27,18 @@ public:
     explicit SupernodalSolve(const BasicSupernodalFactor<T>& factor);
     ~SupernodalSolve();
 
-    /// After other values were computed in the `chosen` supernodes; no solve may run meanwhile.
+    /// Call this after the values of the `chosen` supernodes have changed, while no solve runs.
     void renew(const std::vector<char>& chosen);
 
-    /// X = A^-1 B; (n, k) with k <= 4. Safe from several threads; keeps its workspace.
+    /// X = A^-1 B, for (n, k) right-hand sides with k <= 4. Several threads may call it at once. The
+    /// workspace is kept for later calls.
     void solve(const MatrixX& rhs, MatrixX& solution) const;
     /// The same in place for columns [first, first + k) of x, k <= 4.
     void solve_rows(RowMatrix& x, int first, int k) const;
-    /// The same on (n) points of four lanes in elimination order, of which the first k are solved, at least
-    /// three: `fill` writes B, `read` gets X.
+    /// The same for (n) points of four lanes in the order of elimination. The first k lanes are solved, or
+    /// three if k is less.
+    /// \param fill  writes B.
+    /// \param read  gets X.
     void sweep(int k, const std::function<void(T* points)>& fill,
                const std::function<void(const T* points)>& read) const;
 

@@ -28,7 +28,7 @@ SupernodalSplit split(const SupernodalTree& tree, std::vector<double> weights, i
     std::vector<int> start(supernodes), chosen;
     std::vector<std::vector<int>> children(supernodes);
     std::iota(start.begin(), start.end(), 0);
-    for (int s = 0; s < supernodes; ++s) { // children come first
+    for (int s = 0; s < supernodes; ++s) { // children come before their parents
         const int above = tree.parent[s];
         if (above < 0) {
             chosen.push_back(s);
@@ -52,7 +52,7 @@ SupernodalSplit split(const SupernodalTree& tree, std::vector<double> weights, i
         }
     }
     std::sort(chosen.begin(), chosen.end());
-    // Neighbours join until each part has its share.
+    // Neighbouring subtrees are joined until each part has its share of the weight.
     double gathered = 0;
     for (const int root : chosen) {
         const bool adjoins = !result.parts.empty() && result.parts.back().end == start[root];

@@ -5,11 +5,12 @@
 
 namespace sinew {
 
-/// A supernodal Cholesky factor P A P^T = L L^T that somebody else owns and keeps.
+/// A view of a supernodal Cholesky factor P A P^T = L L^T.
 ///
-/// Supernode s has columns [first[s], first[s + 1]) and the rows rows[row_begin[s], row_begin[s + 1]), its
-/// own columns first, ascending; its values stand column-major at values + block_begin[s], one row a line.
-/// `padding` finite numbers stand behind the last value: whoever reads several rows at once reads past it.
+/// Supernode s has the columns [first[s], first[s + 1]) and the rows rows[row_begin[s]] to rows[row_begin[s +
+/// 1] - 1], ascending, of which the first are its own columns. Its values are at values + block_begin[s],
+/// column-major. `padding` finite numbers follow the last value, as kernels that read several rows at once
+/// read past it.
 template <class T>
 struct BasicSupernodalFactor
 {
@@ -17,12 +18,12 @@ struct BasicSupernodalFactor
 
     int size = 0;
     int supernodes = 0;
-    const int* permutation = nullptr; ///< (size) unknown of each position
+    const int* permutation = nullptr; ///< (size) the unknown at each position
     const int* first = nullptr;
     const int* row_begin = nullptr;
     const int* block_begin = nullptr;
     const int* rows = nullptr;
-    T* values = nullptr; ///< the strict upper triangles of the diagonal blocks are ours to use
+    T* values = nullptr; ///< the strict upper triangles of the diagonal blocks may be overwritten
 
     int columns(int s) const { return first[s + 1] - first[s]; }
     int height(int s) const { return row_begin[s + 1] - row_begin[s]; }
@@ -35,26 +36,26 @@ using SupernodalFactor = BasicSupernodalFactor<double>;
 /// The elimination tree of the supernodes. They are numbered in postorder.
 struct SupernodalTree
 {
-    std::vector<int> owner;  ///< (size) supernode of each column
-    std::vector<int> parent; ///< (supernodes) -1 for a root
+    std::vector<int> owner;  ///< (size) the supernode of each column
+    std::vector<int> parent; ///< (supernodes) the parent of each supernode, -1 for a root
 
     template <class T>
     explicit SupernodalTree(const BasicSupernodalFactor<T>& factor);
 };
 
-/// The tree cut into subtrees that do not need each other, and what is left above them.
+/// The tree, cut into independent parts and the supernodes on top of them.
 struct SupernodalSplit
 {
-    /// Supernodes [begin, end) with everything below them: some neighbouring subtrees.
+    /// Supernodes [begin, end): some neighbouring subtrees.
     struct Part
     {
         int begin, end;
     };
     std::vector<Part> parts;
-    std::vector<char> on_top; ///< (supernodes)
+    std::vector<char> on_top; ///< (supernodes) whether each is on top
 };
 
-/// Cuts at the heaviest until no part is above 1/count of the total weight.
+/// Cuts the heaviest subtree until none has more than 1/count of the total weight.
 SupernodalSplit split(const SupernodalTree& tree, std::vector<double> weights, int count);
 
 } // namespace sinew

@@ -14,7 +14,7 @@ namespace sinew {
 
 namespace {
 
-/// Vertices of the edges that the faces do not run along equally often in both directions, ascending.
+/// The vertices, ascending, of the edges along which faces run more often in one direction than in the other.
 std::vector<int> unbalanced_vertices(const SurfaceMesh& mesh)
 {
     struct Side
@@ -69,7 +69,7 @@ Cage::Cage(SurfaceMesh rest)
         throw InvalidMesh("the cage is open, or neighbouring faces look to different sides, at vertices " +
                               list_some(unbalanced) + ": close it and recalculate its normals",
                           Error::Element::vertex, unbalanced);
-    // Rounding leaves a flat cage some 1e-16 of the cube of its size.
+    // Due to rounding, a flat cage may have a volume of some 1e-16 of the cube of its size.
     if (const double enclosed = volume(rest_); !(enclosed > 1e-14 * size_ * size_ * size_)) {
         std::vector<int> all(static_cast<std::size_t>(rest_.face_count()));
         std::iota(all.begin(), all.end(), 0);

@@ -5,23 +5,24 @@
 
 namespace sinew {
 
-/// What becomes of points outside the cage, where a method has no weights.
+/// What to do with points outside the cage, where a method has no weights.
 enum class CageOutside {
-    refuse,    ///< bind() names them
-    mean_value ///< they get the weights of MeanValue; a warp jumps where the cage is crossed
+    refuse,    ///< bind() throws an error that names them
+    mean_value ///< they get the weights of MeanValue; a warp is not continuous across the cage
 };
 
 /// A closed control mesh around, within or beside the points that it moves.
 ///
-/// Faces of any size and any number of parts. Coordinates are written on the triangles that SurfaceMesh
-/// cuts its faces into, but where a method says otherwise. Faces look outwards: the enclosed volume is
-/// positive.
+/// It has faces of any size, and any number of parts. Coordinates are defined on the triangles that
+/// SurfaceMesh cuts its faces into, unless a method says otherwise. Faces look outwards, so the enclosed
+/// volume is positive.
 class Cage
 {
 public:
-    /// \throw InvalidMesh  no face; an edge that its faces do not run along equally often in both directions
-    ///                     (an open or an inconsistently oriented one; the vertices of such edges are named);
-    ///                     a volume of zero or less, faces named: the cage is flat or inside out.
+    /// \throw InvalidMesh  there is no face; or faces run along an edge more often in one direction than in
+    ///   the other, which means that the cage is open or that neighbouring faces look to different sides (the
+    ///   vertices of such edges are named); or the volume is not positive, which means that the cage is flat
+    ///   or inside out (faces are named).
     explicit Cage(SurfaceMesh rest);
 
     const SurfaceMesh& rest() const { return rest_; }
@@ -31,8 +32,7 @@ public:
     /// Diagonal of the box around the rest vertices.
     double size() const { return size_; }
 
-    /// \throw InvalidConstraint  `vertices` are not as many as the cage has, or one is not finite; they are
-    /// named.
+    /// \throw InvalidConstraint  there are more or fewer vertices than the cage has, or some are not finite.
     void check_pose(PointsView vertices) const;
 
 private:

@@ -11,7 +11,7 @@ namespace sinew {
 /// What every cage method shares: its control is the vertices of a closed mesh.
 ///
 ///   call          repeat it when ...            cost
-///   constructor   the rest cage changed         O(cage), harmonic: its boundary system
+///   constructor   the rest cage changed         O(cage)
 ///   bind()        the points changed            O(points x cage)
 ///   warp()        the cage moved                one (n, k) x (k, 3) product
 class CageCoordinates : public LinearSpaceMethod

@@ -16,16 +16,17 @@ namespace sinew {
 
 namespace {
 
-/// Squares of distances: of what a point that touches may touch, and of what rounding makes of none.
+/// Squares of distances. A point on the cage touches all triangles within `touched`; a distance below
+/// `rounding` may be due to rounding alone.
 constexpr double touched = 1e-25, rounding = 1e-29;
 
-/// s n' of a triangle with rest sides u, v: the paper's equation 9.
+/// s n' of a triangle with the rest sides u and v, by the paper's equation 9.
 Vector3 stretched_normal(const Vector3& u, const Vector3& v, Vector3 to_u, Vector3 to_v)
 {
     const double scale = std::max(to_u.cwiseAbs().maxCoeff(), to_v.cwiseAbs().maxCoeff());
     if (!(scale > 0.0))
         return Vector3::Zero();
-    to_u /= scale, to_v /= scale; // poses of any size: squares of squares below
+    to_u /= scale, to_v /= scale; // what follows has fourth powers, which could overflow
     const Vector3 area = to_u.cross(to_v);
     const double double_area = area.norm();
     if (!(double_area > 1e-14))
@@ -86,15 +87,15 @@ void Green::controls(PointsView vertices, Points& controls) const
     }
 }
 
-/// What the kernels tell of some points side by side.
-struct Green::Told
+/// The results of the kernels for one vector of points.
+struct Green::KernelResults
 {
     const std::size_t lanes = static_cast<std::size_t>(widest_kernels<CageKernels>().lanes);
     AlignedVector<double> scratch, phi, psi;
     std::array<double, most_cage_lanes> winding;
     int touching = 0;
 
-    explicit Told(const CageGeometry& geometry)
+    explicit KernelResults(const CageGeometry& geometry)
         : scratch(geometry.scratch_size(widest_kernels<CageKernels>())),
           phi(lanes * static_cast<std::size_t>(geometry.tables().vertex_count)),
           psi(lanes * static_cast<std::size_t>(geometry.tables().triangle_count))
@@ -112,20 +113,21 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
     const CageTables tables = geometry_.tables();
     const int vertices = cage().vertex_count(), count = static_cast<int>(block.rows());
     const int lanes = widest_kernels<CageKernels>().lanes;
-    Told together(geometry_), alone(geometry_);
+    KernelResults together(geometry_), alone(geometry_);
     rows.setZero(count, columns());
     outside.assign(static_cast<std::size_t>(count), 0);
     for (int first = 0; first < count; first += lanes) {
         std::array<Vector3, most_cage_lanes> x;
         PointLanes points(widest_kernels<CageKernels>());
         for (int lane = 0; lane < lanes; ++lane) {
-            x[lane] = geometry_.within_reach(geometry_.seen(block.row(std::min(first + lane, count - 1))));
+            x[lane] =
+                geometry_.within_reach(geometry_.normalized(block.row(std::min(first + lane, count - 1))));
             points.set(lane, x[lane]);
         }
         together.run(tables, points);
         for (int lane = 0; lane < std::min(lanes, count - first); ++lane) {
-            const Told* from = &together;
-            // On a face rounding says on which side a point lies: inside it is.
+            const KernelResults* from = &together;
+            // For a point on a face, rounding decides on which side it seems to lie. It counts as inside.
             const bool touches = (together.touching >> lane & 1) ||
                                  (std::round(together.winding[lane]) == 0.0 && is_on_cage(x[lane]));
             if (touches) {

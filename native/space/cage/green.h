@@ -6,18 +6,18 @@
 
 namespace sinew {
 
-/// What becomes of points outside, where Green's identity gives nothing.
+/// What to do with points outside, where Green's identity gives nothing.
 enum class GreenOutside {
-    nearest, ///< continued through the triangle nearest to each point
-    face,    ///< continued through one triangle, the same for all points
-    refuse   ///< they are an error that names them
+    nearest, ///< the map is continued through the triangle nearest to each point
+    face,    ///< the map is continued through one triangle, the same for all points
+    refuse   ///< bind() throws an error that names them
 };
 
 struct GreenOptions
 {
     PointWeightOptions weights;
     GreenOutside outside = GreenOutside::nearest;
-    int exit_face = -1; ///< of the cage, for GreenOutside::face
+    int exit_face = -1; ///< the face of the cage that GreenOutside::face uses
 };
 
 /// Green coordinates of a closed triangle mesh.
@@ -27,57 +27,58 @@ struct GreenOptions
 ///
 ///     x' = sum_v phi_v(x) v' + sum_t psi_t(x) s_t n'_t
 ///
-/// phi and psi by Green's third identity, n'_t the normal of the deformed triangle t and s_t its stretch (the
-/// paper's equation 9), which is 1 where the triangle is turned and moved alone. Shapes are kept instead of
-/// following shears: similarities are reproduced, other affine maps are not.
+/// phi and psi come from Green's third identity, n'_t is the normal of the deformed triangle t and s_t its
+/// stretch (the paper's equation 9), which is 1 if the triangle is only rotated and translated. The
+/// coordinates keep shapes and do not follow shears: they reproduce similarities, but no other affine maps.
 ///
-/// With h, p_k, H_k, m_k as for MeanValue, l_k the integral of 1 / |y - x| over side k (one logarithm an
-/// edge) and Omega the triangle's solid angle (one arc tangent a triangle),
+/// With h, p_k, H_k, m_k as for MeanValue, l_k the integral of 1 / |y - x| over side k (one logarithm per
+/// edge) and Omega the solid angle of the triangle (one arc tangent per triangle),
 ///
 ///     4 pi psi = sum_k p_k l_k - h Omega,    4 pi phi_k = (p_k Omega + h sum_j (m_k . m_j) l_j) / H_k
 ///
-/// to 1e-12, however near the faces, edges and vertices; a point nearer than 1e-13 of the cage's size to an
-/// edge or vertex takes the coordinates of one 1e-12 further in.
+/// They are accurate to 1e-12, however near x is to the faces, edges and vertices. A point nearer to an edge
+/// or vertex than 1e-13 of the cage's size takes the coordinates of a point 1e-12 further inside.
 ///
-/// Inside, phi sums to 1; outside to 0, and x' would be 0. The paper continues the map through a face t (its
-/// section 5): x = sum alpha_v v + beta n_t over the corners of t, and alpha and beta are added to phi and
-/// psi. Crossing t the map is then analytic. Through another face it is another map once the cage is
-/// deformed: with GreenOutside::nearest, points move apart where the nearest triangle changes, the less the
-/// nearer they are to the cage. Where parts of the cage overlap, phi and psi are divided by how often they
-/// wind around x.
+/// Inside, phi sums to 1. Outside, it sums to 0, and x' would be 0. The paper therefore continues the map
+/// through a face t (its section 5): x = sum alpha_v v + beta n_t over the corners of t, and alpha and beta
+/// are added to phi and psi. The map is then analytic across t. Through another face it is another map once
+/// the cage is deformed: with GreenOutside::nearest, neighbouring points may move apart where the nearest
+/// triangle changes; the nearer they are to the cage, the less. Where parts of the cage overlap, phi and psi
+/// are divided by how often they wind around x.
 ///
-/// A point farther than 1,000 sizes of the cage takes the coordinates of the one at 1,000 sizes on its way to
-/// the centre. A triangle without area, height below 1e-8 of the cage's size, has no psi. One that a pose
-/// leaves without area has no normal: its s n' is 0, for as long as it is so.
+/// A point farther from the centre of the cage than 1,000 of its sizes takes the coordinates of the point at
+/// 1,000 sizes in the same direction. A triangle without area (its height is below 1e-8 of the cage's size)
+/// has no psi. While a pose leaves a triangle without area, it has no normal, and its s n' is 0.
 class Green : public CageCoordinates
 {
 public:
-    /// \throw InvalidOption  exit_face is no face of the cage, or none of its triangles has an area.
+    /// \throw InvalidOption  exit_face is no face of the cage, or has no area.
     explicit Green(Cage cage, const GreenOptions& options = {});
 
-    /// (n, t) psi of each triangle that the cage's faces are cut into, in the cage's units of length.
+    /// (n, t) psi of each triangle that the cage's faces are cut into, in the unit of length of the cage.
     RowMatrix face_weights() const;
 
 protected:
     void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     int columns() const override;
-    /// The vertices, then s n' of each triangle times the cage's size: weights have no unit.
+    /// The vertices, then s n' of each triangle, multiplied by the cage's size so that the weights have no
+    /// unit.
     void controls(PointsView vertices, Points& controls) const override;
     bool reaches_outside() const override { return options_.outside != GreenOutside::refuse; }
 
 private:
-    struct Told;
-    /// Adds the continuation through a triangle to the row of a point outside.
+    struct KernelResults;
+    /// Adds alpha and beta to the row of a point outside.
     template <class Row>
     void continue_through(const Vector3& x, Row&& row) const;
     bool is_on_cage(const Vector3& x) const;
-    /// A point on the cage, moved a little into it.
+    /// The point of the cage x, moved a little into the cage.
     Vector3 moved_in(const Vector3& x) const;
 
     CageGeometry geometry_;
     GreenOptions options_;
-    int exit_ = -1; ///< of the geometry's triangles
+    int exit_ = -1; ///< the triangle of the geometry that GreenOutside::face uses
 };
 
 } // namespace sinew

@@ -17,16 +17,17 @@ namespace sinew {
 
 namespace {
 
-/// Where the elements' three to six unknowns a triangle cost a lattice's time and err more than it does.
+/// For more triangles, boundary elements with their three to six unknowns per triangle take as long as a
+/// lattice and are less accurate.
 constexpr int most_triangles = 600;
-constexpr int checked_points = 200; ///< for the estimate of the error
-constexpr int most_mends = 60;
-constexpr double faintest = 1e-12; ///< weight that a vertex cut off has where it is needed
+constexpr int checked_points = 200; ///< number of points for the estimate of the error
+constexpr int most_newton_steps = 60;
+constexpr double least_weight = 1e-12; ///< the least weight of a vertex before correct_near_cage()
 
 struct Budget
 {
-    int unknowns; ///< of the elements, at most
-    int cells;    ///< of the lattice, along the longest side of the box around the cage
+    int unknowns; ///< largest number of unknowns of the boundary elements
+    int cells;    ///< cells of the lattice along the longest side of the box around the cage
 };
 
 Budget budget(HarmonicQuality quality)
@@ -136,7 +137,8 @@ void Harmonic::solve_boundary(PointsView points, const Progress& progress)
         unknowns_ = boundary_->unknowns();
     }
 
-    // A pattern of half the unknowns errs two to three times as much, so the difference is about its error.
+    // The error of a pattern with half the unknowns is two to three times as large. So the difference between
+    // the two is about as large as the error of the finer one, or larger.
     const int step = static_cast<int>(points.rows()) / checked_points + 1;
     Points some((points.rows() + step - 1) / step, 3);
     for (Eigen::Index i = 0; i < some.rows(); ++i)
@@ -161,7 +163,7 @@ void Harmonic::evaluate(int first, PointsView block, RowMatrix& rows, std::vecto
                    block.rows(), cage().vertex_count())
                    .cast<double>();
         outside.assign(grid_->inside.begin() + first, grid_->inside.begin() + first + block.rows());
-        settle(block, rows, outside);
+        complete(block, rows, outside);
     } else {
         outside = evaluate(*boundary_, block, rows);
     }
@@ -178,12 +180,13 @@ std::vector<char> Harmonic::evaluate(const HarmonicBoundary& boundary, PointsVie
     std::vector<char> inside(winding.size());
     for (std::size_t i = 0; i < winding.size(); ++i)
         inside[i] = std::abs(winding[i] - 1.0) < 0.5;
-    settle(block, rows, inside);
+    complete(block, rows, inside);
     return inside;
 }
 
-/// Sets the data at points on the cage, which count as inside, and mends the weights of the others there.
-void Harmonic::settle(PointsView block, RowMatrix& rows, std::vector<char>& inside) const
+/// Sets the rows of points on the cage, which count as inside, to the data, and corrects those of other
+/// points inside.
+void Harmonic::complete(PointsView block, RowMatrix& rows, std::vector<char>& inside) const
 {
     std::vector<int> within;
     for (Eigen::Index i = 0; i < block.rows(); ++i) {
@@ -197,12 +200,12 @@ void Harmonic::settle(PointsView block, RowMatrix& rows, std::vector<char>& insi
             within.push_back(static_cast<int>(i));
         }
     }
-    mend(block, within, rows);
+    correct(block, within, rows);
 }
 
-/// Negative weights become 0. With z the places of the vertices about the point, factors 1 + a . z whose a
-/// solves (sum w z z^T) a = e - sum w z restore sum and linear precision. All moments are one product.
-void Harmonic::mend(PointsView block, const std::vector<int>& inside, RowMatrix& rows) const
+/// Sets negative weights to 0. With z = (1, v - x), factors 1 + a . z, where a solves (sum w z z^T) a = e -
+/// sum w z, restore the sum and linear precision. One matrix product gives the moments of all points.
+void Harmonic::correct(PointsView block, const std::vector<int>& inside, RowMatrix& rows) const
 {
     RowMatrix weights(static_cast<Eigen::Index>(inside.size()), rows.cols());
     for (std::size_t k = 0; k < inside.size(); ++k)
@@ -214,7 +217,7 @@ void Harmonic::mend(PointsView block, const std::vector<int>& inside, RowMatrix&
         for (int i = 0, column = 0; i < 4; ++i)
             for (int j = i; j < 4; ++j)
                 about_middle(i, j) = about_middle(j, i) = moments(k, column++);
-        Eigen::Matrix4d shift = Eigen::Matrix4d::Identity(); // of the middle to the point
+        Eigen::Matrix4d shift = Eigen::Matrix4d::Identity(); // takes moments about the middle to the point
         shift.col(0).tail<3>() =
             (middle_ - block.row(inside[static_cast<std::size_t>(k)]).transpose()) / cage().size();
         const Eigen::Matrix4d about_point = shift * about_middle * shift.transpose();
@@ -226,20 +229,21 @@ void Harmonic::mend(PointsView block, const std::vector<int>& inside, RowMatrix&
     for (std::size_t k = 0; k < inside.size(); ++k) {
         const auto kept = weights.row(static_cast<Eigen::Index>(k));
         const auto by = factors.row(static_cast<Eigen::Index>(k)).array();
-        // A weight of 0 stays, whatever its factor.
+        // A weight of 0 stays 0 with any factor.
         const bool gentle = ((kept.array() <= 0.0) || (by >= -0.5)).all();
         auto row = rows.row(inside[k]);
         row = kept;
         if (gentle)
             row.array() *= 1.0 + by;
         else
-            mend_near(block.row(inside[k]).transpose(), row);
+            correct_near_cage(block.row(inside[k]).transpose(), row);
     }
 }
 
-/// Close to the cage the error may exceed what the far vertices weigh. Factors exp(a . z), which are Newton's
-/// steps to the weights of least relative entropy, reach any point between the vertices.
-void Harmonic::mend_near(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const
+/// Close to the cage, the error may be larger than the weights of far vertices, so that factors 1 + a . z
+/// would be negative. Factors exp(a . z) are positive and can reach any point between the vertices. They are
+/// steps of Newton's method to the weights of least relative entropy.
+void Harmonic::correct_near_cage(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const
 {
     const Points& vertices = cage().rest().points();
     const auto arm = [&](Eigen::Index v) {
@@ -247,8 +251,8 @@ void Harmonic::mend_near(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> ro
         homogeneous << 1.0, (vertices.row(v).transpose() - point) / cage().size();
         return homogeneous;
     };
-    row = row.cwiseMax(faintest);
-    for (int step = 0; step < most_mends; ++step) {
+    row = row.cwiseMax(least_weight);
+    for (int step = 0; step < most_newton_steps; ++step) {
         Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
         for (Eigen::Index v = 0; v < row.size(); ++v) {
             const Eigen::Vector4d z = arm(v);

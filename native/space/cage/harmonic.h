@@ -14,16 +14,16 @@ namespace sinew {
 class HarmonicBoundary;
 
 enum class HarmonicQuality {
-    fast,   ///< at most 1000 unknowns of flux; a lattice of 96 steps
-    medium, ///< at most 2000; 160
-    fine,   ///< at most 4100; 256
-    finest  ///< at most 12000: a reference, in minutes and 1.2 GB; 384
+    fast,   ///< at most 1000 unknowns of flux, or a lattice of 96 steps
+    medium, ///< at most 2000 unknowns, or 160 steps
+    fine,   ///< at most 4100 unknowns, or 256 steps
+    finest  ///< at most 12000 unknowns (a reference that takes minutes and 1.2 GB), or 384 steps
 };
 
 enum class HarmonicSolver {
-    automatic, ///< elements up to 600 triangles, beyond them a lattice
-    boundary,  ///< elements on the cage: see HarmonicBoundary
-    lattice    ///< differences inside it: see HarmonicGrid
+    automatic, ///< boundary for up to 600 triangles, lattice for more
+    boundary,  ///< boundary elements on the cage, see HarmonicBoundary
+    lattice    ///< differences on a lattice inside the cage, see HarmonicGrid
 };
 
 struct HarmonicOptions
@@ -39,35 +39,37 @@ struct HarmonicOptions
 /// P. Joshi, M. Meyer, T. DeRose, B. Green, T. Sanocki. "Harmonic Coordinates for Character Articulation."
 /// ACM Transactions on Graphics 26(3), 2007. Tutorial, section 5.4.
 ///
-/// w_v is harmonic inside the cage, and on its faces 1 at v, 0 at the others: linear on triangles and on the
-/// triangles of larger faces, bilinear on parallelograms. On other quads that are plane and convex it is the
-/// quadratic on their halves closest to that; twisted quads are their two triangles. Departs from the paper,
-/// whose grid holds the boundary to a cell. Cages of up to 600 triangles are solved by boundary elements, see
-/// HarmonicBoundary: weights are smooth inside, and the error shrinks with the pattern of panels. Larger
-/// ones, whose system would cost faces^3, are solved on a lattice that knows where it is cut, see
-/// HarmonicGrid. Both are exact on the cage (to 1e-10 of its size).
+/// w_v is harmonic inside the cage. On its faces, w_v is 1 at v and 0 at the other vertices: linear on
+/// triangles and on the triangles that larger faces are cut into, bilinear on parallelograms. On other quads
+/// that are plane and convex it is similar to that, see HarmonicData; twisted quads are cut into two
+/// triangles. Departs from the paper, whose grid has the boundary only to the size of a cell. Cages of up to
+/// 600 triangles are solved by boundary elements, see HarmonicBoundary: weights are smooth inside, and the
+/// error falls with finer patterns of panels. For larger ones that would cost faces^3. They are solved on a
+/// lattice whose lines end exactly on the cage, see HarmonicGrid. Both are exact on the cage (to 1e-10 of its
+/// size).
 ///
-/// Weights are mended: negative ones become 0, and a factor 1 + a . (1, v - x) a weight, with one a of four
-/// numbers a point, gives back sum 1 and linear precision.
+/// The weights of both are then corrected: negative ones become 0, and each is multiplied by 1 + a . (1, v -
+/// x), where a has four numbers per point that restore the sum 1 and linear precision.
 ///
 ///   call          cost
 ///   constructor   O(cage)
-///   bind()        boundary: the first one solves it, O((faces * unknowns a face)^3); O(points x faces)
-///                 lattice: each one, O(steps^3 + vertices x nodes around one); O(points x vertices)
+///   bind()        boundary: O(points x faces); the first call also solves, O((faces x unknowns per face)^3)
+///                 lattice: O(steps^3 + vertices x nodes around a vertex + points x vertices)
 class Harmonic : public CageCoordinates
 {
 public:
     explicit Harmonic(Cage cage, const HarmonicOptions& options = {});
     ~Harmonic() override;
 
-    /// Unknowns of the boundary's flux, or nodes of the lattice; once bound.
+    /// After bind(): the number of unknowns of the flux, or of nodes of the lattice.
     int unknowns() const { return unknowns_; }
-    /// How far the weights miss the data on the cage, once bound: see HarmonicBoundary. 0 on a lattice.
+    /// After bind(): how far the weights are from the data on the cage, see HarmonicBoundary; 0 with a
+    /// lattice.
     double residual_rms() const;
     double residual_max() const;
 
 protected:
-    /// \throw InvalidMesh  boundary: faces without area, or that touch one another; named.
+    /// \throw InvalidMesh  with boundary elements, faces have no area or touch one another.
     double prepare(PointsView points, const Progress& progress) override;
     void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
@@ -78,22 +80,24 @@ protected:
 
 private:
     void solve_boundary(PointsView points, const Progress& progress);
-    /// Rows of points inside; true where a point is.
+    /// Computes the rows of points inside.
+    /// \return whether each point is inside
     std::vector<char> evaluate(const HarmonicBoundary& boundary, PointsView block, RowMatrix& rows) const;
-    void settle(PointsView block, RowMatrix& rows, std::vector<char>& inside) const;
-    void mend(PointsView block, const std::vector<int>& inside, RowMatrix& rows) const;
-    void mend_near(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
+    void complete(PointsView block, RowMatrix& rows, std::vector<char>& inside) const;
+    void correct(PointsView block, const std::vector<int>& inside, RowMatrix& rows) const;
+    void correct_near_cage(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const;
 
     HarmonicOptions options_;
     HarmonicSolver solver_; ///< never automatic
     CageSurface surface_;
     OutsideWeights outside_;
     std::vector<HarmonicData> data_;
-    RowMatrix places_;   ///< (4, vertices) a 1 and the vertex about the cage's middle, in units of its size
-    RowMatrix products_; ///< (vertices, 10) products of these four with each other
+    RowMatrix places_; ///< (4, vertices) 1 and the vertex relative to middle_, in units of the cage's size
+    RowMatrix products_; ///< (vertices, 10) the products of these four with each other
     Vector3 middle_;
-    std::unique_ptr<HarmonicBoundary> boundary_, coarser_;
-    std::unique_ptr<HarmonicGrid::Weights> grid_; ///< of the points that are being bound
+    std::unique_ptr<HarmonicBoundary> boundary_;
+    std::unique_ptr<HarmonicBoundary> coarser_;   ///< for the estimate of the error
+    std::unique_ptr<HarmonicGrid::Weights> grid_; ///< during bind(), the weights of the points
     int unknowns_ = 0;
     double error_ = 0.0;
 };

@@ -11,23 +11,25 @@ namespace sinew {
 /// T. Ju, S. Schaefer, J. Warren. "Mean Value Coordinates for Closed Triangular Meshes." ACM Transactions on
 /// Graphics 24(3), 2005. Tutorial, section 5.4.
 ///
-/// w_v(x) = sum over the triangles at v of the integral of v's hat function / |p - x| over the triangle's
-/// image on the unit sphere around x; weights are w_v / sum w. Sum 1 and linear precision everywhere, on the
-/// cage and outside it too; may be negative where a concave cage is seen through itself.
+/// w_v(x) = sum over the triangles at v of the integral of v's hat function / |p - x| over the image of the
+/// triangle on the unit sphere around x; the weights are w_v / sum w. They sum to 1 and have linear precision
+/// everywhere, also on the cage and outside. They may be negative where, seen from x, one part of a concave
+/// cage hides another.
 ///
-/// Written on the triangle's plane instead of the sphere, with h the height of x below it, p_k its foot's
-/// distance from side k, H_k the height over side k, m_k the normals of the sides and J_k the integral of
-/// 1 / |y - x|^2 over side k (its angle over its distance):
+/// They are computed in the plane of the triangle instead of on the sphere, with h the height of x below it,
+/// p_k the distance of its foot from side k, H_k the height over side k, m_k the normals of the sides, and
+/// J_k the integral of 1 / |y - x|^2 over side k (its angle divided by its distance):
 ///
 ///     w_k = (p_k T + h/2 sum_j (m_k . m_j) J_j) / H_k,    T = sum_j p_j J_j / 2h
 ///
-/// which takes one angle an edge. Near the plane of a triangle beyond whose sides x lies, T is the sum of the
-/// sides' own integrals, where the sum above would lose 1e-16 / h. To 1e-12 within some sizes of the cage,
-/// however near its faces; outside, digits are lost with the cube of the distance (1e-7 at 1,000 sizes), and
-/// a point farther than that takes the weights of the one at 1,000 sizes on its way to the centre.
+/// This takes one angle per edge. Near the plane of a triangle, beside its sides, the sum for T would lose
+/// 1e-16 / h, so T is the sum of separate integrals of the sides there. The weights are accurate to 1e-12
+/// within some sizes of the cage, however near x is to its faces. Farther away, the error grows with the cube
+/// of the distance, to 1e-7 at 1,000 sizes. A point even farther away takes the weights of the point at 1,000
+/// sizes in the same direction.
 ///
-/// A cage that crosses itself inside out may have points where its parts balance, so that weights have no
-/// meaning: these stay at rest, and are reported as outside.
+/// If parts of a cage that crosses itself are inside out, there may be points where sum w is 0 and the
+/// weights have no meaning. Such points stay at rest and are reported as outside.
 class MeanValue : public CageCoordinates
 {
 public:

@@ -50,7 +50,7 @@ void PositiveMeanValue::evaluate(int, PointsView block, RowMatrix& rows, std::ve
             outside[static_cast<std::size_t>(i)] = 1;
             continue;
         }
-        visible_->directed() ? visible_->sampled(x, scratch, row) : visible_->exact(x, scratch, row);
+        visible_->has_directions() ? visible_->sampled(x, scratch, row) : visible_->exact(x, scratch, row);
         rows.row(i) /= rows.row(i).sum();
     }
     outside_.fill(block, outside, rows);

@@ -15,8 +15,8 @@ class VisibleCage;
 struct PositiveMeanValueOptions
 {
     PointWeightOptions weights;
-    bool exact = true;     ///< else by `directions` rays a point: a preview
-    int directions = 1024; ///< rays, in antipodal pairs: even, at least 8
+    bool exact = true;     ///< false for a preview by rays
+    int directions = 1024; ///< number of rays per point, in antipodal pairs: even, at least 8
     CageOutside outside = CageOutside::refuse;
 };
 
@@ -26,22 +26,23 @@ struct PositiveMeanValueOptions
 /// Deformations." Symposium on Geometry Processing 2007. Tutorial, section 5.4.
 ///
 /// w_v(x) is the integral of v's hat function / |p - x| over the part of the unit sphere around x where the
-/// cage's first face belongs to v; weights are w_v / sum w. Non-negative, sum 1, linear precision; those of
-/// MeanValue in a convex cage. Departs from the paper, which rasters the cage: what each face hides of
-/// another is cut away in closed form, so the weights are exact.
+/// first face of the cage that is seen has v as a corner; the weights are w_v / sum w. They are not negative,
+/// sum to 1 and have linear precision; in a convex cage they are those of MeanValue. Departs from the paper,
+/// which renders the cage to an image: the part of a face that another one hides is cut away in closed form,
+/// so the weights are exact.
 ///
-/// Weights are continuous, yet not smooth: where an edge of the cage comes into view their gradients jump.
-/// Rays instead of cuts also make the weights themselves jump, by some 1e-3 with 1024 of them.
+/// The weights are continuous but not smooth: where an edge of the cage comes into view, their gradients
+/// jump. With rays, the weights themselves jump, too, by some 1e-3 for 1024 rays.
 ///
 ///   call          cost
 ///   constructor   O(cage)
-///   bind()        O(points x pairs of faces one behind the other), some 100 us a point and 300 concave
-///   faces;
-///                 by rays O(points x faces x directions), a tenth of that
+///   bind()        O(points x pairs of faces of which one hides the other), some 100 us per point in a
+///   concave
+///                 cage of 300 faces; by rays O(points x faces x directions), a tenth of that
 class PositiveMeanValue : public CageCoordinates
 {
 public:
-    /// \throw InvalidOption  too few directions, or an odd number of them.
+    /// \throw InvalidOption  there are fewer than 8 directions, or an odd number of them.
     explicit PositiveMeanValue(Cage cage, const PositiveMeanValueOptions& options = {});
     ~PositiveMeanValue() override;
 

@@ -24,7 +24,7 @@ void LinearSpaceMethod::compute(PointsView points, SpaceReport& report, const Pr
     } at_the_end{*this};
     const double prepared = prepare(points, progress);
     std::vector<char> outside(static_cast<std::size_t>(count), 0);
-    // From tick to tick a tenth of a second or so; what a point gets does not depend on where they fall.
+    // About a tenth of a second passes between ticks. The weights do not depend on where the ticks are.
     const int block = block_size();
     int slab = 4 * block;
     for (int first = 0; first < count;) {

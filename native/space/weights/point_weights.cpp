@@ -29,7 +29,7 @@ std::size_t blocks_of(int points, int block)
     return static_cast<std::size_t>((points + block - 1) / block);
 }
 
-/// M^-1 b on the range of the positive semi-definite M.
+/// M^-1 b on the range of M, which is positive semi-definite.
 Vector4 solve_on_range(const Matrix4& M, const Vector4& b)
 {
     const Eigen::SelfAdjointEigenSolver<Matrix4> eigen(M);
@@ -55,7 +55,7 @@ PointWeights::PointWeights(int points, const Points& rest_controls, int vertices
         offsets_.resize(parts);
         singles_.values.resize(is_single() ? parts : 0);
         doubles_.values.resize(is_single() ? 0 : parts);
-        // The frame of the moments: about the middle of the cage, in units of its size.
+        // Moments are computed about the middle of the control, in units of its size.
         const Eigen::RowVector3d centre = controls_.topRows(vertices_).colwise().mean();
         controls_.topRows(vertices_).rowwise() -= centre;
         if (const double size = controls_.topRows(vertices_).cwiseAbs().maxCoeff(); size > 0.0)
@@ -101,12 +101,12 @@ void PointWeights::fill(Store<T>& store, int first, const RowMatrix& rows)
     }
 }
 
-/// What a row keeps, and by what its weights change.
+/// The weights that a row keeps, and how they change.
 struct PointWeights::Thinned
 {
     std::vector<int> kept;
     Vector4 change = Vector4::Zero();
-    double lost = 0.0; ///< sum of the magnitudes dropped
+    double lost = 0.0; ///< sum of the magnitudes of the dropped weights
 };
 
 Eigen::Vector4d PointWeights::moment(int column) const
@@ -116,7 +116,8 @@ Eigen::Vector4d PointWeights::moment(int column) const
     return z;
 }
 
-/// Keeps the weights from `least` on. \return false where those cannot make up for the others.
+/// Keeps the weights that are at least `least`.
+/// \return false if those cannot make up for the others.
 bool PointWeights::thin(const double* row, double least, Thinned& thinned) const
 {
     thinned.kept.clear();
@@ -142,7 +143,7 @@ bool PointWeights::thin(const double* row, double least, Thinned& thinned) const
         most = std::max(most, std::abs(thinned.change.dot(moment(c))));
     if (most <= 0.1 && (M * thinned.change - defect).norm() <= 1e-10 * thinned.lost)
         return true;
-    // M(0, 0) is the sum of the magnitudes kept
+    // M(0, 0) is the sum of the magnitudes of the weights kept.
     thinned.change << (defect[0] != 0.0 ? defect[0] / M(0, 0) : 0.0), 0.0, 0.0, 0.0;
     return std::abs(thinned.change[0]) <= 0.5;
 }
@@ -177,7 +178,7 @@ void PointWeights::keep_large(Store<T>& store, int first, const RowMatrix& rows)
 }
 
 template <class Real>
-void PointWeights::apply(const Points& moves, const Points& rest, Real* positions) const
+void PointWeights::apply(const Points& moves, PointsView rest, Real* positions) const
 {
     if (is_single())
         apply(singles_, moves, rest, positions);
@@ -186,11 +187,10 @@ void PointWeights::apply(const Points& moves, const Points& rest, Real* position
 }
 
 template <class T, class Real>
-void PointWeights::apply(const Store<T>& store, const Points& moves, const Points& rest,
-                         Real* positions) const
+void PointWeights::apply(const Store<T>& store, const Points& moves, PointsView rest, Real* positions) const
 {
     const double most = moves.size() > 0 ? moves.cwiseAbs().maxCoeff() : 0.0;
-    // By a power of two, which rounds nothing, so that single numbers hold moves of any length.
+    // Moves are scaled so that they fit into single precision. A power of two causes no rounding.
     const double scale = most > 0.0 ? std::ldexp(1.0, std::ilogb(most)) : 1.0;
     const int columns = column_count(), stride = is_sparse() ? 4 : 3;
     std::vector<T> factors(static_cast<std::size_t>(columns) * stride, T(0));
@@ -330,7 +330,7 @@ std::int64_t PointWeights::bytes() const
                                      indices * sizeof(int));
 }
 
-template void PointWeights::apply(const Points&, const Points&, double*) const;
-template void PointWeights::apply(const Points&, const Points&, float*) const;
+template void PointWeights::apply(const Points&, PointsView, double*) const;
+template void PointWeights::apply(const Points&, PointsView, float*) const;
 
 } // namespace sinew

@@ -13,62 +13,62 @@
 namespace sinew {
 
 enum class WeightPrecision {
-    single_precision, ///< float32 weights: half the memory and time of a warp, 1e-7 of a cage vertex's move
-                      ///< off
+    single_precision, ///< half the memory and time of a warp; its error is 1e-7 of the longest move
     double_precision
 };
 
 struct PointWeightOptions
 {
     WeightPrecision precision = WeightPrecision::single_precision;
-    /// Weights of a smaller magnitude are dropped where the others can make up for them, and the weights kept
-    /// are stored sparsely; 0 keeps all, densely. See PointWeights.
+    /// Weights of a smaller magnitude are dropped where the others can make up for them, and the others are
+    /// stored as a sparse matrix. 0 keeps all weights, in a dense matrix. See PointWeights.
     double threshold = 0.0;
 };
 
-/// (n, k) weights that take the moves of k control columns to n points, bound once and applied each frame.
+/// (n, k) weights that take the moves of k control columns to n points. They are computed once and applied in
+/// every frame.
 ///
-/// Where weights are dropped, those kept are changed in proportion to their magnitude so that the row gives
-/// its sum as before, which keeps translations, and its rest point, which keeps affine maps (of Green
-/// coordinates: similarities). Where one would have to change by more than a tenth for that, near faces say,
-/// they keep the sum alone; where it would take more than half for the sum, the row keeps smaller weights,
-/// too.
+/// Where weights of a row are dropped, the others are changed in proportion to their magnitude, so that two
+/// things stay the same: the sum of the row, which reproduces translations, and the rest point that it gives,
+/// which reproduces affine maps (similarities with Green coordinates). If a weight would have to change by
+/// more than a tenth for this, for example near faces, only the sum is kept. If that would take more than
+/// half of a weight, the row also keeps smaller weights.
 class PointWeights
 {
 public:
     PointWeights() = default;
 
     /// \param rest_controls  (k, 3) where the controls are at rest.
-    /// \param vertices       the first so many columns are points, the others vectors, which no translation
-    /// moves.
-    /// \throw InvalidOption  a threshold outside of [0, 1).
-    /// \throw OutOfMemory  dense weights would take more than limit_memory() allows; both are named.
+    /// \param vertices       how many of the columns are points. The others, behind them, are vectors, which
+    ///                       a translation does not change.
+    /// \throw InvalidOption  the threshold is outside [0, 1).
+    /// \throw OutOfMemory    dense weights would take more than limit_memory() allows.
     PointWeights(int points, const Points& rest_controls, int vertices, const PointWeightOptions& options);
 
     int point_count() const { return points_; }
     int column_count() const { return static_cast<int>(controls_.rows()); }
 
-    /// Points a part: rows are set by whole parts, but for the last.
+    /// Number of points per part. Rows are set in whole parts, except for the last one.
     static constexpr int part = 64;
-    /// Keep the rows of points [first, first + rows.rows()), first a multiple of `part`. Safe for disjoint
-    /// rows at once.
+    /// Sets the rows of points [first, first + rows.rows()), where first is a multiple of `part`. Several
+    /// threads may set different parts at once.
     void set_rows(int first, const RowMatrix& rows);
 
-    /// positions = rest + W moves. Allocates nothing of the size of the points.
-    /// \param moves           (k, 3) how far each control is from its rest.
+    /// positions = rest + W moves. Allocates no array of the size of the points.
+    /// \param moves           (k, 3) how far each control has moved from its rest.
     /// \param rest            (n, 3)
     /// \param[out] positions  (n, 3), row-major
     template <class Real>
-    void apply(const Points& moves, const Points& rest, Real* positions) const;
+    void apply(const Points& moves, PointsView rest, Real* positions) const;
 
-    /// (n, k), those dropped as 0.
+    /// (n, k) all weights, with zeros for dropped ones.
     RowMatrix dense() const;
-    /// (n) some columns, each named once, added up.
+    /// (n) the sums of some columns, each of which is named once.
     VectorX sum(const std::vector<int>& columns) const;
     Eigen::SparseMatrix<double, Eigen::RowMajor> sparse() const;
 
-    /// The largest sum, at a point, of how far its weights are from what they were without the threshold.
-    /// A warped point is off by at most this times the longest move of a control.
+    /// How much the threshold changed the weights of a point, as a sum of magnitudes, for the point where
+    /// this is largest. The error of a warped point is at most this times the longest move of a control.
     double dropped() const;
     std::int64_t bytes() const;
     /// \throw OutOfMemory  the sparse weights set so far take more than limit_memory() allows.
@@ -78,22 +78,22 @@ private:
     template <class T>
     struct Store
     {
-        /// Dense: by blocks of block_points<T> points, one column after the other. Not cleared: whoever sets
-        /// the rows touches the memory first.
+        /// Dense weights in blocks of block_points<T> points, one column after the other. They are not
+        /// cleared, so that the threads that set the rows are the first to touch the memory.
         std::unique_ptr<T[]> blocks;
-        /// Sparse: one of each a part.
+        /// Sparse weights, one vector per part.
         std::vector<std::vector<T>> values;
     };
     template <class T>
     void fill(Store<T>& store, int first, const RowMatrix& rows);
     struct Thinned;
-    /// What a column gives to a row's sum and rest point.
+    /// What a weight of 1 in a column contributes to a row's sum and rest point.
     Eigen::Vector4d moment(int column) const;
     bool thin(const double* row, double least, Thinned& thinned) const;
     template <class T>
     void keep_large(Store<T>& store, int first, const RowMatrix& rows);
     template <class T, class Real>
-    void apply(const Store<T>& store, const Points& moves, const Points& rest, Real* positions) const;
+    void apply(const Store<T>& store, const Points& moves, PointsView rest, Real* positions) const;
     template <class Visit>
     void visit(Visit&& entry) const;
 
@@ -106,9 +106,9 @@ private:
     Points controls_;
     Store<float> singles_;
     Store<double> doubles_;
-    std::vector<std::vector<int>> columns_,
-        offsets_; ///< sparse: a part's column indices, where its rows begin
-    std::vector<double> dropped_;                     ///< a part's largest
+    std::vector<std::vector<int>> columns_; ///< of sparse weights: the column of each entry of a part
+    std::vector<std::vector<int>> offsets_; ///< of sparse weights: where each row of a part begins
+    std::vector<double> dropped_;           ///< the largest change of each part, see dropped()
 };
 
 } // namespace sinew

@@ -5,7 +5,7 @@
 
 namespace {
 
-/// sums (rows, 4) = weights, row i of which stands in [offsets[i], offsets[i + 1]), times factors (k, 4).
+/// sums (rows, 4) = weights * factors (k, 4). Row i of the weights is [offsets[i], offsets[i + 1]).
 template <class T>
 void sparse_product(const T* weights, const int* columns, const int* offsets, int rows, const T* factors,
                     T* sums)
@@ -37,7 +37,7 @@ struct WideOf<float>
     typedef float type __attribute__((vector_size(32), aligned(4)));
 };
 
-/// Two vectors of points, three columns: six sums side by side.
+/// Two vectors of points and three columns are six sums that grow side by side.
 template <class T>
 void product(const T* block, int columns, const T* factors, T* sums)
 {
@@ -46,7 +46,8 @@ void product(const T* block, int columns, const T* factors, T* sums)
     const auto read = [](const T* from) { return *reinterpret_cast<const Wide*>(from); };
     Wide total[6] = {};
     while (columns > 0) {
-        // Sums of some columns each are added up: rounding grows with their number, not with that of columns.
+        // The columns are summed in groups, and then the groups are summed, which rounds less than one long
+        // sum.
         const int some = columns < 64 ? columns : 64;
         Wide sum[6] = {};
         for (int c = 0; c < some; ++c, block += 2 * width, factors += 3) {

@@ -18,8 +18,8 @@ namespace sinew {
 
 namespace {
 
-constexpr int most_basis_handles = 16; ///< 64 columns: 0.5 KB a vertex
-constexpr double least_painted = 1e-6; ///< of the largest painted value
+constexpr int most_basis_handles = 16; ///< 64 columns: 0.5 KB per vertex
+constexpr double least_painted = 1e-6; ///< the least painted value, as a share of the largest
 
 double mean_over(const std::vector<double>& values, std::span<const int> vertices)
 {
@@ -29,13 +29,14 @@ double mean_over(const std::vector<double>& values, std::span<const int> vertice
     return sum / static_cast<double>(vertices.size());
 }
 
-/// The C of the header, and the factor of an element in L_kv.
+/// C in the header.
 double bending_continuity(const Regions& regions, int vertex)
 {
     const int handle = regions.hard(vertex);
     return handle < 0 ? 1.0 : std::min(regions.continuity(handle), 1.0);
 }
 
+/// The factor of an element in L_kv.
 double variation_continuity(const Regions& regions, std::span<const int> vertices)
 {
     double least = 1.0;
@@ -47,26 +48,26 @@ double variation_continuity(const Regions& regions, std::span<const int> vertice
     return least;
 }
 
-/// Values a vertex of the three stiffnesses; an empty one's term is absent.
+/// The three stiffnesses, one value per vertex. Where one is empty, its term is left out.
 struct Coefficients
 {
     std::vector<double> stretching, bending, variation;
 };
 
-/// What a frame needs. Rows of x that are neither given nor solved for stay zero, as those of the pull where
-/// nothing pulls.
+/// The workspace of a frame. Rows of x that are neither given nor solved for stay zero, and so do rows of
+/// `pull` where no handle pulls.
 struct Frame
 {
     RowMatrix x, pull;
     ConstrainedQuadratic::Workspace solve;
 };
 
-/// What a bind makes. Replaced as a whole, so a bind that fails changes nothing.
+/// The results of a bind. They are replaced together, so a bind that fails changes nothing.
 struct Binding
 {
     std::vector<Constraint> constraints;
     std::vector<double> soft_stiffness;
-    ConstrainedQuadratic system; ///< of A, soft terms on its diagonal
+    ConstrainedQuadratic system; ///< of A with the soft terms on its diagonal
     std::unique_ptr<AffineBasis> basis;
     std::unique_ptr<Pool<Frame>> frames = std::make_unique<Pool<Frame>>();
     int factorizations = 0;
@@ -85,7 +86,7 @@ LinearResponse Binding::respond(int n, const MatrixX& constraint_values) const
     LinearResponse response;
     RowMatrix& x = response.displacement;
     x = RowMatrix::Zero(n, columns);
-    std::optional<RowMatrix> pull; // b: the soft constraints' side
+    std::optional<RowMatrix> pull; // b, which comes from the soft constraints
     if (!soft_stiffness.empty())
         pull = RowMatrix::Zero(n, columns);
     MatrixX soft_energy = MatrixX::Zero(columns, columns);
@@ -102,8 +103,8 @@ LinearResponse Binding::respond(int n, const MatrixX& constraint_values) const
 
     system.solve(x, pull ? &*pull : nullptr);
     ConstrainedQuadratic::Forms forms = system.forms(x, pull ? &*pull : nullptr);
-    // A holds the soft stiffness on its diagonal, so that
-    // x^T A x - x^T b - b^T x + sum s c c^T is the elastic plus the soft energy, doubled.
+    // A includes the soft stiffness on its diagonal. Therefore x^T A x - x^T b - b^T x + sum s c c^T is twice
+    // the sum of the elastic and the soft energy.
     response.energy = forms.energy + soft_energy;
     if (pull) {
         const MatrixX cross = x.transpose() * *pull;
@@ -141,14 +142,13 @@ struct ThinShell::Impl
         return k;
     }
 
-    /// The floor under triangle areas that the highest order present needs.
+    /// The least area of triangles that the term of the highest order needs.
     double least_area() const
     {
         return least_area_for_order(!k.variation.empty() ? 3 : !k.bending.empty() ? 2 : 1);
     }
 
-    /// A of the header, without soft terms.
-    /// Eigen's matrices are copied where others move: they change hands by swap.
+    /// A in the header, without soft terms.
     std::shared_ptr<SparseMatrix> assemble(const Regions& regions, const TriangleMetric& metric) const
     {
         const int n = rest.vertex_count();
@@ -159,7 +159,7 @@ struct ThinShell::Impl
         SparseMatrix& A = *sum;
         const auto add = [&A](SparseMatrix&& term) {
             if (A.nonZeros() == 0)
-                A.swap(term);
+                A.swap(term); // the move assignment of Eigen's sparse matrices would copy
             else
                 A += term;
         };
@@ -192,7 +192,7 @@ struct ThinShell::Impl
         const VectorX diagonal = A.diagonal();
         const double mean = diagonal.mean() > 0 ? diagonal.mean() : 1.0;
         for (const SoftConstraint& s : regions.soft()) {
-            const double unit = diagonal[s.vertex] > 0 ? diagonal[s.vertex] : mean; // loose vertices
+            const double unit = diagonal[s.vertex] > 0 ? diagonal[s.vertex] : mean; // for loose vertices
             next.soft_stiffness.push_back(s.stiffness() * unit);
         }
         for (std::size_t k = 0; k < next.soft_stiffness.size(); ++k) {
@@ -202,8 +202,8 @@ struct ThinShell::Impl
         A.makeCompressed();
     }
 
-    /// The factor moves over to what is bound next, so that its symbolic part serves again where the pattern
-    /// is the same.
+    /// The factor is handed on to the next binding, so that its symbolic part is used again where the pattern
+    /// of the matrix is the same.
     void bind(const Regions& regions, BindReport& report, const Progress& progress)
     {
         Binding next;
@@ -261,7 +261,7 @@ void ThinShell::bind(const Regions& regions, BindReport& report, const Progress&
 BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness& bending,
                                     const Stiffness& variation, const Progress& progress)
 {
-    struct Exchange ///< of the stiffnesses; undoes itself
+    struct Exchange ///< exchanges the stiffnesses, and exchanges them back unless all went well
     {
         Impl& own;
         ThinShellOptions options;
@@ -283,7 +283,7 @@ BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness
     exchange.options.bending = bending;
     exchange.options.variation = variation;
     exchange.swap();
-    const BindReport report = set_handles(handles(), progress);
+    const BindReport report = set_handles(regions().handles(), progress);
     exchange.done = true;
     return report;
 }
@@ -329,7 +329,7 @@ SolveReport ThinShell::deform(const SolveRequest& request, const Targets& target
     const RowMatrix* const pull = soft ? &frame->pull : nullptr;
     const auto displacement = [&](std::size_t row) -> Vector3 {
         const auto [vertex, handle] = bound.constraints[row];
-        return targets.of(vertex, handle) - base.row(vertex).transpose();
+        return targets.position(vertex, handle) - base.row(vertex).transpose();
     };
     for (std::size_t row = 0; row < bound.constraints.size(); ++row)
         if (bound.is_soft(row))

@@ -11,18 +11,18 @@
 
 namespace sinew {
 
-/// A stiffness: one number, or one a vertex (painted). Painted values below 1e-6 of their
-/// largest are raised to it, so that a region painted black stays solvable.
+/// One number, or one per vertex (painted). Painted values below 1e-6 of the largest one are raised to that,
+/// so that the system stays solvable where a region is painted black.
 using Stiffness = std::vector<double>;
 
 struct ThinShellOptions
 {
-    Stiffness stretching{0.0}; ///< k_s >= 0: order 1, membrane
-    Stiffness bending{1.0};    ///< k_b >= 0: order 2, thin plate
-    Stiffness variation{0.0};  ///< k_v >= 0: order 3, minimum variation of curvature
+    Stiffness stretching{0.0}; ///< k_s >= 0, of order 1: a membrane
+    Stiffness bending{1.0};    ///< k_b >= 0, of order 2: a thin plate
+    Stiffness variation{0.0};  ///< k_v >= 0, of order 3: minimum variation of curvature
     Discretization laplacian = Discretization::cotan_voronoi;
-    /// Precompute the answer to affine handle motion where it fits (at most 16 handles): a
-    /// frame is then one small matrix product. The result is the same.
+    /// Whether to precompute an AffineBasis if there are at most 16 handles. A frame is then one small matrix
+    /// product with the same result.
     bool affine_basis = true;
 };
 
@@ -40,43 +40,46 @@ struct ThinShellOptions
 /// L and M are those of operators/laplacian.h; a painted k scales the elements or vertices of
 /// its own term.
 ///
-/// Continuity [BK04]: C is 1 on free vertices and min(c_h, 1) on those of handle h, so that
-/// below c_h = 1 the handle's own curvature drops out and the surface may leave it with a
-/// crease (C0); L_kv loses triangles without a free vertex by the factor min(max(c_h - 1, 0), 1)
-/// (C1 to C2). C1 needs handles at least two rings deep, C2 three: a handle of one ring holds
+/// Continuity, as in the paper: C is 1 on free vertices and min(c_h, 1) on those of handle h, so that
+/// below c_h = 1 the handle's own curvature counts less and less, and the surface may leave it with a
+/// crease (C0). In L_kv, triangles without a free vertex are scaled by min(max(c_h - 1, 0), 1), which takes
+/// the surface from C1 to C2. C1 needs handles at least two rings deep, C2 three: a handle of one ring holds
 /// positions only, and one of a single vertex under k_b ends in a rounded peak.
 ///
-/// Departs from the paper: C enters symmetrically, so that A stays positive definite and one
-/// Cholesky factor serves; soft handles add s_i |d_i - t_i|^2 / 2 with s_i = w / (1 - w) A_ii.
+/// Departs from the paper: C enters symmetrically, so that A stays positive definite and has a Cholesky
+/// factor; soft handles add s_i |d_i - t_i|^2 / 2 with s_i = w / (1 - w) A_ii.
 ///
 ///   call            repeat it when ...            cost
 ///   constructor     rest shape or faces changed   operators, O(n)
-///   set_handles()   another set of handles        one factorisation, 4 columns a handle
+///   set_handles()   another set of handles        one factorisation, and with the basis 4 solves per handle
 ///   set_stiffness() a stiffness changed           numeric factorisation only
-///   both, little    vertices became held, or a    the part of the factor that these vertices reach: a half
-///   changed         stiffness other on a few      of it for a patch; vertices let go need a new one
-///   solve()         the handles moved             O(n k) with the basis, else one solve of x, y, z
+///   one of these    some vertices became held,    the part of the factor that depends on these vertices:
+///   again           or a painted stiffness        about half of it for a patch; where vertices become free,
+///                   changed on some vertices      a whole factorisation
+///   solve()         the handles moved             O(n k) with the basis, else one solve for x, y and z
 ///
-/// Linear: fair for translations and gentle bends; details do not rotate with the surface.
+/// Being linear, it suits translations and gentle bends; details do not rotate with the surface.
 class ThinShell final : public SurfaceMethod
 {
 public:
-    /// \throw InvalidOption  a stiffness negative, not finite, of a length other than 1 or n, or
-    ///                       all three zero.
+    /// \throw InvalidOption  a stiffness is negative or not finite, or has neither 1 nor n numbers; or all
+    ///   three are zero.
     explicit ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options = {});
     ~ThinShell() override;
     ThinShell(ThinShell&&) noexcept;
 
-    /// Other k_s, k_b, k_v under the same handles. Leaves the object as it was if it throws.
-    /// \throw InvalidOption, FactorizationFailed, Cancelled  as above.
+    /// Changes k_s, k_b and k_v and keeps the handles. Leaves the object as it was if it throws.
+    /// \throw InvalidOption  as the constructor.
+    /// \throw FactorizationFailed, Cancelled  as set_handles().
     BindReport set_stiffness(const Stiffness& stretching, const Stiffness& bending,
                              const Stiffness& variation, const Progress& progress = {});
 
-    /// The answer to m columns of constraint values, all solved together. Handles are set.
+    /// The displacements for m columns of constraint values, which are solved together. Call set_handles()
+    /// first.
     /// \param constraints  (c, m) one row for each of regions().constraints().
     LinearResponse respond(const MatrixX& constraints) const;
 
-    /// Null where the basis was not wanted or does not fit.
+    /// Null where the options do not ask for it, or where there are more than 16 handles.
     const AffineBasis* affine_basis() const;
 
 protected:

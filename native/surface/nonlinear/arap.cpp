@@ -20,10 +20,11 @@ namespace sinew {
 
 namespace {
 
-constexpr double least_weight = 1e-6; ///< of the mean: keeps the graph connected
-constexpr double most_weight = 1e4;   ///< of the mean: keeps the factor well conditioned
-constexpr double least_rigidity = 1e-3; ///< of the largest painted one
-/// F below this share of sum w |p|^2 is rounding: rigid poses would iterate on it.
+constexpr double least_weight = 1e-6; ///< as a share of the mean weight; keeps the graph connected
+constexpr double most_weight = 1e4;   ///< likewise; keeps the factor well conditioned
+constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted one
+/// An energy below this share of sum w |p_i - p_j|^2 is rounding. Without this floor, rigid poses would
+/// iterate on it.
 constexpr double rounding_floor = 1e-14;
 
 std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
@@ -34,7 +35,7 @@ std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
     return values;
 }
 
-/// Half cotangents by triangle corner, each raised so that every cell stays positive.
+/// The half cotangents of the corners of all triangles, kept within bounds so that no term is negative.
 std::vector<ArapTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
 {
     std::vector<ArapTriangle> triangles;
@@ -49,14 +50,14 @@ std::vector<ArapTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleM
     return triangles;
 }
 
-/// A mesh as ARAP sees it, before any handle.
+/// The cells and edges of a mesh, which do not depend on handles.
 struct RestGraph
 {
     ArapCells cells;
     GraphEdges edges;
 
-    /// With rims, w_ij is the sum of the corners' raised cotangents, so that L is exactly the Hessian bound
-    /// of the rims' energy.
+    /// With rims, w_ij is the sum of the bounded half cotangents, so that L is exactly what bounds the
+    /// Hessian of the energy.
     RestGraph(const SurfaceMesh& mesh, const ArapOptions& options, const std::vector<double>& rigidity)
     {
         const TriangleMetric metric = triangle_metric(mesh);
@@ -110,7 +111,7 @@ struct RestGraph
     }
 };
 
-/// What a solve works in.
+/// The workspace of a solve.
 struct Workspace
 {
     ArapWorkspace fine;
@@ -118,11 +119,11 @@ struct Workspace
     Points incoming;
 };
 
-/// What a bind makes.
+/// The results of a bind.
 struct Binding
 {
     ArapGraph graph;
-    Points node_rest; ///< rest points by node
+    Points node_rest; ///< the rest points of the nodes
     ArapCascade cascade;
     mutable Pool<Workspace> workspaces;
 
@@ -153,10 +154,10 @@ struct Arap::Impl
 {
     ArapOptions options;
     std::vector<double> rigidity;       ///< one per vertex
-    std::optional<RestGraph> assembled; ///< from the first bind on
-    int degenerate_faces = 0;           ///< found then
+    std::optional<RestGraph> assembled; ///< by the first bind
+    int degenerate_faces = 0;           ///< counted by the first bind
     int factorizations = 0;
-    std::unique_ptr<const Binding> bound; ///< null before any handle
+    std::unique_ptr<const Binding> bound; ///< null before the first bind
 };
 
 Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
@@ -234,7 +235,7 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
     if (request.start) {
         bound.to_nodes(*request.start, graph.free_count(), fine.x);
-        if (graph.is_smooth()) // else the first evaluation does
+        if (graph.is_smooth()) // without smoothing, the first evaluation fits them
             problem.fit_rotations(fine.x);
     } else {
         bound.cascade.start(problem, graph, targets, work->levels);
@@ -256,7 +257,7 @@ double Arap::energy(const PointsView& positions) const
     const std::vector<GraphPull>& soft = graph.nodes().pulls();
     Points all;
     bound.to_nodes(positions, graph.size(), all);
-    Points pulls(soft.size(), 3); // already where they would go: no energy
+    Points pulls(soft.size(), 3); // pulls to where the nodes are, which have no energy
     for (std::size_t k = 0; k < soft.size(); ++k)
         pulls.row(k) = all.row(soft[k].node);
     ArapProblem problem(graph, view(bound.node_rest), all, pulls);

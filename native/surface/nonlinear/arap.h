@@ -11,14 +11,15 @@ namespace sinew {
 
 struct ArapOptions
 {
-    /// alpha >= 0 of the smooth rotations [LG15]; 0 is the textbook energy of [SA07].
+    /// alpha >= 0 in the energy: how smooth the rotations are. 0 gives the energy of Sorkine and Alexa.
     double smoothness = 5e-4;
     enum class Cells { spokes, rims } cells = Cells::spokes;
-    /// One number > 0, or one a vertex (painted, >= 0): how stiff its cell is. Painted values
-    /// below 1e-3 of their largest are raised to it, so that a region painted black stays solvable.
+    /// How stiff the cells of the vertices are: one number > 0, or one per vertex (painted, >= 0). Painted
+    /// values below 1e-3 of the largest one are raised to that, so that the system stays solvable where a
+    /// region is painted black.
     std::vector<double> rigidity{1.0};
-    int max_iterations = 40; ///< fine iterations a solve, rejected trials included
-    /// solve() ends after two relative decreases of the energy in a row below this.
+    int max_iterations = 40; ///< iterations on the mesh per solve, rejected trials included
+    /// solve() ends when the relative decrease of the energy is below this twice in succession.
     double tolerance = 1e-5;
 };
 
@@ -28,39 +29,43 @@ struct ArapOptions
 /// Z. Levi, C. Gotsman. "Smooth Rotation Enhanced As-Rigid-As-Possible Mesh Animation."
 /// IEEE TVCG 21(2), 2015.
 ///
-/// With base points p (rest, or the incoming pose), deformed points q, and one rotation R_i a
-/// vertex, over ordered pairs of neighbours,
+/// With base points p (the incoming shape, or the rest shape), deformed points q, and one rotation R_i per
+/// vertex, the energy over ordered pairs of neighbours is
 ///
 ///     E = sum_i r_i sum_j w_ij |(q_i - q_j) - R_i (p_i - p_j)|^2
 ///       + alpha A sum_ij r_ij w_ij |R_i - R_j|^2
 ///
-/// w_ij is the cotan weight of operators/laplacian.h, A the rest area, r painted rigidity and
+/// w_ij is the cotan weight of operators/laplacian.h, A the rest area, r the painted rigidity and
 /// r_ij its mean over the edge. `rims` adds the edges opposite each vertex to its cell. Without
-/// the second term bending stiffness falls with the square of the edge length: dense meshes
-/// buckle like foil, and no two starts end in the same shape.
+/// the second term, bending stiffness falls with the square of the edge length: dense meshes
+/// buckle like foil, and different starts end in different shapes.
 ///
-/// Departs from the papers: w_ij below 1e-6 of the mean weight (negative ones too) is raised to
-/// it, so no term can be negative, and above 1e4 of the mean lowered to it; the start comes from
-/// the poses alone by a cascade of clustered graphs; steps are L-BFGS in the Laplacian metric
-/// with an energy test; all rotations move together by one linear solve before the fit.
+/// Departs from the papers: a weight w_ij below 1e-6 of the mean weight (or negative) is raised to
+/// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
+/// computed from the poses alone, by a cascade of clustered graphs. The steps are those of L-BFGS in the
+/// metric of the Laplacian, with a test of the energy. Before rotations are fitted to their cells, one linear
+/// solve moves all of them together.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)
-///   set_handles()  another set of handles        two factorisations, the cascade's, once weights
-///   solve()        the handles moved             some 5-9 iterations' worth for the start, then an
-///                                                iteration: two solves of x, y, z and n rotation fits
+///   set_handles()  another set of handles        two factorisations, and those of the cascade; the first
+///                                                call also computes the weights
+///   solve()        the handles moved             as much as 5 to 9 iterations for the start, then its
+///                                                iterations: two solves for x, y and z and n rotation fits
+///                                                each
 class Arap final : public SurfaceMethod
 {
 public:
-    /// \throw InvalidOption  a number negative or not finite, max_iterations < 1, or rigidity of
-    ///                       a length other than 1 or n, or zero everywhere.
+    /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, or `rigidity` has
+    ///   neither 1 nor n numbers or is zero everywhere.
     explicit Arap(const SurfaceMesh& rest, const ArapOptions& options = {});
     ~Arap() override;
     Arap(Arap&&) noexcept;
 
-    /// E of given (n, 3) points over the parts that have a handle, without soft pulls, the
-    /// rotations fitted to the points (with smoothness: settled, to 1e-9 of E).
-    /// \throw InvalidConstraint  another number of points, or one not finite.
+    /// E of deformed points, over the parts with a handle and without soft pulls. The rotations are
+    /// fitted to the points; with smoothness, until the relative decrease of E is below 1e-9.
+    /// \param positions  (n, 3)
+    /// \throw InvalidConstraint  there are more or fewer points, or one is not finite.
     double energy(const PointsView& positions) const;
 
 protected:

@@ -128,10 +128,10 @@ TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)
     const Poses poses{shapes::turn({0, 0, 1}, 90), shapes::shift(0, 0, 2)};
     const std::vector<bool> from_rest{false, true};
     const Targets targets{poses, view(rest), view(incoming), &from_rest};
-    EXPECT_TRUE(targets.of(0, 0).isApprox(Vector3(0, 5, 0)));
-    EXPECT_TRUE(targets.of(1, 1).isApprox(Vector3(0, 1, 2)));
+    EXPECT_TRUE(targets.position(0, 0).isApprox(Vector3(0, 5, 0)));
+    EXPECT_TRUE(targets.position(1, 1).isApprox(Vector3(0, 1, 2)));
     const Targets at_rest{poses, view(rest), {}, nullptr};
-    EXPECT_TRUE(at_rest.of(0, 1).isApprox(Vector3(1, 0, 2)));
+    EXPECT_TRUE(at_rest.position(0, 1).isApprox(Vector3(1, 0, 2)));
 }
 
 TEST(Targets, refuse_what_does_not_fit)

@@ -180,6 +180,35 @@ def forget_rest(deformer: SinewDeformer) -> None:
     objects.forget_rest((StoredCage(deformer),))
 
 
+def use(obj: Object, deformer: SinewDeformer, control: Object, owned: bool) -> None:
+    """Use a mesh object as the cage. It is drawn as wire, and rests where it is at the bind."""
+    if control == obj:
+        raise CageError(f"{obj.name} cannot be its own cage - choose another mesh")
+    if control.type != "MESH":
+        raise CageError(f"{control.name} is no mesh - a cage is a closed mesh around the target")
+    if _leads_to(control, obj):
+        raise CageError(
+            f"{control.name} follows {obj.name} itself - choose a cage that does not depend on it"
+        )
+    deformer.cage, deformer.owns_cage = control, owned
+    if control.library is None:
+        control.display_type = "WIRE"
+        control.hide_render = True
+
+
+def _leads_to(cage: Object, obj: Object) -> bool:
+    """Whether ``obj`` is the cage of a deformer of the cage, or of a cage further along."""
+    waiting, known = [cage], set()
+    while waiting:
+        for deformer in waiting.pop().sinew.deformers:
+            if deformer.cage == obj:
+                return True
+            if deformer.cage is not None and deformer.cage not in known:
+                known.add(deformer.cage)
+                waiting.append(deformer.cage)
+    return False
+
+
 def links(deformer: SinewDeformer) -> Iterator[Link]:
     """The cage, whose vertices count too."""
     return objects.links((StoredCage(deformer),))

@@ -7,7 +7,7 @@ import numpy as np
 from bpy.types import Depsgraph, Object
 
 from ....core.elements import NO_ELEMENTS, Elements, Owner
-from ....core.errors import SinewError
+from ....core.errors import ConstraintError, SinewError
 from ....core.methods import Method
 from ....core.status import Level, Status
 from ....properties import SinewDeformer
@@ -44,6 +44,7 @@ __all__ = (
     "selected",
     "set_rest",
     "take_rest",
+    "use",
 )
 
 MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
@@ -56,8 +57,8 @@ def name(method: Method) -> str:
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """A warning about parts of the mesh that no region holds."""
-    if not report.free_parts:
+    """A warning about parts of the mesh that no region holds. A space method moves all parts."""
+    if request.recipe.method.is_space or not report.free_parts:
         return ()
     count = report.free_parts
     text = "1 free part stays at rest" if count == 1 else f"{count} free parts stay at rest"
@@ -90,6 +91,11 @@ def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np
     """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape."""
     affine, from_rest = poses.bound_poses(evaluation, bound)
     return affine, {"from_rest": from_rest}
+
+
+def use(_obj: Object, _deformer: SinewDeformer, control: Object, _owned: bool) -> None:
+    """Always refuses: a handle needs a region too."""
+    raise ConstraintError(f"{control.name} alone moves no handle - name the vertices that follow it")
 
 
 def is_stale(_deformer: SinewDeformer) -> bool:

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double least_height = 1e-8;
 
-/// Square distance from a segment.
+/// The squared distance of a point from a segment.
 double from_segment(const Vector3& x, const Vector3& a, const Vector3& b)
 {
     const Vector3 along = b - a;
@@ -69,7 +69,8 @@ CageGeometry::CageGeometry(const Cage& cage)
         }
         for (int k = 0; k < 3; ++k)
             triangle.cosines[k] = outward[(k + 1) % 3].dot(outward[(k + 2) % 3]);
-        // Elsewhere the common sum loses 1e-16 / h of the integral, times these shares: 1e-12 of it at most.
+        // Above this height h, the sum for T in MeanValue loses 1e-16 / h of the integral, times these
+        // factors: less than 1e-12 of it.
         triangle.near = 3e-4 * *std::max_element(triangle.inverse_height, triangle.inverse_height + 3);
         triangles_.push_back(triangle);
         kept_.push_back(t);

@@ -9,9 +9,9 @@
 
 namespace sinew {
 
-/// What the closed forms over a cage's triangles share: the cage about its centre in units of its size, its
-/// edges and the planes of its triangles. Triangles whose height is below 1e-8 of the cage's size have no
-/// plane to speak of and are left out: what they would give is that small, what rounding makes of it is not.
+/// What the closed forms over a cage's triangles share: its vertices, edges, and the planes of its triangles.
+/// Points are normalised: relative to the centre of the cage, in units of its size. Triangles whose height is
+/// below 1e-8 of the size are left out: their contribution is negligible, but its rounding error is not.
 class CageGeometry
 {
 public:
@@ -20,28 +20,30 @@ public:
 
     CageTables tables() const;
 
-    /// `point` about the centre, in units of the size.
-    Vector3 seen(const Vector3& point) const { return (point - centre_) / size_; }
-    /// x as seen; from farther than 1,000 sizes, the point there on its way to the centre. Closed forms lose
-    /// digits with the cube of the distance: at that they keep half of them.
+    Vector3 normalized(const Vector3& point) const { return (point - centre_) / size_; }
+    /// The normalised point x, or if it is farther from the centre than 1,000 sizes, the point at that
+    /// distance in the same direction. Closed forms lose digits with the cube of the distance; there they
+    /// still have half of them.
     Vector3 within_reach(const Vector3& x) const;
 
-    /// Numbers that the kernels want for themselves.
+    /// Size of the scratch memory that the kernels need.
     std::size_t scratch_size(const CageKernels& kernels) const
     {
         return static_cast<std::size_t>(kernels.lanes) * (4 * vertices_.size() / 3 + 2 * edges_.size());
     }
 
-    /// The cage's triangle that the t-th one of the tables is.
+    /// The index that triangle t of the tables has in the cage.
     int cage_triangle(int t) const { return kept_[static_cast<std::size_t>(t)]; }
 
-    /// Shares of the corners of triangle t, of the tables, at the foot of x (as seen); they sum to 1.
+    // In what follows, t is a triangle of the tables and x a normalised point.
+
+    /// The barycentric coordinates of the foot of x in the plane of triangle t.
     Vector3 barycentric(int t, const Vector3& x) const;
-    /// Height of x below triangle t's plane: positive behind it, where the cage is.
+    /// The height of x below the plane of triangle t: positive behind it, where the inside of the cage is.
     double depth(int t, const Vector3& x) const;
-    /// The first of the triangles closest to x.
+    /// The triangle closest to x; of several, the first.
     int nearest(const Vector3& x) const;
-    /// Squared distance from triangle t.
+    /// The squared distance of x from triangle t.
     double square_distance(int t, const Vector3& x) const;
 
 private:
@@ -55,7 +57,7 @@ private:
     std::vector<int> kept_;
 };
 
-/// Points as seen, side by side for the kernels: x of all, y of all, z of all.
+/// Normalised points, one per lane, in the layout of the kernels: x of all, then y of all, then z of all.
 struct PointLanes
 {
     int count;

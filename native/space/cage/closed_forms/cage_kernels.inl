@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The closed forms of CageKernels, compiled once for each set of instructions: lane_count points side by
-// side.
+// The closed forms of CageKernels for lane_count points at a time, compiled once for each set of
+// instructions.
 //
-// Seen from a point x, a triangle has: h, the height of x below its plane; p_k, the distance of x's foot from
-// side k (negative beyond it); t_a < t_b, where side k begins and ends, from the foot of x on its line; and
-// D_k = sqrt(h^2 + p_k^2), the distance of x from that line. One integral a side and, for Green coordinates,
-// the solid angle give everything; sides are shared by two triangles.
+// For a point x and a triangle, h is the height of x below the plane of the triangle, p_k the distance of the
+// foot of x in that plane from side k (negative beyond it), t_a < t_b the beginning and the end of side k
+// relative to the foot of x on its line, and D_k = sqrt(h^2 + p_k^2) the distance of x from that line.
+// Everything follows from one integral per side, which two triangles share, and for Green coordinates from
+// the solid angle.
 
 #include "native/core/simd/lane_math.inl"
 
@@ -37,7 +38,7 @@ inline Vector cross(const Vector& a, const Vector& b)
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// Entry i of an array of all lanes each.
+/// Entry i of an array with one number per lane in each entry.
 inline double* at(double* lanes, int i) { return lanes + lane_count * static_cast<std::size_t>(i); }
 inline const double* at(const double* lanes, int i)
 {
@@ -50,7 +51,7 @@ inline Vector vector_at(const double* rays, int vertex)
 }
 inline L distance_at(const double* rays, int vertex) { return load(at(rays, 4 * vertex + 3)); }
 
-/// From the points to every vertex: x, y, z and the distance, of which mean value does without.
+/// The vectors from the points to every vertex: x, y, z and, if `distances`, the length.
 template <bool distances>
 inline void aim(const CageTables& cage, const double* points, double* rays)
 {
@@ -76,19 +77,19 @@ inline double size_of(double a) { return a < 0.0 ? -a : a; }
 inline double root(double a) { return root(constant(a))[0]; }
 inline double angle_between(double y, double x) { return angle_between(constant(y), constant(x))[0]; }
 
-/// The integral over a side of ds / ((D^2 + s^2)(p^2 + s^2)), times p.
+/// p times the integral of ds / ((D^2 + s^2)(p^2 + s^2)) over a side.
 inline double edge_integral(double h, double p, double begin, double end)
 {
     const double square = h * h + p * p, distance = root(square), length = end - begin;
     const double angle = angle_between(length * distance, square + begin * end);
     if (distance <= 32.0 * size_of(h)) {
-        // By partial fractions: the angle in the plane less the one in space, over h^2 = D^2 - p^2.
+        // By partial fractions: the angle in the plane less the angle in space, divided by h^2 = D^2 - p^2.
         const double side = size_of(p);
         const double flat = side > 0.0 ? angle_between(length * side, side * side + begin * end) : 0.0;
         return (p < 0.0 ? -1.0 : 1.0) * (flat - angle * side / distance) / (h * h);
     }
-    // 1 / (p^2 + s^2) = sum of h^(2m) / (D^2 + s^2)^(m + 1): integrals of powers of 1 / (D^2 + s^2), each
-    // from the one before.
+    // 1 / (p^2 + s^2) = sum of h^(2m) / (D^2 + s^2)^(m + 1). The integral of each power of 1 / (D^2 + s^2)
+    // follows from that of the power before.
     const double at_begin = 1.0 / (square + begin * begin), at_end = 1.0 / (square + end * end);
     double from = begin, to = end, integral = angle / distance, sum = 0.0, power = 1.0;
     for (int m = 1; m <= 6; ++m) {
@@ -108,14 +109,15 @@ inline double along(const CageEdge& edge, const double* rays, int vertex, int la
     return sum;
 }
 
-/// What mean value multiplies p_k with, h times the integral over the triangle of 1 / |y - x|^4, for one
-/// point whose foot lies beyond a side. The sum over the sides that serves elsewhere would leave of some 1 /
-/// h only some h; here each side's own integral is taken, small as the whole.
+/// T of mean value, which is h times the integral of 1 / |y - x|^4 over the triangle, for one point whose
+/// foot lies beyond a side. The terms of the sum that is used elsewhere have the size 1 / h, but T has the
+/// size h, so that sum would lose its digits. Here, T is a sum of integrals of the sides that are as small as
+/// T itself.
 inline double integral_beyond(const CageTables& cage, const CageTriangle& triangle, const double* rays,
                               double h, const double* p, int lane)
 {
     double sum = 0.0;
-    if (size_of(h) > 1e-100) // nothing comes from a triangle in a plane with the point
+    if (size_of(h) > 1e-100) // a triangle whose plane has the point contributes nothing
         for (int k = 0; k < 3; ++k) {
             const CageEdge& edge = cage.edges[triangle.edges[k]];
             const double begin = along(edge, rays, edge.a, lane);
@@ -124,9 +126,10 @@ inline double integral_beyond(const CageTables& cage, const CageTriangle& triang
     return -0.5 * h * sum;
 }
 
-constexpr double touch = 1e-14; ///< a point that near lies on it
+constexpr double touch = 1e-14; ///< a point lies on a triangle if it is at most that far away
 
-/// T of the lanes near the plane of triangle t. Apart from the loop, which needs its registers.
+/// T of the lanes near the plane of triangle t. It is not inlined, so that the loop that calls it keeps its
+/// registers.
 SINEW_APART L near_plane(const CageTables& cage, int t, const double* rays, int near, L h, Vector p, L T,
                          int* on)
 {
@@ -156,7 +159,7 @@ void mean_value(const CageTables& cage, const double* points, double* scratch, d
     for (int lane = 0; lane < lane_count; ++lane)
         on[lane] = -1;
 
-    // J, the integral of 1 / |y - x|^2 over an edge: its angle over its distance.
+    // J, the integral of 1 / |y - x|^2 over an edge, is the angle of the edge divided by its distance.
     for (int e = 0; e < cage.edge_count; ++e) {
         const CageEdge& edge = cage.edges[e];
         const Vector a = vector_at(rays, edge.a), b = vector_at(rays, edge.b), c = cross(a, b);
@@ -200,22 +203,24 @@ void mean_value(const CageTables& cage, const double* points, double* scratch, d
     store(sums, sum / magnitudes);
 }
 
-/// The inner product with a vector whose coordinates lie that far apart.
+/// The inner product with a vector whose coordinates are `stride` numbers apart.
 inline double along(const double* direction, const double* v, int stride)
 {
     return direction[0] * v[0] + direction[1] * v[stride] + direction[2] * v[2 * stride];
 }
 
-/// A point is near a side where its distances from the ends sum up to less than this times its length.
+/// A point is near a side if the sum of its distances from the ends is less than this times the length of the
+/// side.
 constexpr double near_side = 1.001;
 
-/// A point near a side, so near that distances would say nothing about how near: all of it from `foot`, the
-/// vector from the point to its foot on the side's line, which two triangles at the side share.
+/// The quantities of a side for a point near it. Distances from the ends would not say how near it is, so all
+/// of them are computed from `foot`, the vector from the point to its foot on the line of the side. Both
+/// triangles at the side use the same foot.
 struct NearSide
 {
     double foot[3], begin, end, square; ///< t_a, t_b, D^2
-    double to_a, to_b; ///< distances of the ends
-    double gap; ///< |a| |b| + a.b, zero on the side
+    double to_a, to_b; ///< distances of the ends from the point
+    double gap; ///< |a| |b| + a.b for the vectors a, b to the ends; zero on the side
 
     NearSide(const CageEdge& edge, const double* rays, int lane)
     {
@@ -226,7 +231,8 @@ struct NearSide
         const double t = along(edge.direction, from, lane_count);
         for (int axis = 0; axis < 3; ++axis)
             foot[axis] = *at(from, axis) - t * edge.direction[axis];
-        // Again: what rounding left along the side is much beside a short foot.
+        // The foot is made orthogonal to the side a second time: compared with a short foot, the rounding
+        // error of the first time is large.
         const double rest = along(edge.direction, foot, 1);
         square = 0.0;
         for (int axis = 0; axis < 3; ++axis) {
@@ -248,7 +254,7 @@ struct NearSide
 /// h, p and the solid angle at one point near side k.
 struct NearTriangle
 {
-    double h, p[3], half_angle; ///< half the solid angle, negative from above
+    double h, p[3], half_angle; ///< half the solid angle, negative for a point above the triangle
 
     NearTriangle(const CageTables& cage, const CageTriangle& triangle, const double* rays, int k, int lane)
     {
@@ -261,8 +267,9 @@ struct NearTriangle
         for (int i = 0; i < 3; ++i)
             p[i] = along(triangle.outward[i], r[(i + 1) % 3], lane_count);
         p[k] = along(triangle.outward[k], side.foot, 1);
-        // The denominator of the solid angle is |c| gap + (b |a| + a |b|).c; a and b are the foot and begin
-        // or end along the edge, so that nothing but what is small is left of the bracket.
+        // The denominator of the solid angle is |c| gap + (b |a| + a |b|).c. a and b are the foot plus a
+        // vector along the edge, of the length begin or end. With that, the bracket is a sum of small terms,
+        // without cancellation.
         const double across = along(side.foot, r[k], lane_count),
                      parallel = along(edge.direction, r[k], lane_count);
         const double sum = side.to_a + side.to_b;
@@ -277,7 +284,7 @@ struct NearTriangle
     }
 };
 
-/// What is told of a triangle: see above, and half its solid angle.
+/// h, p and half the solid angle of a triangle for all lanes.
 struct Near
 {
     L h;
@@ -285,7 +292,7 @@ struct Near
     L angle;
 };
 
-/// That of the lanes near a side, by the side with the least gap.
+/// Replaces the values of lanes near a side by those of NearTriangle, for the side with the least gap.
 SINEW_APART Near near_sides(const CageTables& cage, const CageTriangle& triangle, const double* rays,
                             int near, Vector gaps, Near found)
 {
@@ -315,7 +322,8 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
     L around = constant(0.0);
     int touching = 0;
 
-    // The integral of 1 / |y - x| over an edge, over 4 pi, and the inner product of the rays to its ends.
+    // The integral of 1 / |y - x| over an edge, divided by 4 pi, and the inner product of the rays to its
+    // ends.
     for (int e = 0; e < cage.edge_count; ++e) {
         const CageEdge& edge = cage.edges[e];
         const L sum = distance_at(rays, edge.a) + distance_at(rays, edge.b);
@@ -392,7 +400,7 @@ void beyond_planes(const float* points, int count, const float* planes, int* bey
     const float *ux = points, *uy = ux + count, *uz = uy + count;
     const float *px = uz + count, *py = px + count, *pz = py + count;
     const float *n0 = planes, *n1 = n0 + 4, *n2 = n1 + 4, *n3 = n2 + 4;
-    for (int v = 0; v < count; ++v) { // written out, so that it runs on several points at once
+    for (int v = 0; v < count; ++v) { // without inner loops, so that the compiler vectorises it
         const float a = n0[0] * ux[v] + n0[1] * uy[v] + n0[2] * uz[v];
         const float b = n1[0] * ux[v] + n1[1] * uy[v] + n1[2] * uz[v];
         const float c = n2[0] * ux[v] + n2[1] * uy[v] + n2[2] * uz[v];

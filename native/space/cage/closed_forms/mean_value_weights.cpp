@@ -25,7 +25,8 @@ void mean_value_weights(const CageGeometry& geometry, PointsView block, RowMatri
         std::array<Vector3, most_cage_lanes> x;
         PointLanes points(kernels);
         for (int lane = 0; lane < lanes; ++lane) {
-            x[lane] = geometry.within_reach(geometry.seen(block.row(std::min(first + lane, count - 1))));
+            x[lane] =
+                geometry.within_reach(geometry.normalized(block.row(std::min(first + lane, count - 1))));
             points.set(lane, x[lane]);
         }
         std::array<int, most_cage_lanes> on;
@@ -43,8 +44,8 @@ void mean_value_weights(const CageGeometry& geometry, PointsView block, RowMatri
                 for (int k = 0; k < 3; ++k)
                     row[tables.triangles[on[lane]].corners[k]] = shares[k];
             }
-            // A ray crosses a closed surface by turns outwards and inwards, and the nearer crossing counts
-            // more.
+            // A ray from a point outside first enters the cage and then leaves it, and so on. Nearer
+            // crossings have larger weights, so the sum is negative.
             outside[static_cast<std::size_t>(first + lane)] = !on_face && !(sums[lane] > 0.0);
         }
     }

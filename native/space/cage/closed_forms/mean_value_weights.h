@@ -8,7 +8,7 @@
 
 namespace sinew {
 
-/// The weights that MeanValue defines, at a block of points.
+/// The weights of MeanValue for a block of points.
 /// \param[out] rows     (b, vertices of the cage)
 /// \param[out] outside  (b) whether each point lies outside.
 void mean_value_weights(const CageGeometry& geometry, PointsView block, RowMatrix& rows,

@@ -20,15 +20,15 @@ namespace sinew {
 
 namespace {
 
-constexpr double inward = 1e-9;     ///< how far inside the cage the collocation points lie, of its size
-constexpr double flattest = 1e-7;   ///< least height of a triangle, of its longest side
+constexpr double inward = 1e-9; ///< how far inside the cage the collocation points lie, in units of its size
+constexpr double flattest = 1e-7; ///< least height of a triangle, as a share of its longest side
 constexpr double least_pivot = 1e-7;
-constexpr int far_group = 64;   ///< triangles whose far fields are multiplied at once
-constexpr int block_rows = 192; ///< collocation points that are assembled at once, about
-constexpr int ticks = 16;       ///< of the assembly
+constexpr int far_group = 64; ///< number of triangles whose far fields are multiplied at once
+constexpr int block_rows = 192; ///< about how many collocation points are assembled at once
+constexpr int ticks = 16; ///< reports of progress during the assembly
 constexpr int block_points = 256;
 
-/// Three points a panel, exact for quadratics.
+/// The hat values of the three points per panel, a quadrature rule that is exact for quadratics.
 constexpr double rule(int point, int corner) { return point == corner ? 2.0 / 3.0 : 1.0 / 6.0; }
 
 int padded(int count, int to) { return (count + to - 1) / to * to; }
@@ -47,7 +47,7 @@ LayerEdge edge_between(const double* corners, int from, int to)
     return {from, to, sx, sy, sy, -sx, sy * x - sx * y, sx * x + sy * y, length};
 }
 
-/// The geometry of a panel whose corners and edges are set.
+/// Computes the geometry of a panel from its corners and edges.
 void measure(LayerPanel& panel, const double* corners, const LayerEdge* edges)
 {
     std::array<Eigen::Vector2d, 3> p, m;
@@ -65,7 +65,7 @@ void measure(LayerPanel& panel, const double* corners, const LayerEdge* edges)
     }
 }
 
-/// Whether a point lies on a triangle, about.
+/// Whether a point lies on a triangle, up to a tolerance.
 bool holds(const LayerFace& face, const Vector3& point)
 {
     constexpr double about = 1e-6;
@@ -79,7 +79,8 @@ bool holds(const LayerFace& face, const Vector3& point)
 
 } // namespace
 
-/// Points in the cage's units, all x before all y before all z, and the last one repeated to fill all lanes.
+/// Points relative to the cage's centre, in units of its size: all x, then all y, then all z. The last point
+/// is repeated to fill the lanes.
 struct HarmonicBoundary::Block
 {
     Block(int points)
@@ -101,11 +102,11 @@ struct HarmonicBoundary::Block
     AlignedVector<double> xyz;
 };
 
-/// The points of a block that are near a triangle, and what its unknowns do there.
+/// The points of a block that are near a triangle, and the single layer potentials of its unknowns there.
 struct HarmonicBoundary::Near
 {
     std::vector<int> points;
-    AlignedVector<double> xyz, single; ///< single: (points, width)
+    AlignedVector<double> xyz, single; ///< `single` is (points, width)
     int width = 0;
 };
 
@@ -265,7 +266,9 @@ Vector3 HarmonicBoundary::inside_point(int triangle, const Vector3& hats) const
     return point;
 }
 
-/// `fields` are the first four rows of LayerKernels::both; rows (block.count, stride).
+/// Adds the double layer potential of a triangle's data to the weights.
+/// \param fields  the first four rows of LayerKernels::both.
+/// \param rows    (block.count, stride) the weights.
 void HarmonicBoundary::add_double_layer(int triangle, const Block& block, const double* fields, double* rows,
                                         int stride) const
 {
@@ -284,7 +287,7 @@ void HarmonicBoundary::gather_near(int triangle, const Block& block, Near& near)
 {
     near.points.clear();
     if (pattern_.panels.size() == 1)
-        return; // the whole triangle is its own linear part
+        return; // the flux of the triangle is linear, so its linear part is exact
     const Vector3& middle = middles_[static_cast<std::size_t>(triangle)];
     const double reach = reaches_[static_cast<std::size_t>(triangle)];
     const double* x = block.xyz.data();
@@ -308,11 +311,11 @@ void HarmonicBoundary::gather_near(int triangle, const Block& block, Near& near)
                                           stride, near.single.data());
 }
 
-/// The rows of the triangles [begin, end).
+/// Assembles the rows of triangles [begin, end).
 void HarmonicBoundary::assemble(DenseSystem& system, int begin, int end) const
 {
     const int panels = static_cast<int>(pattern_.panels.size()), n = pattern_.unknowns;
-    const int points = 3 * panels; // a triangle
+    const int points = 3 * panels; // per triangle
     Block block((end - begin) * points);
     for (int t = begin; t < end; ++t)
         for (int p = 0; p < panels; ++p)
@@ -332,7 +335,7 @@ void HarmonicBoundary::assemble(DenseSystem& system, int begin, int end) const
     AlignedVector<double> fields(static_cast<std::size_t>(7 * block.stride));
     std::vector<double> twofold(static_cast<std::size_t>(block.count) *
                                 static_cast<std::size_t>(vertex_count_));
-    std::vector<int> place(static_cast<std::size_t>(block.count), -1); // among the near points
+    std::vector<int> place(static_cast<std::size_t>(block.count), -1); // index among the near points, or -1
     RowMatrix linear(n, 3);
     Near near;
     for (int s = 0; s < static_cast<int>(triangles_.size()); ++s) {
@@ -399,9 +402,9 @@ void HarmonicBoundary::check(const Cage& cage, const DenseSystem& system,
         if (pivot > least_pivot * diagonal[static_cast<std::size_t>(i)] && finite)
             continue;
         const int t = i / n;
-        if (bad.empty() || finite) // one pivot of zero leaves nothing finite
+        if (bad.empty() || finite) // after a pivot of zero nothing is finite, so only the first is named then
             bad.push_back(faces[static_cast<std::size_t>(t)]);
-        // What it touches.
+        // The faces that it touches are named, too.
         for (std::size_t s = 0; s < middles_.size(); ++s)
             if (static_cast<int>(s) != t && holds(triangles_[s].face, middles_[static_cast<std::size_t>(t)]))
                 bad.push_back(faces[s]);
@@ -432,7 +435,7 @@ void HarmonicBoundary::keep(const DenseSystem& system)
     }
 }
 
-/// rows (block.count, stride) are added to.
+/// Adds the weights to rows (block.count, stride).
 void HarmonicBoundary::evaluate(const Block& block, double* rows, int stride) const
 {
     AlignedVector<double> fields(static_cast<std::size_t>(7 * block.stride));
@@ -475,7 +478,8 @@ void HarmonicBoundary::evaluate(PointsView points, RowMatrix& weights, std::vect
     evaluate(block, rows.data(), stride);
     weights = RowMatrix::Map(rows.data(), block.count, stride).leftCols(vertex_count_);
 
-    // The flux of a constant is zero, so the sum of the weights is the solid angle of the cage over 4 pi.
+    // The flux of a constant is zero, so the sum of the weights is the solid angle of the cage, divided by 4
+    // pi.
     winding.resize(static_cast<std::size_t>(block.count));
     for (int i = 0; i < block.count; ++i)
         winding[static_cast<std::size_t>(i)] = weights.row(i).sum();

@@ -14,36 +14,37 @@
 
 namespace sinew {
 
-/// Harmonic functions of a cage by boundary elements, one a cage vertex:
+/// Harmonic functions of a cage by boundary elements, one per cage vertex:
 ///
 ///     phi_v(x) = S(x) q_v + D(x) g_v
 ///
-/// with the double layer D of the exact data g_v on the cage's faces and the single layer S of the unknown
-/// flux q_v on the panels of a HarmonicPattern. q_v solves T S(x_b) q_v = T (g_v - D(x_b)), x_b three points
-/// a panel just inside, T the panels' hats times their areas. Constant and linear data have a flux that any
-/// pattern holds, so phi sums to one and is linearly precise at any resolution, to the rounding of the
-/// solution.
+/// D is the double layer potential of the exact data g_v on the cage's faces, S the single layer potential of
+/// the unknown flux q_v on the panels of a HarmonicPattern. q_v solves T S(x_b) q_v = T (g_v - D(x_b) g_v),
+/// where x_b are three points per panel just inside the cage and T the hat functions of the panels times
+/// their areas. Every pattern can represent the flux of constant and linear data exactly. So up to rounding,
+/// phi sums to one and has linear precision with any pattern.
 ///
-/// Flux on triangles farther than some radii from a point is replaced by its linear part, which changes
+/// The flux on triangles that are many radii away from a point is replaced by its linear part. This changes
 /// weights by a fraction of the pattern's error and keeps both properties.
 class HarmonicBoundary
 {
 public:
-    /// Cost O((triangles * unknowns)^3), and as many numbers squared as memory.
+    /// Cost: O((triangles * unknowns)^3) time, O((triangles * unknowns)^2) memory.
     /// \param level  of harmonic_pattern().
-    /// \throw InvalidMesh  triangles of no area, or faces that touch so that the system is singular; named.
+    /// \throw InvalidMesh  triangles have no area, or faces touch so that the system is singular.
     /// \throw OutOfMemory, Cancelled
     HarmonicBoundary(const Cage& cage, int level, const Progress& progress);
 
     int unknowns() const { return pattern_.unknowns * static_cast<int>(triangles_.size()); }
 
     /// \param block         (b, 3) points in the frame of the cage.
-    /// \param[out] weights  (b, c) phi, as it comes out: slightly negative perhaps.
+    /// \param[out] weights  (b, c) phi, which may be slightly negative.
     /// \param[out] winding  (b) how often the cage winds around each point: 1 inside, 0 outside.
     void evaluate(PointsView block, RowMatrix& weights, std::vector<double>& winding) const;
 
-    /// phi less data at four points a triangle: the root mean of its squares summed over the vertices, and
-    /// the largest magnitude. As phi - data is harmonic, its largest magnitude anywhere is on the cage.
+    /// The difference between phi and the data at four points per triangle: the root mean square over these
+    /// points, where squares are summed over the vertices, and the largest magnitude. The error of phi is
+    /// harmonic, so nowhere is it larger than on the cage.
     double residual_rms() const { return residual_rms_; }
     double residual_max() const { return residual_max_; }
 
@@ -66,16 +67,17 @@ private:
     int vertex_count_;
     double size_;
     Vector3 centre_;
-    std::vector<LayerTriangle> triangles_; ///< in units of the cage's size around its centre
-    std::vector<LayerFace> faces_;         ///< the same, cut
+    std::vector<LayerTriangle> triangles_; ///< relative to the cage's centre, in units of its size
+    std::vector<LayerFace> faces_;         ///< the same, cut into panels
     std::vector<HarmonicData> data_;
     std::vector<Vector3> middles_;
-    std::vector<double> reaches_; ///< squared distance from its middle up to which a triangle is near
-    std::vector<double> corners_; ///< what triangles_ and faces_ point to
+    std::vector<double> reaches_; ///< squared distance from its middle up to which each triangle is near
+    // triangles_ and faces_ point to these:
+    std::vector<double> corners_;
     std::vector<LayerEdge> edges_;
     std::vector<LayerPanel> panels_;
-    std::vector<PackedColumns> flux_;     ///< (unknowns, c) a triangle
-    std::vector<PackedColumns> far_flux_; ///< (3, c) a triangle, for groups of them
+    std::vector<PackedColumns> flux_;     ///< (unknowns, c) for each triangle
+    std::vector<PackedColumns> far_flux_; ///< (3 * triangles, c) for each group of triangles
     double residual_rms_ = 0.0, residual_max_ = 0.0;
 };
 

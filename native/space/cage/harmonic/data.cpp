@@ -12,7 +12,8 @@ namespace sinew {
 
 namespace {
 
-constexpr double plane_quad = 1e-4; ///< largest distance of a plane quad's diagonals, of their lengths
+/// The largest distance between the diagonals of a quad that counts as plane, in units of their lengths.
+constexpr double plane_quad = 1e-4;
 
 } // namespace
 
@@ -29,9 +30,10 @@ std::vector<HarmonicData> harmonic_data(const Cage& cage)
         if (polygon.size() != 4)
             continue;
 
-        // The half of a quad: a, c end the diagonal. Where the quad is plane and convex its data are those of
-        // the halves and a multiple of hat_a hat_c times the affine dependency of its corners; the largest
-        // that leaves all data non-negative, which is the bilinear function on parallelograms.
+        // This is half of a quad; a and c are the ends of the diagonal. If the quad is plane and convex, its
+        // data are the hats of its halves, plus a multiple of hat_a hat_c times the affine dependency of its
+        // corners. The multiple is the largest one for which no data are negative. On parallelograms, this is
+        // the bilinear function.
         const auto at = [&](int v) { return std::find(polygon.begin(), polygon.end(), v) - polygon.begin(); };
         int k = 0;
         while ((at(triangle[k]) - at(triangle[(k + 1) % 3])) % 2 != 0)

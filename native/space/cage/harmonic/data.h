@@ -8,9 +8,10 @@
 
 namespace sinew {
 
-/// What harmonic coordinates are on a cage's triangle: its hats, and on the half of a plane convex quad, as
-/// `diagonal` >= 0 tells, the product of those of its corners `diagonal` and the next, shared out to the
-/// quad's. That is the bilinear function on parallelograms and linearly precise on every plane convex quad.
+/// The values of harmonic coordinates on a triangle of the cage. They are the hat functions of its corners.
+/// If the triangle is half of a plane convex quad, `diagonal` is >= 0, and multiples of a product are added
+/// for the four corners of the quad: the product of the hats at corner `diagonal` and at the next one. This
+/// gives the bilinear function on parallelograms, and linear precision on every plane convex quad.
 struct HarmonicData
 {
     Triangle vertex;
@@ -18,7 +19,8 @@ struct HarmonicData
     std::array<int, 4> quad{};
     std::array<double, 4> share{};
 
-    /// entry(vertex, value) for what the data consist of where the triangle's hats are these.
+    /// Calls entry(vertex, value) for each part of the data at the point with these hat values. A vertex may
+    /// come several times.
     template <class Entry>
     void each(const Vector3& hats, Entry&& entry) const
     {
@@ -28,14 +30,14 @@ struct HarmonicData
             for (int i = 0; i < 4; ++i)
                 entry(quad[i], hats[diagonal] * hats[(diagonal + 1) % 3] * share[i]);
     }
-    /// row (c) += factor times the data there.
+    /// row (c) += factor * data at the point with these hat values.
     void add(const Vector3& hats, double factor, double* row) const
     {
         each(hats, [&](int v, double value) { row[v] += factor * value; });
     }
 };
 
-/// Of all triangles of a cage, none of them flat.
+/// The data on all triangles of a cage. None of them may be flat.
 std::vector<HarmonicData> harmonic_data(const Cage& cage);
 
 } // namespace sinew

@@ -20,26 +20,26 @@ namespace sinew {
 namespace {
 
 constexpr int strip = HarmonicMultigrid::strip;
-constexpr double shortest = 0.05; ///< of a link, in steps, whose second difference is still used
-constexpr std::int64_t reading_bytes = 1000; ///< of a point, on all levels, about
-constexpr int at_once = 4;        ///< strips
-constexpr std::int64_t small =
-    64 << 20; ///< bytes of their work up to which several strips are solved at once
+constexpr double shortest = 0.05; ///< second differences over shorter links, in steps, are left out
+constexpr std::int64_t interpolation_bytes = 1000; ///< about the memory per point, on all levels
+constexpr int at_once = 4; ///< most strips that are solved at once
+/// Several strips are solved at once only if the workspace of each is smaller than so many bytes.
+constexpr std::int64_t small = 64 << 20;
 
 } // namespace
 
-/// What the weights at a point are made of: values at nodes, and data of the cage.
-struct HarmonicGrid::Reading
+/// The weights at a point as a combination of values at nodes and of data of the cage.
+struct HarmonicGrid::Interpolation
 {
     std::vector<std::pair<int, float>> nodes, data;
-    double reach = 0.0; ///< up to how far from the point the nodes lie along an axis
+    double reach = 0.0; ///< largest distance of a node from the point along an axis
     void clear()
     {
         reach = 0.0;
         nodes.clear();
         data.clear();
     }
-    /// Adds up what is named twice.
+    /// Adds up the entries of a node, or of a vertex, that comes several times.
     void merge()
     {
         for (auto* list : {&nodes, &data}) {
@@ -55,9 +55,8 @@ struct HarmonicGrid::Reading
     }
 };
 
-/// Of many points: those of point i are nodes[node_first[i]] to nodes[node_first[i + 1]], and so are the
-/// data.
-struct HarmonicGrid::Readings
+/// The interpolations of many points. Those of point i begin at nodes[node_first[i]] and data[data_first[i]].
+struct HarmonicGrid::Interpolations
 {
     std::vector<std::size_t> node_first{0}, data_first{0};
     std::vector<std::pair<int, float>> nodes, data;
@@ -70,8 +69,8 @@ HarmonicGrid::HarmonicGrid(const Cage& cage, int cells)
 {
 }
 
-void HarmonicGrid::interpolate(const Vector3& at, const HarmonicLattice::Node& lowest, int level,
-                               double factor, Reading& reading) const
+void HarmonicGrid::interpolate_in_cube(const Vector3& at, const HarmonicLattice::Node& lowest, int level,
+                                       double factor, Interpolation& result) const
 {
     const int width = 1 << level;
     Vector3 part;
@@ -89,7 +88,7 @@ void HarmonicGrid::interpolate(const Vector3& at, const HarmonicLattice::Node& l
             continue;
         const int row = multigrid_.row(level, node);
         if (row < 0)
-            continue; // in no window
+            continue; // the node is in no window
         double own = weight;
         for (int axis = 0; axis < 3; ++axis) {
             const HarmonicLattice::Crossing* crossing[2];
@@ -111,25 +110,25 @@ void HarmonicGrid::interpolate(const Vector3& at, const HarmonicLattice::Node& l
                 const double share = bend * 2.0 / (length[side] * (length[0] + length[1]));
                 own -= share;
                 if (!crossing[side])
-                    reading.nodes.emplace_back(neighbour[side], static_cast<float>(share));
+                    result.nodes.emplace_back(neighbour[side], static_cast<float>(share));
                 else
                     data_[crossing[side]->triangle].each(crossing[side]->hats, [&](int v, double value) {
-                        reading.data.emplace_back(v, static_cast<float>(share * value));
+                        result.data.emplace_back(v, static_cast<float>(share * value));
                     });
             }
         }
-        reading.nodes.emplace_back(row, static_cast<float>(own));
+        result.nodes.emplace_back(row, static_cast<float>(own));
     }
 }
 
-/// For a point inside.
-void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
+/// Interpolates at a point inside.
+void HarmonicGrid::interpolate(const Vector3& at, int level, Interpolation& result) const
 {
     const int width = 1 << level;
     HarmonicLattice::Node lowest;
     if (lattice_.cube(at, width, lowest) && lattice_.is_full(lowest, width)) {
-        reading.reach = 2.0 * width;
-        interpolate(at, lowest, level, 1.0, reading);
+        result.reach = 2.0 * width;
+        interpolate_in_cube(at, lowest, level, 1.0, result);
         return;
     }
     const HarmonicLattice::Hit wall = lattice_.closest(at, width);
@@ -137,16 +136,17 @@ void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
         return;
     const auto add = [&](const HarmonicLattice::Hit& hit, double factor) {
         data_[hit.triangle].each(hit.hats, [&](int v, double value) {
-            reading.data.emplace_back(v, static_cast<float>(factor * value));
+            result.data.emplace_back(v, static_cast<float>(factor * value));
         });
     };
     const Vector3 along = wall.distance > 1e-6 ? Vector3((at - lattice_.on(wall)) / wall.distance)
                                                : Vector3(-lattice_.normal(wall.triangle));
     const HarmonicLattice::Hit opposite = lattice_.march(at, along, width);
-    const double t = wall.distance, first = t + opposite.distance; // from the wall
+    const double t = wall.distance, first = t + opposite.distance; // distances from the wall
     if (opposite.triangle >= 0 || !std::isfinite(first)) {
-        // Differences of Laplace's equation at the point itself, along that line and two across. The line
-        // alone, on coarser levels, shows how much these matter.
+        // Differences of Laplace's equation at the point itself, along that line and two lines across it.
+        // Coarser levels use the first line alone, so that the estimate of the error shows how much the
+        // others matter.
         std::array<std::pair<HarmonicLattice::Hit, Vector3>, 6> ends{{{wall, -along}, {opposite, along}}};
         const Vector3 across = along.unitOrthogonal(), third = along.cross(across);
         for (int k = 2; k < 6; ++k) {
@@ -169,12 +169,12 @@ void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
             if (const auto& [hit, way] = ends[k]; share[k] > 0.0 && hit.triangle >= 0) {
                 add(hit, share[k] / sum);
             } else if (share[k] > 0.0) {
-                reading.reach = std::max(reading.reach, hit.distance + 2.0 * width);
-                interpolate(at + hit.distance * way, hit.full, level, share[k] / sum, reading);
+                result.reach = std::max(result.reach, hit.distance + 2.0 * width);
+                interpolate_in_cube(at + hit.distance * way, hit.full, level, share[k] / sum, result);
             }
         return;
     }
-    // Quadratic where another full cube lies behind.
+    // The interpolation is quadratic if there is another full cube behind the first.
     const double second = first + std::max(first, static_cast<double>(width));
     const Vector3 behind = at + (second - t) * along;
     double parts[3]{1.0 - t / first, t / first, 0.0};
@@ -182,36 +182,36 @@ void HarmonicGrid::read(const Vector3& at, int level, Reading& reading) const
         parts[0] = (first - t) * (second - t) / (first * second);
         parts[1] = t * (second - t) / (first * (second - first));
         parts[2] = -t * (first - t) / (second * (second - first));
-        interpolate(behind, lowest, level, parts[2], reading);
+        interpolate_in_cube(behind, lowest, level, parts[2], result);
     }
-    reading.reach = (parts[2] != 0.0 ? second : first) - t + 2.0 * width;
+    result.reach = (parts[2] != 0.0 ? second : first) - t + 2.0 * width;
     add(wall, parts[0]);
-    interpolate(at + opposite.distance * along, opposite.full, level, parts[1], reading);
+    interpolate_in_cube(at + opposite.distance * along, opposite.full, level, parts[1], result);
 }
 
-HarmonicGrid::Readings HarmonicGrid::read(PointsView points, int step, int level,
-                                          const std::vector<char>& inside) const
+HarmonicGrid::Interpolations HarmonicGrid::interpolate(PointsView points, int step, int level,
+                                                       const std::vector<char>& inside) const
 {
     constexpr int grain = 256;
     const int count = static_cast<int>((points.rows() + step - 1) / step);
-    std::vector<Readings> chunks((count + grain - 1) / grain);
+    std::vector<Interpolations> chunks((count + grain - 1) / grain);
     parallel_chunks(count, grain, [&](int begin, int end) {
-        Readings& own = chunks[begin / grain];
-        Reading reading;
+        Interpolations& own = chunks[begin / grain];
+        Interpolation result;
         for (int i = begin; i < end; ++i) {
-            reading.clear();
+            result.clear();
             if (inside[i * step])
-                read(lattice_.seen(points.row(i * step).transpose()), level, reading);
-            reading.merge();
-            own.nodes.insert(own.nodes.end(), reading.nodes.begin(), reading.nodes.end());
-            own.data.insert(own.data.end(), reading.data.begin(), reading.data.end());
-            own.reach.push_back(static_cast<float>(reading.reach));
+                interpolate(lattice_.coordinates(points.row(i * step).transpose()), level, result);
+            result.merge();
+            own.nodes.insert(own.nodes.end(), result.nodes.begin(), result.nodes.end());
+            own.data.insert(own.data.end(), result.data.begin(), result.data.end());
+            own.reach.push_back(static_cast<float>(result.reach));
             own.node_first.push_back(own.nodes.size());
             own.data_first.push_back(own.data.size());
         }
     });
-    Readings all;
-    for (const Readings& chunk : chunks) {
+    Interpolations all;
+    for (const Interpolations& chunk : chunks) {
         for (std::size_t k = 1; k < chunk.node_first.size(); ++k) {
             all.node_first.push_back(all.nodes.size() + chunk.node_first[k]);
             all.data_first.push_back(all.data.size() + chunk.data_first[k]);
@@ -223,53 +223,56 @@ HarmonicGrid::Readings HarmonicGrid::read(PointsView points, int step, int level
     return all;
 }
 
-HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, const Progress& progress) const
+HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int stride, const Progress& progress) const
 {
     const int count = static_cast<int>(points.rows());
     const int strips = multigrid_.strip_count();
     const int together = multigrid_.work_bytes() < small ? std::min(at_once, strips) : 1;
     require_memory(multigrid_.bytes() + together * multigrid_.work_bytes() +
                        static_cast<std::int64_t>(count) *
-                           (columns_ * static_cast<std::int64_t>(sizeof(float)) + reading_bytes),
+                           (columns_ * static_cast<std::int64_t>(sizeof(float)) + interpolation_bytes),
                    "the lattice in the cage");
     Weights found;
     found.inside.assign(count, 0);
     parallel_for(
-        count, [&](int i) { found.inside[i] = lattice_.holds(lattice_.seen(points.row(i).transpose())); },
+        count,
+        [&](int i) { found.inside[i] = lattice_.holds(lattice_.coordinates(points.row(i).transpose())); },
         256);
     const int levels = multigrid_.base() + 1;
-    const int checks = (count + checked - 1) / checked;
-    std::vector<Readings> fine, coarse; // a level
+    const int checks = (count + stride - 1) / stride;
+    std::vector<Interpolations> fine, coarse; // per level
     for (int level = 0; level < std::max(levels, 2); ++level) {
-        fine.push_back(read(points, 1, level, found.inside));
-        coarse.push_back(read(points, checked, level, found.inside));
+        fine.push_back(interpolate(points, 1, level, found.inside));
+        coarse.push_back(interpolate(points, stride, level, found.inside));
     }
     std::vector<float> check(static_cast<std::size_t>(checks) * columns_, 0.0f);
     found.rows.assign(static_cast<std::size_t>(count) * columns_, 0.0f);
-    /// Blends what a level says into the rows.
-    const auto gather = [&](const Readings& readings, int step, int level,
+    /// Blends the values of a level into the rows.
+    const auto gather = [&](const Interpolations& interpolations, int step, int level,
                             const std::vector<HarmonicMultigrid::Row>& values, int strip_index,
                             std::vector<float>& rows) {
         const std::span<const int> vertices = multigrid_.vertices(strip_index);
         parallel_for(
-            static_cast<int>(readings.node_first.size()) - 1,
+            static_cast<int>(interpolations.node_first.size()) - 1,
             [&](int i) {
                 const auto share = static_cast<float>(multigrid_.share(
-                    strip_index, level, lattice_.seen(points.row(i * step).transpose()), readings.reach[i]));
+                    strip_index, level, lattice_.coordinates(points.row(i * step).transpose()),
+                    interpolations.reach[i]));
                 if (share == 0.0f)
                     return;
                 HarmonicMultigrid::Row sum{};
-                for (std::size_t k = readings.node_first[i]; k < readings.node_first[i + 1]; ++k) {
-                    const auto& [row, weight] = readings.nodes[k];
+                for (std::size_t k = interpolations.node_first[i]; k < interpolations.node_first[i + 1];
+                     ++k) {
+                    const auto& [row, weight] = interpolations.nodes[k];
                     for (int lane = 0; lane < strip; ++lane)
                         sum.at[lane] += weight * values[row].at[lane];
                 }
                 float* const row = rows.data() + static_cast<std::size_t>(i) * columns_;
                 std::array<float, strip> data{};
-                for (std::size_t k = readings.data_first[i]; k < readings.data_first[i + 1]; ++k)
-                    if (const int place = multigrid_.place(readings.data[k].first);
+                for (std::size_t k = interpolations.data_first[i]; k < interpolations.data_first[i + 1]; ++k)
+                    if (const int place = multigrid_.place(interpolations.data[k].first);
                         place / strip == strip_index)
-                        data[place % strip] += readings.data[k].second;
+                        data[place % strip] += interpolations.data[k].second;
                 for (std::size_t lane = 0; lane < vertices.size(); ++lane) {
                     float& weight = row[vertices[lane]];
                     weight += share * (sum.at[lane] + data[lane] - weight);
@@ -286,7 +289,7 @@ HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, con
             HarmonicMultigrid::Work& work = works[task];
             residuals[first + task] = multigrid_.solve(first + task, work, [&](int level) {
                 if (level >= 1 && level < static_cast<int>(coarse.size()))
-                    gather(coarse[level], checked, level, work.values[level], first + task, check);
+                    gather(coarse[level], stride, level, work.values[level], first + task, check);
                 if (level < levels)
                     gather(fine[level], 1, level, work.values[level], first + task, found.rows);
             });
@@ -298,7 +301,7 @@ HarmonicGrid::Weights HarmonicGrid::evaluate(PointsView points, int checked, con
             found.error =
                 std::max(found.error, static_cast<double>(std::abs(
                                           check[static_cast<std::size_t>(i) * columns_ + v] -
-                                          found.rows[static_cast<std::size_t>(i) * checked * columns_ + v])));
+                                          found.rows[static_cast<std::size_t>(i) * stride * columns_ + v])));
     return found;
 }
 

@@ -18,16 +18,16 @@ namespace {
 
 using Node = HarmonicLattice::Node;
 
-constexpr double about = 1e-9;  ///< steps within which a node lies on a crossing
-constexpr double grazing = 1e-9; ///< share of a triangle within which a line passes an edge of it
+constexpr double about = 1e-9;   ///< a node lies on a crossing if it is at most so many steps away
+constexpr double grazing = 1e-9; ///< a line passes too close to an edge if a hat value is below this
 
-/// Twice the area of (a, b, (x, y)) in the plane of two axes.
+/// Twice the area of the triangle (a, b, (x, y)) in the plane of the axes u and v.
 double area(const Vector3& a, const Vector3& b, int u, int v, double x, double y)
 {
     return (b[u] - a[u]) * (y - a[v]) - (b[v] - a[v]) * (x - a[u]);
 }
 
-/// The point of a triangle that is closest, by its hats: C. Ericson, "Real-Time Collision Detection", 5.1.5.
+/// The hat values of the closest point of a triangle: C. Ericson, "Real-Time Collision Detection", 5.1.5.
 Vector3 closest_hats(const Vector3& at, const Vector3& a, const Vector3& b, const Vector3& c)
 {
     const Vector3 ab = b - a, ac = c - a, ap = at - a, bp = at - b, cp = at - c;
@@ -65,13 +65,13 @@ HarmonicLattice::HarmonicLattice(const Cage& cage, int cells) : triangles_(cage.
     require_memory(bytes(cage, cells), "the lattice in the cage");
     for (int axis = 0; axis < 3; ++axis)
         size_[axis] = static_cast<int>(std::ceil((high[axis] - low[axis]) / step_)) + 3;
-    // Where a line passes through a vertex, rounding may count a triangle too many or too few: elsewhere
-    // then.
+    // If a line passes through a vertex, rounding may count a triangle too many or too few. Then the lattice
+    // is moved a little.
     for (double shift = 0.0;; shift += 0.01) {
         origin_ = low - step_ * Vector3(.37 + shift, .41 + shift, .43 + shift);
         points_.clear();
         for (Eigen::Index v = 0; v < points.rows(); ++v)
-            points_.push_back(seen(points.row(v).transpose()));
+            points_.push_back(coordinates(points.row(v).transpose()));
         if (cross() || shift > 0.4)
             break;
     }
@@ -86,7 +86,8 @@ std::int64_t HarmonicLattice::bytes(const Cage& cage, int cells)
     return static_cast<std::int64_t>(nodes.prod() * (2 * sizeof(int) + 1));
 }
 
-/// Finds all crossings and the winding of the nodes. \return whether every line leaves as often as it enters.
+/// Finds all crossings and the winding of the nodes.
+/// \return whether every line leaves the cage as often as it enters it
 bool HarmonicLattice::cross()
 {
     bool closed = true;
@@ -103,7 +104,8 @@ bool HarmonicLattice::cross()
             const auto [v0, v1] = range(v);
             for (int i = u0; i <= u1; ++i)
                 for (int j = v0; j <= v1; ++j) {
-                    // Both triangles at an edge see the same number, so that a line passes one of them.
+                    // Both triangles at an edge compute the same number for it, so that a line near the edge
+                    // crosses exactly one of them.
                     Vector3 hats;
                     int left = 0;
                     for (int k = 0; k < 3; ++k) {
@@ -153,7 +155,7 @@ bool HarmonicLattice::cross()
     return closed;
 }
 
-/// Lists the triangles of each cube: those that meet the sphere around it, and some that meet its corners.
+/// Lists the triangles of each cube: those that meet the sphere around it, and some more at its corners.
 void HarmonicLattice::bin()
 {
     std::vector<std::pair<int, int>> found;
@@ -200,7 +202,7 @@ const HarmonicLattice::Crossing* HarmonicLattice::next(const Node& node, int axi
         const double d = distance(*c);
         if (d < -about || d > reach)
             continue;
-        // Where faces touch, the one that ends the inside.
+        // Where faces touch, this is the one at which the inside ends.
         if (!best || d < distance(*best) - about ||
             (d < distance(*best) + about && c->turn == -sign && best->turn != -sign))
             best = c;
@@ -253,8 +255,8 @@ bool HarmonicLattice::holds(const Vector3& at) const
     if (!cube(at, 1, cell))
         return false;
     const std::span<const int> triangles = touching(cell);
-    // The winding changes by what crosses the way to a corner of the cube, one that passes by no edge
-    // closely.
+    // The winding differs from that of a corner of the cube by the triangles that cross the way to it. A
+    // corner is used only if that way does not pass close to an edge.
     for (int c = 0; c < 8; ++c) {
         const Node node{cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)};
         const Vector3 end(node[0], node[1], node[2]);
@@ -275,7 +277,7 @@ bool HarmonicLattice::holds(const Vector3& at) const
             if (passes_by)
                 continue;
             clear = s.cwiseAbs().minCoeff() > least && std::abs(height) > least && std::abs(above) > least;
-            winding += height > 0.0 ? -1 : 1; // from outside of the triangle the way enters
+            winding += height > 0.0 ? -1 : 1; // -1 where the way to the corner enters the cage
         }
         if (clear)
             return winding == 1;
@@ -298,7 +300,7 @@ HarmonicLattice::Hit HarmonicLattice::closest(const Vector3& at, int width) cons
             const Hit hit{0.0, t, hats, {}};
             const Vector3 away = at - on(hit);
             const double distance = away.norm();
-            // Where faces touch, the one that has the point behind it.
+            // Where faces touch, this is the one that the point is behind.
             const bool faces = normal(t).dot(away) <= 0.0;
             if (distance < best.distance - about || (distance < best.distance + about && faces && !facing)) {
                 best = hit;
@@ -356,7 +358,7 @@ HarmonicLattice::Hit HarmonicLattice::march(const Vector3& at, const Vector3& al
             const Vector3 p = corner(t, 0) - at, q = corner(t, 1) - at, r = corner(t, 2) - at;
             const Vector3 normal = (q - p).cross(r - p);
             const double speed = normal.dot(along);
-            if (!(speed > 0.0)) // it does not leave here
+            if (!(speed > 0.0)) // the ray does not leave through this triangle
                 continue;
             const Vector3 s(along.dot(q.cross(r)), along.dot(r.cross(p)), along.dot(p.cross(q)));
             const double distance = normal.dot(p) / speed;

@@ -3,17 +3,17 @@
 
 namespace sinew {
 
-/// An edge in the plane of its face: from corner `from` to corner `to`, direction s, normal m to the right of
-/// s as seen from outside the cage; `offset` = m . corner, `start` = s . corner.
+/// An edge in the plane of its face: from corner `from` to corner `to`, with direction s, and normal m to the
+/// right of s as seen from outside the cage; `offset` = m . corner, `start` = s . corner.
 struct LayerEdge
 {
     int from, to;
     double sx, sy, mx, my, offset, start, length;
 };
 
-/// A triangle with linear flux; its corners are the unknowns of the face's flux. Its edges run
-/// counterclockwise where turn is 1, else backwards; edge k starts at corner k. Hat c is edge_offset_{c+1} *
-/// inverse_height[c] and slope[c][k] = grad(hat c) . m_k.
+/// A triangle with linear flux; its corners are unknowns of the face's flux. Edge k starts at corner k and
+/// runs counterclockwise if turn[k] is 1, otherwise backwards. Hat c is the distance from edge c + 1 times
+/// inverse_height[c], and slope[c][k] = grad(hat c) . m_k.
 struct LayerPanel
 {
     int corner[3], edge[3];
@@ -31,16 +31,17 @@ struct LayerFace
     const LayerPanel* panel;
 };
 
-/// A whole cage triangle: one panel, with data that are linear, or linear and a multiple of the product of
-/// the hats at the ends of edge `diagonal` (-1: linear).
+/// A whole triangle of the cage as one panel. Its data are linear, plus multiples of the product of the hats
+/// at the ends of edge `diagonal` unless that is -1.
 struct LayerTriangle
 {
     LayerFace face;
     int diagonal;
-    double product, along[3]; ///< grad . grad of the two hats, and grad . s_k of the first of them
+    double product;  ///< the product of the gradients of the two hats
+    double along[3]; ///< the gradient of the first of them along s_k
 };
 
-/// Layer potentials of the kernel 1 / (4 pi r) of faces at points, in closed form. `points` holds all x, then
+/// Layer potentials of faces at points, for the kernel 1 / (4 pi r), in closed form. `points` has all x, then
 /// all y, then all z, `stride` numbers each; `count` is a multiple of most_layer_points.
 ///
 /// With omega the solid angle, L_k = the integral of 1/r along edge k, R_k that of r, h_k the distance to its
@@ -48,12 +49,13 @@ struct LayerTriangle
 ///   S[1]        = sum_k h_k L_k - d omega
 ///   S[hat c]    = lambda_c S[1] + sum_k slope_ck R_k
 ///   D[hat c]    = lambda_c omega - d sum_k slope_ck L_k
-/// Points on the face see it from inside. Every variant gives the same bits.
+/// A point on the face counts as inside the cage. Every variant gives the same bits.
 struct LayerKernels
 {
-    /// out (count, width), width = corners rounded up to a multiple of 4: S of the face's continuous flux.
+    /// out (count, width), with width the number of corners rounded up to a multiple of 4: S of the unknowns
+    /// of the face's flux.
     void (*single)(const LayerFace& face, const double* points, int stride, int count, double* out);
-    /// out (7, stride): D of the three hats and of the product, S of the three hats.
+    /// out (7, stride): D of the three hats, D of the product, and S of the three hats.
     void (*both)(const LayerTriangle& triangle, const double* points, int stride, int count, double* out);
 
     static const LayerKernels baseline, avx2, avx512;
@@ -61,7 +63,7 @@ struct LayerKernels
 
 /// The largest faces that the kernels take.
 constexpr int most_layer_corners = 96, most_layer_edges = 256;
-/// Side by side.
+/// The largest number of lanes of the kernels.
 constexpr int most_layer_points = 8;
 
 } // namespace sinew

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bodies of LayerKernels, compiled once for each set of instructions: lane_count points side by side.
+// The bodies of LayerKernels for lane_count points at a time, compiled once for each set of instructions.
 
 #include "native/core/simd/lane_math.inl"
 
@@ -11,7 +11,7 @@ using Wide = Lanes<double>;
 
 constexpr double quarter_inverse_pi = 0.07957747154594766788;
 
-/// Points in the frame of a face, and what they see of its corners and edges.
+/// Points in the frame of a face, and quantities of its corners and edges for these points.
 struct View
 {
     Wide x, y, d, d2;
@@ -40,7 +40,7 @@ inline void look(const LayerFace& face, const double* points, int stride, View& 
         const Wide t0 = constant(edge.start) - (edge.sx * view.x + edge.sy * view.y);
         const Wide t1 = t0 + constant(edge.length);
         const Wide r0 = view.r[edge.from], r1 = view.r[edge.to];
-        const Wide away = h * h + view.d2; // squared distance to the line
+        const Wide away = h * h + view.d2; // squared distance from the line
         const Wide floored = larger(away, constant(1e-36));
         // L = log((r0 + r1 + l)^2 / ((r0 + r1)^2 - l^2)); the denominator is 2 (away + t0 t1 + r0 r1), whose
         // last two terms cancel where the foot lies on the edge.
@@ -72,7 +72,8 @@ inline Wide solid_angle(const LayerFace& face, const LayerPanel& panel, const Vi
     return choose(above(constant(0.0), view.d), constant(0.0) - angle, angle);
 }
 
-/// S[1], lambda and the three S[hat] of a panel, times 4 pi but for the solid angle.
+/// S[1], lambda and the three S[hat] of a panel, times 4 pi; `omega` is the solid angle that solid_angle()
+/// gives.
 inline void flux(const LayerPanel& panel, const View& view, Wide omega, Wide& s, Wide* lambda, Wide* hats)
 {
     const Wide h[3] = {panel.turn[0] * view.h[panel.edge[0]], panel.turn[1] * view.h[panel.edge[1]],

@@ -19,12 +19,13 @@ using Node = HarmonicLattice::Node;
 using Row = HarmonicMultigrid::Row;
 
 constexpr int strip = HarmonicMultigrid::strip;
-constexpr int coarsest = 4;        ///< nodes along the longest side where halving ends
-constexpr int last_sweeps = 24;    ///< on the coarsest level
-constexpr double shortest = 1e-5;  ///< of a link, in steps
-constexpr double converged = 1e-4; ///< residual before a cycle that is the last: it leaves a tenth
-constexpr int whole = 96;          ///< nodes along the longest side of the finest level without windows
-constexpr int padding = 10;        ///< steps of a level from the faces to the sides of its window
+constexpr int coarsest = 4;        ///< fewest nodes along the longest side of the coarsest level
+constexpr int last_sweeps = 24;    ///< number of sweeps on the coarsest level
+constexpr double shortest = 1e-5;  ///< length of a link, in steps, to which shorter ones are raised
+/// A cycle that begins with at most this residual is the last; it leaves a tenth of it.
+constexpr double converged = 1e-4;
+constexpr int whole = 96;          ///< most nodes along the longest side of a level without windows
+constexpr int padding = 10; ///< distance from the faces to the sides of a window, in steps of the level
 constexpr int most_cycles = 40;
 constexpr int grain = 2048;
 
@@ -52,13 +53,14 @@ HarmonicMultigrid::HarmonicMultigrid(const HarmonicLattice& lattice, const Cage&
         nest(level);
 }
 
-/// Makes strips of vertices that lie together: halves along the longest side of their box.
+/// Orders the vertices so that those of a strip lie close together, by halving them along the longest side of
+/// their box.
 void HarmonicMultigrid::order(const HarmonicLattice& lattice, const Cage& cage)
 {
     const int count = cage.vertex_count();
     std::vector<Vector3> at;
     for (int v = 0; v < count; ++v)
-        at.push_back(lattice.seen(cage.rest().point(v)));
+        at.push_back(lattice.coordinates(cage.rest().point(v)));
     order_.resize(count);
     std::iota(order_.begin(), order_.end(), 0);
     const std::function<void(int, int)> split = [&](int begin, int end) {
@@ -124,7 +126,7 @@ double HarmonicMultigrid::share(int strip_index, int level, const Vector3& at, d
     return std::max(least, 0.0);
 }
 
-/// The lowest and the highest node of a window and so many steps around it, in steps of a level.
+/// The lowest and the highest node of a window and `around` steps around it, in steps of a level.
 std::array<Node, 2> HarmonicMultigrid::range(int level, const Window& window, int around) const
 {
     std::array<Node, 2> range;
@@ -196,7 +198,7 @@ int HarmonicMultigrid::row(int level, const Node& node) const
     return own.rows[at];
 }
 
-/// \param visit  gets each row of a level, and its node in steps of that level.
+/// Calls visit(row, node) for each row of a level, with the node in steps of that level.
 template <class Visit>
 void HarmonicMultigrid::each_row(const Level& level, Visit&& visit)
 {
@@ -234,7 +236,7 @@ void HarmonicMultigrid::link(const HarmonicLattice& lattice, const std::vector<H
             }
             for (int side = 0; side < 2; ++side) {
                 const int l = 2 * axis + side;
-                // A link that ends neither inside nor on the cage is left out: rounding made it.
+                // A link that ends neither inside nor on the cage is due to rounding, and left out.
                 const bool ends = crossing[l] || own.link[row][l] != own.count;
                 share[l] = ends ? 2.0 / (length[l] * (length[l] + length[l ^ 1])) : 0.0;
                 sum += share[l];
@@ -254,7 +256,7 @@ void HarmonicMultigrid::link(const HarmonicLattice& lattice, const std::vector<H
     });
 }
 
-/// What a level has to do with the next.
+/// Links a level to the next coarser one by the parents and children of nodes.
 void HarmonicMultigrid::nest(int level)
 {
     Level &own = levels_[level], &next = levels_[level + 1];
@@ -316,7 +318,7 @@ std::int64_t HarmonicMultigrid::work_bytes() const
     return rows * static_cast<std::int64_t>(sizeof(Row));
 }
 
-/// What a node's neighbours and its source say.
+/// The value that a node's neighbours and its source give for it.
 HarmonicMultigrid::Row HarmonicMultigrid::wanted(int level, int row, const Work& work) const
 {
     const Level& own = levels_[level];
@@ -331,7 +333,7 @@ HarmonicMultigrid::Row HarmonicMultigrid::wanted(int level, int row, const Work&
     return sum;
 }
 
-/// Nodes of one colour.
+/// One Gauss-Seidel sweep over nodes of one colour.
 void HarmonicMultigrid::relax(int level, const std::vector<int>& rows, Work& work) const
 {
     parallel_for(
@@ -339,7 +341,7 @@ void HarmonicMultigrid::relax(int level, const std::vector<int>& rows, Work& wor
         [&](int i) { work.values[level][rows[i]] = wanted(level, rows[i], work); }, grain);
 }
 
-/// At the reds, after the blacks have been relaxed: these have none.
+/// Computes the residuals of the red nodes. Black ones have none, as they have just been relaxed.
 double HarmonicMultigrid::find_residual(int level, Work& work) const
 {
     const Level& own = levels_[level];
@@ -364,7 +366,8 @@ double HarmonicMultigrid::find_residual(int level, Work& work) const
     return largest.empty() ? 0.0 : *std::ranges::max_element(largest);
 }
 
-/// To blacks of a level from the next: its values, or what they correct. The reds follow in a sweep.
+/// Takes the values of the next coarser level to black nodes of a level, or adds them as corrections. A sweep
+/// over the red nodes has to follow.
 void HarmonicMultigrid::prolong(int level, const std::vector<int>& rows, Work& work, bool correct) const
 {
     const Level& own = levels_[level];
@@ -390,7 +393,8 @@ void HarmonicMultigrid::prolong(int level, const std::vector<int>& rows, Work& w
         grain);
 }
 
-/// \return the residual halfway. Without correction by coarser levels, sweeps alone, which never raise it.
+/// A V-cycle; without correction by coarser levels, sweeps only, which never increase the residual.
+/// \return the residual before the correction
 double HarmonicMultigrid::cycle(int level, Work& work, bool correct) const
 {
     const Work::Rows& own = work.solved[level];
@@ -415,7 +419,8 @@ double HarmonicMultigrid::cycle(int level, Work& work, bool correct) const
                 for (int c = 1; c < 13; ++c)
                     for (int k = 0; k < strip; ++k)
                         sum.at[k] += residuals[children[c]].at[k];
-                // Full weighting, and the square of the levels' steps.
+                // The restriction is full weighting; the factor includes the square of the ratio of the
+                // steps.
                 const float part = 0.5f / next.diagonal[row];
                 for (int k = 0; k < strip; ++k)
                     sources[row].at[k] = part * (residuals[children[0]].at[k] + 0.25f * sum.at[k]);
@@ -447,7 +452,8 @@ double HarmonicMultigrid::solve(int strip_index, Work& work, const std::function
         const Window all{{0, 0, 0}, {1 << 30, 1 << 30, 1 << 30}};
         const Window own = level < base_ ? window(strip_index, level) : all;
         Window inner = own;
-        // A coarser node's correction needs residuals around it: the windows shrink.
+        // The correction of a coarser node needs residuals around it, so the windows shrink from level to
+        // level.
         for (int k = level; k < level_count(); ++k) {
             work.solved[k] = rows(k, inner, 0);
             work.cleared[k] = rows(k, inner, 1);

@@ -12,18 +12,19 @@
 
 namespace sinew {
 
-/// Harmonic functions at the nodes of a lattice inside a cage, sixteen neighbouring cage vertices at a time.
+/// Harmonic functions at the nodes of a lattice inside a cage, for sixteen neighbouring cage vertices at a
+/// time.
 ///
-/// Differences over a node's links along each axis, to its neighbour or to where the link crosses the cage
-/// and the data are known (G. Shortley, R. Weller 1938; F. Gibou et al., J. Comput. Phys. 176, 2002): weights
-/// of one sign, so that values lie between the data, and exact for linear functions. Solved from coarse to
-/// fine by V-cycles of Gauss-Seidel sweeps in two colours (A. Brandt 1977), each level with its own
-/// crossings. The finer levels are solved in a window around the faces at the vertices alone, as everywhere
-/// else the functions are smooth.
+/// A node has links along each axis: to its neighbour, or to the point where the link crosses the cage and
+/// the data are known. The differences over these links (G. Shortley, R. Weller 1938; F. Gibou et al., J.
+/// Comput. Phys. 176, 2002) have weights of one sign, so that values lie between the data, and are exact for
+/// linear functions. They are solved from coarse to fine by V-cycles of Gauss-Seidel sweeps in two colours
+/// (A. Brandt 1977). Each level has its own crossings. The finer levels are solved only in a window around
+/// the faces at the vertices, as the functions are smooth everywhere else.
 class HarmonicMultigrid
 {
 public:
-    static constexpr int strip = 16; ///< functions at once: a cache line of single numbers
+    static constexpr int strip = 16; ///< number of functions at once: a cache line of single numbers
     struct alignas(64) Row
     {
         float at[strip];
@@ -34,42 +35,44 @@ public:
     {
         Node low, high;
     };
-    /// Of one strip; may be used again.
+    /// The workspace for one strip at a time.
     struct Work
     {
         struct Rows
         {
             std::vector<int> reds, blacks;
         };
-        std::vector<std::vector<Row>> values, sources, residuals; ///< a level; the last row of values is 0
-        std::vector<Rows> solved, cleared; ///< a level: nodes of the window, and around
+        std::vector<std::vector<Row>> values, sources, residuals; ///< per level; the last row of values is 0
+        std::vector<Rows> solved, cleared; ///< per level: nodes of the window; these and those next to them
     };
 
-    /// \throw OutOfMemory  more than limit_memory() allows.
+    /// \throw OutOfMemory  this needs more than limit_memory() allows.
     HarmonicMultigrid(const HarmonicLattice& lattice, const Cage& cage,
                       const std::vector<HarmonicData>& data);
 
     int level_count() const { return static_cast<int>(levels_.size()); }
-    /// The finest level that is solved everywhere.
+    /// The finest level that is solved everywhere, not only in windows.
     int base() const { return base_; }
     int node_count() const { return levels_[0].count; }
     int strip_count() const { return static_cast<int>(stars_.size()); }
     /// The cage vertices of a strip.
     std::span<const int> vertices(int strip_index) const;
-    /// Where among the vertices of all strips one is.
+    /// The place of a vertex among the vertices of all strips.
     int place(int vertex) const { return place_[vertex]; }
     std::int64_t bytes() const;
     /// Memory of one Work.
     std::int64_t work_bytes() const;
-    /// The part of a level's answer that counts at a point that needs nodes up to `reach` from it: 1 in the
-    /// level's window, falling to 0 towards its sides.
+    /// The share that a level has in the value at a point that is interpolated from nodes up to `reach` steps
+    /// away: 1 in the level's window, falling to 0 towards its sides.
     double share(int strip_index, int level, const Vector3& at, double reach) const;
 
-    /// \param done  is told each level whose values stand, in its window; the last one is 0, the finest.
-    /// \return the largest residual left: by how much a value is not what its neighbours say.
+    /// \param done  called after each level converges, when `work` has the values in its window; the last
+    ///              level is 0, the finest.
+    /// \return the largest residual: the difference between a value and the mean that its neighbours give.
     double solve(int strip_index, Work& work, const std::function<void(int level)>& done) const;
 
-    /// The row of a level's node, a multiple of 2^level; -1 where it is not inside or in no strip's window.
+    /// The row of a node of a level; -1 if it is not inside, or in no window. The coordinates of the node are
+    /// multiples of 2^level.
     int row(int level, const Node& node) const;
 
 private:
@@ -81,18 +84,19 @@ private:
     struct Parents
     {
         int count; ///< 2 or 8
-        std::array<int, 8> row; ///< on the next level, `its count` for none
+        std::array<int, 8> row; ///< on the next level, or that level's `count` if absent
     };
     struct Level
     {
-        int reds = 0, count = 0; ///< rows: first the nodes whose coordinates have an even sum
-        std::vector<std::array<int, 6>> link; ///< down and up each axis; `count` across the cage
-        std::vector<std::array<float, 6>> share; ///< of each neighbour's value in the node's
-        std::vector<float> diagonal; ///< the node's own in the sum of its second differences
-        std::vector<std::vector<Source>> sources; ///< data, a strip
-        std::vector<Parents> parents; ///< of each black
-        std::vector<std::array<int, 13>> children; ///< reds of the level before
-        std::vector<int> rows; ///< of all nodes
+        /// Numbers of rows: red nodes, whose coordinates have an even sum, come first; `count` are all.
+        int reds = 0, count = 0;
+        std::vector<std::array<int, 6>> link; ///< the rows down and up each axis; `count` across the cage
+        std::vector<std::array<float, 6>> share; ///< of the values of the neighbours in that of the node
+        std::vector<float> diagonal; ///< the coefficient of a node in the sum of its second differences
+        std::vector<std::vector<Source>> sources; ///< the data, per strip
+        std::vector<Parents> parents; ///< of each black node
+        std::vector<std::array<int, 13>> children; ///< red nodes of the next finer level
+        std::vector<int> rows; ///< of all nodes of the lattice, -1 for none
         Node size;
     };
 
@@ -113,8 +117,9 @@ private:
 
     std::vector<Level> levels_;
     int base_ = 0;
-    std::vector<int> order_, place_; ///< vertices strip by strip; where each is
-    std::vector<Window> stars_; ///< around the faces at a strip's vertices
+    std::vector<int> order_; ///< the vertices, strip by strip
+    std::vector<int> place_; ///< the place of each vertex in order_
+    std::vector<Window> stars_; ///< the box around the faces at the vertices of each strip
 };
 
 } // namespace sinew

@@ -13,15 +13,15 @@ namespace {
 
 using Piece = std::array<Vector3, 3>;
 
-/// Four pieces through the midpoints of the sides.
+/// Cuts a piece into four, through the midpoints of its sides.
 std::vector<Piece> quartered(const Piece& p)
 {
     const Vector3 ab = 0.5 * (p[0] + p[1]), bc = 0.5 * (p[1] + p[2]), ca = 0.5 * (p[2] + p[0]);
     return {{p[0], ab, ca}, {ab, p[1], bc}, {ca, bc, p[2]}, {ab, bc, ca}};
 }
 
-/// A centre within rings of strips, all sides cut into `cuts` = 2^k. Insets are shares of the way from the
-/// corners to the barycentre, the outermost first.
+/// A centre within rings of strips, with all sides cut into `cuts` = 2^k parts. The insets say how far each
+/// ring is from the corners, as shares of the way to the barycentre, the outermost first.
 std::vector<Piece> ringed(const std::vector<double>& insets, int cuts)
 {
     std::vector<Piece> pieces;
@@ -91,7 +91,8 @@ HarmonicPattern joined(const std::vector<Piece>& pieces)
     }
     pattern.unknowns = static_cast<int>(pattern.corners.size());
 
-    const Matrix3 mass = (Matrix3::Ones() + Matrix3::Identity()) / 12.0; // of hats over a triangle of area 1
+    // The mass matrix of the hats on a triangle of area 1.
+    const Matrix3 mass = (Matrix3::Ones() + Matrix3::Identity()) / 12.0;
     MatrixX moments = MatrixX::Zero(3, pattern.unknowns);
     for (const HarmonicPattern::Panel& panel : pattern.panels)
         for (int k = 0; k < 3; ++k)
@@ -109,7 +110,7 @@ HarmonicPattern harmonic_pattern(int level)
     {
         std::vector<double> insets;
         int cuts;
-        double near_radii; ///< leaves errors of 5e-4 at 2, 1e-4 at 3, 5e-5 at 4
+        double near_radii; ///< gives errors of 5e-4 at 2, 1e-4 at 3, 5e-5 at 4
     };
     const Recipe recipes[harmonic_pattern_count] = {{{}, 1, 2},           {{}, 2, 2},    {{.15}, 2, 2},
                                                     {{.06, .25}, 2, 2.5}, {{.15}, 4, 3}, {{.1}, 8, 4},

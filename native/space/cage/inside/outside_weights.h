@@ -10,14 +10,15 @@
 
 namespace sinew {
 
-/// The weights of points outside.
+/// The weights of points outside the cage.
 class OutsideWeights
 {
 public:
     OutsideWeights(const Cage& cage, CageOutside choice);
 
+    /// Whether points outside have weights.
     bool reaches() const { return geometry_.has_value(); }
-    /// Overwrites the rows of the points that are flagged, where there are weights for them.
+    /// Overwrites the rows of the points that are flagged, if points outside have weights.
     void fill(PointsView block, const std::vector<char>& outside, RowMatrix& rows) const;
 
 private:

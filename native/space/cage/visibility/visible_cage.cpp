@@ -18,13 +18,14 @@ namespace {
 
 using Piece = VisibleCage::Scratch::Piece;
 
-/// How far the corners of a convex polygon lie before each side of a cone.
+/// How far the corners of a convex polygon lie in front of each side plane of a cone.
 struct Heights
 {
     double at[3][Piece::most];
 };
 
-/// The half of a polygon before side k, with its heights over the sides after that, and the half behind it.
+/// Splits a polygon along side plane k into the part in front of it, with its heights over the following
+/// sides, and the part behind it.
 void split(const Piece& piece, const Heights& heights, int k, Piece& before, Heights& before_heights,
            Piece& behind)
 {
@@ -50,7 +51,7 @@ void split(const Piece& piece, const Heights& heights, int k, Piece& before, Hei
     }
 }
 
-/// \return false where the polygon lies wholly outside of one side.
+/// \return false if the whole polygon is behind one of the side planes
 bool measure(const Piece& piece, const Vector3 (&sides)[3], Heights& found)
 {
     for (int k = 0; k < 3; ++k) {
@@ -65,7 +66,7 @@ bool measure(const Piece& piece, const Vector3 (&sides)[3], Heights& found)
     return true;
 }
 
-/// Some corner lies behind side k.
+/// Whether a corner lies behind side plane k.
 bool is_cut(const Heights& heights, int k, int corners)
 {
     return std::any_of(heights.at[k], heights.at[k] + corners, [](double x) { return x < 0.0; });
@@ -76,7 +77,8 @@ bool none_before(const Vector3& normal, const Vector3& a, const Vector3& b, cons
     return normal.dot(a) <= 0.0 && normal.dot(b) <= 0.0 && normal.dot(c) <= 0.0;
 }
 
-/// The directions that a triangle may be seen in, by the heights of the cap around its corners.
+/// The range of directions in which a triangle may be seen, from the z of the spherical cap around its
+/// corners.
 std::pair<int, int> heights(const Vector3& a, const Vector3& b, const Vector3& c, int count)
 {
     const Vector3 axis = (a + b + c).normalized();
@@ -97,7 +99,7 @@ VisibleCage::VisibleCage(const Cage& cage, int directions) : triangles_(cage.tri
 {
     for (int v = 0; v < cage.vertex_count(); ++v)
         vertices_.push_back(cage.rest().point(v));
-    // A spiral of equal areas on one half of the sphere, and its mirror image through the centre.
+    // A spiral that divides one half of the sphere into equal areas, and its mirror image through the centre.
     directions_.resize(3 * static_cast<std::size_t>(directions));
     for (int k = 0; k < directions / 2; ++k) {
         const double z = (2 * k + 1) / static_cast<double>(directions), r = std::sqrt(1.0 - z * z);
@@ -113,11 +115,11 @@ VisibleCage::VisibleCage(const Cage& cage, int directions) : triangles_(cage.tri
 
 VisibleCage::~VisibleCage() = default;
 
-/// Sorts the faces into those that are left and those that are entered.
-void VisibleCage::look(const Vector3& x, Scratch& scratch) const
+/// Sorts the faces into back faces and front faces.
+void VisibleCage::sort_faces(const Vector3& x, Scratch& scratch) const
 {
-    scratch.left.clear();
-    scratch.entered.clear();
+    scratch.back_faces.clear();
+    scratch.front_faces.clear();
     for (const Triangle& triangle : triangles_) {
         Cone cone;
         cone.vertex = triangle;
@@ -131,20 +133,20 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
         cone.normal = cone.side[0] + cone.side[1] + cone.side[2];
         cone.plane = cone.normal.dot(cone.a);
         if (cone.volume > 0.0) {
-            scratch.left.push_back(cone);
+            scratch.back_faces.push_back(cone);
         } else if (cone.volume < 0.0) {
             for (Vector3& side : cone.side)
                 side = -side;
-            scratch.entered.push_back(cone);
+            scratch.front_faces.push_back(cone);
         }
     }
-    scratch.candidates.resize(scratch.entered.size() + 1);
+    scratch.candidates.resize(scratch.front_faces.size() + 1);
 
-    // Number the vertices of the faces that may hide others.
+    // The vertices of front faces get numbers.
     scratch.number.assign(vertices_.size(), -1);
     scratch.hiding.clear();
     int count = 0;
-    for (const Cone& by : scratch.entered) {
+    for (const Cone& by : scratch.front_faces) {
         Triangle corners;
         for (std::size_t k = 0; k < 3; ++k) {
             int& number = scratch.number[static_cast<std::size_t>(by.vertex[k])];
@@ -168,9 +170,10 @@ void VisibleCage::look(const Vector3& x, Scratch& scratch) const
     }
 }
 
-/// Sets `beyond`: bit k for vertices beside the face's cone at side k, bit 3 for those behind its plane. Bits
-/// are only set where single precision is sure of them, and for the face's own vertices, which lie on the
-/// planes. A face whose vertices share a bit hides nothing of this one.
+/// Sets `beyond`: bit k for vertices outside side plane k of the face's cone, bit 3 for those farther away
+/// than its plane. Bits are set only if single precision is sure of them, and for the face's own vertices,
+/// which lie on the planes. A front face whose three vertices have a bit in common hides nothing of this
+/// face.
 void VisibleCage::sort_vertices(const Cone& face, Scratch& scratch) const
 {
     float planes[4][4];
@@ -189,19 +192,20 @@ void VisibleCage::sort_vertices(const Cone& face, Scratch& scratch) const
             beyond[own] = 15 & ~(1 << k);
 }
 
-/// Takes what `by` hides of `face` out of the pieces. `nearer`: it hides all that it covers.
+/// Removes from the pieces of `face` what `by` hides.
+/// \param nearer  whether `by` is known to be nearer wherever both are seen.
 void VisibleCage::hide(const Cone& face, const Cone& by, bool nearer, Scratch& scratch) const
 {
     Piece beside[3], turns[2];
     Heights heights[3];
     std::vector<Piece>& pieces = scratch.pieces;
-    scratch.next.clear(); // what is left of the pieces that are cut
+    scratch.next.clear(); // the visible parts of the pieces that are cut
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const Piece& piece = pieces[i];
         bool hidden = false;
         int cuts = 0;
-        if (piece.size + 4 > Piece::most) { // two halves, one after the other
+        if (piece.size + 4 > Piece::most) { // too many corners: both halves are handled separately
             Piece halves[2];
             for (int k = 0; k <= piece.size / 2; ++k)
                 halves[0].add(piece.corner[k]);
@@ -228,7 +232,7 @@ void VisibleCage::hide(const Cone& face, const Cone& by, bool nearer, Scratch& s
             }
             if (rest->size > 2) {
                 hidden = nearer;
-                if (!hidden) { // which of the two is nearer there?
+                if (!hidden) { // which of the two faces is nearer there is found out at the middle
                     Vector3 mean = Vector3::Zero();
                     for (int k = 0; k < rest->size; ++k)
                         mean += rest->corner[k] / rest->corner[k].lpNorm<1>();
@@ -245,13 +249,13 @@ void VisibleCage::hide(const Cone& face, const Cone& by, bool nearer, Scratch& s
     pieces.insert(pieces.end(), scratch.next.begin(), scratch.next.end());
 }
 
-/// Keeps the arcs around a polygon for the kernel.
+/// Adds the arcs around a polygon to those that the kernel integrates.
 void VisibleCage::Scratch::add_arcs(const Piece& piece)
 {
     constexpr int width = most_cage_lanes;
     for (int i = 0; i < piece.size; ++i, ++arc_count) {
         if (arc_count % width == 0)
-            arcs.resize(arcs.size() + 6 * width); // zeros where no arc follows
+            arcs.resize(arcs.size() + 6 * width); // unused lanes stay zero
         double* const arc = arcs.data() + arc_count / width * 6 * width + arc_count % width;
         const Vector3& a = piece.corner[i];
         const Vector3& b = piece.corner[i + 1 < piece.size ? i + 1 : 0];
@@ -264,11 +268,11 @@ void VisibleCage::Scratch::add_arcs(const Piece& piece)
 
 void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
 {
-    look(x, scratch);
+    sort_faces(x, scratch);
     scratch.arcs.clear();
     scratch.arc_count = 0;
     scratch.last_arcs.clear();
-    for (const Cone& face : scratch.left) {
+    for (const Cone& face : scratch.back_faces) {
         sort_vertices(face, scratch);
         const int* beyond = scratch.beyond.data();
         Piece whole;
@@ -276,14 +280,14 @@ void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
         whole.add(face.b);
         whole.add(face.c);
         scratch.pieces.assign(1, whole);
-        std::size_t some = 0; // without a branch that could be foreseen wrongly
+        std::size_t some = 0; // counted without a branch, which the processor could not predict
         for (std::size_t k = 0; k < scratch.hiding.size(); ++k) {
             const Triangle& corners = scratch.hiding[k];
             scratch.candidates[some] = k;
             some += (beyond[corners[0]] & beyond[corners[1]] & beyond[corners[2]]) == 0;
         }
         for (std::size_t k = 0; k < some; ++k) {
-            const Cone& by = scratch.entered[scratch.candidates[k]];
+            const Cone& by = scratch.front_faces[scratch.candidates[k]];
             const double a = by.normal.dot(face.a) - by.plane, b = by.normal.dot(face.b) - by.plane,
                          c = by.normal.dot(face.c) - by.plane;
             if ((a >= 0.0 && b >= 0.0 && c >= 0.0) || none_before(by.side[0], face.a, face.b, face.c) ||
@@ -304,15 +308,15 @@ void VisibleCage::exact(const Vector3& x, Scratch& scratch, double* row) const
     widest_kernels<CageKernels>().arc_integrals(
         scratch.arcs.data(), static_cast<int>(scratch.arcs.size()) / (6 * width), scratch.integrals.data());
     int arc = 0;
-    for (std::size_t f = 0; f < scratch.left.size(); ++f) {
-        const Cone& face = scratch.left[f];
+    for (std::size_t f = 0; f < scratch.back_faces.size(); ++f) {
+        const Cone& face = scratch.back_faces[f];
         Vector3 sum = Vector3::Zero();
         for (; arc < scratch.last_arcs[f]; ++arc)
             for (int axis = 0; axis < 3; ++axis)
                 sum[axis] +=
                     scratch
                         .integrals[static_cast<std::size_t>((arc / width * 3 + axis) * width + arc % width)];
-        for (int k = 0; k < 3; ++k) // negative by rounding alone
+        for (int k = 0; k < 3; ++k) // only rounding makes a weight negative
             row[face.vertex[k]] += std::max(0.0, sum.dot(face.side[k]) / face.volume);
     }
 }
@@ -335,7 +339,7 @@ void VisibleCage::sampled(const Vector3& x, Scratch& scratch, double* row) const
         const double volume = a.dot(bc);
         if (!(volume > 0.0))
             continue;
-        // The side of an edge is told by the same numbers in both of its faces, so no ray slips between.
+        // Both faces at an edge use the same numbers for it, so no ray passes between them.
         const Eigen::Vector3f p = bc.cast<float>(), q = ca.cast<float>(), r = ab.cast<float>();
         const float inverse = static_cast<float>(1.0 / volume);
         const auto [begin, end] = heights(a.normalized(), b.normalized(), c.normalized(), count);

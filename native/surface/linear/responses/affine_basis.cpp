@@ -15,7 +15,7 @@ namespace sinew {
 
 namespace {
 
-constexpr int eight = 8; ///< vertices a block
+constexpr int eight = 8; ///< vertices per block
 
 double trace_form(const MatrixX& form, const MatrixX& P)
 {

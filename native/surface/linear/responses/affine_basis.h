@@ -9,28 +9,28 @@
 
 namespace sinew {
 
-/// Displacements that answer columns of constraint values, with inner products of the columns
-/// from which the energy and residual of any linear combination follow.
+/// The displacements that belong to m columns of constraint values, and inner products of these columns, from
+/// which the energy and the residual of any linear combination of them follow.
 struct LinearResponse
 {
     RowMatrix displacement; ///< (n, m)
     MatrixX energy;         ///< (m, m) twice E as a bilinear form, soft terms included
-    MatrixX residual;       ///< (m, m) of A d - b on the unknowns
-    MatrixX load;           ///< (m, m) of b, the right-hand side
+    MatrixX residual;       ///< (m, m) inner products of A d - b on the unknowns
+    MatrixX load;           ///< (m, m) inner products of b, the right-hand side
 };
 
-/// Precomputed answer of a linear surface method to affine handle motion.
+/// The precomputed response of a linear surface method to affine motions of its handles.
 ///
 /// M. Botsch, L. Kobbelt. "An Intuitive Framework for Real-Time Freeform Modeling."
 /// ACM Transactions on Graphics 23(3), 2004, section 5.
 ///
 /// A handle moved by x -> A x + t displaces its vertices by a linear combination of the four
 /// functions x, y, z, 1 of the rest shape, with the entries of (A - I | t) as coefficients. The
-/// free surface answers linearly, so four basis functions a handle give the whole motion:
+/// displacement of the free surface is linear in them, so four basis functions per handle give it all:
 ///
 ///     d = B P,    B (n, 4k),    P (4k, 3) the transposed (M_h - I) of all handles, stacked.
 ///
-/// The constant functions of all handles sum to 1 wherever a handle reaches.
+/// The basis functions that belong to 1 sum to 1 in all parts of the surface that a handle touches.
 ///
 ///   call         repeat it when ...     cost
 ///   constructor  the factor changed     4k solves, all columns together
@@ -43,10 +43,10 @@ public:
     static MatrixX columns(const Points& rest, const Regions& regions);
 
     /// \param rest      (n, 3)
-    /// \param response  of the surface to columns().
+    /// \param response  the response of the surface to columns().
     AffineBasis(const Points& rest, const LinearResponse& response);
 
-    /// (n, 4k), four columns a handle: the answers to x, y, z and 1 on it. Put together anew each time.
+    /// (n, 4k) B, with four columns per handle, for x, y, z and 1. Every call assembles it again.
     RowMatrix matrix() const;
 
     /// The same shape and report as the method's solve() from rest.
@@ -56,7 +56,7 @@ public:
 private:
     int vertex_count_;
     int columns_; ///< 4k
-    /// Eight vertices a block, as ProductOfEight reads it: their rest points, then B.
+    /// One block per eight vertices, as ProductOfEight reads it: their rest points, then their rows of B.
     std::vector<double> blocks_;
     MatrixX energy_, residual_, load_; ///< (4k, 4k), see LinearResponse
 };

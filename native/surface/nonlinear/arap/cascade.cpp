@@ -15,9 +15,9 @@ namespace {
 constexpr int coarsening = 4;
 constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
-constexpr double worthwhile = 0.7;    ///< a level that keeps more of the nodes is left out
+constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
 
-/// Rotations of a level to the next finer problem.
+/// Sets the rotations of the next finer problem from those of a level.
 void hand_down(const ArapLevel& level, const std::vector<Eigen::Quaterniond>& rotations, ArapProblem& finer)
 {
     parallel_for(static_cast<int>(level.map.label().size()), [&](int i) {
@@ -55,16 +55,16 @@ void ArapGoals::set(const ArapGraph& graph, const Targets& goal)
     pulls.resize(nodes.pulls().size(), 3);
     for (int i = 0; i < nodes.size(); ++i)
         if (nodes.hard(i) >= 0)
-            targets.row(i) = goal.of(i, nodes.hard(i)).transpose();
+            targets.row(i) = goal.position(i, nodes.hard(i)).transpose();
     for (std::size_t k = 0; k < nodes.pulls().size(); ++k)
-        pulls.row(k) = goal.of(nodes.pulls()[k].node, nodes.pulls()[k].handle).transpose();
+        pulls.row(k) = goal.position(nodes.pulls()[k].node, nodes.pulls()[k].handle).transpose();
 }
 
 ArapCascade::ArapCascade(const ArapGraph& fine, const Points& rest, const Progress& progress)
 {
     const ArapGraph* graph = &fine;
     const Points* points = &rest;
-    levels_.reserve(most_levels); // `graph` points into it
+    levels_.reserve(most_levels); // so that `graph` may point into it
     while (static_cast<int>(levels_.size()) < most_levels && graph->size() / coarsening >= fewest_nodes) {
         progress.tick(0.6 + 0.4 * levels_.size() / most_levels, "clustering");
         const Clusters clusters(graph->nodes(), *points, graph->size() / coarsening);
@@ -86,7 +86,7 @@ void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const 
     }
     const int count = static_cast<int>(levels_.size());
     work.resize(count);
-    if (targets.incoming) // its means on every level, fine to coarse
+    if (targets.incoming) // takes its means on every level, from fine to coarse
         for (int l = 0; l < count; ++l)
             levels_[l].map.restrict(l == 0 ? *targets.incoming : view(work[l - 1].base), work[l].base);
 

@@ -15,7 +15,7 @@ namespace sinew {
 /// One coarser problem: the clusters of the finer one's nodes.
 struct ArapLevel
 {
-    ClusterMap map; ///< of the finer nodes to this level's
+    ClusterMap map; ///< from the finer nodes to those of this level
     ArapGraph graph;
     Points rest; ///< (nodes, 3)
 
@@ -24,7 +24,7 @@ struct ArapLevel
     ArapLevel(const ArapGraph& finer, const Points& finer_rest, const Clusters& clusters);
 };
 
-/// Where held nodes go and pulled nodes would go, for one graph.
+/// Where the handles want the held and the pulled nodes of a graph.
 struct ArapGoals
 {
     Points targets, pulls;
@@ -33,7 +33,7 @@ struct ArapGoals
     void set(const ArapGraph& graph, const Targets& targets);
 };
 
-/// What a solve on one graph works in; see ArapBuffers.
+/// The workspace of a solve on one graph.
 struct ArapWorkspace
 {
     ArapBuffers buffers;
@@ -43,24 +43,23 @@ struct ArapWorkspace
     std::vector<Eigen::Quaterniond> rotations;
 };
 
-/// A hierarchy of clustered graphs that turns the handle poses alone into a start for ARAP,
-/// close enough that a handful of fine iterations finish it.
+/// A hierarchy of coarser graphs. From the poses of the handles alone it computes a start for ARAP that is so
+/// close to the minimum that some iterations on the mesh are enough.
 ///
-/// Levels hold a quarter of the nodes each, none fewer than 60; clusters grow by farthest
-/// points and never cross a handle's border. A node sits at its cluster's mean; an edge
-/// collects the crossing w |e| over the distance of the means. From the coarsest level, whose
-/// rotations blend the handles' by harmonic weights, each level is minimised and hands its
-/// rotations down. The whole costs as much as 3 to 9 fine iterations.
+/// Each level has a quarter of the nodes of the finer one, and at least 60; its nodes are clusters of the
+/// finer nodes, see graph_of_clusters(). On the coarsest level, the rotations of the handles are blended by
+/// harmonic weights. Then each level minimises its energy and hands its rotations down to the finer one. All
+/// levels together cost as much as 3 to 9 iterations on the mesh.
 class ArapCascade
 {
 public:
     ArapCascade() = default;
-    /// \param fine  the mesh's own graph; read here and not kept.
+    /// \param fine  the graph of the mesh, which is not kept.
     /// \param rest  (nodes, 3)
     /// \throw FactorizationFailed, Cancelled
     ArapCascade(const ArapGraph& fine, const Points& rest, const Progress& progress);
 
-    /// Rotations for the fine problem, from poses, base and targets alone.
+    /// Sets the rotations of the fine problem, which then depend on the targets alone.
     void start(ArapProblem& fine_problem, const ArapGraph& fine, const Targets& targets,
                std::vector<ArapWorkspace>& work) const;
     void start(ArapProblem& fine_problem, const ArapGraph& fine, const Targets& targets) const

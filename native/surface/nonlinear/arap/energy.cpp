@@ -14,15 +14,15 @@ namespace sinew {
 
 namespace {
 
-/// A cell whose edges lie on one line leaves its turn about that line open. This share of the
-/// rotation it had closes it; at the minimum, where rotations rest, it changes nothing.
+/// A cell whose edges lie on one line says nothing about the rotation around that line. Therefore this share
+/// of its former rotation is added. At the minimum, where rotations no longer change, it has no effect.
 constexpr double tie = 1e-8;
 
-constexpr int entries = 9; ///< numbers of a rotation
+constexpr int entries = 9; ///< of a rotation
 using Packed = Eigen::Matrix<double, 3, 3>;
-constexpr std::size_t chunk_numbers = arap_columns * (arap_chunk + 1); ///< of a chunk's covariances
+constexpr std::size_t chunk_numbers = arap_columns * (arap_chunk + 1); ///< of the covariances of a chunk
 
-/// Three numbers a row, and one more that may be read.
+/// Three numbers per point, and one more at the end that kernels may read.
 void pack(const PointsView& points, std::vector<double>& packed)
 {
     packed.resize(points.size() + 1);
@@ -59,7 +59,7 @@ ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const P
     for (int k = 0; k < (graph.is_smooth() ? 3 : 1); ++k) {
         Matrices& rotations = buffers_.rotations[k];
         rotations.resize(entries * static_cast<std::size_t>(graph.size()) + 1);
-        const int first = k == 0 ? 0 : present; // idle nodes keep theirs in all of them
+        const int first = k == 0 ? 0 : present; // no evaluation writes those of idle nodes in any of the sets
         parallel_for(graph.size() - first, [&](int i) {
             Eigen::Map<Packed>(rotations.data() + entries * static_cast<std::size_t>(first + i))
                 .setIdentity();
@@ -67,25 +67,27 @@ ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const P
     }
 }
 
-/// Rotations and energy of the cells that no free node belongs to, once.
-void ArapProblem::settle_the_others()
+/// Fits the rotations of the cells that depend on no free node, and computes their energy; only the first
+/// call does.
+void ArapProblem::fit_fixed_cells()
 {
-    if (settled_)
+    if (fixed_cells_fitted_)
         return;
-    settled_ = true;
+    fixed_cells_fitted_ = true;
     const int count = static_cast<int>(graph_.chunks().all.size()) - graph_.chunks().moving;
     parallel_chunks(count, 1, [&](int c, int) {
         const ArapChunk& chunk = graph_.chunks().all[graph_.chunks().moving + c];
         std::array<double, chunk_numbers> S;
         kernels_.covariances(view_, chunk, S.data());
-        for (int k = 0; k < 2; ++k) // from anywhere, and from there: the tie changes nothing any longer
+        for (int k = 0; k < 2; ++k) // the second fit starts at the minimum, where `tie` has no effect
             fit(chunk, S.data(), buffers_.rotations[current_], tie, buffers_.rotations[current_]);
     });
     parallel_chunks(count, 1, [&](int c, int) {
         const ArapChunk& chunk = graph_.chunks().all[graph_.chunks().moving + c];
         buffers_.energies[c] = kernels_.energy(view_, chunk, buffers_.rotations[current_].data(), nullptr);
     });
-    energy_of_others_ = std::accumulate(buffers_.energies.begin(), buffers_.energies.begin() + count, 0.0);
+    energy_of_fixed_cells_ =
+        std::accumulate(buffers_.energies.begin(), buffers_.energies.begin() + count, 0.0);
 }
 
 Matrix3 ArapProblem::rotation(int i) const
@@ -150,14 +152,14 @@ double* ArapProblem::covariances_of(const ArapChunk& chunk) const
     return buffers_.covariances.data() + (&chunk - graph_.chunks().all.data()) * chunk_numbers;
 }
 
-/// One linearised step of all rotations together: (moment + 4 alpha A L) omega = torque. The
-/// cell-by-cell fit alone passes a turn on by one ring an iteration.
+/// One linearised step of all rotations together: (moment + 4 alpha A L) omega = torque. By fits of single
+/// cells alone, a rotation would spread by only one ring per iteration.
 void ArapProblem::turn_rotation_field()
 {
     const Matrices& before = buffers_.rotations[current_];
     Points& torque = buffers_.torque;
     if (torque.rows() != graph_.size())
-        torque.setZero(graph_.size(), 3); // that of idle nodes stays
+        torque.setZero(graph_.size(), 3); // the kernels leave that of idle nodes at zero
     for_each_moving([&](const ArapChunk& chunk) {
         double* const S = covariances_of(chunk);
         kernels_.covariances(view_, chunk, S);
@@ -177,7 +179,7 @@ void ArapProblem::turn_rotation_field()
 void ArapProblem::fit_rotations(const Points& x)
 {
     move_to(x);
-    settle_the_others();
+    fit_fixed_cells();
     stale_ = false;
     const Matrices& before = buffers_.rotations[current_];
     const int next = current_ == kept_ ? spare(current_) : current_;
@@ -198,7 +200,7 @@ double ArapProblem::energy_and_gradient(Points& gradient) const
                                       gradient.data());
     });
     double energy =
-        std::accumulate(energies.begin(), energies.begin() + graph_.chunks().moving, energy_of_others_) /
+        std::accumulate(energies.begin(), energies.begin() + graph_.chunks().moving, energy_of_fixed_cells_) /
         graph_.energy_factor();
 
     for (std::size_t k = 0; k < graph_.nodes().pulls().size(); ++k) {
@@ -216,7 +218,7 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
 {
     if (graph_.is_smooth()) {
         move_to(x);
-        settle_the_others();
+        fit_fixed_cells();
         buffers_.covariances.resize(graph_.chunks().moving * chunk_numbers);
         turn_rotation_field();
         const Matrices& before = buffers_.rotations[current_];
@@ -242,7 +244,7 @@ void ArapProblem::positions_for_rotations(Points& x)
 {
     Points& gradient = buffers_.gradient;
     x = PointsView(buffers_.points.data(), graph_.free_count(), 3);
-    for (int k = 0; k < 2; ++k) { // in single precision, each leaves a millionth
+    for (int k = 0; k < 2; ++k) { // the factor is in single precision, so each solve leaves a millionth
         energy_and_gradient(gradient);
         graph_.position_factor().solve(gradient, gradient);
         x -= gradient;

@@ -12,40 +12,43 @@
 
 namespace sinew {
 
-/// The covariance of a chunk's i-th node, out of the lanes that the kernels leave it in.
+/// The covariance of the i-th node of a chunk, as the kernels store it.
 inline auto arap_covariance(const double* S, int i)
 {
     using Lanes = Eigen::Map<const Matrix3, 0, Eigen::OuterStride<arap_columns / 3>>;
     return Lanes(S + arap_columns * static_cast<std::size_t>(i));
 }
 
-/// What an ArapProblem works in. Kept from one solve to the next, it spares the time to allocate it.
+/// The workspace of an ArapProblem. If it is kept from one solve to the next, it is not allocated again.
 struct ArapBuffers
 {
-    std::vector<double> base, points;       ///< three numbers a node
-    std::vector<double> rotations[3]; ///< nine a node; with smoothing those kept, and two to work with
-    std::vector<double> covariances; ///< with smoothing
+    std::vector<double> base, points; ///< three numbers per node
+    /// Nine numbers per node. With smoothing, one of the three holds the rotations that keep_state() keeps.
+    std::vector<double> rotations[3];
+    std::vector<double> covariances; ///< only with smoothing
     Points torque, gradient;
-    std::vector<double> energies; ///< one a chunk
+    std::vector<double> energies; ///< one per chunk
 };
 
-/// One solve's state on one graph: positions and rotations. F = E / energy_factor() as a
-/// function of the free positions, the rotations being fitted on every evaluation.
+/// The function F = E / energy_factor() of the free positions on one graph. It has the rotations as its
+/// state, and every evaluation fits them to the positions.
 class ArapProblem final : public MetricProblem
 {
 public:
-    /// \param base     (size, 3) shape whose edges are kept as rigid as possible.
-    /// \param targets  (size, 3) where held nodes go; base for the idle ones; else unused.
-    /// \param pulls    (pulls, 3) where pulled nodes would go.
-    /// \param buffers  of any earlier problem, in use while this one lives; null for its own.
+    /// \param base     (size, 3) the shape whose edges are kept as rigid as possible.
+    /// \param targets  (size, 3) where held nodes are to be; base for the idle ones; free ones are not read.
+    /// \param pulls    (pulls, 3) where the soft pulls pull their nodes.
+    /// \param buffers  the workspace, which may be that of an earlier problem; null for one of its own.
     ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets, const Points& pulls,
                 ArapBuffers* buffers = nullptr);
 
     Matrix3 rotation(int i) const;
-    /// Of a moving node, or before the first evaluation, which settles the others' for good.
+    /// For nodes in moving chunks at any time; for others before the first evaluation, which fits these once
+    /// and for all.
     void set_rotation(int i, const Matrix3& R);
 
-    /// Free positions that answer the current rotations: a linear solve, and one for what it left.
+    /// The free positions that minimise E for the current rotations: a linear solve, and a second one for the
+    /// residual of the first.
     void positions_for_rotations(Points& x);
     Points positions_for_rotations()
     {
@@ -53,12 +56,12 @@ public:
         positions_for_rotations(x);
         return x;
     }
-    /// Rotations that answer the positions cell by cell, neighbours ignored.
+    /// Fits the rotation of each cell to the positions alone, without smoothing.
     void fit_rotations(const Points& x);
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;
-    /// Without smoothing rotations depend on the points alone: they are not kept, but fitted again.
+    /// Without smoothing, rotations depend on the positions alone; they are not kept, but fitted again.
     void keep_state() override { kept_ = graph_.is_smooth() ? current_ : -1; }
     void restore_state() override
     {
@@ -67,28 +70,29 @@ public:
         else
             stale_ = true;
     }
-    /// After restore_state(), with the points that were kept: their rotations for rotation() to tell.
+    /// Makes rotation() valid again after restore_state().
+    /// \param x  the free positions that belong to the restored state.
     void refresh(const Points& x)
     {
         if (stale_)
             fit_rotations(x);
     }
 
-    /// All nodes, the free ones at x.
+    /// The positions of all nodes, with the free ones at x.
     PointsView place(const Points& x);
-    /// (free, 3) of an (n, 3) array.
+    /// The rows of the free nodes.
     Points free_rows(const PointsView& all) const { return all.topRows(graph_.free_count()); }
 
 private:
     using Matrices = std::vector<double>;
 
     void move_to(const Points& x);
-    /// A set of rotations that neither the kept ones nor `used` occupy.
+    /// The index of one of the three sets of rotations that is neither kept nor `used`.
     int spare(int used) const;
     void for_each_moving(const std::function<void(const ArapChunk&)>& body) const;
     void fit(const ArapChunk& chunk, const double* S, const Matrices& before, double tie,
              Matrices& after) const;
-    void settle_the_others();
+    void fit_fixed_cells();
     double* covariances_of(const ArapChunk& chunk) const;
     void turn_rotation_field();
     double energy_and_gradient(Points& gradient) const;
@@ -100,8 +104,8 @@ private:
     ArapBuffers& buffers_;
     ArapView view_;
     int current_ = 0, kept_ = -1;
-    bool settled_ = false, stale_ = false;
-    double energy_of_others_ = 0.0; ///< of the cells without a free node
+    bool fixed_cells_fitted_ = false, stale_ = false;
+    double energy_of_fixed_cells_ = 0.0; ///< of the cells that depend on no free node
 };
 
 } // namespace sinew

@@ -12,7 +12,7 @@ namespace sinew {
 
 namespace {
 
-/// Places along a curve that fills the bounding box: G. M. Morton, 1966.
+/// The places of points along a curve that fills their bounding box (G. M. Morton, 1966).
 std::vector<std::uint64_t> morton_codes(const Points& points)
 {
     constexpr int bits = 21;
@@ -107,7 +107,8 @@ ArapChunks::ArapChunks(const GraphEdges& graph, const std::vector<ArapTriangle>&
     }
 }
 
-/// The factors by the numbers of the graph as given, and its new order.
+/// The parts of an ArapGraph while they are made: factors in the numbers of the given graph, and the new
+/// order.
 struct ArapGraph::Parts
 {
     const HandleGraph& given;
@@ -124,7 +125,8 @@ struct ArapGraph::Parts
         sort(rest);
         const std::vector<int> renamed = new_numbers(order);
         std::vector<int> free_renamed;
-        for (int i : given.free_nodes()) // in the new order, too, the free ones come first
+        // The free nodes come first in the new order, so their new numbers are also their places.
+        for (int i : given.free_nodes())
             free_renamed.push_back(renamed[i]);
         position_factor.rename(free_renamed);
         rotation_factor.rename(renamed);
@@ -177,13 +179,13 @@ private:
             position_factor.factorize(matrix);
             return;
         }
-        // A node without edges, or of a part shrunk to a point, still needs a pivot.
+        // A node without edges, or in a part that has shrunk to a point, needs a positive pivot, too.
         const double least = 1e-12 * std::max(1e-280, *std::ranges::max_element(moment));
         for (int i = 0; i < size; ++i)
             M.emplace_back(i, i, moment[i] + least);
         SparseMatrix field(size, size);
         field.setFromTriplets(M.begin(), M.end());
-        // What is left of an ordering without the held nodes is one for the free ones.
+        // An ordering of all nodes is also one of the free nodes, if the others are left out.
         const std::vector<int> elimination = fill_reducing_order(field);
         rotation_factor.factorize(field, elimination);
         std::vector<int> free_elimination;

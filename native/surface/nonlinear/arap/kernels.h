@@ -3,59 +3,61 @@
 
 namespace sinew {
 
-/// A triangle with half the cotangents opposite its edges: across[k] belongs to the edge that corner k is not
-/// on. With rims each of its corners' cells holds all three edges.
+/// A triangle with the half cotangents of its corners: across[k] belongs to corner k and is the weight of the
+/// edge opposite to it. With rims, the cell of each corner has all three edges.
 struct ArapTriangle
 {
     int corner[3];
     double across[3];
 };
 
-/// What the loops over an ArapGraph read. Nodes come in chunks: the loops take one at a time, and an edge or
-/// triangle that lies within a chunk is worked out once for all its nodes. Points hold three numbers a node,
-/// matrices nine, their three columns; one number more than those may be read.
+/// What the kernels read of an ArapGraph. They work on one chunk of nodes at a time, and compute an edge or
+/// triangle within the chunk once for all its nodes. Points have three numbers per node; matrices have nine,
+/// column after column. The kernels may read one number past the end of either.
 struct ArapView
 {
-    /// Edges of node i to later nodes of its chunk from edges[2 i] on, to nodes of other chunks from
-    /// edges[2 i + 1] on, up to edges[2 i + 2].
+    /// The edges of node i to later nodes of its chunk begin at edges[2 i], those to nodes of other chunks at
+    /// edges[2 i + 1]; they end at edges[2 i + 2]. `ends` has the node at the other end of each edge.
     const int *edges, *ends;
-    const double* weights;   ///< one an edge
-    const ArapTriangle* triangles; ///< those that touch a chunk stand together
-    bool rims;               ///< cells of triangles; else of edges
+    const double* weights;   ///< one per edge
+    const ArapTriangle* triangles; ///< those that touch the same chunk are neighbours
+    bool rims;               ///< whether cells consist of triangles instead of edges
     const double* rigidity;
     int free;                ///< nodes [0, free) have a gradient
     const double *base, *points;
     double smoothing;
 };
 
-/// Nodes [begin, end), and the triangles at them where there are rims.
+/// Nodes [begin, end), and with rims the triangles that touch them.
 struct ArapChunk
 {
     int begin, end;
     int first_triangle, last_triangle;
 };
 
-constexpr int arap_chunk = 256;  ///< nodes at most: their covariances fit a core's first cache
-constexpr int arap_columns = 12; ///< numbers of a covariance: its columns, each in four lanes
+constexpr int arap_chunk = 256; ///< most nodes of a chunk: their covariances fit into the first-level cache
+constexpr int arap_columns = 12; ///< numbers of a covariance: three columns of four lanes each
 
-/// The loops of one evaluation over a chunk. Every variant does the same operations in the same order,
-/// without fused ones: results agree to the last bit.
+/// The loops of one evaluation over a chunk. Every variant does the same operations in the same order and
+/// fuses none, so results agree to the last bit.
 struct ArapKernels
 {
-    /// S_i = r_i sum over the cell's edges of w p e^T; that of the chunk's first node comes first.
+    /// S_i = r_i sum over the edges of cell i of w d e^T, with e the edge of the base and d the deformed one.
+    /// S begins with that of the first node of the chunk.
     void (*covariances)(const ArapView& view, const ArapChunk& chunk, double* S);
     /// S_i += 2 alpha A sum_j r_ij w_ij R_j
     void (*add_neighbours)(const ArapView& view, const ArapChunk& chunk, const double* R, double* S);
-    /// t_i = vee((S_i + 2 alpha A sum_j r_ij w_ij R_j) R_i^T), three numbers each: how the cell and its
-    /// neighbours pull at R_i. Those of the chunk's first node come first in S and t.
+    /// t_i = vee((S_i + 2 alpha A sum_j r_ij w_ij R_j) R_i^T), three numbers each: how strongly cell i and
+    /// its neighbours turn R_i. S and t begin with those of the first node of the chunk.
     void (*torques)(const ArapView& view, const ArapChunk& chunk, const double* S, const double* R,
                     double* t);
-    /// to_i = turn(omega_i) R_i by Cayley's formula, |omega| cut to 1; may be in place.
+    /// to_i = turn(omega_i) R_i by Cayley's formula, where |omega| is limited to 1; `to` may be R.
     void (*turn)(const double* omega, const double* R, int count, double* to);
-    /// to_i = the rotation closest to S_i + tie |S_i| R_i; safe_i says where it was found. Where not, to_i
-    /// stays as it is. May be in place.
+    /// to_i = the rotation closest to S_i + tie |S_i| R_i; safe_i says whether it was found. If not, to_i
+    /// stays as it is. `to` may be R.
     void (*fit)(const double* S, const double* R, double tie, int count, double* to, bool* safe);
-    /// E of the chunk's cells, and what of its gradient belongs to its free nodes.
+    /// E of the cells of a chunk. Also writes the gradient of E / energy_factor() at the chunk's free nodes,
+    /// to which all cells contribute.
     double (*energy)(const ArapView& view, const ArapChunk& chunk, const double* R, double* gradient);
 
     static const ArapKernels baseline, avx2;

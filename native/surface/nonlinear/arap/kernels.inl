@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bodies of ArapKernels, compiled once for each set of instructions; see core/lane_types.inl.
+// The bodies of ArapKernels, compiled once for each set of instructions; see lane_types.inl.
 
 #include "native/operators/rotation_fit.inl"
 
@@ -15,7 +15,7 @@ struct Columns
     L x, y, z;
 };
 
-/// The first three lanes: what follows belongs to somebody else.
+/// Stores the first three lanes only; the number behind them is not touched.
 inline void store_three(double* to, L a)
 {
 #ifdef __GNUC__
@@ -28,7 +28,7 @@ inline void store_three(double* to, L a)
 #endif
 }
 
-/// Matrix i of nine numbers each; their fourth lanes hold what comes next.
+/// Loads the columns of matrix i, of nine numbers. The fourth lanes hold the numbers that follow.
 inline Columns packed(const double* matrices, int i)
 {
     const double* const m = matrices + 9 * static_cast<std::size_t>(i);
@@ -43,7 +43,7 @@ inline void store_packed(double* matrices, int i, const Columns& m)
     store_three(to + 6, m.z);
 }
 
-/// Covariance i.
+/// Loads covariance i.
 inline Columns columns(const double* S, int i)
 {
     const double* const m = S + sinew::arap_columns * static_cast<std::size_t>(i);
@@ -73,7 +73,8 @@ inline L squares(const Columns& m) { return m.x * m.x + m.y * m.y + m.z * m.z; }
 
 inline Columns scaled(double factor, const Columns& m) { return {factor * m.x, factor * m.y, factor * m.z}; }
 
-/// Neighbours come in no order that a processor could foresee, but most lie ahead not far.
+/// Fetches the numbers of a later node into the cache. A processor cannot foresee which neighbours will be
+/// read, but most of them lie not far ahead.
 template <int per_node>
 inline void fetch(const double* numbers, int i)
 {
@@ -85,7 +86,7 @@ inline void fetch(const double* numbers, int i)
 #endif
 }
 
-/// Where a node's sum is kept: after all those of the chunk if it belongs to another one.
+/// The place of a node's sum. All nodes of other chunks share one place, behind those of this chunk.
 inline int slot(const ArapChunk& chunk, int node)
 {
     const unsigned at = static_cast<unsigned>(node - chunk.begin);
@@ -97,7 +98,7 @@ void covariances(const ArapView& view, const ArapChunk& chunk, double* S)
 {
     const Columns zero{constant(0.0), constant(0.0), constant(0.0)};
     const int count = chunk.end - chunk.begin;
-    for (int i = 0; i <= count; ++i) // the last one takes what belongs to other chunks
+    for (int i = 0; i <= count; ++i) // the last place is for nodes of other chunks
         store(S, i, zero);
     if (view.rims) {
         for (int k = chunk.first_triangle; k < chunk.last_triangle; ++k) {
@@ -164,7 +165,7 @@ void add_neighbours(const ArapView& view, const ArapChunk& chunk, const double* 
 
 void torques(const ArapView& view, const ArapChunk& chunk, const double* S, const double* R, double* t)
 {
-    L sums[sinew::arap_chunk]; // of turned cross products: both ends of an edge feel opposite ones
+    L sums[sinew::arap_chunk]; // of rotated cross products, which are opposite at the two ends of an edge
     for (int i = chunk.begin; i < chunk.end; ++i)
         sums[i - chunk.begin] = constant(0.0);
     for (int i = chunk.begin; i < chunk.end; ++i) {
@@ -210,8 +211,9 @@ void turn(const double* omega, const double* R, int count, double* to)
     }
 }
 
-/// Entries row-major of the four matrices from `i` on, of `numbers` in columns of `rows`; those beyond
-/// `count` repeat the last one.
+/// The entries of four matrices from matrix i on, row-major, one matrix per lane. `numbers` has their
+/// columns, of `rows` numbers each; where there are fewer than four matrices before `count`, the last one is
+/// repeated.
 template <int rows>
 inline void gather(const double* matrices, int i, int count, L* entries)
 {
@@ -229,7 +231,7 @@ inline void gather(const double* matrices, int i, int count, L* entries)
 
 void fit(const double* S, const double* R, double tie, int count, double* to, bool* safe)
 {
-    constexpr int groups = 4; // of four matrices, stepping together: no one waits for another's division
+    constexpr int groups = 4; // of four matrices; they are stepped in turn, as a step waits for a division
     for (int first = 0; first < count; first += 4 * groups) {
         FourFits fits[groups];
         const int present = count - first < 4 * groups ? (count - first + 3) / 4 : groups;
@@ -279,7 +281,7 @@ void fit(const double* S, const double* R, double tie, int count, double* to, bo
     }
 }
 
-/// Of the cells of triangles; adds the forces to `forces`, four numbers a node.
+/// The energy of cells of triangles. Adds the gradient to `forces`, four numbers per node.
 L triangle_energy(const ArapView& view, const ArapChunk& chunk, const double* R, double* forces)
 {
     L total = constant(0.0);
@@ -320,7 +322,8 @@ L triangle_energy(const ArapView& view, const ArapChunk& chunk, const double* R,
     return total;
 }
 
-/// Of the edges: stretched where `cells` are made of them, bent where `smooth`.
+/// The energy of edges: of stretching if `cells` consist of edges, and of bending if `smooth`. Adds the
+/// gradient to `forces`, four numbers per node.
 template <bool cells, bool smooth>
 L edge_energy(const ArapView& view, const ArapChunk& chunk, const double* R, double* forces)
 {

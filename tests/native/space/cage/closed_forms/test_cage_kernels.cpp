@@ -40,7 +40,7 @@ Results of(const CageKernels& kernels, const CageGeometry& geometry, const Point
     for (int first = 0; first < 8; first += kernels.lanes) {
         PointLanes some(kernels);
         for (int lane = 0; lane < kernels.lanes; ++lane)
-            some.set(lane, geometry.seen(points.row(first + lane)));
+            some.set(lane, geometry.normalized(points.row(first + lane)));
         kernels.mean_value(tables, some.lanes, scratch.data(), weights.data(), sums.data(), on.data());
         all.touching |=
             kernels.green(tables, some.lanes, scratch.data(), phi.data(), psi.data(), winding.data())
@@ -71,7 +71,7 @@ TEST(CageKernels, agree_to_the_last_bit)
             const Results a = of(CageKernels::baseline, geometry, eight);
             for (const CageKernels* kernels : wide_kernels<CageKernels>()) {
                 const Results b = of(*kernels, geometry, eight);
-                // By bits: what is told of points that touch an edge may be no number.
+                // Bits are compared, as the results of points that touch an edge may be NaN.
                 EXPECT_EQ(0, std::memcmp(a.weights.data(), b.weights.data(), 8 * a.weights.size()));
                 EXPECT_EQ(0, std::memcmp(a.sums.data(), b.sums.data(), 8 * a.sums.size()));
                 EXPECT_EQ(a.on, b.on);
