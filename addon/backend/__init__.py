@@ -13,15 +13,17 @@ from .native import (
     limit_memory,
     limit_threads,
 )
-from .recipes import Base, Cage, CageReport, Handles, Progress, Recipe, Shape
+from .recipes import Base, Cage, CageReport, ControlPoints, HandlePoints, Handles, Progress, Recipe, Shape
 
 __all__ = (
     "Availability",
     "Base",
     "Cage",
     "CageReport",
+    "ControlPoints",
     "Diagnosis",
     "Factor",
+    "HandlePoints",
     "Handles",
     "PreparedBind",
     "Progress",

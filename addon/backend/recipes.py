@@ -92,6 +92,59 @@ class Handles:
 
 
 @dataclass(frozen=True)
+class ControlPoints:
+    """The points (c, 3) float64 of a control at rest, in the frame of the target, for a space method."""
+
+    points: np.ndarray
+
+    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
+        """The native method, still without bound points."""
+        return make(native, recipe.method, self.points, recipe.options)
+
+    def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
+        """Whether the bound method ``former`` has the weights that the method ``made`` would compute."""
+        return made.can_reuse(former, recipe.target.points)
+
+    def bind(
+        self, _native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
+    ) -> object:
+        """Compute the weights of the target's points, or reuse those of ``former``, and return the report."""
+        if former is None:
+            return made.bind(recipe.target.points, progress)
+        return made.rebind(former.method, recipe.target.points, progress)
+
+    def solve(
+        self,
+        method: Any,
+        points: np.ndarray,
+        *,
+        incoming: np.ndarray | None = None,
+        out: np.ndarray | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[np.ndarray, None]:
+        """Positions (n, 3) for the posed ``points`` (c, 3). There is nothing to report."""
+        return method.warp(points, out=out, incoming=incoming), None
+
+
+@dataclass(frozen=True)
+class HandlePoints(ControlPoints):
+    """Points that move with handles: ``rows`` (c,) is the handle of each."""
+
+    rows: np.ndarray
+
+    def solve(
+        self, method: Any, poses: np.ndarray, *, from_rest: np.ndarray | None = None, **options
+    ) -> tuple[np.ndarray, None]:
+        """Positions (n, 3) for the ``poses`` (k, 3, 4) of the handles.
+
+        What enters is moved on by the same displacements whatever ``from_rest`` says.
+        """
+        maps = poses[self.rows]
+        posed = np.einsum("cij,cj->ci", maps[:, :, :3], self.points) + maps[:, :, 3]
+        return super().solve(method, posed, **options)
+
+
+@dataclass(frozen=True)
 class CageReport:
     """What a bind to a cage found: the vertices ``outside`` the cage, and its faces that cross others
     (indices).
@@ -163,7 +216,7 @@ class Recipe:
     method: Method
     target: Shape
     options: dict[str, object]
-    control: Handles | Cage
+    control: Handles | ControlPoints | Cage
 
     def native_class(self, native) -> type:
         """The class of the method in the native module."""

@@ -5,6 +5,8 @@
 
 namespace sinew::bindings {
 
+namespace {
+
 void bind_arap(py::module_& module)
 {
     bind_surface_method<Arap>(
@@ -55,5 +57,9 @@ positions  (n, 3). The unit is that of sum w |edge|^2: the square of a length.
 
 Raises InvalidConstraint for another shape or a number that is not finite.)");
 }
+
+const MethodBinding binding(&bind_arap);
+
+} // namespace
 
 } // namespace sinew::bindings

@@ -18,8 +18,6 @@ GreenOptions options(const PointWeightOptions& weights, const std::string& outsi
             exit_face};
 }
 
-} // namespace
-
 void bind_green(py::module_& module)
 {
     bind_cage_method<Green>(
@@ -38,5 +36,9 @@ exit_face   the face of the cage for outside='face'.
             "(n, t) weights of the normals of the triangles that the cage's faces are cut into, "
             "in the unit of length of the cage.");
 }
+
+const MethodBinding binding(&bind_green);
+
+} // namespace
 
 } // namespace sinew::bindings

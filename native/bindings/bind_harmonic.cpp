@@ -22,8 +22,6 @@ HarmonicOptions options(const PointWeightOptions& weights, const std::string& qu
                                     {"lattice", HarmonicSolver::lattice}})};
 }
 
-} // namespace
-
 void bind_harmonic(py::module_& module)
 {
     bind_cage_method<Harmonic>(
@@ -53,5 +51,9 @@ solver      'boundary' elements or a 'lattice'; 'auto' takes the lattice for mor
             "After bind(): the largest of these differences. They are measured at some points "
             "of the cage; apart from that, no error inside is larger.");
 }
+
+const MethodBinding binding(&bind_harmonic);
+
+} // namespace
 
 } // namespace sinew::bindings

@@ -4,6 +4,8 @@
 
 namespace sinew::bindings {
 
+namespace {
+
 void bind_mean_value(py::module_& module)
 {
     bind_cage_method<MeanValue>(
@@ -15,5 +17,9 @@ from a point, one part of a concave cage hides another. They have a closed form;
 O(points x triangles).)",
         +[](const PointWeightOptions& weights) { return weights; }, "");
 }
+
+const MethodBinding binding(&bind_mean_value);
+
+} // namespace
 
 } // namespace sinew::bindings

@@ -12,8 +12,6 @@ PositiveMeanValueOptions options(const PointWeightOptions& weights, bool exact, 
     return {weights, exact, directions, cage_outside(outside)};
 }
 
-} // namespace
-
 void bind_positive_mean_value(py::module_& module)
 {
     bind_cage_method<PositiveMeanValue>(
@@ -30,5 +28,9 @@ outside     points outside: 'error' names them, 'mean_value' gives them mean val
 )",
         py::arg("exact") = true, py::arg("directions") = 1024, py::arg("outside") = "error");
 }
+
+const MethodBinding binding(&bind_positive_mean_value);
+
+} // namespace
 
 } // namespace sinew::bindings

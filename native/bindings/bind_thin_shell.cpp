@@ -5,6 +5,8 @@
 
 namespace sinew::bindings {
 
+namespace {
+
 void bind_thin_shell(py::module_& module)
 {
     bind_surface_method<ThinShell>(module, "ThinShell",
@@ -55,5 +57,9 @@ progress                        None or callable(fraction, stage); returning Fal
 Cost: a numeric factorisation; after a change on a few vertices, of the part that depends on these.
 Raises InvalidOption, FactorizationFailed or Cancelled; the object then stays as it was.)");
 }
+
+const MethodBinding binding(&bind_thin_shell);
+
+} // namespace
 
 } // namespace sinew::bindings

@@ -3,6 +3,7 @@
 
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
+#include "native/bindings/method_binding.h"
 #include "native/space/cage/cage.h"
 #include "native/space/cage/cage_coordinates.h"
 

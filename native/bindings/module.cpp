@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <pybind11/pybind11.h>
-
-namespace py = pybind11;
+#include "native/bindings/method_binding.h"
 
 namespace sinew::bindings {
 void bind_core(py::module_& module);
@@ -9,15 +7,9 @@ void bind_mesh(py::module_& module);
 void bind_operators(py::module_& module);
 void bind_solvers(py::module_& module);
 void bind_surface(py::module_& module);
-void bind_thin_shell(py::module_& module);
 void bind_affine_basis(py::module_& module);
-void bind_arap(py::module_& module);
 void bind_space(py::module_& module);
 void bind_cage(py::module_& module);
-void bind_green(py::module_& module);
-void bind_mean_value(py::module_& module);
-void bind_harmonic(py::module_& module);
-void bind_positive_mean_value(py::module_& module);
 void bind_subdivision(py::module_& module);
 void bind_automatic_cage(py::module_& module);
 } // namespace sinew::bindings
@@ -33,15 +25,10 @@ PYBIND11_MODULE(sinew_native, module)
     bind_operators(module);
     bind_solvers(module);
     bind_surface(module);
-    bind_thin_shell(module);
-    bind_affine_basis(module);
-    bind_arap(module);
     bind_space(module);
     bind_cage(module);
-    bind_green(module);
-    bind_mean_value(module);
-    bind_harmonic(module);
-    bind_positive_mean_value(module);
     bind_subdivision(module);
     bind_automatic_cage(module);
+    MethodBinding::bind_all(module);
+    bind_affine_basis(module);
 }

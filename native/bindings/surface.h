@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/bindings/arguments.h"
+#include "native/bindings/method_binding.h"
 #include "native/surface/method.h"
 
 #include <memory>

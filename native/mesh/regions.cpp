@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 namespace sinew {
 
@@ -44,7 +45,7 @@ void check(const Handle& handle, int index, int vertex_count)
 
 } // namespace
 
-Regions::Regions(const std::vector<Handle>& handles, const Components& parts)
+Regions::Regions(std::vector<Handle> handles, const Components& parts) : handles_(std::move(handles))
 {
     const int n = static_cast<int>(parts.labels.size());
     hard_.assign(n, -1);
@@ -52,10 +53,9 @@ Regions::Regions(const std::vector<Handle>& handles, const Components& parts)
     std::vector<int> twice;
     int other = -1;
     int second = -1;
-    for (int h = 0; h < static_cast<int>(handles.size()); ++h) {
-        const Handle& handle = handles[h];
+    for (int h = 0; h < handle_count(); ++h) {
+        const Handle& handle = handles_[h];
         check(handle, h, n);
-        continuity_.push_back(handle.continuity);
         for (std::size_t k = 0; k < handle.vertices.size(); ++k) {
             const int v = handle.vertices[k];
             const double weight = handle.weights.empty() ? 1.0 : handle.weights[k];

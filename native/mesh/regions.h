@@ -52,9 +52,10 @@ public:
     /// \throw InvalidConstraint  a handle without vertices, an index out of range, another number of weights
     ///   than of vertices, a weight outside [0, 1], a continuity outside [0, 2], or a vertex that two handles
     ///   hold exactly.
-    Regions(const std::vector<Handle>& handles, const Components& parts);
+    Regions(std::vector<Handle> handles, const Components& parts);
 
-    int handle_count() const { return static_cast<int>(continuity_.size()); }
+    const std::vector<Handle>& handles() const { return handles_; }
+    int handle_count() const { return static_cast<int>(handles_.size()); }
     int vertex_count() const { return static_cast<int>(hard_.size()); }
 
     /// The handle that holds a vertex exactly, or -1.
@@ -62,7 +63,7 @@ public:
     const std::vector<SoftConstraint>& soft() const { return soft_; }
     /// All constraints: first the hard ones by rising vertex, then those of soft() in their order.
     std::vector<Constraint> constraints() const;
-    double continuity(int handle) const { return continuity_[handle]; }
+    double continuity(int handle) const { return handles_[handle].continuity; }
 
     /// Whether a vertex is in a part that no handle touches; such parts follow the incoming shape.
     bool is_idle(int vertex) const { return idle_[vertex]; }
@@ -73,9 +74,9 @@ public:
     BindReport report() const;
 
 private:
+    std::vector<Handle> handles_;
     std::vector<int> hard_;
     std::vector<SoftConstraint> soft_;
-    std::vector<double> continuity_; ///< of each handle
     std::vector<bool> idle_;
     int idle_parts_ = 0;
 };

@@ -21,13 +21,11 @@ BindReport SurfaceMethod::set_handles(const std::vector<Handle>& handles, const 
     const auto start = std::chrono::steady_clock::now();
     progress.tick(0.0, "assembling the energy");
     Regions regions(handles, parts_);
-    std::vector<Handle> kept = handles;
     BindReport report = regions.report();
     bind(regions, report, progress);
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report_ = report;
     regions_ = std::move(regions);
-    handles_ = std::move(kept);
     bound_ = true;
     return report;
 }
@@ -50,7 +48,7 @@ BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle
                                  const Progress& progress)
 {
     auto [changed, reusable] = compare(former);
-    if (!former.bound_ || handles != former.handles_)
+    if (!former.bound_ || handles != former.regions_.handles())
         changed.emplace_back("handles");
     struct Exchange
     {
@@ -76,7 +74,6 @@ BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle
     undone.other = nullptr;
     if (reusable && &former != this) {
         former.bound_ = false;
-        former.handles_.clear();
         former.regions_ = Regions({}, former.parts_);
     }
     return report;
@@ -88,7 +85,6 @@ void SurfaceMethod::swap_all(SurfaceMethod& other)
         return;
     swap_binding(other);
     std::swap(regions_, other.regions_);
-    std::swap(handles_, other.handles_);
     std::swap(report_, other.report_);
     std::swap(bound_, other.bound_);
 }

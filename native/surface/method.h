@@ -87,7 +87,6 @@ protected:
     /// Exchanges all that bind() made with an object of the same class and rest shape.
     virtual void swap_binding(SurfaceMethod& other) = 0;
 
-    const std::vector<Handle>& handles() const { return handles_; }
     /// \throw InvalidConstraint  there are more or fewer points than the rest shape has, or one is not
     ///   finite.
     void require_same_size(const PointsView& points, const char* name) const;
@@ -104,7 +103,6 @@ private:
     std::shared_ptr<const SurfaceMesh> rest_; ///< shared, so that its address stays when the method is moved
     Components parts_;
     Regions regions_;
-    std::vector<Handle> handles_;
     BindReport report_;
     bool bound_ = false;
 };

@@ -48,22 +48,17 @@ def text(
     return f'<text x="{x:g}" y="{y:g}" {look}>{escape(words)}</text>'
 
 
-def box(place: Box, fill: str, dashed: bool = False) -> str:
+def box(place: Box, fill: str) -> str:
     x, y, width, tall = place
-    dashes = ' stroke-dasharray="4 3"' if dashed else ""
     return (
-        f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{tall:g}" rx="4" fill="{fill}" '
-        f'stroke="#667"{dashes}/>'
+        f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{tall:g}" rx="4" fill="{fill}" stroke="#667"/>'
     )
 
 
-def room_box(root: Path, side: str, room: str, place: Box) -> list[str]:
-    """One room with those inside it; dashed where no method has moved in yet."""
+def room_box(side: str, room: str, place: Box) -> list[str]:
+    """One room with those inside it."""
     x, y, width, _ = place
-    folder = root / side / room
-    empty = not folder.exists() and not folder.with_suffix(".py").exists()
-    parts = [box(place, "#fff" if empty else "#e6eef8", empty)]
-    parts.append(text(x + width / 2, y + LINE, room, weight="normal" if empty else "bold"))
+    parts = [box(place, "#e6eef8"), text(x + width / 2, y + LINE, room, weight="bold")]
     for index, names in enumerate(inner_rows(side, room)):
         wide = (width - SPACE) / len(names)
         top = y + LINE + SPACE + index * (LINE + SPACE)
@@ -74,7 +69,7 @@ def room_box(root: Path, side: str, room: str, place: Box) -> list[str]:
     return parts
 
 
-def column(root: Path, side: str, ranks: dict[str, int], left: float) -> tuple[list[str], dict[str, Box]]:
+def column(side: str, ranks: dict[str, int], left: float) -> tuple[list[str], dict[str, Box]]:
     """The rooms of one side from the highest rank down, and where each stands."""
     parts = [text(left, TOP - 18, TITLES[side], size=15, weight="bold", anchor="start")]
     places: dict[str, Box] = {}
@@ -86,15 +81,15 @@ def column(root: Path, side: str, ranks: dict[str, int], left: float) -> tuple[l
         for room in rooms:
             wide = share * breadth(side, room)
             places[room] = (x, y, wide - SPACE, tall)
-            parts += room_box(root, side, room, places[room])
+            parts += room_box(side, room, places[room])
             x += wide
         y += tall + SPACE
     return parts, places
 
 
-def draw(root: Path) -> str:
-    addon, addon_places = column(root, "addon", ADDON_RANKS, LEFT)
-    native, native_places = column(root, "native", NATIVE_RANKS, LEFT + COLUMN + GAP)
+def draw() -> str:
+    addon, addon_places = column("addon", ADDON_RANKS, LEFT)
+    native, native_places = column("native", NATIVE_RANKS, LEFT + COLUMN + GAP)
     x, y, width, tall = addon_places["backend"]
     to_x, to_y, _, to_tall = native_places["bindings"]
     middle = LEFT + COLUMN + 24
@@ -104,7 +99,7 @@ def draw(root: Path) -> str:
     )
     bottom = max(top + tall for _, top, _, tall in (*addon_places.values(), *native_places.values()))
     wide = LEFT + 2 * COLUMN + GAP + SPACE
-    caption = "A room sees the rooms below it and itself. Dashed: rooms for methods to come."
+    caption = "A room sees the rooms below it and itself. Some wait for their first method."
     head = (
         '<marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" '
         'orient="auto"><path d="M0 0 L8 4 L0 8 z" fill="#c50"/></marker>'

@@ -6,7 +6,6 @@ import pytest
 from .sources import (
     LICENCE,
     LONGEST,
-    build_list_offences,
     door_plate_offences,
     licence_offences,
     size_offences,
@@ -60,27 +59,6 @@ def test_word_that_does_not_belong_here_is_found(tmp_path: Path, line: str) -> N
 )
 def test_innocent_word_is_left_alone(tmp_path: Path, line: str) -> None:
     assert word_offences(grow(tmp_path, {"addon/a.py": line})) == []
-
-
-def test_stray_missing_and_doubled_build_entries_are_found(tmp_path: Path) -> None:
-    grow(
-        tmp_path,
-        {
-            "CMakeLists.txt": "add_library(sinew native/core/a.cpp native/core/gone.cpp native/core/a.cpp)\n"
-            "# native/core/stray.cpp\n",
-            "native/core/a.cpp": "",
-            "native/core/stray.cpp": "",
-            "tests/native/CMakeLists.txt": "add_executable(t core/test_a.cpp)",
-            "tests/native/core/test_a.cpp": "",
-            "tests/native/core/test_b.cpp": "",
-        },
-    )
-    assert sorted(build_list_offences(tmp_path)) == [
-        "CMakeLists.txt: does not name native/core/stray.cpp",
-        "CMakeLists.txt: names a.cpp twice",
-        "CMakeLists.txt: names native/core/gone.cpp, which does not exist",
-        "tests/native/CMakeLists.txt: does not name tests/native/core/test_b.cpp",
-    ]
 
 
 @pytest.mark.parametrize(

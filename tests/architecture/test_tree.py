@@ -12,7 +12,6 @@ from .native_layers import native_offences
 from .registry import registry_offences, rows
 from .security import security_offences
 from .sources import (
-    build_list_offences,
     door_plate_offences,
     licence_offences,
     size_offences,
@@ -29,7 +28,6 @@ RULES = (
     licence_offences,
     size_offences,
     word_offences,
-    build_list_offences,
     door_plate_offences,
     link_offences,
 )

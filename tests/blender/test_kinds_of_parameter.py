@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parameters that are curves and objects, and a method around another, by rows that only this file knows.
+"""Rows that only this file knows: with curves, with objects, around another method, on handle points.
 
-A new Blender finds them as one more module of the registry's folder. Their native classes add what they
-are given to a thin shell, so the shape tells which values arrived.
+A new Blender finds them as one more module of the registry's folder. Their native classes tell by the shape
+which values arrived.
 """
 
 from __future__ import annotations
@@ -64,6 +64,19 @@ ROWS = (
         moves=frozenset({Moved.MESH}),
         wraps=(Family.SURFACE_LINEAR, Family.SURFACE_NONLINEAR),
     ),
+    Method(
+        id="nearest",
+        number=997,
+        label="Nearest",
+        family=Family.SPACE_LINEAR,
+        control=Control.HANDLES,
+        native="Nearest",
+        section="1",
+        paper="none",
+        summary="Each point moves with the nearest point of a handle",
+        iterative=False,
+        moves=frozenset(Moved),
+    ),
 )
 """
 
@@ -105,7 +118,24 @@ class Around:
         positions[:, 2] += 1.0
         return positions, report
 
-native.Throwaway, native.Around = Throwaway, Around
+class Nearest:
+    made = []
+    def __init__(self, points):
+        self.rest = points.copy()
+        Nearest.made.append(points.tolist())
+    def can_reuse(self, former, points):
+        return False
+    def bind(self, points, progress):
+        self.points = points
+        self.nearest = np.argmin(np.linalg.norm(points[:, None] - self.rest, axis=2), axis=1)
+    def warp(self, posed, out=None, incoming=None):
+        moved = (self.points if incoming is None else incoming) + (posed - self.rest)[self.nearest]
+        if out is None:
+            return moved
+        out[:] = moved
+        return out
+
+native.Throwaway, native.Around, native.Nearest = Throwaway, Around, Nearest
 row = room("core.methods").BY_ID["throwaway"]
 profile, falloff, frame = row.parameters
 
@@ -281,6 +311,38 @@ def test_a_method_is_put_around_another(throwaway) -> None:
     assert seen["bases"] == ["ThinShell", "Arap"]
     assert seen["iterative"]
     assert seen["status"] == "INFO"
+
+
+def test_a_space_method_gets_the_points_of_handles_with_and_without_a_group(throwaway) -> None:
+    seen = throwaway(
+        """
+        deformer = plate.deformer
+        deformer.method = "nearest"
+        update()
+        seen["status"] = deformer.status_level
+        seen["given"] = sorted(Nearest.made[-1]) == sorted(plate.rest()[[*plate.top, *plate.base]].tolist())
+        plate.lift(1.0)
+        seen["lifted"] = sorted(set((plate.points() - plate.rest())[:, 2].round(6).tolist()))
+        seen["held"] = np.ptp((plate.points() - plate.rest())[plate.top], axis=0).max()
+        plate.lift(-1.0)
+        handle = deformer.handles[0]
+        handle.vertex_group = ""
+        bpy.ops.sinew.bind()
+        update()
+        seen["alone"] = (deformer.status_level, len(Nearest.made[-1]) - len(plate.base))
+        place = np.array(handle.rest_matrix).reshape(4, 4)[3, :3]
+        seen["place"] = np.abs(np.array(Nearest.made[-1]) - place).max(axis=1).min()
+        plate.lift(1.0)
+        seen["again"] = sorted(set((plate.points() - plate.rest())[:, 2].round(6).tolist()))
+        """
+    )
+    assert seen["status"] == "INFO"
+    assert seen["given"]
+    assert seen["lifted"] == [0.0, 1.0]
+    assert seen["held"] < 1e-6
+    assert seen["alone"] == ["INFO", 1]
+    assert seen["place"] < 1e-6
+    assert seen["again"] == [0.0, 1.0]
 
 
 def test_the_panel_draws_each_kind(throwaway) -> None:

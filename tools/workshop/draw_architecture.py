@@ -14,7 +14,7 @@ from architecture.picture import PICTURE, draw
 
 def main() -> None:
     argparse.ArgumentParser(prog="tools/draw_architecture", description=__doc__).parse_args()
-    (ROOT / PICTURE).write_text(draw(ROOT), encoding="utf-8")
+    (ROOT / PICTURE).write_text(draw(), encoding="utf-8")
     say(f"wrote {PICTURE}")
 
 

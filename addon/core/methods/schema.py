@@ -141,6 +141,11 @@ class Method:
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()
 
+    @property
+    def is_space(self) -> bool:
+        """It deforms the space around points, and knows of no surface."""
+        return self.family in (Family.SPACE_LINEAR, Family.SPACE_NONLINEAR)
+
     @cached_property
     def references(self) -> tuple[Parameter, ...]:
         """The parameters whose value is stored in another datablock."""

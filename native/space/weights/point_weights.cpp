@@ -178,7 +178,7 @@ void PointWeights::keep_large(Store<T>& store, int first, const RowMatrix& rows)
 }
 
 template <class Real>
-void PointWeights::apply(const Points& moves, const Points& rest, Real* positions) const
+void PointWeights::apply(const Points& moves, PointsView rest, Real* positions) const
 {
     if (is_single())
         apply(singles_, moves, rest, positions);
@@ -187,8 +187,7 @@ void PointWeights::apply(const Points& moves, const Points& rest, Real* position
 }
 
 template <class T, class Real>
-void PointWeights::apply(const Store<T>& store, const Points& moves, const Points& rest,
-                         Real* positions) const
+void PointWeights::apply(const Store<T>& store, const Points& moves, PointsView rest, Real* positions) const
 {
     const double most = moves.size() > 0 ? moves.cwiseAbs().maxCoeff() : 0.0;
     // Moves are scaled so that they fit into single precision. A power of two causes no rounding.
@@ -331,7 +330,7 @@ std::int64_t PointWeights::bytes() const
                                      indices * sizeof(int));
 }
 
-template void PointWeights::apply(const Points&, const Points&, double*) const;
-template void PointWeights::apply(const Points&, const Points&, float*) const;
+template void PointWeights::apply(const Points&, PointsView, double*) const;
+template void PointWeights::apply(const Points&, PointsView, float*) const;
 
 } // namespace sinew

@@ -59,7 +59,7 @@ public:
     /// \param rest            (n, 3)
     /// \param[out] positions  (n, 3), row-major
     template <class Real>
-    void apply(const Points& moves, const Points& rest, Real* positions) const;
+    void apply(const Points& moves, PointsView rest, Real* positions) const;
 
     /// (n, k) all weights, with zeros for dropped ones.
     RowMatrix dense() const;
@@ -93,7 +93,7 @@ private:
     template <class T>
     void keep_large(Store<T>& store, int first, const RowMatrix& rows);
     template <class T, class Real>
-    void apply(const Store<T>& store, const Points& moves, const Points& rest, Real* positions) const;
+    void apply(const Store<T>& store, const Points& moves, PointsView rest, Real* positions) const;
     template <class Visit>
     void visit(Visit&& entry) const;
 

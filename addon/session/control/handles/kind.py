@@ -57,8 +57,8 @@ def name(method: Method) -> str:
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """A warning about parts of the mesh that no region holds."""
-    if not report.free_parts:
+    """A warning about parts of the mesh that no region holds. A space method moves all parts."""
+    if request.recipe.method.is_space or not report.free_parts:
         return ()
     count = report.free_parts
     text = "1 free part stays at rest" if count == 1 else f"{count} free parts stay at rest"

@@ -116,6 +116,8 @@ def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
         return kept
     rest = bound.rest.points
     members = bound.indices[row]
+    if not len(members):
+        return IDENTITY
     for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):
         shape = read_shape(proxy.data) if proxy is not None else None
         if shape is not None and len(shape) == len(rest):

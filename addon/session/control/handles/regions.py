@@ -7,7 +7,7 @@ This only reads Blender's data.
 import numpy as np
 from bpy.types import Mesh
 
-from ....backend import Handles, Recipe, Shape
+from ....backend import HandlePoints, Handles, Recipe, Shape
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.status import Remedy
@@ -23,7 +23,13 @@ def key(settings: SinewDeformer) -> tuple:
     """The settings of the regions in use. Their order in the list does not count."""
     return tuple(
         sorted(
-            (handle.uid, handle.kind, handle.vertex_group, handle.weight, *_own_values(settings, handle))
+            (
+                handle.uid,
+                handle.kind,
+                handle.vertex_group or tuple(_place(handle)),
+                handle.weight,
+                *_own_values(settings, handle),
+            )
             for handle in settings.handles
             if handle.enabled
         )
@@ -33,6 +39,11 @@ def key(settings: SinewDeformer) -> tuple:
 def _own_values(settings: SinewDeformer, handle: SinewHandle) -> tuple:
     """The parameters that the method has per handle."""
     return tuple(getattr(handle, parameter.id) for parameter in settings.definition.handle_parameters)
+
+
+def _place(handle: SinewHandle) -> np.ndarray:
+    """Where the control of a handle rests, (3,) in the frame of the target."""
+    return np.array(handle.rest_matrix, dtype=np.float64)[12:15]
 
 
 def has_constraints(settings: SinewDeformer) -> bool:
@@ -52,10 +63,18 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     taken = np.zeros(count, dtype=bool)
     holder = np.full(count, -1)
     labels: list[str] = []
+    points: list[np.ndarray] = []
     support: np.ndarray | None = None
     of_supports: list[tuple] = []
     for handle in settings.handles:
         if not handle.enabled:
+            continue
+        if not handle.vertex_group and method.is_space and handle.kind == "HANDLE" and handle.has_rest:
+            names.append(handle.uid)
+            indices.append(np.empty(0, dtype=np.intp))
+            weights.append(None)
+            own.append(_own_values(settings, handle))
+            points.append(_place(handle)[None])
             continue
         painted = rest.weights.get(handle.vertex_group)
         if painted is None:
@@ -76,6 +95,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         taken[members] = True
         names.append(handle.uid)
         indices.append(members)
+        points.append(rest.points[members])
         weights.append(strength)
         own.append(_own_values(settings, handle))
     if support is not None:
@@ -83,6 +103,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         if len(outside):
             names.append(_IMPLIED)
             indices.append(outside)
+            points.append(rest.points[outside])
             weights.append(None)
             own.append(tuple(map(min, zip(*of_supports, strict=True))))  # all supports share one border
     if not names:
@@ -95,7 +116,9 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             method,
             Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            Handles(
+            HandlePoints(np.concatenate(points), np.repeat(np.arange(len(points)), list(map(len, points))))
+            if method.is_space
+            else Handles(
                 tuple(indices),
                 tuple(weights),
                 {row.id: values for row, values in zip(method.handle_parameters, zip(*own, strict=True))},

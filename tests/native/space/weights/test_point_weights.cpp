@@ -56,12 +56,12 @@ TEST(PointWeights, apply_is_the_product)
     const Points exact = rest + W * moves;
     for (const double threshold : {0.0, 1e-300}) {
         Points out(203, 3);
-        filled(W, {both, threshold}).apply(moves, rest, out.data());
+        filled(W, {both, threshold}).apply(moves, view(rest), out.data());
         EXPECT_LT(shapes::distance(out, exact), 1e-14);
-        filled(W, {single, threshold}).apply(moves, rest, out.data());
+        filled(W, {single, threshold}).apply(moves, view(rest), out.data());
         EXPECT_LT(shapes::distance(out, exact), 37 * 6e-8); // half a unit of each term
         std::vector<float> floats(3 * 203);
-        filled(W, {single, threshold}).apply(moves, rest, floats.data());
+        filled(W, {single, threshold}).apply(moves, view(rest), floats.data());
         for (int k = 0; k < 3 * 203; ++k)
             EXPECT_EQ(floats[k], static_cast<float>(out.data()[k]));
     }
@@ -72,7 +72,7 @@ TEST(PointWeights, moves_of_any_length_fit_single_numbers)
     const RowMatrix W = random_rows(20, 5);
     const Points moves = 1e200 * shapes::Random(4).dense(5, 3), rest = Points::Zero(20, 3);
     Points out(20, 3);
-    filled(W, {single, 0.0}).apply(moves, rest, out.data());
+    filled(W, {single, 0.0}).apply(moves, view(rest), out.data());
     EXPECT_LT(shapes::distance(out * 1e-200, W * moves * 1e-200), 1e-6);
 }
 
