@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender with a window: from a blank file to a rendered pose, by mouse and keyboard.
 
-Then the same way back by undo, Grab Region beside Blender's own transforms, and a bind that is cancelled.
+Then the same way back by undo, Grab Region, and a bind that is cancelled.
 """
 
 import bmesh
@@ -11,7 +11,9 @@ from bpy_extras.object_utils import world_to_camera_view
 from driving import (
     MODELS,
     OUTPUT,
+    apart,
     click,
+    differing,
     drag,
     enable,
     in_view,
@@ -27,11 +29,10 @@ from driving import (
     session,
     shown_points,
     until,
-    view_pixels,
     viewport,
     write,
 )
-from mathutils import Quaternion, Vector
+from mathutils import Vector
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
 HEAD = (370, 626), (600, 456)
@@ -41,12 +42,6 @@ MENU_ADD_HANDLE = (640, 736)
 METHOD = (930, 585)
 FACTOR = (975, 238), (940, 238)
 LAST = 12  # frame
-SLANTED = (0.75, 0.55, 0.2, 0.3)  # a view from the front, the right and above
-TRANSFORMS = {  # keys, and moves of the mouse in pixels
-    "move": ["G", (60, 40)],
-    "along an axis": ["G", "Y", (60, 40)],
-    "switched": ["G", "Z", (60, 40), "R", (-90, 120)],
-}
 
 
 def cow() -> bpy.types.Object:
@@ -63,10 +58,6 @@ def control() -> bpy.types.Object:
 
 def shown() -> np.ndarray:
     return shown_points(cow())
-
-
-def apart(one: np.ndarray, other: np.ndarray) -> float:
-    return float(np.abs(one - other).max())
 
 
 def blank_file():
@@ -373,7 +364,7 @@ def chosen() -> list[bool]:
 
 
 def grab_region():
-    """A pose of the moment by key and number, undone; then the same events beside Blender's transforms."""
+    """A pose of the moment by key and number, undone; another one given up."""
     move(*middle())
     press("TAB")
     yield from rest()
@@ -382,53 +373,31 @@ def grab_region():
     before, flags, here = edited(), chosen(), (480, 300)
     members = np.flatnonzero(flags[: len(before)])
     world = np.array(cow().matrix_world)[:3, :3]
-    move(*here)
-    press("Y", alt=True)
-    yield
-    for step in (1, 2):
-        move(here[0] + 40 * step, here[1] + 30 * step)
+    for end in ("RET", "ESC"):
+        move(*here)
+        press("Y", alt=True)
         yield
-    seen["grab_dragged"] = apart(edited(), before)
-    press("X")
-    write("0.5")
-    yield from rest()
-    press("RET")
-    yield from rest()
-    moved = (edited() - before).astype(float) @ world.T
-    seen["grab_typed"] = apart(moved[members], np.array((0.5, 0.0, 0.0)))
-    seen["grab_followed"] = int(moved.any(axis=1).sum()) - len(members)
-    last = bpy.context.window_manager.operators[-1]
-    seen["grab_last"] = [last.bl_idname, last.mode, [round(number, 5) for number in last.value]]
-    press("Z", ctrl=True)
-    yield from rest()
-    seen["grab_undone"] = apart(edited(), before)
-    view = viewport().spaces.active.region_3d
-    view.view_rotation, view.view_perspective = Quaternion(SLANTED).normalized(), "PERSP"
-    yield from rest()
-    seen["grab_beside_blender"], seen["grab_restored"] = {}, True
-    for name, (first, *steps) in TRANSFORMS.items():
-        seen["grab_beside_blender"][name] = both = []
-        for start in (press, start_grab):
-            move(*here)
+        for step in (1, 2):
+            move(here[0] + 40 * step, here[1] + 30 * step)
             yield
-            start(first)
-            for step in steps:
-                if isinstance(step, tuple):
-                    move(here[0] + step[0], here[1] + step[1])
-                else:
-                    press(step)
-            yield
-            both.append(edited()[members].tolist())
-            press("ESC")
-            yield
-        seen["grab_restored"] &= edited().tobytes() == before.tobytes() and chosen() == flags
+        seen["grab_dragged"] = apart(edited(), before)
+        press("X")
+        write("0.5")
+        yield from rest()
+        press(end)
+        yield from rest()
+        if end == "RET":
+            moved = (edited() - before).astype(float) @ world.T
+            seen["grab_typed"] = apart(moved[members], np.array((0.5, 0.0, 0.0)))
+            seen["grab_followed"] = int(moved.any(axis=1).sum()) - len(members)
+            last = bpy.context.window_manager.operators[-1]
+            seen["grab_last"] = [last.bl_idname, last.mode, [round(number, 5) for number in last.value]]
+            press("Z", ctrl=True)
+            yield from rest()
+            seen["grab_undone"] = apart(edited(), before)
+    seen["grab_restored"] = edited().tobytes() == before.tobytes() and chosen() == flags
     press("TAB")
     yield from rest()
-
-
-def start_grab(_key: str) -> None:
-    with in_view():
-        bpy.ops.sinew.grab_region("INVOKE_DEFAULT", mode="TRANSLATE", radius=0.3)
 
 
 def heavy_bind():
@@ -474,9 +443,8 @@ def journey():
     yield from undo_all()
     yield from grab_region()
     yield from heavy_bind()
-    ready, moved, undone = (view_pixels(name) for name in ("3-ready", "4-moved", "5-undone"))
-    seen["pixels_moved"] = float((np.abs(moved - ready).max(axis=2) > 0.05).mean())
-    seen["pixels_not_undone"] = float((np.abs(undone - ready).max(axis=2) > 0.05).mean())
+    seen["pixels_moved"] = differing("4-moved", "3-ready")
+    seen["pixels_not_undone"] = differing("5-undone", "3-ready")
 
 
 play(journey())

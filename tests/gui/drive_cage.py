@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: an automatic cage, posed in Edit Mode by keys, its weights drawn.
-
-Steps are a generator; each ``yield`` gives Blender the time a person would take. Observations and screenshots
-go to the folder named after ``--``.
-"""
+"""Runs inside a Blender with a window: an automatic cage, posed in Edit Mode by keys, its weights drawn."""
 
 import bpy
 import numpy as np
 from driving import (
+    apart,
+    differing,
     enable,
     in_view,
     middle,
@@ -21,7 +19,6 @@ from driving import (
     select,
     shown_points,
     until,
-    view_pixels,
     viewport,
     write,
 )
@@ -49,7 +46,7 @@ def is_well() -> bool:
 
 
 def moved(before: np.ndarray) -> float:
-    return float(np.abs(shown_points(head()) - before).max())
+    return apart(shown_points(head()), before)
 
 
 def steps():
@@ -121,8 +118,7 @@ def steps():
     wanted.show_overlay = False
     yield from rest(4)
     screenshot("6-plain")
-    differ = np.abs(view_pixels("5-weights") - view_pixels("6-plain")).max(axis=2) > 0.05
-    seen["coloured"] = float(differ.mean())
+    seen["coloured"] = differing("5-weights", "6-plain")
 
     with in_view():
         bpy.ops.sinew.cage_set_rest("INVOKE_DEFAULT")

@@ -1,11 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: handles in their list, weights by brush, new vertices, heavy drags."""
+"""Runs inside a Blender with a window: overlays, handles in their list, weights by brush, new vertices, heavy
+drags.
+"""
 
+import sys
+
+import addon_utils
 import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from driving import (
+    MODULE,
+    apart,
     click,
+    differing,
     drag,
     enable,
     in_view,
@@ -21,11 +29,12 @@ from driving import (
     session,
     shown_points,
     until,
+    view_pixels,
     viewport,
     window,
     write,
 )
-from mathutils import Vector
+from mathutils import Color, Vector
 
 REGIONS = {
     "Ear.L": ("HANDLE", lambda point: point.x > 1.6),
@@ -34,6 +43,12 @@ REGIONS = {
     "Back": ("FIXED", lambda point: point.y > 0.35 and abs(point.x) < 1.2),
 }
 LIFT = 0.45
+FRONT, SLANTED = (0.7071, 0.7071, 0.0, 0.0), (0.0, 0.0, 0.383, 0.924)  # from behind and above
+SPOTS = {  # in the middle of a region, or of a part that is free
+    "ear": lambda x, y, z: x > 1.75,
+    "back": lambda x, y, z: y > 0.7 and abs(x) < 0.8,
+    "free": lambda x, y, z: abs(x) < 0.8 and -0.1 < y < 0.1,
+}
 
 # Where things are in the window, from its lower left corner, with the Properties editor made wide and high.
 NAME, CONTROL, WEIGHT, SELECT, EYE, BESIDE = 970, 1080, 1166, 1198, 1217, 1252
@@ -92,10 +107,105 @@ def prepare():
     deformer().handles[0].control.matrix_world.translation.z += LIFT
     deformer().handles[2].control.matrix_world.translation.x -= 0.3
     view = viewport().spaces.active.region_3d
-    view.view_perspective, view.view_rotation = "ORTHO", (0.7071, 0.7071, 0.0, 0.0)
+    view.view_perspective, view.view_rotation = "ORTHO", FRONT
     view.view_location, view.view_distance = (0.0, 0.0, 0.25), 5.8
     bpy.ops.ed.undo_push(message="Pose")
     yield from settled()
+
+
+def overlay():
+    return sys.modules[f"{MODULE}.ui.overlay"]
+
+
+def look(name: str, **wanted: object):
+    """Change settings as the panel does; a screenshot."""
+    for setting, value in wanted.items():
+        setattr(bpy.context.scene.sinew, setting, value)
+    viewport().tag_redraw()
+    yield from rest(3)
+    screenshot(name)
+
+
+def in_picture(vertex: int) -> tuple[int, int]:
+    """Where a vertex appears in ``view_pixels``: column and row."""
+    point = Vector(shown()[vertex])
+    found = location_3d_to_region_2d(region(), viewport().spaces.active.region_3d, point)
+    return round(found.x), round(found.y)
+
+
+def nearest(where) -> int:
+    """The vertex nearest to the viewer among those for which ``where(x, y, z)`` at rest."""
+    turn, points = viewport().spaces.active.region_3d.view_matrix, shown()
+    chosen = [vertex.index for vertex in head().data.vertices if where(*vertex.co)]
+    return max(chosen, key=lambda index: (turn @ Vector(points[index])).z)
+
+
+def most_stretched() -> int:
+    """The vertex around which the area grew most, among those that the viewer sees from the front."""
+    result, measure = (
+        sys.modules[f"{MODULE}.{name}"] for name in ("session.shown.result", "core.geometry.distortion")
+    )
+    values = result.measured(head(), deformer(), measure.Measure.AREA).values
+    evaluated = head().evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
+    turn = viewport().spaces.active.region_3d.view_matrix.to_3x3()
+    return max(range(len(evaluated)), key=lambda i: values[i] * ((turn @ evaluated[i].normal).z > 0.8))
+
+
+def overlays():
+    """What each overlay paints is tested without a window; here it is drawn."""
+    for obj in bpy.context.view_layer.objects:
+        obj.hide_set(obj != head())
+    viewport().spaces.active.region_3d.view_rotation = SLANTED
+    head().select_set(False)
+    yield from look("off")
+    preferences = bpy.context.preferences.addons[MODULE].preferences
+    seen["opacity"] = preferences.overlay_opacity
+    seen["colours"] = {
+        name: list(Color(linear).from_scene_linear_to_srgb())
+        for name, linear in (("ear", deformer().handles[0].colour), ("back", preferences.overlay_fixed))
+    }
+    spots = {name: in_picture(nearest(where)) for name, where in SPOTS.items()}
+    yield from look("regions", show_overlay=True, overlay="REGIONS")
+    viewport().spaces.active.shading.show_xray = True
+    yield from look("x-ray")
+    viewport().spaces.active.shading.show_xray = False
+    mode("EDIT")
+    with in_view():
+        bpy.ops.mesh.select_all(action="DESELECT")
+    yield from look("edit")
+    mode("OBJECT")
+    yield from look("area", overlay="DISTORTION", measure="AREA", distortion_range=1.25)
+    spots["stretched"] = in_picture(most_stretched())
+    painted = overlay().cache.computed
+    for _ in range(4):
+        yield from look("idle")
+    seen["painted_while_idle"] = overlay().cache.computed - painted
+    yield from look("off-again", show_overlay=False)
+    seen["drawing_when_off"] = overlay().is_drawing()
+    pictures = ("off", "regions", "x-ray", "edit", "area", "off-again")
+    seen["changed"] = {name: differing(name, "off", 0.02) for name in pictures}
+    seen["pixels"] = {name: {spot: colour_at(name, *spots[spot]) for spot in spots} for name in pictures}
+    for obj in bpy.context.view_layer.objects:
+        obj.hide_set(False)
+    viewport().spaces.active.region_3d.view_rotation = FRONT
+    bpy.context.view_layer.objects.active = head()
+    yield from rest()
+
+
+def colour_at(name: str, x: int, y: int) -> list[float]:
+    return view_pixels(name)[y - 1 : y + 2, x - 1 : x + 2].mean(axis=(0, 1)).tolist()
+
+
+def disable():
+    """With an overlay on. Blender's panel for the last operation would go, too."""
+    viewport().spaces.active.show_region_hud = False
+    yield from look("last", show_overlay=False)
+    yield from look("last-regions", show_overlay=True, overlay="REGIONS")
+    addon_utils.disable(MODULE)
+    yield from rest(3)
+    screenshot("disabled")
+    seen["before_disabled"] = differing("last-regions", "last", 0.02)
+    seen["disabled"] = [overlay().is_drawing(), differing("disabled", "last", 0.02)]
 
 
 def wide_panel():
@@ -120,10 +230,10 @@ def use_and_select():
     posed = shown()
     yield from click(EYE, row(0))
     yield from settled()
-    seen["eye_off"] = [deformer().handles[0].enabled, float(np.abs(shown() - posed).max())]
+    seen["eye_off"] = [deformer().handles[0].enabled, apart(shown(), posed)]
     yield from click(EYE, row(0))
     yield from settled()
-    seen["eye_on"] = [deformer().handles[0].enabled, float(np.abs(shown() - posed).max())]
+    seen["eye_on"] = [deformer().handles[0].enabled, apart(shown(), posed)]
     yield from click(SELECT, row(1))
     yield from rest()
     seen["arrow"] = [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()]
@@ -134,10 +244,10 @@ def weight():
     posed = shown()
     yield from drag((WEIGHT, row(0)), (WEIGHT - 40, row(0)))
     yield from settled()
-    seen["weight"] = [deformer().handles[0].weight, float(np.abs(shown() - posed).max())]
+    seen["weight"] = [deformer().handles[0].weight, apart(shown(), posed)]
     press("Z", ctrl=True)
     yield from settled()
-    seen["weight_undone"] = [deformer().handles[0].weight, float(np.abs(shown() - posed).max())]
+    seen["weight_undone"] = [deformer().handles[0].weight, apart(shown(), posed)]
 
 
 def rename_and_order():
@@ -155,10 +265,10 @@ def rename_and_order():
     seen["active"] = deformer().active_handle
     yield from click(BESIDE, MOVE_UP)
     yield from settled()
-    seen["up"] = [names(), float(np.abs(shown() - posed).max())]
+    seen["up"] = [names(), apart(shown(), posed)]
     yield from click(BESIDE, MOVE_DOWN)
     yield from settled()
-    seen["down"] = [names(), float(np.abs(shown() - posed).max())]
+    seen["down"] = [names(), apart(shown(), posed)]
 
 
 def missing_control():
@@ -174,7 +284,7 @@ def missing_control():
     yield from rest()
     press("RET")
     yield from settled()
-    seen["missing"] = [deformer().handles[0].control_missing, float(np.abs(shown() - posed).max())]
+    seen["missing"] = [deformer().handles[0].control_missing, apart(shown(), posed)]
     screenshot("2-control-missing")
     yield from click(CONTROL, row(0))
     yield from rest(3)
@@ -183,7 +293,7 @@ def missing_control():
     press("RET")
     yield from settled()
     picked = deformer().handles[0].control
-    seen["picked"] = [picked and picked.name, float(np.abs(shown() - posed).max())]
+    seen["picked"] = [picked and picked.name, apart(shown(), posed)]
     other.location.z += 0.25
     yield from settled()
     seen["follows_picked"] = float((shown() - posed)[:, 2].max())
@@ -216,14 +326,14 @@ def paint():
     yield from settled()
     seen["painted_away"] = sum(held.values()) - sum(weights(group).values())
     live = shown()
-    seen["paint_changed"] = float(np.abs(live - posed).max())
+    seen["paint_changed"] = apart(live, posed)
     screenshot("3-painted")
     yield
     mode("OBJECT")
     with in_view():
         bpy.ops.sinew.bind()
     yield from settled()
-    seen["paint_as_bound_anew"] = float(np.abs(shown() - live).max())
+    seen["paint_as_bound_anew"] = apart(shown(), live)
 
 
 def weights(group: int) -> dict[int, float]:
@@ -252,7 +362,7 @@ def edit_topology():
     """Without Automatic Rebind the panel asks for a click; with it nobody has to."""
     yield from subdivide_muzzle()
     base = np.array([vertex.co for vertex in head().data.vertices])
-    seen["topology"] = [deformer().status_level, deformer().status, float(np.abs(shown() - base).max())]
+    seen["topology"] = [deformer().status_level, deformer().status, apart(shown(), base)]
     screenshot("4-topology")
     yield from click(*REBIND)
     yield from until(lambda: deformer().status_level == "INFO")
@@ -308,6 +418,7 @@ def heavy_drag():
 
 def journey():
     yield from prepare()
+    yield from overlays()
     yield from wide_panel()
     yield from use_and_select()
     yield from weight()
@@ -316,6 +427,7 @@ def journey():
     yield from paint()
     yield from edit_topology()
     yield from heavy_drag()
+    yield from disable()
 
 
 play(journey())

@@ -142,6 +142,11 @@ def view_pixels(name: str) -> np.ndarray:
     return pixels(name)[view.y : view.y + view.height, view.x : view.x + view.width * 2 // 3]
 
 
+def differing(one: str, other: str, limit: float = 0.05) -> float:
+    """The share of the pixels that show the mesh in which two screenshots differ."""
+    return float((np.abs(view_pixels(one) - view_pixels(other)).max(axis=2) > limit).mean())
+
+
 _TAB = 160  # from the top of the sidebar to the middle of the fourth tab, in pixels at scale 1
 
 
@@ -158,11 +163,16 @@ def open_tab() -> Iterator[None]:
 
 
 def shown_points(obj: bpy.types.Object) -> np.ndarray:
-    """What the window shows of a mesh, (n, 3), in its own space."""
+    """What the window shows of a mesh, (n, 3), in its own space, without asking for another evaluation."""
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     flat = np.empty(len(evaluated.data.vertices) * 3, dtype=np.float32)
     evaluated.data.vertices.foreach_get("co", flat)
     return flat.reshape(-1, 3)
+
+
+def apart(one: np.ndarray, other: np.ndarray) -> float:
+    """The largest difference of two shapes."""
+    return float(np.abs(one - other).max())
 
 
 def select(obj: bpy.types.Object, where: Callable[[object], bool]) -> None:

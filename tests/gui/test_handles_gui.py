@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The handle list, a weight brush, new vertices and a heavy drag in a real window. Needs a display."""
+"""Overlays, the handle list, a weight brush, new vertices, a heavy drag in a real window. Needs a display."""
 
+import numpy as np
 import pytest
 from blender_window import drive
 
@@ -8,12 +9,66 @@ TIMEOUT = 300.0  # a minute on a quiet machine
 NAMES = ["ear", "Ear.R", "Muzzle", "Back"]
 FLOAT32 = 2e-6  # of a head 4 units wide
 LIFT = 0.45
+SLACK = 0.04  # the viewport mixes in linear light and rounds to 8 bits; the oracle here does neither
+STEADY = 0.002  # of the pixels: anti-aliasing is never twice the same
 
 
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
     """What the session in ``drive_handles.py`` observed."""
     return drive("drive_handles.py", tmp_path_factory.mktemp("handles"), TIMEOUT)
+
+
+def colour(seen: dict, picture: str, spot: str) -> np.ndarray:
+    return np.array(seen["pixels"][picture][spot])
+
+
+def redness(rgb: np.ndarray) -> float:
+    return float(rgb[0] - rgb[2])
+
+
+@pytest.mark.parametrize("spot", ["ear", "back"])
+def test_regions_have_the_colours_of_their_swatches(seen: dict, spot: str):
+    """Over what the viewport shows without overlays; in Edit Mode, too, beside the wires."""
+    share = seen["opacity"]
+    expected = (1.0 - share) * colour(seen, "off", spot) + share * np.array(seen["colours"][spot])
+    assert np.abs(colour(seen, "regions", spot) - expected).max() < SLACK
+    if spot == "ear":
+        assert np.abs(colour(seen, "edit", spot) - colour(seen, "regions", spot)).max() < SLACK
+
+
+def test_free_parts_keep_their_shading(seen: dict):
+    assert np.abs(colour(seen, "regions", "free") - colour(seen, "off", "free")).max() < 0.01
+
+
+def test_what_is_stretched_is_red_and_what_is_rigid_grey(seen: dict):
+    assert redness(colour(seen, "area", "stretched")) > 0.2
+    assert abs(redness(colour(seen, "area", "ear"))) < 0.03
+    assert redness(colour(seen, "off", "stretched")) < 0.02
+
+
+def test_overlays_show_while_they_are_on(seen: dict):
+    for name in ("regions", "area"):
+        assert seen["changed"][name] > 0.05
+    assert not seen["drawing_when_off"]
+    assert seen["changed"]["off-again"] < STEADY
+
+
+def test_redraws_without_a_change_paint_nothing(seen: dict):
+    assert seen["painted_while_idle"] == 0
+
+
+def test_x_ray_shows_each_place_once(seen: dict):
+    """The far side of the ear does not add to the near side."""
+    plain, through = colour(seen, "regions", "ear"), colour(seen, "x-ray", "ear")
+    assert np.abs(redness(plain) - redness(through)) < 0.08
+
+
+def test_disabling_the_add_on_clears_the_picture(seen: dict):
+    drawing, changed = seen["disabled"]
+    assert seen["before_disabled"] > 10.0 * STEADY
+    assert not drawing
+    assert changed < STEADY
 
 
 def test_the_eye_lets_a_region_go_and_takes_it_back(seen: dict):

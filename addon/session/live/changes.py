@@ -50,7 +50,8 @@ class Changes:
         for index, deformer in enumerate(obj.sinew.deformers):
             control = kinds.kind_in_use(deformer).read(deformer, self._depsgraph)
             controls.append(control)
-            placed += [place and place.fingerprint for place in control]
+            for place in control:
+                placed.append(place and place.fingerprint)
             method = deformer.definition
             if (method.references or method.wraps) and index < len(evaluated.sinew.deformers):
                 placed += references.placed(evaluated.sinew.deformers[index])

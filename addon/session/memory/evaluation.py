@@ -32,9 +32,10 @@ class Place(NamedTuple):
 
     def matrix(self) -> np.ndarray:
         """The object or the bone in the world, float64 (4, 4)."""
-        # In Blender 3.4 NumPy cannot read a frozen matrix.
-        world, *in_object = (np.array(matrix.copy(), dtype=np.float64) for matrix in self.matrices)
-        return world @ in_object[0] if in_object else world
+        world = np.array(self.matrices[0].copy(), dtype=np.float64)  # NumPy cannot read a frozen matrix (3.4)
+        if len(self.matrices) == 1:
+            return world
+        return world @ np.array(self.matrices[1].copy(), dtype=np.float64)
 
 
 # Everything that controls one deformer, read once per evaluation: then compared, and solved with if it moved.
