@@ -30,7 +30,9 @@ def read(path: str | Path, link: bool, kind: str = "collections", name: str = "A
 
 def add_collection(path: str, link: bool = False) -> bpy.types.Collection:
     collection = read(path, link)
-    bpy.context.scene.collection.children.link(collection)
+    children = bpy.context.scene.collection.children
+    if collection not in children.values():  # Blender 5 links a collection once
+        children.link(collection)
     update()
     return collection
 
