@@ -284,7 +284,7 @@ def test_vertices_without_a_place_stay_and_are_counted(method: str, capfd: pytes
     assert np.array_equal(after[chosen], before[chosen] + np.float32((0.0, 0.0, 0.5)))
     assert "1 vertex has invalid coordinates (NaN or infinite) and will not move" in capfd.readouterr().out
     select(obj, lambda point: not math.isfinite(point.x))
-    with pytest.raises(RuntimeError, match="The selected vertices have coordinates that are no numbers"):
+    with pytest.raises(RuntimeError, match="The selected vertices have invalid coordinates"):
         bpy.ops.sinew.grab_region(value=(0.0, 0.0, 0.5))
 
 

@@ -20,7 +20,7 @@ from ..memory import sessions
 
 NOTHING_SELECTED = "Nothing is selected - select the vertices to grab"
 ALL_FIXED = "The selected vertices belong to Fixed regions, which stay - select others"
-NO_PLACE = "The selected vertices have coordinates that are no numbers - Repair the mesh, or select others"
+NO_PLACE = "The selected vertices have invalid coordinates (NaN or infinite) - use Repair, or select others"
 CHANGED = "The mesh was edited meanwhile - grab again"
 
 _RINGS = 3  # energies up to the variation of curvature depend on vertices three edges away
@@ -96,7 +96,7 @@ class Patch:
         self.points = shape.points @ self._linear.T
         stays = hidden.copy()
         stays[shape.not_finite] = True
-        self.lost = len(shape.not_finite)  # vertices whose coordinates are no numbers
+        self.lost = len(shape.not_finite)  # vertices with invalid coordinates
         for weights in painted.values():
             stays |= weights > 0.0
         if not (selected & ~hidden).any():
