@@ -116,14 +116,14 @@ class ControlPoints:
     def solve(
         self,
         method: Any,
-        points: np.ndarray,
+        pose: np.ndarray,
         *,
         incoming: np.ndarray | None = None,
         out: np.ndarray | None = None,
         progress: Progress | None = None,
     ) -> tuple[np.ndarray, None]:
-        """Positions (n, 3) for the posed ``points`` (c, 3). There is nothing to report."""
-        return method.warp(points, out=out, incoming=incoming), None
+        """Positions (n, 3) for a ``pose`` (c, 3) of the points. There is nothing to report."""
+        return method.warp(pose, out=out, incoming=incoming), None
 
 
 @dataclass(frozen=True)
@@ -133,13 +133,13 @@ class HandlePoints(ControlPoints):
     rows: np.ndarray
 
     def solve(
-        self, method: Any, poses: np.ndarray, *, from_rest: np.ndarray | None = None, **options
+        self, method: Any, pose: np.ndarray, *, from_rest: np.ndarray | None = None, **options
     ) -> tuple[np.ndarray, None]:
-        """Positions (n, 3) for the ``poses`` (k, 3, 4) of the handles.
+        """Positions (n, 3) for a ``pose`` (k, 3, 4) of the handles.
 
-        What enters is moved on by the same displacements whatever ``from_rest`` says.
+        The incoming shape gets the same displacements whatever ``from_rest`` says.
         """
-        maps = poses[self.rows]
+        maps = pose[self.rows]
         posed = np.einsum("cij,cj->ci", maps[:, :, :3], self.points) + maps[:, :, 3]
         return super().solve(method, posed, **options)
 

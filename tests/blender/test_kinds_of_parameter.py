@@ -21,7 +21,7 @@ ROWS = (
         id="throwaway",
         number=999,
         label="Throwaway",
-        family=Family.SPACE_NONLINEAR,
+        family=Family.MULTIRESOLUTION,
         control=Control.HANDLES,
         native="Throwaway",
         section="1",
@@ -274,7 +274,7 @@ def a_space_method_gets_the_points_of_handles_with_and_without_a_group(seen):
     bpy.ops.sinew.bind()
     update()
     seen["alone"] = (deformer.status_level, len(Nearest.made[-1]) - len(plate.base))
-    place = np.array(handle.rest_matrix).reshape(4, 4)[3, :3]
+    place = np.array(handle.rest_matrix).reshape(4, 4, order="F")[:3, 3]
     seen["place"] = np.abs(np.array(Nearest.made[-1]) - place).max(axis=1).min()
     plate.lift(1.0)
     seen["again"] = sorted(set((plate.points() - plate.rest())[:, 2].round(6).tolist()))

@@ -15,6 +15,7 @@ from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks.vertex_groups import read_weights
 from ..bind_input import BindInput, options
+from .poses import rest_of
 
 _IMPLIED = "support"  # the key of the fixed region around a support
 
@@ -26,7 +27,7 @@ def key(settings: SinewDeformer) -> tuple:
             (
                 handle.uid,
                 handle.kind,
-                handle.vertex_group or tuple(_place(handle)),
+                handle.vertex_group or tuple(rest_of(handle)[:3, 3]),
                 handle.weight,
                 *_own_values(settings, handle),
             )
@@ -39,11 +40,6 @@ def key(settings: SinewDeformer) -> tuple:
 def _own_values(settings: SinewDeformer, handle: SinewHandle) -> tuple:
     """The parameters that the method has per handle."""
     return tuple(getattr(handle, parameter.id) for parameter in settings.definition.handle_parameters)
-
-
-def _place(handle: SinewHandle) -> np.ndarray:
-    """Where the control of a handle rests, (3,) in the frame of the target."""
-    return np.array(handle.rest_matrix, dtype=np.float64)[12:15]
 
 
 def has_constraints(settings: SinewDeformer) -> bool:
@@ -59,7 +55,10 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     read_weights(rest, mesh, settings)
     method = settings.definition
     count = len(rest.points)
-    names, indices, weights, own = [], [], [], []
+    names: list[str] = []
+    indices: list[np.ndarray] = []
+    weights: list[np.ndarray | None] = []
+    own: list[tuple] = []
     taken = np.zeros(count, dtype=bool)
     holder = np.full(count, -1)
     labels: list[str] = []
@@ -74,7 +73,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             indices.append(np.empty(0, dtype=np.intp))
             weights.append(None)
             own.append(_own_values(settings, handle))
-            points.append(_place(handle)[None])
+            points.append(rest_of(handle)[:3, 3][None])
             continue
         painted = rest.weights.get(handle.vertex_group)
         if painted is None:
