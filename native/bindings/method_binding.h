@@ -14,19 +14,19 @@ class MethodBinding
 public:
     using Bind = void (*)(py::module_&);
 
-    explicit MethodBinding(Bind bind) noexcept : bind_(bind), next_(first_) { first_ = this; }
+    explicit MethodBinding(Bind bind) noexcept : bind_(bind), next_(first) { first = this; }
 
     /// Calls every method's `bind`. The classes that methods derive from must be in the module already.
     static void bind_all(py::module_& module)
     {
-        for (const MethodBinding* one = first_; one; one = one->next_)
+        for (const MethodBinding* one = first; one; one = one->next_)
             one->bind_(module);
     }
 
 private:
     Bind bind_;
     const MethodBinding* next_;
-    inline static const MethodBinding* first_ = nullptr;
+    inline static const MethodBinding* first = nullptr;
 };
 
 } // namespace sinew::bindings
