@@ -101,10 +101,15 @@ class Expected(Poses):
         """Take the mesh and its vertex groups as they are now."""
         rest = base_points(obj) if points is None else points
         groups = [members_of(obj, name) for name in self._regions]
+        self._still = [np.eye(4)[:3]] * (len(groups) - 1)
+        self._members = [rest[group[0]] for group in groups]
+        if self._row.is_space:
+            self._solver = new_native(self._row, np.concatenate(self._members), self._options)
+            self._solver.bind(rest)
+            return
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
         self._solver = new_native(self._row, mesh, self._options)
         self._solver.set_handles([group[0] for group in groups], weights=[group[1] for group in groups])
-        self._still = [np.eye(4)[:3]] * (len(groups) - 1)
 
     @classmethod
     def of_rig(cls, plate: Rig, method: str = "thin_shell", **options: object) -> Expected:
@@ -112,6 +117,9 @@ class Expected(Poses):
         return cls(plate.obj, plate.control, method=method, **options)
 
     def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        if self._row.is_space:
+            moved, *still = self._members
+            return self._solver.warp(np.concatenate((apply_matrix(pose, moved), *still)), incoming=incoming)
         rows = np.array([np.array(pose)[:3], *self._still])
         return self._solver.solve(rows, incoming=incoming, **self._steps)[0]
 

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+from pathlib import Path
+
 import bpy
 import numpy as np
 import point_objects
@@ -255,6 +258,10 @@ class CurveRig(CageRig):
 
 RIGS = {"handles": HandleRig, "cage": CageRig, "curve in a cage": CurveRig}
 BY_CONTROL = {Control.HANDLES: HandleRig, Control.CAGE: CageRig}
+for _control in Control:  # another kind of control has its rig in a module of its own
+    if (Path(__file__).parent / f"rig_of_{_control.name.lower()}.py").is_file():
+        BY_CONTROL[_control] = import_module(f"rig_of_{_control.name.lower()}").new_class(HandleRig)
+        RIGS[_control.name.lower()] = BY_CONTROL[_control]
 
 
 def rig_for(method: str) -> HandleRig:
