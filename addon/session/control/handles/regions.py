@@ -22,12 +22,13 @@ _IMPLIED = "support"  # the key of the fixed region around a support
 
 def key(settings: SinewDeformer) -> tuple:
     """The settings of the regions in use. Their order in the list does not count."""
+    has_points = settings.definition.is_space  # then a handle needs no region, and acts where its control rests
     return tuple(
         sorted(
             (
                 handle.uid,
                 handle.kind,
-                handle.vertex_group or tuple(rest_of(handle)[:3, 3]),
+                handle.vertex_group or (tuple(rest_of(handle)[:3, 3]) if has_points else ""),
                 handle.weight,
                 *_own_values(settings, handle),
             )
