@@ -22,7 +22,7 @@ _IMPLIED = "support"  # the key of the fixed region around a support
 
 def key(settings: SinewDeformer) -> tuple:
     """The settings of the regions in use. Their order in the list does not count."""
-    has_points = settings.definition.is_space  # then a handle needs no region, and acts where its control rests
+    has_points = settings.definition.is_space  # a handle without a region acts where its control rests
     return tuple(
         sorted(
             (
