@@ -197,8 +197,7 @@ def colour_at(name: str, x: int, y: int) -> list[float]:
 
 
 def disable():
-    """With an overlay on. Blender's panel for the last operation would go, too."""
-    viewport().spaces.active.show_region_hud = False
+    """With an overlay on."""
     yield from look("last", show_overlay=False)
     yield from look("last-regions", show_overlay=True, overlay="REGIONS")
     addon_utils.disable(MODULE)
@@ -417,6 +416,7 @@ def heavy_drag():
 
 
 def journey():
+    viewport().spaces.active.show_region_hud = False  # Blender's panel for the last operation is in no picture
     yield from prepare()
     yield from overlays()
     yield from wide_panel()
