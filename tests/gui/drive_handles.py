@@ -416,7 +416,7 @@ def heavy_drag():
 
 
 def journey():
-    viewport().spaces.active.show_region_hud = False  # Blender's panel for the last operation is in no picture
+    viewport().spaces.active.show_region_hud = False  # the panel for the last operation is in no picture
     yield from prepare()
     yield from overlays()
     yield from wide_panel()
