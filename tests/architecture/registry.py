@@ -68,9 +68,13 @@ def _row_offences(root: Path, row: Row) -> Iterator[str]:
     if len(rooms) != 1:
         yield f"{place}: no {row.id}.h in native/{' or native/'.join(METHOD_ROOMS[row.family])}"
         return
-    for name in (f"native/{rooms[0]}/{row.id}.cpp", f"tests/native/{rooms[0]}/test_{row.id}.cpp"):
+    source, test = f"native/{rooms[0]}/{row.id}.cpp", f"tests/native/{rooms[0]}/test_{row.id}.cpp"
+    for name in (source, test):
         if not (root / name).is_file():
             yield f"{place}: {name} is missing"
+    suite = "SpaceContract" if row.family.startswith("SPACE") else "SurfaceContract"
+    if (root / test).is_file() and f", {suite}," not in (root / test).read_text(encoding="utf-8"):
+        yield f"{place}: {test} does not run {suite}"
     bindings = "".join(path.read_text(encoding="utf-8") for path in files(root, "native/bindings", ".cpp"))
     if not re.search(rf'(class_|bind_surface_method|bind_cage_method)<[^;]*?"{row.native}"', bindings):
         yield f"{place}: native/bindings binds no class {row.native}"

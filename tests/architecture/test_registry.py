@@ -13,7 +13,7 @@ WHOLE = {
     "native/surface/linear/thin_shell.cpp": "",
     "native/surface/linear/responses/affine_basis.h": "",
     "native/surface/linear/linear_system.h": "",
-    "tests/native/surface/linear/test_thin_shell.cpp": "",
+    "tests/native/surface/linear/test_thin_shell.cpp": "INSTANTIATE_TEST_SUITE_P(A, SurfaceContract, x);",
     "native/bindings/bind_surface.cpp": 'py::class_<ThinShell, Holder>(module, "ThinShell");\n',
     "native/bindings/sinew_native-stubs/_surface.pyi": "class ThinShell:\n    ...\n",
     "blend_samples/plate.py": 'pose(method="thin_shell")\n',
@@ -48,6 +48,7 @@ def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
             "class ThinShellReport: ...",
             "declares no class ThinShell",
         ),
+        ("tests/native/surface/linear/test_thin_shell.cpp", "TEST(A, b)", "does not run SurfaceContract"),
         ("blend_samples/plate.py", "thin_shells = 1", "no sample"),
         (
             "addon/core/methods/surface_linear.py",

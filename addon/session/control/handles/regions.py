@@ -69,7 +69,11 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     for handle in settings.handles:
         if not handle.enabled:
             continue
-        if not handle.vertex_group and method.is_space and handle.kind == "HANDLE" and handle.has_rest:
+        if not handle.vertex_group and method.is_space and handle.kind == "HANDLE":
+            if not handle.has_rest:
+                raise ConstraintError(
+                    f"{handle.name} has no vertex group and no control - choose one of them, then Rebind"
+                )
             names.append(handle.uid)
             indices.append(np.empty(0, dtype=np.intp))
             weights.append(None)
