@@ -278,6 +278,12 @@ def a_space_method_gets_the_points_of_handles_with_and_without_a_group(seen):
     seen["place"] = np.abs(np.array(Nearest.made[-1]) - place).max(axis=1).min()
     plate.lift(1.0)
     seen["again"] = sorted(set((plate.points() - plate.rest())[:, 2].round(6).tolist()))
+    deformer.handles.add().name = "New"
+    update()
+    seen["refused"] = deformer.status
+    deformer.handles.remove(len(deformer.handles) - 1)
+    update()
+    seen["mended"] = deformer.status_level
 
 @scene
 def the_panel_draws_each_kind(seen):
@@ -374,6 +380,8 @@ def test_a_space_method_gets_the_points_of_handles_with_and_without_a_group(seen
     assert seen["alone"] == ["INFO", 1]
     assert seen["place"] < 1e-6
     assert seen["again"] == [0.0, 1.0]
+    assert "New has no vertex group and no control" in seen["refused"]
+    assert seen["mended"] == "INFO"
 
 
 def test_the_panel_draws_each_kind(seen: dict):
