@@ -279,9 +279,11 @@ def a_space_method_gets_the_points_of_handles_with_and_without_a_group(seen):
     plate.lift(1.0)
     seen["again"] = sorted(set((plate.points() - plate.rest())[:, 2].round(6).tolist()))
     deformer.handles.add().name = "New"
+    plate.obj.update_tag()
     update()
     seen["refused"] = deformer.status
     deformer.handles.remove(len(deformer.handles) - 1)
+    plate.obj.update_tag()
     update()
     seen["mended"] = deformer.status_level
 
