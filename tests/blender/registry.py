@@ -15,8 +15,9 @@ TAKES_MINUTES = {"finest"}  # choices that are meant for references
 
 
 def with_control(control: object) -> tuple[str, ...]:
-    """The methods that such controls steer, the default first."""
-    return tuple(method.id for method in METHODS if method.control is control)
+    """The methods that such controls steer, the oldest first: a new row changes no rig."""
+    rows = sorted(METHODS, key=lambda method: method.number)
+    return tuple(method.id for method in rows if method.control is control)
 
 
 WITH_HANDLES = with_control(Control.HANDLES)
