@@ -14,7 +14,7 @@ HERE = Path(__file__).parent
 
 def blender(script: str, *arguments: object, options: Sequence[str] = ()) -> list[str]:
     """The command that runs a script of this folder, with the modules beside it and those of ``blender/``."""
-    command = ["blender", "--factory-startup", *options]
+    command = ["blender", "--factory-startup", "--python-exit-code", "1", *options]
     if "PYTHONPATH" in os.environ:
         command.append("--python-use-system-env")
     modules = [str(HERE), str(HERE.parent / "blender")]

@@ -144,29 +144,36 @@ def f12_during_a_drag(stage: Stage):
     seen["dragged_error"] = stage.error(0.7)
     Probe.seen, Probe.frames, Probe.subframes = [], [], (0.0,)
     scene.render.engine = Probe.bl_idname
-    bpy.ops.render.render("INVOKE_DEFAULT")
-    yield from while_rendering(lambda: None)
-    rendered = Probe.seen[-1]["Plate"]
-    seen["f12_error"] = float(np.abs(rendered - stage.expected.lifted(STEP * 10)).max())
+    yield from rendered(lambda: None)
+    shape = Probe.seen[-1]["Plate"]
+    seen["f12_error"] = float(np.abs(shape - stage.expected.lifted(STEP * 10)).max())
     seen["viewport_after_f12_error"] = stage.error(0.7)
     scene.frame_set(10)
     yield
 
 
-def while_rendering(act):
-    """Wait until the render job ends; ``act`` in each moment."""
-    begin = time.monotonic()
-    started = False
-    while time.monotonic() - begin < 400.0:
-        running = bpy.app.is_job_running("RENDER") if hasattr(bpy.app, "is_job_running") else rendering[0]
-        started = started or running
-        if not running and (started or time.monotonic() - begin > 3.0):
-            return
+def rendered(act, **options):
+    """Render as F12 does, until the job has ended; ``act`` in each moment.
+
+    The job begins only when Blender has ended other jobs, so that waiting counts renders that ended.
+    """
+    before = ended[0]
+    bpy.ops.render.render("INVOKE_DEFAULT", **options)
+
+    def is_done() -> bool:
+        if ended[0] > before and not bpy.app.is_job_running("RENDER"):
+            return True
         act()
-        yield
+        return False
+
+    yield from until(is_done, 350.0)
 
 
-rendering = [False]
+ended = [0]  # how many renders ended
+
+
+def count_ended(*_scene: bpy.types.Scene) -> None:
+    ended[0] += 1
 
 
 def stress(stage: Stage, engine: str, last: int):
@@ -191,9 +198,8 @@ def stress(stage: Stage, engine: str, last: int):
         viewport().tag_redraw()
 
     begin = time.monotonic()
-    bpy.ops.render.render("INVOKE_DEFAULT", animation=True)
     seen[f"{engine}_unlocked"] = not scene.render.use_lock_interface
-    yield from while_rendering(live)
+    yield from rendered(live, animation=True)
     bpy.app.handlers.render_post.remove(note)
     seen[f"{engine}_seconds"] = round(time.monotonic() - begin, 1)
     seen[f"{engine}_frames"] = len(done)
@@ -237,9 +243,8 @@ def journey():
     paths.temporary_directory, paths.auto_save_time = str(OUTPUT), 1
     bpy.context.preferences.view.render_display_type = "NONE"
     stage = Stage()
-    bpy.app.handlers.render_init.append(lambda *_: rendering.__setitem__(0, True))
-    for ended in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
-        ended.append(lambda *_: rendering.__setitem__(0, False))
+    for handlers in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
+        handlers.append(count_ended)
     yield
     remember(stage)
     yield from playback(stage)
