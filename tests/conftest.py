@@ -24,7 +24,7 @@ def count_native(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Counter]:
 
             return call
 
-        for owner in (native, native.SurfaceMesh, native.SurfaceMethod):
+        for owner in (native, native.SurfaceMesh, native.SurfaceMethod, native.SpaceMethod):
             for name in names or BINDS:
                 if hasattr(owner, name):
                     monkeypatch.setattr(owner, name, counted(name, getattr(owner, name)))

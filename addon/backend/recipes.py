@@ -128,9 +128,9 @@ class ControlPoints:
 
 @dataclass(frozen=True)
 class HandlePoints(ControlPoints):
-    """Points that move with handles: ``rows`` (c,) is the handle of each."""
+    """Points that move with handles: first those of the first handle, ``counts`` (k,) for each."""
 
-    rows: np.ndarray
+    counts: tuple[int, ...]
 
     def solve(
         self, method: Any, pose: np.ndarray, *, from_rest: np.ndarray | None = None, **options
@@ -139,8 +139,12 @@ class HandlePoints(ControlPoints):
 
         The incoming shape gets the same displacements whatever ``from_rest`` says.
         """
-        maps = pose[self.rows]
-        posed = np.einsum("cij,cj->ci", maps[:, :, :3], self.points) + maps[:, :, 3]
+        ends = np.cumsum(self.counts)[:-1]
+        posed = np.empty_like(self.points)
+        parts = zip(np.split(posed, ends), np.split(self.points, ends), pose, strict=True)
+        for part, points, matrix in parts:
+            np.matmul(points, matrix[:, :3].T, out=part)
+            part += matrix[:, 3]
         return super().solve(method, posed, **options)
 
 

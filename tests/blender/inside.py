@@ -40,7 +40,7 @@ WORK = {
     "read_positions",
 }
 READS = {"read_positions", "read_incoming", "read_attributes", "read_shape", "read_rest", "read_faces"}
-CONTROL_READS = {"read_place"}
+CONTROL_READS = {"read_state", "read_place"}  # of a kind of control; of an object or a bone
 LOOKS = {"group_weights", "read_weights", "rest_meshes"}
 
 

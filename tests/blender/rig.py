@@ -175,14 +175,14 @@ def add_armature(obj: bpy.types.Object, split: float = 0.0) -> bpy.types.Object:
 class Rig:
     """A plate, its regions, and its deformer once there is one."""
 
-    def __init__(self, obj: bpy.types.Object) -> None:
+    def __init__(self, obj: bpy.types.Object, edge: float = 0.75) -> None:
         self.name = obj.name
-        self.top = add_group(obj, "Top", lambda point: point[1] > 0.75)
-        self.base = add_group(obj, "Base", lambda point: point[1] < -0.75)
+        self.top = add_group(obj, "Top", lambda point: point[1] > edge)
+        self.base = add_group(obj, "Base", lambda point: point[1] < -edge)
 
     @classmethod
-    def plate(cls, cells: int = 10) -> Rig:
-        return cls(grid_object(cells=cells))
+    def plate(cls, cells: int = 10, edge: float = 0.75) -> Rig:
+        return cls(grid_object(cells=cells), edge)
 
     @property
     def obj(self) -> bpy.types.Object:

@@ -49,7 +49,7 @@ class ControlKind(Protocol):
     def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:
         """The lines in the panel about the report of a bind. Its type is the one that the recipe reports."""
 
-    def read(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
+    def read_state(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
         """Where the control is. Called once per evaluation: ``pose`` gets it as ``evaluation.control``."""
 
     def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:

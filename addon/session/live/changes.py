@@ -48,7 +48,7 @@ class Changes:
         placed: list[object] = [placement.fingerprint(evaluated.matrix_world)]
         controls = []
         for index, deformer in enumerate(obj.sinew.deformers):
-            control = kinds.kind_in_use(deformer).read(deformer, self._depsgraph)
+            control = kinds.kind_in_use(deformer).read_state(deformer, self._depsgraph)
             controls.append(control)
             for place in control:
                 placed.append(place and place.fingerprint)

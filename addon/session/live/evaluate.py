@@ -88,7 +88,7 @@ def _update_object(
         settings = _evaluated_settings(evaluated, index, deformer)
         session, control = shapes.session_of(deformer, depsgraph.mode), controls[index]
         if settings.method != deformer.method:  # an animated method may ask for another kind of control
-            control = kinds.kind_in_use(settings).read(deformer, depsgraph)
+            control = kinds.kind_in_use(settings).read_state(deformer, depsgraph)
         evaluation = Evaluation(
             obj,
             evaluated,

@@ -116,7 +116,7 @@ def _invalid(vertices: np.ndarray, advice: str, remedy: Remedy = Remedy.NONE) ->
     return CageError(text, Elements(Owner.CONTROL, "vertex", vertices), remedy)
 
 
-def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
+def read_state(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
     """The place of the cage and its vertices."""
     return [placement.read_place(deformer.cage, depsgraph, by_shape=True)]
 

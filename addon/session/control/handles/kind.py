@@ -37,7 +37,7 @@ __all__ = (
     "notes",
     "object_with",
     "pose",
-    "read",
+    "read_state",
     "release",
     "request",
     "selectable",
@@ -79,7 +79,7 @@ def object_with(_deformer: SinewDeformer, _elements: Elements) -> Object:
     raise SinewError("The controls of handles have nothing that could be selected")
 
 
-def read(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
+def read_state(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
     """One place per handle in the list; None for those without a control."""
     return [
         read_place(handle.control, depsgraph, handle.bone) if handle.kind == "HANDLE" else None

@@ -120,7 +120,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             method,
             Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            HandlePoints(np.concatenate(points), np.repeat(np.arange(len(points)), list(map(len, points))))
+            HandlePoints(np.concatenate(points), tuple(map(len, points)))
             if method.is_space
             else Handles(
                 tuple(indices),
