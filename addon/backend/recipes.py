@@ -128,7 +128,7 @@ class ControlPoints:
 
 @dataclass(frozen=True)
 class HandlePoints(ControlPoints):
-    """Points that move with handles: first those of the first handle, ``counts`` (k,) for each."""
+    """Points that move with handles, handle after handle: ``counts`` (k,) is how many each of them has."""
 
     counts: tuple[int, ...]
 

@@ -9,8 +9,8 @@ from collections.abc import Callable
 
 import bpy
 import pytest
-from inside import CONTROL_READS, LOOKS, READS, calls_of
-from registry import WITH_HANDLES
+from inside import LOOKS, READS, calls_of
+from registry import BY_ID, WITH_HANDLES
 from rig import Rig, add_armature, update
 from rigs import HandleRig
 
@@ -49,7 +49,7 @@ def test_a_moved_control_is_one_solve_and_one_write(method: str, native: Counter
         plate.lift(0.1)
     native.clear()
     found = calls_of(lambda: plate.lift(0.1))
-    assert native in ({"solve": 1}, {"warp": 1})
+    assert native == {"warp" if BY_ID[method].is_space else "solve": 1}
     assert found["write_shape"] == found["write_positions"] == found["_answer"] == 1, found
     assert found["bound_poses"] == 1, found
     assert not (READS | LOOKS) & found.keys(), found
@@ -63,9 +63,9 @@ def test_a_moved_control_is_one_solve_and_one_write(method: str, native: Counter
 def test_a_moved_control_needs_one_new_array(method: str):
     """The shape that is written; the solver keeps its own memory from frame to frame.
 
-    The regions are small, for a space method needs the posed points of its handles.
+    A space method needs the posed points of its handles too, so its regions are small here.
     """
-    plate = Rig.plate(CELLS, edge=0.99).bind(method)
+    plate = Rig.plate(CELLS, edge=0.99 if BY_ID[method].is_space else 0.75).bind(method)
     for _ in range(3):
         plate.lift(0.1)
     assert SHAPE < of_one_vertex(plate, peak_of(lambda: plate.lift(0.1))) < 1.5 * SHAPE
@@ -124,6 +124,9 @@ def test_an_evaluation_reads_a_control_once(rig: HandleRig, event: str):
     found = calls_of((lambda: bpy.context.scene.frame_set(8)) if event == "frame" else lambda: rig.lift(0.1))
     evaluations = found["on_frame_change"] + found["on_depsgraph_update"]
     assert found["write_shape"] == 1, found
-    assert max(found[name] for name in CONTROL_READS) == evaluations, found
+    has_cage = rig.deformer.cage is not None
+    has_place = has_cage or len(rig.deformer.handles) > 0  # another kind of control may read something else
     has_points = rig.control.data is not None
-    assert found["foreach_get"] <= evaluations * has_points, found
+    assert found["read_state"] == evaluations, found
+    assert evaluations * has_place <= found["read_place"] <= evaluations, found
+    assert evaluations * has_cage <= found["foreach_get"] <= evaluations * has_points, found
