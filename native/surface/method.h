@@ -5,6 +5,7 @@
 #include "native/core/report.h"
 #include "native/mesh/regions.h"
 #include "native/mesh/surface_mesh.h"
+#include "native/riders/riders.h"
 
 #include <memory>
 #include <optional>
@@ -44,17 +45,21 @@ public:
     virtual ~SurfaceMethod() = default;
 
     /// Leaves the object as it was if it throws.
+    /// \param free_parts  what parts without a handle do. Those that follow are in no system: solve() reads
+    ///   their motion off the solved points.
     /// \throw InvalidConstraint    see Regions.
+    /// \throw InvalidOption        see Riders.
     /// \throw FactorizationFailed  a system is singular.
     /// \throw Cancelled            by `progress`.
-    BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {});
+    BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {},
+                           const FreeParts& free_parts = {});
 
     /// set_handles(), taking over from `former` what is still valid. The report says how much that was, and
     /// what differs between the two objects. If can_reuse() is true, `former` has no handles afterwards;
     /// otherwise it stays as it was. Leaves both objects as they were if it throws.
     /// \throw as set_handles()
     BindReport rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
-                      const Progress& progress = {});
+                      const Progress& progress = {}, const FreeParts& free_parts = {});
 
     /// Whether rebind() would take anything over: `former` has handles, it is of the same class and has the
     /// same rest shape, and only options differ that the method can update.
@@ -68,6 +73,8 @@ public:
 
     const SurfaceMesh& rest() const { return *rest_; }
     const Regions& regions() const { return regions_; }
+    /// As in the last set_handles() or rebind().
+    FreeParts free_parts() const { return riders_ ? riders_->options() : FreeParts{}; }
 
 protected:
     explicit SurfaceMethod(const SurfaceMesh& rest);
@@ -99,10 +106,16 @@ private:
     };
     Comparison compare(const SurfaceMethod& former) const;
     void swap_all(SurfaceMethod& other);
+    /// The last riders if they serve these handles, too.
+    std::shared_ptr<const Riders> riders_for(const Regions& regions, const FreeParts& free_parts,
+                                             const Progress& progress) const;
+    /// Takes over other riders and keeps the factor.
+    BindReport follow(const FreeParts& free_parts, const Progress& progress);
 
     std::shared_ptr<const SurfaceMesh> rest_; ///< shared, so that its address stays when the method is moved
     Components parts_;
     Regions regions_;
+    std::shared_ptr<const Riders> riders_; ///< null before the first bind
     BindReport report_;
     bool bound_ = false;
 };

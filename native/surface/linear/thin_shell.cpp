@@ -283,7 +283,7 @@ BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness
     exchange.options.bending = bending;
     exchange.options.variation = variation;
     exchange.swap();
-    const BindReport report = set_handles(regions().handles(), progress);
+    const BindReport report = set_handles(regions().handles(), progress, free_parts());
     exchange.done = true;
     return report;
 }
