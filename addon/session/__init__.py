@@ -27,7 +27,7 @@ from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import find, forget_shapes, note_edit, suspended, unsettled
+from .memory.sessions import find, forget_shapes, is_refining, note_edit, suspended, unsettled
 from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
@@ -67,6 +67,7 @@ __all__ = (
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
+    "is_refining",
     "job",
     "label",
     "lost_controls",
