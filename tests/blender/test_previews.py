@@ -109,21 +109,27 @@ def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(plate: Rig, room,
         assert np.abs(shape - first).max() < 1e-6
 
 
-def test_a_drag_right_after_undo_shows_previews_again(plate: Rig, room, monkeypatch):
+@pytest.mark.parametrize("price", [0.0, 1e9])
+def test_a_drag_right_after_undo_shows_previews_again(plate: Rig, room, monkeypatch, price: float):
     """Each move asks for something else, so waiting for final shapes would show none of them."""
     plate.bind("arap")
     plate.lift(0.5)
     push("first")
+    plate.lift(0.5)
+    push("second")
     use_threads(monkeypatch)
     with dragging():
         bpy.ops.ed.undo()
         update()
         for height in (0.75, 1.0):
-            plate.lift(0.25)
-            plate.points()
             session = room("session").find(plate.deformer.uid)
-            session.step_milliseconds = 0.0
-        assert plate.points()[plate.top, 2] == pytest.approx(height - 0.5, abs=1e-6)
+            session.step_milliseconds = price
+            plate.lift(0.25)
+            if price:
+                session.work.thread.join(timeout=20.0)
+                room("session").collect()
+            assert plate.points()[plate.top, 2] == pytest.approx(height, abs=1e-6)
+            assert room("session").unsettled() == [plate.deformer.uid]
 
 
 def test_after_release_the_final_shape_is_the_first_to_be_shown(heavy_drag, room):

@@ -3,8 +3,8 @@
 
 A drag in a window shows previews, which take as many steps as the drag budget allows and start from the last
 shape. If a single step takes longer than the budget, a thread solves, and the shape follows the controls a
-little later. When the drag pauses, the exact shape, which depends on the poses alone, replaces the preview. Where
-nothing is known of the shape, after undo for instance, the exact shape is the first to be shown.
+little later. When the drag pauses, the exact shape, which depends on the poses alone, replaces the preview.
+Where nothing is known of the shape, after undo for instance, the exact shape is the first to be shown.
 """
 
 import math
@@ -96,7 +96,7 @@ def _question(
     wanted = evaluation.session.settle and same
     in_drag = evaluation.preview and evaluation.settings.is_iterative
     if in_drag and shown.shape is None:
-        wanted = same or work is None
+        wanted = work is None or (same and work.subject.final)
     final = wanted and evaluation.in_viewport
     early = in_drag and not final
     if early:
@@ -174,10 +174,11 @@ def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bo
 def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Question, np.ndarray] | None:
     """The shape that a thread has computed, perhaps for an earlier question; None while there is none."""
     work = session.work
-    if work is not None and not work.done:
-        same = question.matches(work.subject)
-        outdated = question.final and not work.subject.final if same else work.subject.final
-        if not outdated:
+    if work is not None and question.final and not work.subject.final:  # the drag has ended
+        work.cancel()
+        work = None
+    elif work is not None and not work.done:
+        if question.matches(work.subject) or not work.subject.final:
             return None
         work.cancel()
         work = None

@@ -192,7 +192,7 @@ def has_answer(key: str) -> bool:
 
 
 def is_refining(key: str) -> bool:
-    """Whether the shape that is shown is not the final one yet: it is being computed, or will be after a pause."""
+    """Whether the shape shown is not final: the final one is being computed, or will be after a pause."""
     session = _sessions.get(key)
     return session is not None and (session.work is not None or not session.view("VIEWPORT").converged)
 
