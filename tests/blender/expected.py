@@ -109,7 +109,8 @@ class Expected(Poses):
             return
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
         self._solver = new_native(self._row, mesh, self._options)
-        self._solver.set_handles([group[0] for group in groups], weights=[group[1] for group in groups])
+        members, weights = zip(*groups, strict=True)
+        self._solver.set_handles(members, weights=weights, free_parts="follow")
 
     @classmethod
     def of_rig(cls, plate: Rig, method: str = "thin_shell", **options: object) -> Expected:
