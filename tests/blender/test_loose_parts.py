@@ -6,9 +6,11 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
+from editing import edited, grab
 from mathutils import Matrix
 from registry import BY_ID, WITH_HANDLES
 from rig import (
@@ -240,3 +242,47 @@ def test_a_mesh_that_only_has_loose_parts_left_shows_them_where_they_enter(suzan
     others = np.setdiff1d(np.arange(len(rest)), ring)
     assert close(shape[ring], rest[ring] + (0.0, 0.0, 1.0))
     assert close(shape[others], rest[others])
+
+
+def test_grab_region_takes_along_what_lies_on_the_moved_surface(suzanne: Suzanne):
+    """The brows lift by a tenth; whoever is near them follows, and far from them everything stays."""
+    left = max(suzanne.eyes, key=lambda eye: suzanne.rest()[eye, 0].mean())
+    right = min(suzanne.eyes, key=lambda eye: suzanne.rest()[eye, 0].mean())
+    socket = suzanne.rest()[left].mean(axis=0)
+    members = set(suzanne.head.tolist())
+    near = [i for i in members if np.linalg.norm(suzanne.rest()[i] - socket) < 0.45]
+    chosen = np.zeros(len(suzanne.rest()), dtype=bool)
+    chosen[near] = True
+    before = edited_selection(suzanne.obj, chosen)
+    grab(mode="TRANSLATE", value=(0.0, 0.0, 0.1), radius=0.3)
+    after = edited(suzanne.obj)
+    _turn, _shift, left_over = rigid_motion(before[left].astype(float), after[left].astype(float))
+    assert left_over < 1e-5
+    assert (after[left] - before[left])[:, 2].mean() == pytest.approx(0.1, abs=0.02)
+    assert np.array_equal(after[right], before[right])
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_grab_region_leaves_parts_that_are_hidden_in_part(suzanne: Suzanne):
+    chosen = np.isin(np.arange(len(suzanne.rest())), suzanne.head[:50])
+    before = edited_selection(suzanne.obj, chosen, hidden=int(suzanne.eyes[0][0]))
+    grab(mode="TRANSLATE", value=(0.0, 0.0, 0.1), unlimited=True)
+    after = edited(suzanne.obj)
+    assert np.array_equal(after[suzanne.eyes[0]], before[suzanne.eyes[0]])
+    assert np.allclose(after[suzanne.eyes[1]], before[suzanne.eyes[1]] + (0.0, 0.0, 0.1), atol=1e-6)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def edited_selection(obj: bpy.types.Object, chosen: np.ndarray, hidden: int = -1) -> np.ndarray:
+    """Enter Edit Mode with these vertices selected, and one hidden; what it shows (n, 3)."""
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bmesh.from_edit_mesh(obj.data)
+    for vertex in edit.verts:
+        vertex.select_set(bool(chosen[vertex.index]))
+    edit.select_flush_mode()
+    if hidden >= 0:
+        edit.verts.ensure_lookup_table()
+        edit.verts[hidden].hide_set(True)
+    bmesh.update_edit_mesh(obj.data)
+    return edited(obj)
