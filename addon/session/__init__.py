@@ -20,6 +20,7 @@ from .edit.refresh import refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
+from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
 from .edit.upkeep import collect, has_pending, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
@@ -97,6 +98,8 @@ __all__ = (
     "settle",
     "side_of_handle",
     "size",
+    "store",
+    "store_shown",
     "summary",
     "suspended",
     "tidy",

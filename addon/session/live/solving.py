@@ -24,7 +24,7 @@ from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
 from ..memory.sessions import Bound, Session, Shown
-from . import binding, drag
+from . import binding, drag, renders
 from .incoming import TOPOLOGY_CHANGED
 
 
@@ -50,6 +50,7 @@ def solve(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, dis
     shown = evaluation.shown
     question = _question(evaluation, bound, incoming, displacement)
     if question is None:
+        renders.show_viewport_shape(evaluation)
         return
     if shown.shape is not None and question.matches(shown) and (shown.converged or question.early):
         if shown.factor != _factor(evaluation):
