@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders where nothing solves, as on a farm: they show what the viewport shows, not rest or an older pose."""
+"""Renders where nothing solves, as on a farm, show what the viewport shows, not rest or an older pose."""
 
 from __future__ import annotations
 
@@ -48,7 +48,9 @@ sys.meta_path.insert(0, Missing())
 """
 
 
-def elsewhere(path: str, name: str, folder: Path, addon_name: str = "", prelude: str = "") -> list[np.ndarray]:
+def elsewhere(
+    path: str, name: str, folder: Path, addon_name: str = "", prelude: str = ""
+) -> list[np.ndarray]:
     """What another Blender shows in the viewport and in a render, without the add-on unless it is named."""
     script = LOOK.format(path=path, names=[name])
     before, rendered, after = map(np.array, another_blender(script, folder, addon_name, prelude)[name])

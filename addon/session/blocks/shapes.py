@@ -134,6 +134,14 @@ def is_linked(proxy: Object | None) -> bool:
     )
 
 
+def hide_overrides(*proxies: Object | None) -> None:
+    """Take shape objects out of the scene that Blender put there, because it overrides all that it finds."""
+    for proxy in proxies:
+        if proxy is not None and proxy.override_library is not None:
+            for collection in proxy.users_collection:
+                collection.objects.unlink(proxy)
+
+
 def _shape_object(proxy: Object | None, name: str, vertex_count: int) -> Object:
     if proxy is None or is_linked(proxy):
         return bpy.data.objects.new(name, shape_mesh(name, vertex_count))

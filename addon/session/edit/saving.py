@@ -15,6 +15,7 @@ from ...core.errors import SinewError
 from ...properties import SinewDeformer
 from ..blocks import capture, shapes
 from ..blocks.owners import owners
+from ..control import kinds
 from ..live import binding, evaluate
 from ..memory import sessions
 
@@ -33,6 +34,9 @@ def store() -> None:
         if differing is not None:
             with suppress(SinewError):  # the panel says what is wrong
                 _solve(obj, differing)
+        for deformer in obj.sinew.deformers:
+            for kind in kinds.every_kind():
+                kind.keep_pose(deformer, sessions.open_session(deformer.uid).poses)
     store_shown()
 
 

@@ -22,7 +22,7 @@ from ..control import kinds
 from ..memory import sessions
 from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
 from ..memory.sessions import LastUpdate
-from . import binding, incoming, renders, solving
+from . import applied, binding, incoming, renders, solving
 from .changes import Change, Changes
 
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
@@ -35,7 +35,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
     If nothing changed, this takes some microseconds per control, however large the meshes are.
     """
     found = owners()
-    changes = Changes(depsgraph) if found else None
+    changes, in_viewport = Changes(depsgraph) if found else None, depsgraph.mode == "VIEWPORT"
     for obj in found:
         if edit and changes.has_edited_mesh(obj):
             sessions.note_edit(obj.name)
@@ -53,10 +53,15 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
             change = Change.GEOMETRY
         layout = last.layout if last is not None and change <= Change.DRIVEN else None
         new_geometry = change is Change.GEOMETRY
+        expected = {}
+        if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
+            expected = applied.follow(obj, evaluated, last)
         layout = _update_object(
             obj, evaluated, depsgraph, depsgraph.mode, controls, preview, new_geometry, layout
         )
-        changes.note(obj, LastUpdate(placed, layout))
+        changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
+        if expected:
+            applied.compare(obj, expected)
 
 
 def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> None:
@@ -174,8 +179,11 @@ def _by_shape(obj: Object) -> dict[Object, int]:
 
 
 def _report_lost(obj: Object) -> None:
-    """Tell in the panel which hidden data was deleted. Bind makes it again."""
+    """Tell in the panel which controls and which hidden data are missing. Bind makes the data again."""
     for deformer in obj.sinew.deformers:
+        missing = kinds.missing_control(deformer) if bpy.data.libraries else ""
+        if missing and status.current(deformer.uid).level is not Level.ERROR:
+            status.put(deformer.uid, Status(Level.WARNING, missing))
         session = sessions.find(deformer.uid)
         was_bound = deformer.is_bound or (session is not None and session.bound is not None)
         if not was_bound or binding.job(deformer.uid) is not None:

@@ -120,7 +120,9 @@ def _show(
     shown.hold(shape)
     shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged
     if evaluation.in_viewport and status.current(evaluation.deformer.uid).level is not Level.INFO:
-        status.put(evaluation.deformer.uid, Status(Level.INFO, binding.summary(bound)))
+        missing = kinds.missing_control(evaluation.deformer)
+        line = Status(Level.WARNING, missing) if missing else Status(Level.INFO, binding.summary(bound))
+        status.put(evaluation.deformer.uid, line)
 
 
 def _solve_here(evaluation: Evaluation, bound: Bound, question: Question) -> np.ndarray:
