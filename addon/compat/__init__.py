@@ -10,6 +10,7 @@ from .interface import (
     has_group_input,
     hide_in_modifier,
     modifier_input,
+    rename_attribute_inputs,
     set_modifier_input,
 )
 from .layout import draw_keymap_item, draw_progress, text_width
@@ -38,6 +39,7 @@ __all__ = (
     "read_positions",
     "read_triangles",
     "remove_action_curve",
+    "rename_attribute_inputs",
     "select_bone",
     "set_modifier_input",
     "set_text_size",

@@ -13,7 +13,7 @@ from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, flip_cage, se
 from .edit.deformers import add_deformer, remove_deformer
 from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, remove_handle
-from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror, side_of_handle
+from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
 from .edit.order import move_deformer, move_handle
 from .edit.refresh import refresh
@@ -28,7 +28,7 @@ from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import find, forget_shapes, note_edit, suspended, unsettled
+from .memory.sessions import find, forget_shapes, is_refining, note_edit, suspended, unsettled
 from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
@@ -68,6 +68,7 @@ __all__ = (
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
+    "is_refining",
     "job",
     "known_copies",
     "label",
@@ -98,7 +99,6 @@ __all__ = (
     "separate_overrides",
     "set_rest_cage",
     "settle",
-    "side_of_handle",
     "size",
     "store",
     "store_shown",

@@ -266,7 +266,7 @@ def settle() -> bool:
     for obj in owners():
         for deformer in obj.sinew.deformers:
             session = sessions.find(deformer.uid)
-            if session is None or session.work is not None:
+            if session is None or (session.work is not None and session.work.subject.final):
                 continue
             if any(not shown.converged for shown in session.shown.values()):
                 session.settle = asked = True

@@ -4,6 +4,7 @@
 A drag in a window shows previews, which take as many steps as the drag budget allows and start from the last
 shape. If a single step takes longer than the budget, a thread solves, and the shape follows the controls a
 little later. When the drag pauses, the exact shape, which depends on the poses alone, replaces the preview.
+Where nothing is known of the shape, after undo for instance, the exact shape is the first to be shown.
 """
 
 import math
@@ -90,9 +91,15 @@ def _question(
     options.update(further)
     options["incoming"] = incoming
     shown = evaluation.shown
-    same = shown.signature == signature and _same(shown.incoming, incoming)
-    final = evaluation.session.settle and same and evaluation.in_viewport
-    early = evaluation.preview and evaluation.settings.is_iterative and not final
+    work = evaluation.session.work
+    last = shown if work is None else work.subject
+    same = last.signature == signature and _same(last.incoming, incoming)
+    wanted = evaluation.session.settle and same
+    in_drag = evaluation.preview and evaluation.settings.is_iterative
+    if in_drag and shown.shape is None:
+        wanted = work is None or (same and work.subject.final)
+    final = wanted and evaluation.in_viewport
+    early = in_drag and not final
     if early:
         options["max_iterations"] = min(evaluation.session.steps, options["max_iterations"])
         if shown.positions is not None and not shown.displacement:
@@ -170,7 +177,10 @@ def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bo
 def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Question, np.ndarray] | None:
     """The shape that a thread has computed, perhaps for an earlier question; None while there is none."""
     work = session.work
-    if work is not None and not work.done:
+    if work is not None and question.final and not work.subject.final:  # the drag has ended
+        work.cancel()
+        work = None
+    elif work is not None and not work.done:
         if question.matches(work.subject) or not work.subject.final:
             return None
         work.cancel()

@@ -194,6 +194,12 @@ def has_answer(key: str) -> bool:
     return session is not None and session.work is not None and session.work.done
 
 
+def is_refining(key: str) -> bool:
+    """Whether the shape shown is not final: the final one is being computed, or will be after a pause."""
+    session = _sessions.get(key)
+    return session is not None and (session.work is not None or not session.view("VIEWPORT").converged)
+
+
 def unsettled() -> list[str]:
     """The keys of the deformers that show a preview."""
     return [
