@@ -51,16 +51,14 @@ work = [
     read,
 ]
 stop, failures, counts = time.monotonic() + 2.0, [], [0] * len(work)
+threading.excepthook = lambda info: failures.append(repr(info.exc_value))
 def run(index):
-    try:
-        while time.monotonic() < stop or counts[index] < 2:
-            try:
-                counts[index] += 1
-                work[index](counts[index])
-            except sn.InvalidConstraint:  # nothing is bound, or more than fits
-                pass
-    except BaseException as error:
-        failures.append(repr(error))
+    while time.monotonic() < stop or counts[index] < 2:
+        counts[index] += 1
+        try:
+            work[index](counts[index])
+        except sn.InvalidConstraint:  # nothing is bound, or more than fits
+            pass
 threads = [threading.Thread(target=run, args=(index,)) for index in range(len(work))]
 [thread.start() for thread in threads]
 [thread.join() for thread in threads]
