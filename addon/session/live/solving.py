@@ -25,7 +25,7 @@ from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
 from ..memory.sessions import Bound, Session, Shown
-from . import binding, drag
+from . import binding, drag, renders
 from .incoming import TOPOLOGY_CHANGED
 
 
@@ -51,6 +51,7 @@ def solve(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, dis
     shown = evaluation.shown
     question = _question(evaluation, bound, incoming, displacement)
     if question is None:
+        renders.show_viewport_shape(evaluation)
         return
     if shown.shape is not None and question.matches(shown) and (shown.converged or question.early):
         if shown.factor != _factor(evaluation):
@@ -126,7 +127,9 @@ def _show(
     shown.hold(shape)
     shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged
     if evaluation.in_viewport and status.current(evaluation.deformer.uid).level is not Level.INFO:
-        status.put(evaluation.deformer.uid, Status(Level.INFO, binding.summary(bound)))
+        missing = kinds.missing_control(evaluation.deformer)
+        line = Status(Level.WARNING, missing) if missing else Status(Level.INFO, binding.summary(bound))
+        status.put(evaluation.deformer.uid, line)
 
 
 def _solve_here(evaluation: Evaluation, bound: Bound, question: Question) -> np.ndarray:

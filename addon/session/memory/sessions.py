@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...backend import Factor
 from ...core import status
@@ -91,11 +92,13 @@ class Session:
 class LastUpdate:
     """Where an object and its controls were when its deformers were last updated.
 
+    ``world`` is the matrix of the object, a copy.
     ``layout`` has an entry per modifier: the index and key of the deformer that it shows, or None.
     """
 
     placed: tuple
     layout: tuple[tuple[int, str] | None, ...]
+    world: Matrix
 
 
 _sessions: dict[str, Session] = remember({})
