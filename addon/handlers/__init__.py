@@ -6,6 +6,7 @@ import bpy
 from . import deferred, evaluation, history
 
 _HANDLERS = (
+    ("depsgraph_update_pre", evaluation.before_depsgraph_update),
     ("depsgraph_update_post", evaluation.on_depsgraph_update),
     ("frame_change_post", evaluation.on_frame_change),
     ("undo_post", history.on_undo),

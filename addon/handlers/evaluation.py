@@ -4,12 +4,21 @@
 What these handlers write makes Blender evaluate the scene once more, but not again and again.
 """
 
+import threading
+
 import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from .. import session
 from . import deferred
+
+
+@persistent
+def before_depsgraph_update(*_args: object) -> None:
+    """Something was edited, and is not evaluated yet: what an artist moves takes its mirror image along."""
+    if session.mirrored_targets and threading.current_thread() is threading.main_thread():
+        session.move_partners()
 
 
 @persistent

@@ -16,6 +16,7 @@ def on_undo(*_args: object) -> None:
     """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
     session.forget_owners()
     session.forget_shapes()
+    session.complete_undo()
     _evaluate_all()
 
 

@@ -21,7 +21,7 @@ from ..control import kinds
 from ..memory import sessions
 from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
 from ..memory.sessions import LastUpdate
-from . import binding, incoming, solving
+from . import binding, incoming, mirroring, solving
 from .changes import Change, Changes
 
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
@@ -54,6 +54,8 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
         new_geometry = change is Change.GEOMETRY
         layout = _update_object(obj, evaluated, depsgraph, controls, preview, new_geometry, layout)
         changes.note(obj, LastUpdate(placed, layout))
+    if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
+        mirroring.note_seen(edit)
 
 
 def _update_object(
@@ -76,6 +78,8 @@ def _update_object(
         if depsgraph.mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
             new_geometry = False  # the attributes that were evaluated belong to another modifier
         layout = _layout(obj, depsgraph.mode)
+        if depsgraph.mode == "VIEWPORT":
+            mirroring.note_target(obj)
     chain = Chain()
     for modifier, shows in zip(obj.modifiers, layout, strict=True):
         if not is_shown(modifier, depsgraph.mode):
