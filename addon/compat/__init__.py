@@ -14,6 +14,7 @@ from .interface import (
     set_modifier_input,
 )
 from .layout import draw_keymap_item, draw_progress, text_width
+from .libraries import is_placeholder
 from .mesh import read_edges, read_faces, read_positions, read_triangles, write_positions
 from .modifiers import move_modifier
 from .nodes import enabled_socket
@@ -29,6 +30,7 @@ __all__ = (
     "has_group_input",
     "hide_in_modifier",
     "is_bone_selected",
+    "is_placeholder",
     "modifier_input",
     "move_modifier",
     "read_edges",

@@ -3,17 +3,17 @@
 
 import bpy
 
+from .. import session
 from . import deferred, evaluation, history
 
 _HANDLERS = (
-    ("depsgraph_update_pre", evaluation.before_depsgraph_update),
     ("depsgraph_update_post", evaluation.on_depsgraph_update),
     ("frame_change_post", evaluation.on_frame_change),
     ("undo_post", history.on_undo),
     ("redo_post", history.on_undo),
     ("load_post", history.on_load),
-    ("save_pre", history.before_save_or_render),
-    ("render_init", history.before_save_or_render),
+    ("save_pre", history.before_save),
+    ("render_init", history.before_render),
 )
 
 
@@ -24,6 +24,8 @@ def register() -> None:
 
 def unregister() -> None:
     deferred.stop()
+    evaluation.listen(False)
+    session.store_shown()  # renders without Sinew show it
     for event, handler in _HANDLERS:
         handlers = getattr(bpy.app.handlers, event)
         if handler in handlers:

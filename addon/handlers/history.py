@@ -8,7 +8,7 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..core.memory import forget_all
-from . import deferred
+from . import deferred, evaluation
 
 
 @persistent
@@ -17,6 +17,7 @@ def on_undo(*_args: object) -> None:
     session.forget_owners()
     session.forget_shapes()
     session.complete_undo()
+    evaluation.listen(bool(session.mirrored_targets))
     _evaluate_all()
 
 
@@ -27,11 +28,19 @@ def on_load(*_args: object) -> None:
     if session.owners():  # the first evaluation after a load calls no handlers
         session.update(bpy.context.evaluated_depsgraph_get())
         deferred.schedule()
+    evaluation.listen(bool(session.mirrored_targets))
 
 
 @persistent
-def before_save_or_render(*_args: object) -> None:
-    """Give copied objects shapes of their own and react to edits, before a save or a render.
+def before_save(*_args: object) -> None:
+    """Do all deferred edits, and store the last solutions for computers without Sinew."""
+    before_render()
+    session.store()
+
+
+@persistent
+def before_render(*_args: object) -> None:
+    """Give copied objects shapes of their own and react to edits.
 
     A render from a window runs in another thread, which cannot make datablocks. Then a timer has done this.
     """

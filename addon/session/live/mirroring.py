@@ -5,9 +5,9 @@ What an artist moves differs from what was seen after the last evaluation, befor
 animation and drivers move differs only after it. So partners follow before Blender evaluates, and everything
 is noted as seen afterwards. Both controls are then evaluated, and the shape solved, once for both.
 
-Blender often takes an undo step when an operator ends, before it evaluates, so the step lacks what the partner
-did. And undo keeps objects in memory on which two steps agree. So after undo, a leader may stand beside a
-partner from another step. Which places belonged together is remembered, and the steps are right about leaders.
+Blender often takes an undo step when an operator ends, before it evaluates, so the step lacks the move of the
+partner. And undo keeps objects in memory on which two steps agree. So after undo, a leader may stand beside a
+partner from another step. Which places belonged together is remembered; about leaders the steps are right.
 """
 
 from dataclasses import dataclass
