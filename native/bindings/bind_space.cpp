@@ -38,6 +38,13 @@ bool can_reuse(const SpaceMethod& method, const py::object& former, const py::ob
     return method.can_reuse(other, view);
 }
 
+Eigen::Index point_count(const SpaceMethod& method)
+{
+    const py::gil_scoped_release unlocked;
+    const AccessLock shared = method.reading();
+    return method.points().rows();
+}
+
 py::object warp(const SpaceMethod& method, const py::object& control, const py::object& out,
                 const py::object& incoming)
 {
@@ -45,7 +52,7 @@ py::object warp(const SpaceMethod& method, const py::object& control, const py::
     const PointsView view = points<InvalidConstraint>(array, "cage_points");
     const OptionalPoints entering(incoming, "incoming");
     if (!out.is_none()) {
-        SinglePoints single = singles(out, "out");
+        SinglePoints single = singles(out, "out", point_count(method));
         const py::gil_scoped_release unlocked;
         method.warp(view, entering.view, single.data(), single.rows());
         require_finite(single);
