@@ -9,6 +9,7 @@ from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from .. import session
+from ..operators import entering
 from . import deferred
 
 
@@ -20,6 +21,8 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     session.update(depsgraph, preview=interactive, edit=True)
+    if depsgraph.mode == "VIEWPORT":
+        entering.follow(depsgraph.view_layer)
     if interactive:
         deferred.schedule()
 

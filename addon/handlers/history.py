@@ -8,6 +8,7 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..core.memory import forget_all
+from ..operators import entering
 from . import deferred
 
 
@@ -17,6 +18,7 @@ def on_undo(*_args: object) -> None:
     session.forget_owners()
     session.forget_shapes()
     _evaluate_all()
+    entering.restore(bpy.context.view_layer)
 
 
 @persistent

@@ -264,13 +264,14 @@ def follow(obj: bpy.types.Object, modifier: bpy.types.Modifier, answer: Expected
 def regions_of(deformer, weights: Weights, count: int) -> list[Region]:
     """The regions in use, read off a table of who paints which vertex.
 
-    A vertex obeys one hard handle at most. Where there is a support, what nobody paints is fixed.
+    A vertex obeys one hard handle at most. Where there is a support, what nobody paints is fixed. A region
+    whose vertex group is empty or gone is none.
     """
-    handles = [handle for handle in deformer.handles if handle.enabled]
-    painted = {handle.uid: weights(handle.vertex_group) for handle in handles}
-    for handle in handles:
-        if painted[handle.uid] is None or not painted[handle.uid].any():
-            raise Refusal(f"vertex group {handle.vertex_group} is empty, or gone")
+    enabled = [handle for handle in deformer.handles if handle.enabled]
+    painted = {handle.uid: weights(handle.vertex_group) for handle in enabled}
+    handles = [h for h in enabled if painted[h.uid] is not None and painted[h.uid].any()]
+    if not handles:
+        raise Refusal("nothing holds the mesh")
     supports = [handle for handle in handles if handle.kind == "SUPPORT"]
     movers = [handle for handle in handles if handle.kind != "SUPPORT"]
     strengths = np.array([painted[handle.uid] * handle.weight for handle in movers]).reshape(-1, count)

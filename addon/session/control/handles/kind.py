@@ -8,7 +8,6 @@ from bpy.types import Depsgraph, Object
 
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import ConstraintError, SinewError
-from ....core.methods import Method
 from ....core.status import Level, Status
 from ....properties import SinewDeformer
 from ...memory.evaluation import ControlState, Evaluation
@@ -33,7 +32,6 @@ __all__ = (
     "key",
     "links",
     "lost",
-    "name",
     "notes",
     "object_with",
     "pose",
@@ -49,21 +47,21 @@ __all__ = (
 
 MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
 MARKS_REGIONS = True
-
-
-def name(method: Method) -> str:
-    """The method: each one makes another shape of the same handles."""
-    return method.label
+_NAMED = 3  # regions without vertices; the panel counts the others
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """A warning about parts of the mesh that no region holds. A space method moves all parts."""
+    """Warnings about regions without vertices, and parts that no region holds. A space method moves all."""
+    lines = [*request.unused[:_NAMED]]
+    if len(request.unused) > _NAMED:
+        lines.append(f"{len(request.unused) - _NAMED:,} more regions are not used")
+    unused = tuple(Status(Level.WARNING, text) for text in lines)
     if request.recipe.method.is_space or not report.free_parts:
-        return ()
+        return unused
     count = report.free_parts
     text = "1 free part stays at rest" if count == 1 else f"{count} free parts stay at rest"
     elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
-    return (Status(Level.WARNING, text, elements),)
+    return (*unused, Status(Level.WARNING, text, elements))
 
 
 def selectable(elements: Elements, request: BindInput) -> Elements:
@@ -112,7 +110,7 @@ def forget_rest(deformer: SinewDeformer) -> None:
 def lost(deformer: SinewDeformer) -> tuple[str, ...]:
     """A line in the panel per handle whose control was deleted."""
     return tuple(
-        f"{handle.name} has lost its control and stays where it was - pick another"
+        f"{handle.name} has lost its control and stays where it was - New Control, or pick another"
         for handle in deformer.handles
         if handle.control_missing
     )
