@@ -10,9 +10,11 @@ from .interface import (
     has_group_input,
     hide_in_modifier,
     modifier_input,
+    rename_attribute_inputs,
     set_modifier_input,
 )
 from .layout import draw_keymap_item, draw_progress, text_width
+from .libraries import is_placeholder
 from .mesh import read_edges, read_faces, read_positions, read_triangles, write_positions
 from .modifiers import move_modifier
 from .nodes import enabled_socket
@@ -28,6 +30,7 @@ __all__ = (
     "has_group_input",
     "hide_in_modifier",
     "is_bone_selected",
+    "is_placeholder",
     "modifier_input",
     "move_modifier",
     "read_edges",
@@ -36,6 +39,7 @@ __all__ = (
     "read_positions",
     "read_triangles",
     "remove_action_curve",
+    "rename_attribute_inputs",
     "select_bone",
     "set_modifier_input",
     "set_text_size",

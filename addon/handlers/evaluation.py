@@ -17,7 +17,8 @@ from . import deferred
 def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Something was edited.
 
-    With a window, a drag shows previews, and the final shape follows after a pause.
+    With a window, a drag shows previews, and the final shape follows after a pause. Without one there is no
+    pause: a library override gets shapes of its own at once.
     """
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     session.update(depsgraph, preview=interactive, edit=True)
@@ -25,6 +26,8 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
         entering.follow(depsgraph.view_layer)
     if interactive:
         deferred.schedule()
+    elif depsgraph.mode == "VIEWPORT" and session.known_copies() and session.separate_overrides():
+        depsgraph.view_layer.update()
 
 
 @persistent

@@ -31,8 +31,15 @@ def on_load(*_args: object) -> None:
 
 
 @persistent
-def before_save_or_render(*_args: object) -> None:
-    """Give copied objects shapes of their own and react to edits, before a save or a render.
+def before_save(*_args: object) -> None:
+    """Do all deferred edits, and store the last solutions for computers without Sinew."""
+    before_render()
+    session.store()
+
+
+@persistent
+def before_render(*_args: object) -> None:
+    """Give copied objects shapes of their own and react to edits.
 
     A render from a window runs in another thread, which cannot make datablocks. Then a timer has done this.
     """

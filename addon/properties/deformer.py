@@ -8,6 +8,7 @@ from bpy.props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -171,6 +172,15 @@ class SinewDeformer(PropertyGroup):
         type=Mesh,
         description="The rest shape for renders, if modifiers before Sinew give another number of vertices "
         "there",
+    )
+    has_applied: record(BoolProperty)
+    applied: record(
+        FloatVectorProperty,
+        name="Applied",
+        size=16,
+        subtype="MATRIX",
+        description="What Apply and Set Origin did to the object space of the target since the rest shapes "
+        "were stored",
     )
     bake: setting(PointerProperty, update=None, type=SinewBake)
     status: StringProperty(

@@ -2,7 +2,7 @@
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
 from .blocks.baked import find_cache
-from .blocks.owners import copies, forget_owners, owners
+from .blocks.owners import copies, forget_owners, known_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
@@ -13,21 +13,22 @@ from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, cage_seconds,
 from .edit.deformers import add_deformer, remove_deformer
 from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
-from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror, side_of_handle
+from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
 from .edit.order import move_deformer, move_handle
 from .edit.refresh import refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
+from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
-from .edit.upkeep import collect, has_pending, tidy
+from .edit.upkeep import collect, has_pending, separate_overrides, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
 from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import find, forget_shapes, note_edit, suspended, unsettled
+from .memory.sessions import find, forget_shapes, is_refining, note_edit, suspended, unsettled
 from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
@@ -68,7 +69,9 @@ __all__ = (
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
+    "is_refining",
     "job",
+    "known_copies",
     "label",
     "lost_controls",
     "marks_regions",
@@ -95,9 +98,11 @@ __all__ = (
     "rig_region",
     "select_elements",
     "select_group",
+    "separate_overrides",
     "set_rest_cage",
     "settle",
-    "side_of_handle",
+    "store",
+    "store_shown",
     "stray_modifiers",
     "summary",
     "suspended",

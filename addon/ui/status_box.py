@@ -19,6 +19,7 @@ _WIDE = 44  # characters; in a wider region, buttons are drawn beside their line
 _BUTTON = 72  # pixels at scale 1
 
 
+REFINING = "Refining - the final shape follows"
 NATIVE_MISSING = Status(
     Level.ERROR,
     "The native module does not work here - the preferences say what to install",
@@ -121,6 +122,8 @@ def headline(deformer: SinewDeformer) -> Status:
     known = session.find(deformer.uid)
     if deformer.bake.is_baked:
         return main
+    if main.level is Level.INFO and session.is_refining(deformer.uid):
+        return Status(Level.INFO, REFINING)
     if main.level is Level.INFO and deformer.is_bound and known is not None and known.solve_milliseconds:
         text = f"{main.text}, solve {session.duration(known.solve_milliseconds)}"
         return Status(main.level, text, main.elements, main.remedy)
@@ -128,8 +131,9 @@ def headline(deformer: SinewDeformer) -> Status:
 
 
 def _lost_controls(deformer: SinewDeformer) -> tuple[Status, ...]:
-    remedy = Remedy.NEW_CONTROL if session.marks_regions(deformer.definition) else Remedy.NONE
-    return tuple(Status(Level.WARNING, text, remedy=remedy) for text in session.lost_controls(deformer))
+    lines = session.lost_controls(deformer)
+    remedies = [Remedy.NEW_CONTROL if "New Control" in text else Remedy.NONE for text in lines]
+    return tuple(Status(Level.WARNING, text, remedy=remedy) for text, remedy in zip(lines, remedies))
 
 
 def _draw_progress(layout: UILayout, work: object) -> None:

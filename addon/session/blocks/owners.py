@@ -56,6 +56,11 @@ def has_copies() -> bool:
     return _found.has_copies
 
 
+def known_copies() -> bool:
+    """The same, as it was when the owners were last asked for."""
+    return _found.has_copies
+
+
 def copies() -> list[Object]:
     """The objects with a deformer that has the key of another, or that shows shapes linked from a library."""
     return [obj for obj, is_owner, is_whole in _scan() if not (is_owner and is_whole)]

@@ -71,6 +71,26 @@ def vertex_count(obj: Object) -> int:
     return len(obj.data.vertices) if is_mesh(obj) else -1
 
 
+def sample(obj: Object, count: int) -> np.ndarray:
+    """Where at least ``count`` points of the object itself are, spread over all of them, float32 (k, 3).
+
+    Fewer if it has fewer; none of a text. In Edit Mode they are where they were before it.
+    """
+    if obj.type == "CURVE":
+        splines = obj.data.splines
+        points = [point for spline in splines for point in (*spline.bezier_points, *spline.points)]
+    elif obj.type == "MESH":
+        keys = obj.data.shape_keys
+        points = obj.data.vertices if keys is None else keys.reference_key.data
+    else:
+        position = getattr(obj.data, "attributes", {}).get("position")
+        points = () if position is None else position.data
+    name = "vector" if obj.type not in ("CURVE", "MESH") else "co"
+    chosen = range(0, len(points), max(len(points) // count, 1))
+    places = [getattr(points[index], name)[:3] for index in chosen]
+    return np.array(places, dtype=np.float32).reshape(-1, 3)
+
+
 def holds_points(obj: Object, point_type: PointType) -> bool:
     """Whether the object itself has the points of this type, which Blender has not made of something else."""
     return point_type is not SURFACE and obj.type != "FONT"

@@ -14,7 +14,7 @@ from ...backend import Progress, automatic_cage
 from ...core.errors import CageError, MeshError
 from ...mesh_io import read_rest
 from ...properties import SinewDeformer
-from ..blocks import capture, shapes, targets
+from ..blocks import capture, rest_frame, shapes, targets
 from ..control import kinds
 from ..control.cage import kind as cage_kind
 from ..live import binding
@@ -103,6 +103,7 @@ def _parent(cage: Object, obj: Object) -> None:
 @sessions.suspended()
 def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
     """Let the cage rest as it is now, so that the mesh is at rest too. ``bind`` must follow."""
+    rest_frame.absorb(deformer)
     cage_kind.take_rest(obj, deformer)
     binding.abandon(deformer.uid)
 
@@ -111,7 +112,7 @@ def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
 def flip_cage(deformer: SinewDeformer) -> None:
     """Flip the faces of the cage, so that they point outwards. ``bind`` must follow, and takes its rest."""
     cage = deformer.cage
-    if cage is None or cage.data.library is not None:
+    if cage is None or cage.type != "MESH" or cage.data.library is not None:
         raise CageError("There is no cage here that could be flipped - make it local first")
     edit = bmesh.from_edit_mesh(cage.data) if cage.mode == "EDIT" else bmesh.new()
     if cage.mode != "EDIT":

@@ -22,6 +22,7 @@ def separate(obj: Object) -> None:
         modifier = shapes.find_modifier(obj, deformer)
         deformer.uid = shapes.new_key()
         shared = deformer.shape("VIEWPORT"), deformer.shape("RENDER")
+        shapes.hide_overrides(*shared)
         if shared[0] is not None:
             deformer.proxy = bpy.data.objects.new(Datablocks.PROXY_VIEWPORT, shared[0].data.copy())
         if shared[1] is not None:
@@ -31,6 +32,16 @@ def separate(obj: Object) -> None:
             shapes.connect(modifier, deformer)
     kinds.keep_evaluated(obj)
     obj.update_tag()
+
+
+def separate_overrides() -> bool:
+    """Give library overrides shapes of their own, so that a script need not wait; whether there were any."""
+    found = [obj for obj in copies() if obj.override_library is not None]
+    for obj in found:
+        separate(obj)
+    if found:
+        forget_owners()
+    return bool(found)
 
 
 def collect() -> None:

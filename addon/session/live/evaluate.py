@@ -6,6 +6,7 @@ given, and writes arrays of unchanged size. It never makes or removes a databloc
 """
 
 import bpy
+import numpy as np
 from bpy.types import Depsgraph, Object
 
 from ... import compat
@@ -21,7 +22,7 @@ from ..control import kinds
 from ..memory import sessions
 from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
 from ..memory.sessions import LastUpdate
-from . import binding, incoming, solving
+from . import applied, binding, incoming, renders, solving
 from .changes import Change, Changes
 
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
@@ -34,7 +35,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
     If nothing changed, this takes some microseconds per control, however large the meshes are.
     """
     found = owners()
-    changes = Changes(depsgraph) if found else None
+    changes, in_viewport = Changes(depsgraph) if found else None, depsgraph.mode == "VIEWPORT"
     for obj in found:
         if edit and changes.has_edited_mesh(obj):
             sessions.note_edit(obj.name)
@@ -52,47 +53,69 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
             change = Change.GEOMETRY
         layout = last.layout if last is not None and change <= Change.DRIVEN else None
         new_geometry = change is Change.GEOMETRY
-        layout = _update_object(obj, evaluated, depsgraph, controls, preview, new_geometry, layout)
-        changes.note(obj, LastUpdate(placed, layout))
+        expected = {}
+        if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
+            expected = applied.follow(obj, evaluated, last)
+        layout = _update_object(
+            obj, evaluated, depsgraph, depsgraph.mode, controls, preview, new_geometry, layout
+        )
+        changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
+        if expected:
+            applied.compare(obj, expected)
+
+
+def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> None:
+    """Solve what a render would show of an object now, in the depsgraph of the viewport. Main thread only.
+
+    ``entered`` float32 (n, 3) is what enters the first deformer in renders.
+    """
+    evaluated = obj.evaluated_get(depsgraph)
+    _placed, controls = Changes(depsgraph).read(obj, evaluated)
+    _update_object(obj, evaluated, depsgraph, "RENDER", controls, False, True, None, entered)
 
 
 def _update_object(
     obj: Object,
     evaluated: Object,
     depsgraph: Depsgraph,
+    mode: str,
     controls: list[ControlState],
     preview: bool,
     new_geometry: bool,
     layout: tuple | None,
+    entered: np.ndarray | None = None,
 ) -> tuple:
-    """Update the deformers of an object; returns its layout, as in ``LastUpdate``.
+    """Update the deformers of an object in a mode; returns its layout, as in ``LastUpdate``.
 
     The ``layout`` of the last update is given if nothing but controls has changed since. Then the settings
-    and modifiers need no check.
+    and modifiers need no check. ``entered`` float32 (n, 3) is what enters the first deformer, if it is known.
     """
     changed = False
     if layout is None or not _still_holds(layout, obj):
         changed = True
-        if depsgraph.mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
+        if mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
             new_geometry = False  # the attributes that were evaluated belong to another modifier
-        layout = _layout(obj, depsgraph.mode)
+        layout = _layout(obj, mode)
     chain = Chain()
     for modifier, shows in zip(obj.modifiers, layout, strict=True):
-        if not is_shown(modifier, depsgraph.mode):
+        if not is_shown(modifier, mode):
             continue
         if shows is None:
             chain = Chain() if baked.overwrites(modifier) else chain.after_other_modifier()
             continue
+        if entered is not None:
+            chain, entered = Chain(points=entered), None
         index = shows[0]
         deformer = obj.sinew.deformers[index]
         settings = _evaluated_settings(evaluated, index, deformer)
-        session, control = shapes.session_of(deformer, depsgraph.mode), controls[index]
+        session, control = shapes.session_of(deformer, mode), controls[index]
         if settings.method != deformer.method:  # an animated method may ask for another kind of control
             control = kinds.kind_in_use(settings).read_state(deformer, depsgraph)
         evaluation = Evaluation(
             obj,
             evaluated,
             depsgraph,
+            mode,
             modifier,
             deformer,
             settings,
@@ -113,7 +136,7 @@ def _update_object(
                 chain = _update_deformer(evaluation)
             except SinewError as error:
                 chain = _refuse(evaluation, error)
-    if depsgraph.mode == "VIEWPORT" and changed:
+    if mode == "VIEWPORT" and changed:
         _report_lost(obj)
         baked.report(obj)
     return layout
@@ -156,8 +179,11 @@ def _by_shape(obj: Object) -> dict[Object, int]:
 
 
 def _report_lost(obj: Object) -> None:
-    """Tell in the panel which hidden data was deleted. Bind makes it again."""
+    """Tell in the panel which controls and which hidden data are missing. Bind makes the data again."""
     for deformer in obj.sinew.deformers:
+        missing = kinds.missing_control(deformer) if bpy.data.libraries else ""
+        if missing and status.current(deformer.uid).level is not Level.ERROR:
+            status.put(deformer.uid, Status(Level.WARNING, missing))
         session = sessions.find(deformer.uid)
         was_bound = deformer.is_bound or (session is not None and session.bound is not None)
         if not was_bound or binding.job(deformer.uid) is not None:
@@ -186,7 +212,10 @@ def _update_deformer(evaluation: Evaluation) -> Chain:
     """Update one deformer; returns what it passes on to the next."""
     deformer, session = evaluation.deformer, evaluation.session
     if not evaluation.settings.live:
-        return incoming.after(evaluation)
+        held = renders.while_not_live(evaluation)
+        if held is None:
+            return incoming.after(evaluation)
+        evaluation = held
     if shapes.is_linked(deformer.proxy):
         status.put(deformer.uid, Status(Level.INFO, LINKED))
         return Chain(broken=True)
@@ -222,6 +251,7 @@ def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
     else:
         evaluation.note(f"In the render: {error}")
     if isinstance(error, BackendMissingError):
+        renders.show_viewport_shape(evaluation)
         return incoming.after(evaluation)  # the last solution stays
     shapes.show_rest(evaluation.deformer, evaluation.mode, evaluation.depsgraph.scene)
     return evaluation.chain.through(evaluation.deformer.uid)
@@ -236,7 +266,7 @@ def settle() -> bool:
     for obj in owners():
         for deformer in obj.sinew.deformers:
             session = sessions.find(deformer.uid)
-            if session is None or session.work is not None:
+            if session is None or (session.work is not None and session.work.subject.final):
                 continue
             if any(not shown.converged for shown in session.shown.values()):
                 session.settle = asked = True
