@@ -22,7 +22,7 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     session.update(depsgraph, preview=interactive, edit=True)
-    if depsgraph.mode == "VIEWPORT":
+    if entering.waiting and depsgraph.mode == "VIEWPORT":
         entering.follow(depsgraph.view_layer)
     if interactive:
         deferred.schedule()

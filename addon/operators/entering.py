@@ -8,30 +8,30 @@ the mesh stayed active afterwards, numbers typed into the Item tab would move it
 import bpy
 from bpy.types import Object, ViewLayer
 
-from .. import session
 from ..core.memory import remember
 
-_waiting: dict[str, str] = remember({})  # the control to make active, by the object in Edit Mode
+waiting: dict[str, str] = remember({})  # the control to make active, by the object in Edit Mode
+_followed: dict[str, str] = remember({})  # the control that was made active, by the object
 
 
 def note(obj: Object, control: str) -> None:
     """Make the object of the name ``control``, if there is one, active once ``obj`` leaves Edit Mode."""
     if control:
-        _waiting[obj.name] = control
+        waiting[obj.name] = control
 
 
 def take(obj: Object) -> str:
     """Forget and return what is noted: an operator is about to leave Edit Mode for a moment."""
-    return _waiting.pop(obj.name, "")
+    return waiting.pop(obj.name, "")
 
 
 def follow(view_layer: ViewLayer) -> None:
     """Make the noted control active if Edit Mode was left. Called after every edit."""
-    for name in list(_waiting):
-        obj, control = bpy.data.objects.get(name), bpy.data.objects.get(_waiting[name])
+    for name in list(waiting):
+        obj, control = bpy.data.objects.get(name), bpy.data.objects.get(waiting[name])
         if obj is not None and obj.mode == "EDIT":
             continue
-        del _waiting[name]
+        del waiting[name]
         if obj is not None and control is not None:
             _activate(view_layer, obj, control)
 
@@ -39,9 +39,9 @@ def follow(view_layer: ViewLayer) -> None:
 def restore(view_layer: ViewLayer) -> None:
     """Do the same after undo and redo: Blender made the step of leaving Edit Mode before ``follow``."""
     obj = view_layer.objects.active
-    selected = [other for other in view_layer.objects if other.select_get(view_layer=view_layer)]
-    if obj is not None and len(selected) == 1 and session.posed_by(selected[0]) == obj:
-        _activate(view_layer, obj, selected[0])
+    control = None if obj is None else view_layer.objects.get(_followed.get(obj.name, ""))
+    if control is not None:
+        _activate(view_layer, obj, control)
 
 
 def _activate(view_layer: ViewLayer, obj: Object, control: Object) -> None:
@@ -50,3 +50,4 @@ def _activate(view_layer: ViewLayer, obj: Object, control: Object) -> None:
         return
     if control.select_get(view_layer=view_layer) and not obj.select_get(view_layer=view_layer):
         view_layer.objects.active = control
+        _followed[obj.name] = control.name
