@@ -14,15 +14,15 @@ class WaitsForBind:
     """Mixin for an operator. Its ``invoke`` ends with ``return self.wait_for(...)``."""
 
     _reports = False  # whether the bind that a thread computes is to be reported
-    _subject = ""
+    _words = ("", "")
 
-    def report_state(self, uid: str, subject: str = "") -> None:
-        """Report the state of a deformer after the name of the ``subject``, as soon as no thread binds it."""
-        self._reports, self._subject = session.job(uid) is not None, subject
+    def report_state(self, uid: str, subject: str = "", more: str = "") -> None:
+        """Report the state of a deformer between ``subject`` and ``more``, as soon as no thread binds it."""
+        self._reports, self._words = session.job(uid) is not None, (subject, more)
         line = status.current(uid)
         if not self._reports and line.text:
             level = "WARNING" if line.level is Level.ERROR else "INFO"
-            self.report({level}, f"{subject}: {line.text}" if subject else line.text)
+            self.report({level}, (f"{subject}: " if subject else "") + line.text + more)
 
     def wait_for(self, context: Context, uid: str, result: set[str]) -> set[str]:
         """Continue as a modal operator while a thread binds the deformer; else return ``result``."""
@@ -60,7 +60,7 @@ class WaitsForBind:
         session.watch(self._uid, False)
         self.end(context)
         if self._reports:
-            self.report_state(self._uid, self._subject)
+            self.report_state(self._uid, *self._words)
         return {"FINISHED"}
 
 
@@ -81,9 +81,9 @@ class BindingOperator(WaitsForBind):
         deformer = target_of(context).sinew.active
         return result if deformer is None else self.wait_for(context, deformer.uid, result)
 
-    def report_bind(self, refusal: SinewError | None, uid: str, subject: str) -> None:
+    def report_bind(self, refusal: SinewError | None, uid: str, subject: str, more: str = "") -> None:
         """Report the result. A refused bind is only a warning, since the change itself is kept."""
         if refusal is not None:
             self.report({"WARNING"}, str(refusal))
         else:
-            self.report_state(uid, subject)
+            self.report_state(uid, subject, more)

@@ -27,6 +27,11 @@ if(SINEW_SANITIZE)
   endif()
 endif()
 
+if(SINEW_SANITIZE_THREADS AND NOT MSVC)
+  target_compile_options(sinew_compiler INTERFACE -fsanitize=thread -g1)
+  target_link_options(sinew_compiler INTERFACE -fsanitize=thread)
+endif()
+
 # Compiles each file of kernels (native/<room>/<name>, with .h and .inl) for the baseline of all processors and for every
 # set of instructions that is named after the file. Fused operations stay off, so all give the same results to the last
 # bit.

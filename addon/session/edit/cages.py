@@ -23,7 +23,8 @@ from . import hull
 
 CAGE_METHODS = kinds.methods_of(cage_kind)
 
-Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per face, vertex of each corner
+# Points (c, 3), corners per face, vertex of each corner, and why there are more faces than wanted.
+Shape = tuple[np.ndarray, np.ndarray, np.ndarray, str]
 
 
 def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
@@ -61,7 +62,7 @@ def _around(
 @sessions.suspended()
 def add_cage_object(obj: Object, shape: Shape) -> Object:
     """A new mesh object of this shape in the frame of ``obj``, which it follows."""
-    points, counts, corners = shape
+    points, counts, corners, _more = shape
     mesh = bpy.data.meshes.new(f"{obj.name} Cage")
     faces = [face.tolist() for face in np.split(corners, np.cumsum(counts)[:-1])]
     mesh.from_pydata(points.tolist(), [], faces)
