@@ -9,7 +9,7 @@ from bpy.app.handlers import persistent
 from .. import session
 from ..core.memory import forget_all
 from ..operators import entering
-from . import deferred
+from . import deferred, evaluation
 
 
 @persistent
@@ -17,6 +17,8 @@ def on_undo(*_args: object) -> None:
     """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
     session.forget_owners()
     session.forget_shapes()
+    session.complete_undo()
+    evaluation.listen(bool(session.mirrored_targets))
     _evaluate_all()
     entering.restore(bpy.context.view_layer)
 
@@ -28,6 +30,7 @@ def on_load(*_args: object) -> None:
     if session.owners():  # the first evaluation after a load calls no handlers
         session.update(bpy.context.evaluated_depsgraph_get())
         deferred.schedule()
+    evaluation.listen(bool(session.mirrored_targets))
 
 
 @persistent

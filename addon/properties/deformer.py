@@ -135,6 +135,13 @@ class SinewDeformer(PropertyGroup):
     active_control: record(IntProperty)
     handles: setting_list(type=SinewHandle)
     active_handle: record(IntProperty)
+    use_mirror_x: setting(
+        BoolProperty,
+        options=set(),  # cannot be animated
+        name="X-Axis Mirror",
+        description="When you move a control whose name has a side, such as Hand.L, the control of the other "
+        "side follows as its mirror image across the local X axis of the mesh",
+    )
     factor: setting(
         FloatProperty,
         name="Factor",

@@ -6,6 +6,7 @@ from .blocks.owners import copies, forget_owners, known_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
+from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
 from .edit.bind import bind, unbind
@@ -26,6 +27,7 @@ from .edit.upkeep import collect, has_pending, separate_overrides, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
 from .live.evaluate import settle, update
 from .live.mesh_notes import notes
+from .live.mirroring import complete_undo, key_partners, mirrored_targets, move_partners
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
 from .memory.sessions import find, forget_shapes, is_refining, note_edit, suspended, unsettled
@@ -53,6 +55,8 @@ __all__ = (
     "cancel",
     "carry_out_writes",
     "collect",
+    "complete_undo",
+    "control_pairs",
     "copies",
     "curve_node",
     "duration",
@@ -71,14 +75,17 @@ __all__ = (
     "is_moved_by_control",
     "is_refining",
     "job",
+    "key_partners",
     "known_copies",
     "label",
     "lost_controls",
     "marks_regions",
     "may_wait",
     "mirror",
+    "mirrored_targets",
     "move_deformer",
     "move_handle",
+    "move_partners",
     "must_hand_over",
     "new_control",
     "note_edit",

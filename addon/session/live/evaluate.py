@@ -22,7 +22,7 @@ from ..control import kinds
 from ..memory import sessions
 from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
 from ..memory.sessions import LastUpdate
-from . import applied, binding, incoming, renders, solving
+from . import applied, binding, incoming, mirroring, renders, solving
 from .changes import Change, Changes
 
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
@@ -62,6 +62,8 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
         changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
         if expected:
             applied.compare(obj, expected)
+    if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
+        mirroring.note_seen(edit)
 
 
 def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> None:
@@ -96,6 +98,8 @@ def _update_object(
         if mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
             new_geometry = False  # the attributes that were evaluated belong to another modifier
         layout = _layout(obj, mode)
+        if mode == "VIEWPORT":
+            mirroring.note_target(obj)
     chain = Chain()
     for modifier, shows in zip(obj.modifiers, layout, strict=True):
         if not is_shown(modifier, mode):
