@@ -55,17 +55,24 @@ _NAMED = 3  # regions without vertices; the panel counts the others
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """Warnings about regions without vertices, and parts that no region holds. A space method moves all."""
-    lines = [*request.unused[:_NAMED]]
+    """Warnings about regions without vertices, and what the parts of the mesh do that no region touches.
+
+    A space method moves all parts.
+    """
+    lines = [Status(Level.WARNING, text) for text in request.unused[:_NAMED]]
     if len(request.unused) > _NAMED:
-        lines.append(f"{len(request.unused) - _NAMED:,} more regions are not used")
-    unused = tuple(Status(Level.WARNING, text) for text in lines)
-    if request.recipe.method.is_space or not report.free_parts:
-        return unused
-    count = report.free_parts
-    text = "1 free part stays at rest" if count == 1 else f"{count} free parts stay at rest"
-    elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
-    return (*unused, Status(Level.WARNING, text, elements))
+        lines.append(Status(Level.WARNING, f"{len(request.unused) - _NAMED:,} more regions are not used"))
+    if request.recipe.method.is_space:
+        return tuple(lines)
+    riding, staying = len(report.rides), report.free_parts
+    if riding:
+        text = "1 loose part follows" if riding == 1 else f"{riding:,} loose parts follow"
+        lines.append(Status(Level.INFO, f"{text} the surface"))
+    if staying:
+        text = "1 loose part stays at rest" if staying == 1 else f"{staying:,} loose parts stay at rest"
+        elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
+        lines.append(Status(Level.WARNING, text, elements))
+    return tuple(lines)
 
 
 def selectable(elements: Elements, request: BindInput) -> Elements:
