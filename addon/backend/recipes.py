@@ -60,11 +60,15 @@ class Bound:
 
 @dataclass(frozen=True)
 class Handles:
-    """The regions of a surface: vertices, weights and ``options`` of each, as ``set_handles`` takes them."""
+    """The regions of a surface: vertices, weights and ``options`` of each, as ``set_handles`` takes them.
+
+    ``free_parts`` says what the parts do that no region touches: 'stay' or 'follow'.
+    """
 
     vertices: Sequence[np.ndarray]
     weights: Sequence[object]
     options: dict[str, Sequence[object]] = field(default_factory=dict)
+    free_parts: str = "stay"
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without handles."""
@@ -81,7 +85,7 @@ class Handles:
 
         It reuses what it can of ``former``.
         """
-        words = {"weights": self.weights, "progress": progress, **self.options}
+        words = {"weights": self.weights, "free_parts": self.free_parts, "progress": progress, **self.options}
         if former is None:
             return made.set_handles(self.vertices, **words)
         return made.rebind(former.method, self.vertices, **words)

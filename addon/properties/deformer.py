@@ -24,6 +24,11 @@ from .handle import SinewHandle
 from .parameters import BASE, GROUPS
 from .setting import evaluate_again, record, setting, setting_list
 
+LOOSE_PARTS = (
+    ("FOLLOW", "Follow", "They ride on the surface that they lie on or in, like eyes, buttons and belts", 0),
+    ("STAY", "Stay", "They stay where they are", 1),
+)
+
 
 def method_items() -> tuple[tuple, ...]:
     """The items of the method menu, with one heading per family."""
@@ -141,6 +146,12 @@ class SinewDeformer(PropertyGroup):
         name="Mask",
         description="Vertex group that limits where the deformation is shown; if empty, it is shown "
         "everywhere",
+    )
+    loose_parts: setting(
+        EnumProperty,
+        name="Loose Parts",
+        items=LOOSE_PARTS,
+        description="What the parts of the mesh do that no region touches",
     )
     live: setting(
         BoolProperty,

@@ -66,6 +66,8 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
     def draw(self, context: Context) -> None:
         deformer = active_deformer(context)
         layout = split(self.layout)
+        if session.marks_regions(deformer.definition) and not deformer.definition.is_space:
+            layout.row().prop(deformer, "loose_parts", expand=True)
         layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
         for values, parameter in _parameters(deformer, advanced=True):
             draw_parameter(layout, values, parameter)

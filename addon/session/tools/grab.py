@@ -123,7 +123,8 @@ class Grab:
         options = {row.id: row.default for row in self._method.parameters if row.rebinds}
         handles = [places for places in (region.handle, region.fixed) if len(places)]
         target = Shape(region.rest, region.faces)
-        recipe = Recipe(self._method, target, options, Handles(handles, [None] * len(handles)))
+        held = Handles(handles, [None] * len(handles), free_parts="follow")
+        recipe = Recipe(self._method, target, options, held)
         return build_factor(recipe, progress)
 
     # How it moves

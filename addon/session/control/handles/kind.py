@@ -61,13 +61,18 @@ def name(method: Method) -> str:
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """A warning about parts of the mesh that no region holds. A space method moves all parts."""
-    if request.recipe.method.is_space or not report.free_parts:
+    """What the parts of the mesh do that no region touches. A space method moves all parts."""
+    if request.recipe.method.is_space:
         return ()
-    count = report.free_parts
-    text = "1 free part stays at rest" if count == 1 else f"{count} free parts stay at rest"
-    elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
-    return (Status(Level.WARNING, text, elements),)
+    lines, riding, staying = [], len(report.rides), report.free_parts
+    if riding:
+        text = "1 loose part follows" if riding == 1 else f"{riding:,} loose parts follow"
+        lines.append(Status(Level.INFO, f"{text} the surface"))
+    if staying:
+        text = "1 loose part stays at rest" if staying == 1 else f"{staying:,} loose parts stay at rest"
+        elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
+        lines.append(Status(Level.WARNING, text, elements))
+    return tuple(lines)
 
 
 def selectable(elements: Elements, request: BindInput) -> Elements:

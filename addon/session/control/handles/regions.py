@@ -7,7 +7,7 @@ This only reads Blender's data.
 import numpy as np
 from bpy.types import Mesh
 
-from ....backend import HandlePoints, Handles, Recipe, Shape
+from ....backend import HandlePoints, Handles, Recipe, Shape, connected_parts
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.status import Remedy
@@ -21,21 +21,21 @@ _IMPLIED = "support"  # the key of the fixed region around a support
 
 
 def key(settings: SinewDeformer) -> tuple:
-    """The settings of the regions in use. Their order in the list does not count."""
+    """The settings of the regions in use, and of the loose parts. The order of the regions does not count."""
     has_points = settings.definition.is_space  # a handle without a region acts where its control rests
-    return tuple(
-        sorted(
-            (
-                handle.uid,
-                handle.kind,
-                handle.vertex_group or (tuple(rest_of(handle)[:3, 3]) if has_points else ""),
-                handle.weight,
-                *_own_values(settings, handle),
-            )
-            for handle in settings.handles
-            if handle.enabled
+    parts = "" if has_points else settings.loose_parts
+    regions = sorted(
+        (
+            handle.uid,
+            handle.kind,
+            handle.vertex_group or (tuple(rest_of(handle)[:3, 3]) if has_points else ""),
+            handle.weight,
+            *_own_values(settings, handle),
         )
+        for handle in settings.handles
+        if handle.enabled
     )
+    return (parts, *regions)
 
 
 def _own_values(settings: SinewDeformer, handle: SinewHandle) -> tuple:
@@ -56,6 +56,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     read_weights(rest, mesh, settings)
     method = settings.definition
     count = len(rest.points)
+    follow = settings.loose_parts == "FOLLOW" and not method.is_space
     names: list[str] = []
     indices: list[np.ndarray] = []
     weights: list[np.ndarray | None] = []
@@ -103,7 +104,10 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         weights.append(strength)
         own.append(_own_values(settings, handle))
     if support is not None:
-        outside = np.flatnonzero(~support & ~taken)
+        held = ~support & ~taken
+        if follow:
+            held &= _on_touched_parts(rest, support | taken)
+        outside = np.flatnonzero(held)
         if len(outside):
             names.append(_IMPLIED)
             indices.append(outside)
@@ -126,6 +130,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
                 tuple(indices),
                 tuple(weights),
                 {row.id: values for row, values in zip(method.handle_parameters, zip(*own, strict=True))},
+                "follow" if follow else "stay",
             ),
         ),
         rest=rest,
@@ -134,6 +139,12 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         handles=tuple(names),
         indices=tuple(indices),
     )
+
+
+def _on_touched_parts(rest: RestShape, touched: np.ndarray) -> np.ndarray:
+    """Mask of the vertices (n,) whose part has a vertex in a region."""
+    parts = connected_parts(len(rest.points), (rest.counts, rest.corners))
+    return np.isin(parts, np.unique(parts[touched]))
 
 
 def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: list[str]) -> None:
