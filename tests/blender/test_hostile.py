@@ -113,6 +113,15 @@ def rest_matrix(value: float):
     return wound
 
 
+def applied(value: float):
+    """What Apply is said to have done to the rest shape."""
+
+    def wound(plate: Rig) -> None:
+        plate.deformer.has_applied, plate.deformer.applied = True, [value] * 16
+
+    return wound
+
+
 def raw_value(value: object, *path: object):
     def wound(plate: Rig) -> None:
         raw(plate, *path[:-1])[path[-1]] = value
@@ -240,6 +249,9 @@ WOUNDS = {
     "rest_matrix_inf": rest_matrix(INF),
     "rest_matrix_huge": rest_matrix(1e38),
     "rest_matrix_singular": rest_matrix(0.0),
+    "applied_nan": applied(NAN),
+    "applied_huge": applied(1e38),
+    "applied_singular": applied(0.0),
     "factor_nan": lambda plate: setattr(plate.deformer, "factor", NAN),
     "factor_nan_below": raw_value(NAN, "deformers", 0, "factor"),
     "factor_inf_below": raw_value(INF, "deformers", 0, "factor"),
