@@ -24,7 +24,9 @@ def on_load(*_args: object) -> None:
     """Another file was opened: forget everything about the previous one."""
     forget_all()
     if session.owners():  # the first evaluation after a load calls no handlers
-        session.update(bpy.context.evaluated_depsgraph_get())
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        deferred.separate_copies(depsgraph)
+        session.update(depsgraph)
         deferred.schedule()
 
 

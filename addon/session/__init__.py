@@ -2,7 +2,7 @@
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
 from .blocks.baked import find_cache
-from .blocks.owners import copies, forget_owners, owners
+from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh, size
@@ -21,13 +21,13 @@ from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
 from .edit.selection import group_from_selection, select_elements, select_group
-from .edit.upkeep import collect, has_pending, tidy
+from .edit.upkeep import collect, has_pending, separate_copies, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
 from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import find, forget_shapes, note_edit, suspended, unsettled
+from .memory.sessions import find, forget_shapes, is_suspended, note_edit, suspended, unsettled
 from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
@@ -63,10 +63,12 @@ __all__ = (
     "forget_shapes",
     "group_from_selection",
     "handles_of_side",
+    "has_copies",
     "has_pending",
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
+    "is_suspended",
     "job",
     "label",
     "lost_controls",
@@ -93,6 +95,7 @@ __all__ = (
     "rig_region",
     "select_elements",
     "select_group",
+    "separate_copies",
     "set_rest_cage",
     "settle",
     "side_of_handle",

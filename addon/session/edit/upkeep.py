@@ -43,13 +43,19 @@ def collect() -> None:
             obj.update_tag(refresh={"OBJECT"})
 
 
-def tidy() -> None:
-    """Give copied objects their own shapes, and renew drivers that are missing or name the wrong control."""
+def separate_copies() -> bool:
+    """Give copied objects keys and shapes of their own; whether there were any."""
     found = copies()
     for obj in found:
         separate(obj)
     if found:
         forget_owners()
+    return bool(found)
+
+
+def tidy() -> None:
+    """Give copied objects their own shapes, and renew drivers that are missing or name the wrong control."""
+    separate_copies()
     for obj in _converted():
         for index in _former(obj):
             deformers.forget_deformer(obj, index)
