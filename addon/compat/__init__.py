@@ -10,6 +10,7 @@ from .interface import (
     has_group_input,
     hide_in_modifier,
     modifier_input,
+    modifier_inputs,
     set_modifier_input,
 )
 from .layout import draw_keymap_item, draw_progress, text_width
@@ -29,6 +30,7 @@ __all__ = (
     "hide_in_modifier",
     "is_bone_selected",
     "modifier_input",
+    "modifier_inputs",
     "move_modifier",
     "read_edges",
     "read_faces",

@@ -23,6 +23,7 @@ from .edit.rigging import rig_control, rig_region, try_bind, use_control, waitin
 from .edit.selection import group_from_selection, select_elements, select_group
 from .edit.upkeep import collect, has_pending, separate_copies, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
+from .live.dependencies import circle
 from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .memory.background import Work
@@ -50,6 +51,7 @@ __all__ = (
     "can_be_moved",
     "cancel",
     "carry_out_writes",
+    "circle",
     "collect",
     "copies",
     "curve_node",

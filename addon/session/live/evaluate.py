@@ -5,6 +5,8 @@ In renders, handlers run this outside the main thread. It reads evaluated data f
 given, and writes arrays of unchanged size. It never makes or removes a datablock.
 """
 
+from typing import NamedTuple
+
 import bpy
 from bpy.types import Depsgraph, Object
 
@@ -21,8 +23,9 @@ from ..control import kinds
 from ..memory import sessions
 from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
 from ..memory.sessions import LastUpdate
-from . import binding, incoming, solving
+from . import binding, incoming, schedule, solving
 from .changes import Change, Changes
+from .schedule import Step
 
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
 
@@ -34,42 +37,88 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
     If nothing changed, this takes some microseconds per control, however large the meshes are.
     """
     found = owners()
-    changes = Changes(depsgraph) if found else None
+    if not found or schedule.is_waiting():
+        return
+    changes, moved = Changes(depsgraph), []
     for obj in found:
         if edit and changes.has_edited_mesh(obj):
             sessions.note_edit(obj.name)
         if sessions.is_suspended():
             sessions.note_missed(obj.name)
             continue
-        evaluated = obj.evaluated_get(depsgraph)
-        if not evaluated.is_evaluated:
-            continue
-        change, last = changes.change_of(obj), changes.last_update(obj)
-        placed, controls = changes.read(obj, evaluated)
-        if last is not None and change is Change.NOTHING and last.placed == placed:
-            continue
-        if sessions.take_missed(obj.name):
-            change = Change.GEOMETRY
-        layout = last.layout if last is not None and change <= Change.DRIVEN else None
-        new_geometry = change is Change.GEOMETRY
-        layout = _update_object(obj, evaluated, depsgraph, controls, preview, new_geometry, layout)
-        changes.note(obj, LastUpdate(placed, layout))
+        look = _look_at(obj, depsgraph, changes)
+        if look is not None:
+            moved.append(look)
+    steps = schedule.steps(found) if moved and len(found) > 1 else []
+    for look in [] if steps else moved:
+        _update_object(look, depsgraph, changes, preview)
+    if steps:
+        _update_in_order(steps, depsgraph, changes, preview)
 
 
-def _update_object(
-    obj: Object,
-    evaluated: Object,
-    depsgraph: Depsgraph,
-    controls: list[ControlState],
-    preview: bool,
-    new_geometry: bool,
-    layout: tuple | None,
-) -> tuple:
-    """Update the deformers of an object; returns its layout, as in ``LastUpdate``.
+def _update_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
+    """Update rigs after those that they read: see ``schedule``."""
+    changes.take()
+    schedule.begin(depsgraph)
+    written: set[Object] = set()  # since Blender evaluated them last
+    for step in steps:
+        for _round in range(step.rounds):
+            if written & step.read:
+                schedule.evaluate(depsgraph)
+                for obj, reads in step.rigs.items():
+                    if reads.entering & written:
+                        changes.add_geometry(obj)
+                written.clear()
+            before = len(written)
+            for look in [_look_at(obj, depsgraph, changes) for obj in step.rigs]:
+                if look is not None and _writes(look, depsgraph, changes, preview):
+                    written.add(look.obj)
+            if len(written) == before:
+                break
 
-    The ``layout`` of the last update is given if nothing but controls has changed since. Then the settings
-    and modifiers need no check.
+
+def _writes(look: "_Look", depsgraph: Depsgraph, changes: Changes, preview: bool) -> bool:
+    """Update the deformers of an object; whether one of them shows another shape now."""
+    before = _shown(look.obj, depsgraph.mode)
+    _update_object(look, depsgraph, changes, preview)
+    after = _shown(look.obj, depsgraph.mode)
+    return len(before) != len(after) or any(
+        one is not other for one, other in zip(before, after, strict=True)
+    )
+
+
+class _Look(NamedTuple):
+    """An object whose deformers are to be updated. ``layout`` is that of the last update, as in
+    ``LastUpdate``, if nothing but controls has changed since: then settings and modifiers need no check.
     """
+
+    obj: Object
+    evaluated: Object
+    placed: tuple
+    controls: list[ControlState]
+    new_geometry: bool
+    layout: tuple | None
+
+
+def _look_at(obj: Object, depsgraph: Depsgraph, changes: Changes) -> _Look | None:
+    """Where an object and its controls are; None if that is as before, or if nothing shows it."""
+    evaluated = obj.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated:
+        return None
+    change, last = changes.change_of(obj), changes.last_update(obj)
+    placed, controls = changes.read(obj, evaluated)
+    if last is not None and change is Change.NOTHING and last.placed == placed:
+        return None
+    if sessions.take_missed(obj.name):
+        changes.add_geometry(obj)
+        change = Change.GEOMETRY
+    layout = last.layout if last is not None and change <= Change.DRIVEN else None
+    return _Look(obj, evaluated, placed, controls, change is Change.GEOMETRY, layout)
+
+
+def _update_object(look: _Look, depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
+    """Update the deformers of an object in the order of its modifiers."""
+    obj, evaluated, layout, new_geometry = look.obj, look.evaluated, look.layout, look.new_geometry
     changed = False
     if layout is None or not _still_holds(layout, obj):
         changed = True
@@ -86,7 +135,7 @@ def _update_object(
         index = shows[0]
         deformer = obj.sinew.deformers[index]
         settings = _evaluated_settings(evaluated, index, deformer)
-        session, control = shapes.session_of(deformer, depsgraph.mode), controls[index]
+        session, control = shapes.session_of(deformer, depsgraph.mode), look.controls[index]
         if settings.method != deformer.method:  # an animated method may ask for another kind of control
             control = kinds.kind_in_use(settings).read_state(deformer, depsgraph)
         evaluation = Evaluation(
@@ -116,7 +165,13 @@ def _update_object(
     if depsgraph.mode == "VIEWPORT" and changed:
         _report_lost(obj)
         baked.report(obj)
-    return layout
+    changes.note(obj, LastUpdate(look.placed, layout))
+
+
+def _shown(obj: Object, mode: str) -> list[object]:
+    """What identifies the shapes that the deformers of an object show: each write makes another one."""
+    views = [shapes.session_of(deformer, mode).view(mode) for deformer in obj.sinew.deformers]
+    return [part for view in views for part in (view.signature, view.shape, view.factor)]
 
 
 def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
