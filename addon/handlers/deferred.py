@@ -60,13 +60,13 @@ def _write_for_renders() -> float | None:
 
 
 def separate_copies(depsgraph: Depsgraph) -> None:
-    """Without a window, give the copies that a script has made shapes of their own now.
+    """Give the copies that a script has made shapes of their own now, as there is no window and so no timer.
 
     Blender then evaluates them, which calls the handlers once more.
     """
-    if not bpy.app.background or depsgraph.mode != "VIEWPORT" or not session.has_copies():
+    if depsgraph.mode != "VIEWPORT" or session.is_suspended():
         return
-    if not session.is_suspended() and session.separate_copies() and not session.has_copies():
+    if session.separate_copies() and not session.has_copies():
         depsgraph.update()
 
 

@@ -18,7 +18,8 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
 
     With a window, a drag shows previews, and the final shape follows after a pause.
     """
-    deferred.separate_copies(depsgraph)
+    if bpy.app.background and session.has_copies():
+        deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     session.update(depsgraph, preview=interactive, edit=True)
     if interactive:
@@ -31,7 +32,8 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
 
     It always computes the final shape.
     """
-    deferred.separate_copies(depsgraph)
+    if bpy.app.background and session.has_copies():
+        deferred.separate_copies(depsgraph)
     session.update(depsgraph)
     if depsgraph.mode == "VIEWPORT":
         deferred.follow_threads()  # an animated setting may have started a bind

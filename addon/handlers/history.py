@@ -25,7 +25,8 @@ def on_load(*_args: object) -> None:
     forget_all()
     if session.owners():  # the first evaluation after a load calls no handlers
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        deferred.separate_copies(depsgraph)
+        if bpy.app.background and session.has_copies():
+            deferred.separate_copies(depsgraph)
         session.update(depsgraph)
         deferred.schedule()
 

@@ -52,7 +52,8 @@ def owners() -> list[Object]:
 
 def has_copies() -> bool:
     """Whether some object shares the shape meshes of another, or overrides linked ones: see ``upkeep``."""
-    owners()
+    if _found.objects != len(bpy.data.objects):
+        _take()
     return _found.has_copies
 
 

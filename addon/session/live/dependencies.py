@@ -8,7 +8,7 @@ so nothing is kept from one evaluation to the next.
 
 from collections.abc import Iterable, Iterator
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from bpy.types import ID, Collection, Constraint, Modifier, NodeTree, Object
 
@@ -195,7 +195,7 @@ def _modifiers(obj: Object, modifiers: Iterable[Modifier]) -> Iterator[Part]:
                 followed.update((SHAPE, other) for other in _in_nodes(modifier))
         else:
             what = PLACE if modifier.type in _BY_PLACE else SHAPE
-            for name in _pointers(type(modifier)):
+            for name in _pointers(modifier.__class__):
                 named = getattr(modifier, name)
                 if isinstance(named, Collection):
                     followed.update((what, other) for other in named.all_objects)
@@ -218,7 +218,7 @@ def _modifiers(obj: Object, modifiers: Iterable[Modifier]) -> Iterator[Part]:
 
 
 @cache
-def _pointers(kind: type) -> tuple[str, ...]:
+def _pointers(kind: Any) -> tuple[str, ...]:
     """The properties of a type of modifier that name an object or a collection."""
     return tuple(
         row.identifier
