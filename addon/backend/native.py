@@ -208,19 +208,21 @@ def build_factor(
 
 def automatic_cage(
     points: np.ndarray, polygons: tuple[np.ndarray, np.ndarray], progress: Progress | None = None, **options
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Make a closed mesh around a mesh. Returns its points (c, 3), and the counts and corners of its faces.
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
+    """Make a closed mesh around a mesh.
 
+    Returns its points (c, 3), the counts and corners of its faces, and why there are more than wanted.
     ``polygons`` are the (counts, corners) of the mesh, ``options`` those of the native function. Any thread
     may call this.
     """
     native = _module()
     with _translated(native):
         mesh = native.SurfaceMesh(points, polygons)
-        around, faces, _report = native.automatic_cage(mesh, progress=progress, **options)
+        around, faces, report = native.automatic_cage(mesh, progress=progress, **options)
+    more = "" if report.reached else f"{report.faces} faces instead of {report.wanted}: {report.reason}"
     if isinstance(faces, tuple):
-        return around, *faces
-    return around, np.full(len(faces), 3, dtype=np.int32), faces.ravel()
+        return around, *faces, more
+    return around, np.full(len(faces), 3, dtype=np.int32), faces.ravel(), more
 
 
 def diagnose(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> Diagnosis:

@@ -11,9 +11,11 @@ from .interface import (
     hide_in_modifier,
     modifier_input,
     modifier_inputs,
+    rename_attribute_inputs,
     set_modifier_input,
 )
 from .layout import draw_keymap_item, draw_progress, text_width
+from .libraries import is_placeholder
 from .mesh import read_edges, read_faces, read_positions, read_triangles, write_positions
 from .modifiers import move_modifier
 from .nodes import enabled_socket
@@ -29,6 +31,7 @@ __all__ = (
     "has_group_input",
     "hide_in_modifier",
     "is_bone_selected",
+    "is_placeholder",
     "modifier_input",
     "modifier_inputs",
     "move_modifier",
@@ -38,6 +41,7 @@ __all__ = (
     "read_positions",
     "read_triangles",
     "remove_action_curve",
+    "rename_attribute_inputs",
     "select_bone",
     "set_modifier_input",
     "set_text_size",

@@ -74,3 +74,14 @@ def set_modifier_input(modifier: NodesModifier, name: str, value: object) -> Non
         modifier[identifier] = value
     if isinstance(value, ID):
         modifier.node_group = modifier.node_group
+
+
+def rename_attribute_inputs(modifier: NodesModifier, old: str, new: str) -> None:
+    """Let the inputs of a modifier's node group that read the attribute ``old`` read ``new`` instead."""
+    for item in _inputs(modifier.node_group) if modifier.node_group else ():
+        if hasattr(modifier, "properties"):
+            value = getattr(modifier.properties.inputs, item.identifier, None)
+            if getattr(value, "attribute_name", None) == old:
+                value.attribute_name = new
+        elif modifier.get(f"{item.identifier}_attribute_name") == old:
+            modifier[f"{item.identifier}_attribute_name"] = new

@@ -3,6 +3,7 @@
 
 import bpy
 
+from .. import session
 from . import deferred, evaluation, history
 
 _HANDLERS = (
@@ -11,8 +12,8 @@ _HANDLERS = (
     ("undo_post", history.on_undo),
     ("redo_post", history.on_undo),
     ("load_post", history.on_load),
-    ("save_pre", history.before_save_or_render),
-    ("render_init", history.before_save_or_render),
+    ("save_pre", history.before_save),
+    ("render_init", history.before_render),
 )
 
 
@@ -23,6 +24,8 @@ def register() -> None:
 
 def unregister() -> None:
     deferred.stop()
+    evaluation.listen(False)
+    session.store_shown()  # renders without Sinew show it
     for event, handler in _HANDLERS:
         handlers = getattr(bpy.app.handlers, event)
         if handler in handlers:

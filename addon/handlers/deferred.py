@@ -73,12 +73,13 @@ def separate_copies(depsgraph: Depsgraph) -> None:
 def catch_up() -> bool:
     """Do all deferred work now; True while a thread is still working.
 
-    Collects the results of threads, gives copied objects shapes of their own, reacts to edits of meshes, and
-    replaces previews by final shapes.
+    Collects the results of threads, gives copied objects shapes of their own, reacts to edits of meshes,
+    gives keyframes to controls that followed others, and replaces previews by final shapes.
     """
     session.collect()
     session.tidy()
     session.refresh()
+    session.key_partners()
     session.settle()
     return session.busy()
 

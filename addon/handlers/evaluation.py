@@ -4,6 +4,8 @@
 What these handlers write makes Blender evaluate the scene once more, but not again and again.
 """
 
+import threading
+
 import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
@@ -13,15 +15,39 @@ from . import deferred
 
 
 @persistent
+def before_depsgraph_update(*_args: object) -> None:
+    """Something was edited, and is not evaluated yet: what an artist moves takes its mirror image along.
+
+    Blender calls it only while posing is mirrored for some object.
+    """
+    if threading.current_thread() is threading.main_thread():
+        session.move_partners()
+
+
+_before_updates = bpy.app.handlers.depsgraph_update_pre
+
+
+def listen(wanted: bool) -> None:
+    """Let Blender call ``before_depsgraph_update``, or no more."""
+    if before_depsgraph_update in _before_updates:
+        _before_updates.remove(before_depsgraph_update)
+    if wanted:
+        _before_updates.append(before_depsgraph_update)
+
+
+@persistent
 def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Something was edited.
 
-    With a window, a drag shows previews, and the final shape follows after a pause.
+    With a window, a drag shows previews, and the final shape follows after a pause. Without one there is no
+    pause: copies and library overrides get shapes of their own at once.
     """
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     session.update(depsgraph, preview=interactive, edit=True)
+    if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
+        listen(bool(session.mirrored_targets))
     if interactive:
         deferred.schedule()
 
@@ -36,4 +62,6 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
         deferred.separate_copies(depsgraph)
     session.update(depsgraph)
     if depsgraph.mode == "VIEWPORT":
+        if session.mirrored_targets and before_depsgraph_update not in _before_updates:
+            listen(True)
         deferred.follow_threads()  # an animated setting may have started a bind

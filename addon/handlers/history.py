@@ -8,7 +8,7 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..core.memory import forget_all
-from . import deferred
+from . import deferred, evaluation
 
 
 @persistent
@@ -16,6 +16,8 @@ def on_undo(*_args: object) -> None:
     """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
     session.forget_owners()
     session.forget_shapes()
+    session.complete_undo()
+    evaluation.listen(bool(session.mirrored_targets))
     _evaluate_all()
 
 
@@ -29,11 +31,19 @@ def on_load(*_args: object) -> None:
             deferred.separate_copies(depsgraph)
         session.update(depsgraph)
         deferred.schedule()
+    evaluation.listen(bool(session.mirrored_targets))
 
 
 @persistent
-def before_save_or_render(*_args: object) -> None:
-    """Give copied objects shapes of their own and react to edits, before a save or a render.
+def before_save(*_args: object) -> None:
+    """Do all deferred edits, and store the last solutions for computers without Sinew."""
+    before_render()
+    session.store()
+
+
+@persistent
+def before_render(*_args: object) -> None:
+    """Give copied objects shapes of their own and react to edits.
 
     A render from a window runs in another thread, which cannot make datablocks. Then a timer has done this.
     """

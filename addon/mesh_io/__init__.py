@@ -11,11 +11,12 @@ from .rest import (
     same_topology,
     weights_attribute,
 )
-from .shape import read_shape, resize_shape, shape_array, shape_mesh, write_shape
+from .shape import copy_shape, read_shape, resize_shape, shape_array, shape_mesh, write_shape
 
 __all__ = (
     "Incoming",
     "RestShape",
+    "copy_shape",
     "group_names",
     "group_weights",
     "read_attributes",

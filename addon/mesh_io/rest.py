@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Read and replace rest meshes: points, faces and the weights of vertex groups."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import bmesh
@@ -41,6 +41,15 @@ class RestShape:
     def points_float32(self) -> np.ndarray:
         """The points in float32, as Blender stores them."""
         return self.points.astype(np.float32)
+
+    def moved(self, matrix: np.ndarray, token: str) -> "RestShape":
+        """The shape moved by an affine ``matrix`` (4, 4). Faces point to the same side after a reflection."""
+        corners = self.corners
+        if np.linalg.det(matrix[:3, :3]) < 0.0:
+            last = np.repeat(np.cumsum(self.counts), self.counts) - 1
+            first = last + 1 - np.repeat(self.counts, self.counts)
+            corners = corners[first + last - np.arange(len(corners))]
+        return replace(self, token=token, points=frames.transformed(matrix, self.points), corners=corners)
 
 
 def read_rest(mesh: Mesh) -> RestShape:

@@ -43,6 +43,16 @@ def write_shape(mesh: Mesh, shape: np.ndarray, factor: float, displacement: bool
     return True
 
 
+def copy_shape(source: Mesh, mesh: Mesh) -> bool:
+    """Let a shape mesh show what another one shows; False if that has another number of vertices."""
+    if len(mesh.vertices) != len(source.vertices):
+        return False
+    held = read_positions(source)
+    if not np.array_equal(held, read_positions(mesh)):
+        write_positions(mesh, held)
+    return True
+
+
 def read_shape(mesh: Mesh) -> np.ndarray | None:
     """The positions (n, 3) that a shape mesh shows, float64; None if it shows the rest shape or
     displacements.

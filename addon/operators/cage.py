@@ -114,19 +114,22 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
         return self.watched(context, self.run(context, wait=False, shape=work.result))
 
     @reports_errors
-    def run(self, context: Context, wait: bool, shape: object = None) -> set[str]:
+    def run(self, context: Context, wait: bool, shape: tuple | None = None) -> set[str]:
         """``shape`` is that of an automatic cage if a thread has made it already."""
         obj = target_of(context)
+        more = ""
         with object_mode(context, obj):
             if self.source == "OBJECT":
                 cage = self._chosen(context, obj)
             else:
-                cage = session.add_cage_object(obj, shape or self._maker(obj)(None))
+                shape = shape or self._maker(obj)(None)
+                cage = session.add_cage_object(obj, shape)
+                more = shape[-1] and f", {shape[-1]}"
             deformer, refusal = session.rig_control(
                 obj, cage, self.method, owned=self.source == "AUTO", wait=wait
             )
             _show(context, cage)
-        self.report_bind(refusal, f"{cage.name}: {deformer.status}")
+        self.report_bind(refusal, f"{cage.name}: {deformer.status}{more}")
         return {"FINISHED"}
 
     def _maker(self, obj: Object):

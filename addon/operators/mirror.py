@@ -15,7 +15,8 @@ from .waiting import BindingOperator
 class SINEW_OT_handle_mirror(BindingOperator, Operator):
     """Mirror handles across the local X axis of the mesh: Hand.L to Hand.R, with weights, control and pose.
 
-    The other side is found by its name, or made. A handle without a side in its name becomes symmetric
+    The other side is found by its name, or made. A handle without a side in its name is named by the side
+    that it lies on; on the centre line it stays one handle and becomes symmetric
     """
 
     bl_idname = Operators.HANDLE_MIRROR
@@ -73,7 +74,7 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
         deformer = obj.sinew.active
         active = deformer.handles[handle_index(deformer, -1)]
         if self.side == "ACTIVE":
-            keys, source = [active.uid], session.side_of_handle(active) or Side.LEFT
+            keys, source = [active.uid], None
         else:
             source = Side.LEFT if self.side == "LEFT_TO_RIGHT" else Side.RIGHT
             keys = session.handles_of_side(deformer, source)
@@ -86,11 +87,13 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
         return {"FINISHED"}
 
     def _report_result(self, done: session.Mirrored) -> None:
+        for old, new in done.named:
+            self.report({"INFO"}, f"{old} is now {new}, after the side that it lies on")
         pairs = [f"{source} to {target}" for source, target in done.pairs]
         if pairs:
             self.report({"INFO"}, f"Mirrored {', '.join(pairs)}")
-        if done.evened:
-            self.report({"INFO"}, f"Made symmetric: {', '.join(done.evened)}")
+        for name in done.evened:
+            self.report({"INFO"}, f"{name} lies on the centre line: it stays one handle, made symmetric")
         if done.centre:
             vertices = "1 vertex" if done.centre == 1 else f"{done.centre:,} vertices"
             self.report({"INFO"}, f"{vertices} on the centre line belong to the side that was mirrored")

@@ -8,6 +8,7 @@ from bpy.props import (
     BoolProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -119,6 +120,13 @@ class SinewDeformer(PropertyGroup):
     active_control: record(IntProperty)
     handles: setting_list(type=SinewHandle)
     active_handle: record(IntProperty)
+    use_mirror_x: setting(
+        BoolProperty,
+        options=set(),  # cannot be animated
+        name="X-Axis Mirror",
+        description="When you move a control whose name has a side, such as Hand.L, the control of the other "
+        "side follows as its mirror image across the local X axis of the mesh",
+    )
     factor: setting(
         FloatProperty,
         name="Factor",
@@ -156,6 +164,15 @@ class SinewDeformer(PropertyGroup):
         type=Mesh,
         description="The rest shape for renders, if modifiers before Sinew give another number of vertices "
         "there",
+    )
+    has_applied: record(BoolProperty)
+    applied: record(
+        FloatVectorProperty,
+        name="Applied",
+        size=16,
+        subtype="MATRIX",
+        description="What Apply and Set Origin did to the object space of the target since the rest shapes "
+        "were stored",
     )
     bake: setting(PointerProperty, update=None, type=SinewBake)
     status: StringProperty(

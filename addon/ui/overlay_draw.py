@@ -106,6 +106,22 @@ def draw_legend(context: Context, legend: Legend) -> None:
         blf.draw(_FONT, text)
 
 
+def draw_lines(context: Context, lines: list[str]) -> None:
+    """Draw lines of text at the lower left corner of the viewport, beside the toolbar."""
+    import blf
+
+    unit = context.preferences.system.ui_scale
+    compat.set_text_size(_FONT, context.preferences.ui_styles[0].widget.points * unit)
+    left, bottom = _left_corner(context.area, context.region)
+    blf.color(_FONT, *_TEXT)
+    blf.enable(_FONT, blf.SHADOW)
+    blf.shadow(_FONT, 3, 0.0, 0.0, 0.0, 1.0)
+    for number, line in enumerate(reversed(lines)):
+        blf.position(_FONT, left + 14 * unit, bottom + (14 + 19 * number) * unit, 0.0)
+        blf.draw(_FONT, line)
+    blf.disable(_FONT, blf.SHADOW)
+
+
 def _make_batch(points: np.ndarray, colours: np.ndarray, triangles: np.ndarray):
     import gpu
 
@@ -182,6 +198,15 @@ def _corner(area: Area, region: Region) -> tuple[int, int]:
         elif other.type != "WINDOW" and other.alignment == "BOTTOM" and other.height > 1:
             bottom = max(bottom, other.y + other.height - region.y)
     return right, bottom
+
+
+def _left_corner(area: Area, region: Region) -> tuple[int, int]:
+    """The lower left corner of the area that other regions leave free, in pixels of the region."""
+    left = 0
+    for other in area.regions:
+        if other.type == "TOOLS" and other.alignment == "LEFT" and other.width > 1:
+            left = max(left, other.x + other.width - region.x)
+    return left, _corner(area, region)[1]
 
 
 def _lay_out(legend: Legend, right: int, bottom: int, unit: float, blf) -> _Card:

@@ -19,6 +19,7 @@ _WIDE = 44  # characters; in a wider region, buttons are drawn beside their line
 _BUTTON = 72  # pixels at scale 1
 
 
+REFINING = "Refining - the final shape follows"
 NATIVE_MISSING = Status(
     Level.ERROR,
     "The native module does not work here - the preferences say what to install",
@@ -120,6 +121,8 @@ def headline(deformer: SinewDeformer) -> Status:
     known = session.find(deformer.uid)
     if deformer.bake.is_baked:
         return main
+    if main.level is Level.INFO and session.is_refining(deformer.uid):
+        return Status(Level.INFO, REFINING)
     if main.level is Level.INFO and deformer.is_bound and known is not None and known.solve_milliseconds:
         text = f"{main.text}, solve {session.duration(known.solve_milliseconds)}"
         return Status(main.level, text, main.elements, main.remedy)

@@ -100,7 +100,12 @@ std::vector<Handle> handles(const py::handle& regions, const py::object& weights
     std::vector<Handle> result;
     for (const py::handle region : regions) {
         const std::string name = "handle " + std::to_string(result.size());
-        result.emplace_back().vertices = integers(region, name.c_str());
+        const py::array indices = any_array(region, name.c_str());
+        if (indices.ndim() == 0)
+            throw py::type_error("handles: " + name +
+                                 " is a plain number; each handle is an array of indices, so write "
+                                 "[[0, 7]] for one handle of two vertices");
+        result.emplace_back().vertices = integers(indices, name.c_str());
     }
 
     const auto per_handle = [&](const py::object& values, const char* name) {
@@ -165,16 +170,17 @@ Progress progress(const py::object& callback)
     });
 }
 
-SinglePoints singles(const py::object& object, const char* name, py::ssize_t rows)
+SinglePoints singles(const py::object& object, const char* name, std::optional<py::ssize_t> rows)
 {
     using Array = py::array_t<float, py::array::c_style>;
     constexpr int fit = py::detail::npy_api::NPY_ARRAY_WRITEABLE_ | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
     if (!py::isinstance<Array>(object) || (py::reinterpret_borrow<py::array>(object).flags() & fit) != fit)
         throw py::type_error(std::string(name) + ": a writable C-contiguous float32 array is needed");
     auto array = py::reinterpret_borrow<Array>(object);
-    if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != 3)
-        throw InvalidConstraint(std::string(name) + ": the shape must be (" + std::to_string(rows) + ", 3)");
-    return {array.mutable_data(), rows, 3};
+    if (array.ndim() != 2 || array.shape(0) != rows.value_or(array.shape(0)) || array.shape(1) != 3)
+        throw InvalidConstraint(std::string(name) + ": the shape must be (" +
+                                (rows ? std::to_string(*rows) : "n") + ", 3)");
+    return {array.mutable_data(), array.shape(0), 3};
 }
 
 namespace {
@@ -208,6 +214,12 @@ void round_into(const Points& positions, SinglePoints& out)
 void require_finite(const SinglePoints& positions)
 {
     require_finite_rows(positions.rows(), [own = positions.data()](std::size_t k) { return own[k]; });
+}
+
+void require_finite(const Points& positions)
+{
+    if (!positions.allFinite())
+        throw InvalidConstraint("the solution is not finite; check the scale of the poses");
 }
 
 const char* name_of(Reuse reuse)

@@ -12,6 +12,7 @@ void bind_affine_basis(py::module_& module)
                             "The precomputed response of a ThinShell to affine handle motions [Botsch & "
                             "Kobbelt 2004, section 5].")
         .def(py::init([](const ThinShell& shell) {
+                 const AccessLock shared = shell.reading();
                  const Points& rest = shell.rest().points();
                  return AffineBasis(rest, shell.respond(AffineBasis::columns(rest, shell.regions())));
              }),

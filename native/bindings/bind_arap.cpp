@@ -48,7 +48,9 @@ Raises InvalidOption.)")
             "energy",
             [](const Arap& arap, const py::object& object) {
                 const FloatArray array = floats(object, "positions");
-                return arap.energy(points<InvalidConstraint>(array, "positions"));
+                const PointsView view = points<InvalidConstraint>(array, "positions");
+                const py::gil_scoped_release unlocked;
+                return arap.energy(view);
             },
             py::arg("positions"),
             R"(Energy of given points over the parts with a handle, with fitted rotations -> a number.

@@ -44,10 +44,13 @@ void bind_automatic_cage(py::module_& module)
 {
     py::class_<AutomaticCageReport>(module, "AutomaticCageReport",
                                     "What automatic_cage() did; lengths are shares of the target's diagonal.")
+        .def_readonly("wanted", &AutomaticCageReport::wanted, "Number of triangles asked for.")
         .def_readonly("faces", &AutomaticCageReport::faces, "Number of triangles; a quad counts as two.")
         .def_readonly("quads", &AutomaticCageReport::quads, "How many pairs of these triangles are quads.")
         .def_readonly("reached", &AutomaticCageReport::reached,
                       "Whether there are no more faces than wanted; one more in a symmetric cage.")
+        .def_readonly("reason", &AutomaticCageReport::reason,
+                      "Why there are more faces than wanted; empty where the number was reached.")
         .def_readonly("mirror_axis", &AutomaticCageReport::mirror_axis, "0 to 2, or -1 for none.")
         .def_readonly("wrap_faces", &AutomaticCageReport::wrap_faces,
                       "Number of triangles of the fine surface that was simplified.")
@@ -57,8 +60,9 @@ void bind_automatic_cage(py::module_& module)
                       "Distance of the cage from the closest vertex of the target.")
         .def_readonly("seconds", &AutomaticCageReport::seconds, "Wall clock time of the call.")
         .def("__repr__", [](const AutomaticCageReport& report) {
-            return "<AutomaticCageReport: " + std::to_string(report.faces) + " faces, clearance " +
-                   std::to_string(report.clearance) + ">";
+            return "<AutomaticCageReport: " + std::to_string(report.faces) + " of " +
+                   std::to_string(report.wanted) + " faces, clearance " + std::to_string(report.clearance) +
+                   (report.reached ? ">" : "; " + report.reason + ">");
         });
 
     module.def("automatic_cage", &make_cage, py::arg("mesh"), py::arg("faces") = 300,
@@ -68,7 +72,8 @@ Make a coarse cage around any mesh. It is closed, does not cross itself, looks o
 inside; all this is checked.
 
 mesh      SurfaceMesh, with any parts, holes and crossings; loose vertices are inside the cage, too.
-faces     number of triangles wanted, 12 to 100000; a quad counts as two.
+faces     number of triangles wanted, 12 to 100000; a quad counts as two. There may be more: the report says how
+          many, and why.
 margin    distance from the mesh at which the cage is begun, as a share of its diagonal; 0.004 to 0.25.
 symmetry  'automatic' (along the first of x, y, z along which the vertices are mirrored), 'none', 'x', 'y' or 'z'.
 quads     join triangles into quads where the cage is good with either diagonal.
@@ -86,6 +91,12 @@ InvalidOption or Cancelled.)");
         .def_property_readonly(
             "non_manifold_edges", [](const CageDiagnosis& d) { return pair_array(d.non_manifold_edges); },
             "(k, 2) vertices of edges with three or more faces.")
+        .def_property_readonly(
+            "crowded_diagonals", [](const CageDiagnosis& d) { return pair_array(d.crowded_diagonals); },
+            "(k, 2) vertices of diagonals that are edges, too, or diagonals of several faces: cut along "
+            "them, "
+            "more than\n"
+            "two triangles meet there.")
         .def_property_readonly(
             "inverted_faces", [](const CageDiagnosis& d) { return to_numpy(d.inverted_faces); },
             "(k,) faces that look inward and should be flipped.")

@@ -15,6 +15,8 @@ VectorX influence(const CageCoordinates& coordinates, std::vector<int> vertices)
     std::ranges::sort(vertices);
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     const int count = coordinates.cage().vertex_count();
+    const py::gil_scoped_release unlocked;
+    const AccessLock shared = coordinates.reading();
     for (int vertex : vertices)
         if (vertex < 0 || vertex >= count)
             throw InvalidConstraint("vertices: the cage has no vertex " + std::to_string(vertex),
@@ -24,6 +26,8 @@ VectorX influence(const CageCoordinates& coordinates, std::vector<int> vertices)
 
 RowMatrix vertex_weights(const CageCoordinates& coordinates)
 {
+    const py::gil_scoped_release unlocked;
+    const AccessLock shared = coordinates.reading();
     const RowMatrix dense = coordinates.weights().dense();
     return dense.leftCols(std::min<Eigen::Index>(coordinates.cage().vertex_count(), dense.cols()));
 }

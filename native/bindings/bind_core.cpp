@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
+#include "native/core/access.h"
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
@@ -87,6 +88,11 @@ void bind_core(py::module_& module)
     add<Cancelled>(
         module, "Cancelled",
         "Raised when the progress callback returned False. The object is as it was before the call.", base);
+    add<ObjectInUse>(
+        module, "ObjectInUse",
+        "Raised when a progress callback binds an object that is in use, or uses one that is being "
+        "bound: a callback cannot wait for the call that it belongs to.",
+        base);
 
     py::register_exception_translator([](std::exception_ptr pointer) {
         try {

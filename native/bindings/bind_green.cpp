@@ -32,7 +32,7 @@ exit_face   the face of the cage for outside='face'.
 )",
         py::arg("outside") = "nearest", py::arg("exit_face") = -1)
         .def_property_readonly(
-            "face_weights", &Green::face_weights,
+            "face_weights", &read<&Green::face_weights, Green>,
             "(n, t) weights of the normals of the triangles that the cage's faces are cut into, "
             "in the unit of length of the cage.");
 }

@@ -40,14 +40,14 @@ solver      'boundary' elements or a 'lattice'; 'auto' takes the lattice for mor
 )",
         py::arg("quality") = "medium", py::arg("outside") = "error", py::arg("solver") = "auto")
         .def_property_readonly(
-            "unknowns", &Harmonic::unknowns,
+            "unknowns", &read<&Harmonic::unknowns, Harmonic>,
             "After bind(): the unknowns of the flux on the boundary, or the nodes of the lattice.")
         .def_property_readonly(
-            "residual_rms", &Harmonic::residual_rms,
+            "residual_rms", &read<&Harmonic::residual_rms, Harmonic>,
             "After bind(): the root mean square difference between the weights and the data on the cage; 0 "
             "with a lattice.")
         .def_property_readonly(
-            "residual_max", &Harmonic::residual_max,
+            "residual_max", &read<&Harmonic::residual_max, Harmonic>,
             "After bind(): the largest of these differences. They are measured at some points "
             "of the cage; apart from that, no error inside is larger.");
 }

@@ -116,10 +116,11 @@ void bind_mesh(py::module_& module)
 It may have any number of parts, boundaries, non-manifold edges, duplicate faces, faces without area, and loose
 vertices. It never changes. Cost: O(n).)")
         .def(py::init(&make_mesh), py::arg("points"), py::arg("faces"), R"(
-points  (n, 3) rest positions in object space.
+points  (n, 3) rest positions in object space. No coordinate is above 1e60, and the box around them is no smaller
+        than 1e-60, unless all are in one place.
 faces   (m, 3) or (m, 4) integers, or a tuple (counts (m,), indices (sum of counts,)).
 
-Raises InvalidMesh for no vertices, NaN or infinite points, faces of fewer than three corners
+Raises InvalidMesh for no vertices, NaN, infinite, too large or too small points, faces of fewer than three corners
 and indices out of range; `elements` lists the culprits.)")
         .def_property_readonly(
             "points",

@@ -55,7 +55,8 @@ void bind_operators(py::module_& module)
         },
         py::arg("mesh"), py::arg("order"), py::arg("discretization") = "cotan_voronoi",
         "(n, n) symmetric operator of order k, L (M^-1 L)^(k-1), Eq. 18. Raises InvalidOption below order "
-        "1.");
+        "1,\n"
+        "InvalidMesh where the mesh is so large or small that no entry can be computed.");
     module.def("gradient", &gradient_matrix, py::arg("mesh"),
                "(3t, n) sparse G: rows 3k..3k+2 are the gradient on triangle k.");
     module.def(

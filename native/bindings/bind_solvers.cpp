@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
+#include "native/core/access.h"
 #include "native/solvers/spd_factor.h"
 
 #include <pybind11/eigen.h>
@@ -8,6 +9,23 @@
 namespace sinew::bindings {
 
 namespace {
+
+/// A factor that threads may share.
+struct SharedFactor
+{
+    SpdFactor factor;
+    mutable Access access{};
+
+    AccessLock reading() const { return {AccessLock::reading, access}; }
+};
+
+template <auto member>
+auto read(const SharedFactor& shared)
+{
+    const py::gil_scoped_release unlocked;
+    const AccessLock lock = shared.reading();
+    return (shared.factor.*member)();
+}
 
 FactorOptions factor_options(const std::string& ordering, const std::string& backend)
 {
@@ -41,14 +59,17 @@ SparseMatrix tidy(const SparseMatrix& matrix)
 
 void bind_solvers(py::module_& module)
 {
-    py::class_<SpdFactor>(module, "SpdFactor", "A sparse Cholesky factor for many right-hand sides.")
+    py::class_<SharedFactor>(module, "SpdFactor",
+                             "A sparse Cholesky factor for many right-hand sides. Threads may share it: "
+                             "factorize() waits until\n"
+                             "other calls have ended, and they wait for it.")
         .def(
             py::init([](const SparseMatrix& matrix, const std::string& ordering, const std::string& backend) {
-                SpdFactor factor(factor_options(ordering, backend));
+                SharedFactor shared{SpdFactor(factor_options(ordering, backend))};
                 const SparseMatrix sorted = tidy(matrix);
                 const py::gil_scoped_release unlocked;
-                factor.factorize(sorted);
-                return factor;
+                shared.factor.factorize(sorted);
+                return shared;
             }),
             py::arg("matrix"), py::arg("ordering") = "minimum_degree", py::arg("backend") = "automatic", R"(
 matrix    (n, n) SciPy sparse, symmetric positive definite.
@@ -58,7 +79,7 @@ backend   'automatic', 'supernodal', 'simplicial' (CHOLMOD) or 'ldlt' (Eigen).
 Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemory above limit_memory().)")
         .def(
             "solve",
-            [](const SpdFactor& factor, const py::object& rhs) {
+            [](const SharedFactor& shared, const py::object& rhs) {
                 const FloatArray array = floats(rhs, "rhs");
                 if (array.ndim() != 1 && array.ndim() != 2)
                     throw InvalidConstraint("rhs: the shape must be (n,) or (n, k)");
@@ -68,7 +89,8 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
                 MatrixX x;
                 {
                     const py::gil_scoped_release unlocked;
-                    x = factor.solve(b);
+                    const AccessLock lock = shared.reading();
+                    x = shared.factor.solve(b);
                 }
                 return array.ndim() == 1 ? py::object(py::cast(VectorX(x.col(0)))) : py::object(py::cast(x));
             },
@@ -77,19 +99,21 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
             "Raises InvalidConstraint for another shape.")
         .def(
             "factorize",
-            [](SpdFactor& factor, const SparseMatrix& matrix) {
+            [](SharedFactor& shared, const SparseMatrix& matrix) {
                 const SparseMatrix sorted = tidy(matrix);
                 const py::gil_scoped_release unlocked;
-                factor.factorize(sorted);
+                const AccessLock lock(AccessLock::changing, shared.access);
+                shared.factor.factorize(sorted);
             },
             py::arg("matrix"),
             "(n, n) a matrix with other values; the symbolic part is kept if the pattern is the same.\n"
             "Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemory.")
-        .def_property_readonly("size", &SpdFactor::size, "Rows of the matrix, n.")
-        .def_property_readonly("nonzeros", &SpdFactor::nonzeros, "Entries of the factor.")
-        .def_property_readonly("bytes", &SpdFactor::bytes, "Memory of the factor.")
-        .def_property_readonly("factorizations", &SpdFactor::factorizations, "Numeric factorisations so far.")
-        .def_property_readonly("analyses", &SpdFactor::analyses, "Symbolic factorisations so far.");
+        .def_property_readonly("size", &read<&SpdFactor::size>, "Rows of the matrix, n.")
+        .def_property_readonly("nonzeros", &read<&SpdFactor::nonzeros>, "Entries of the factor.")
+        .def_property_readonly("bytes", &read<&SpdFactor::bytes>, "Memory of the factor.")
+        .def_property_readonly("factorizations", &read<&SpdFactor::factorizations>,
+                               "Numeric factorisations so far.")
+        .def_property_readonly("analyses", &read<&SpdFactor::analyses>, "Symbolic factorisations so far.");
 }
 
 } // namespace sinew::bindings

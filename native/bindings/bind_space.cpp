@@ -31,7 +31,11 @@ bool can_reuse(const SpaceMethod& method, const py::object& former, const py::ob
 {
     const FloatArray array = floats(rest, "points");
     const PointsView view = points<InvalidConstraint>(array, "points");
-    return py::isinstance<SpaceMethod>(former) && method.can_reuse(former.cast<const SpaceMethod&>(), view);
+    if (!py::isinstance<SpaceMethod>(former))
+        return false;
+    const auto& other = former.cast<const SpaceMethod&>();
+    const py::gil_scoped_release unlocked;
+    return method.can_reuse(other, view);
 }
 
 py::object warp(const SpaceMethod& method, const py::object& control, const py::object& out,
@@ -41,16 +45,19 @@ py::object warp(const SpaceMethod& method, const py::object& control, const py::
     const PointsView view = points<InvalidConstraint>(array, "cage_points");
     const OptionalPoints entering(incoming, "incoming");
     if (!out.is_none()) {
-        SinglePoints single = singles(out, "out", method.points().rows());
+        SinglePoints single = singles(out, "out");
         const py::gil_scoped_release unlocked;
-        method.warp(view, entering.view, single.data());
+        method.warp(view, entering.view, single.data(), single.rows());
         require_finite(single);
         return out;
     }
-    Points positions(method.points().rows(), 3);
+    Points positions;
     {
         const py::gil_scoped_release unlocked;
+        const AccessLock shared = method.reading();
+        positions.resize(method.points().rows(), 3);
         method.warp(view, entering.view, positions.data());
+        require_finite(positions);
     }
     return to_numpy(std::move(positions));
 }
@@ -83,23 +90,27 @@ void bind_space(py::module_& module)
         });
 
     py::class_<SpaceMethod, std::shared_ptr<SpaceMethod>>(
-        module, "SpaceMethod", "What every deformation of the space around points can do.")
+        module, "SpaceMethod", R"(What every deformation of the space around points can do.
+
+Threads may share an object. warp() runs in any number of them at once. bind() and rebind() have their objects to
+themselves: they wait until other calls have ended, and other calls wait for them. A progress callback must not wait
+for the call that it belongs to, so there such a call raises ObjectInUse.)")
         .def("bind", &bind_points, py::arg("points"), py::arg("progress") = py::none(),
              R"(Compute the weights of points -> CageReport.
 
 points    (n, 3) rest points, in the frame of the cage.
 progress  None or callable(fraction, stage); returning False cancels.
 
-Raises InvalidConstraint (a point is not finite, or the method has no weights for it), OutOfMemory or
-Cancelled; the object then stays as it was.)")
+Raises InvalidConstraint (a point is not finite, or the method has no weights for it), OutOfMemory, ObjectInUse
+or Cancelled; the object then stays as it was.)")
         .def("rebind", &rebind, py::arg("former"), py::arg("points"), py::arg("progress") = py::none(),
              R"(As bind(), taking over the weights of another object where they are the same -> CageReport.
 
 former    SpaceMethod. If can_reuse(former, points), it has no bound points afterwards; otherwise it stays
-          as it was. No other thread may warp with it meanwhile.
+          as it was.
 points    (n, 3); this and progress as in bind().
 
-Raises InvalidConstraint, OutOfMemory or Cancelled; both objects then stay as they were.)")
+Raises InvalidConstraint, OutOfMemory, ObjectInUse or Cancelled; both objects then stay as they were.)")
         .def("can_reuse", &can_reuse, py::arg("former"), py::arg("points"),
              R"(Whether rebind() would take over the weights of another method. Cost: O(n), to compare.
 

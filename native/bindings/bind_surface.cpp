@@ -52,29 +52,34 @@ py::tuple solve(const SurfaceMethod& method, const py::object& poses, const py::
 void bind_surface(py::module_& module)
 {
     py::class_<SurfaceMethod, std::shared_ptr<SurfaceMethod>>(
-        module, "SurfaceMethod", "What every deformation of a surface by handles on it can do.")
+        module, "SurfaceMethod", R"(What every deformation of a surface by handles on it can do.
+
+Threads may share an object. solve() runs in any number of them at once. Calls that bind (set_handles(), rebind() and
+those that change an option) have their objects to themselves: they wait until other calls have ended, and other calls
+wait for them. A progress callback must not wait for the call that it belongs to, so there such a call raises
+ObjectInUse.)")
         .def("set_handles", &set_handles, py::arg("handles"), py::arg("weights") = py::none(),
              py::arg("continuity") = py::none(), py::arg("progress") = py::none(),
              R"(Factorise for these handles -> BindReport. Cost: see the class.
 
-handles     sequence of (h_i,) vertex index arrays, one per handle; a fixed region is a handle, too.
+handles     sequence of (h_i,) vertex index arrays, one per handle; a fixed region is a handle, too. [[0, 7]] is one
+            handle of two vertices; [0, 7] raises a TypeError.
 weights     None, or one entry per handle: None, a number or (h_i,) numbers in [0, 1]. 1 holds a vertex exactly,
             less pulls it with w / (1 - w) times its own stiffness, 0 leaves it free.
 continuity  None (2), a number, or one per handle, in [0, 2]: C0 to C2 at the region's border, as far
             as the order of the method allows. C1 needs regions two rings deep, C2 three.
 progress    None or callable(fraction, stage); returning False cancels.
 
-Raises InvalidConstraint, FactorizationFailed or Cancelled; the object then stays as it was.)")
+Raises InvalidConstraint, FactorizationFailed, ObjectInUse or Cancelled; the object then stays as it was.)")
         .def("rebind", &rebind, py::arg("former"), py::arg("handles"), py::arg("weights") = py::none(),
              py::arg("continuity") = py::none(), py::arg("progress") = py::none(),
              R"(As set_handles(), taking over from another object what is still valid -> BindReport.
 
 former   SurfaceMethod. If can_reuse(former), it has no handles afterwards; otherwise it stays as it was.
-         No other thread may solve with it meanwhile.
 handles  (h_i,) vertex indices each; this and the others as in set_handles().
 
 The report's `reuse` and `changed` say how much was taken over and what differs.
-Raises InvalidConstraint, FactorizationFailed or Cancelled; both objects then stay as they were.)")
+Raises InvalidConstraint, FactorizationFailed, ObjectInUse or Cancelled; both objects then stay as they were.)")
         .def("can_reuse", &can_reuse, py::arg("former"),
              "Whether rebind() would take anything over from another method. Cost: O(n), to compare.")
         .def("solve", &solve, py::arg("poses"), py::kw_only(), py::arg("incoming") = py::none(),

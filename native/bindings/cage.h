@@ -27,6 +27,16 @@ inline CageOutside cage_outside(const std::string& outside)
                                {{"error", CageOutside::refuse}, {"mean_value", CageOutside::mean_value}});
 }
 
+/// Calls a member function that reads what a bind made. Another thread may bind now: the GIL is free while
+/// this one waits.
+template <auto member, class Method>
+auto read(const Method& method)
+{
+    const py::gil_scoped_release unlocked;
+    const AccessLock shared = method.reading();
+    return (method.*member)();
+}
+
 /// Defines the class of a cage method and its constructor, which takes the arguments that all cage methods
 /// have and then its own. The caller adds what only this method can do.
 /// \param options  makes the method's options from those of the weights and its own arguments.

@@ -27,6 +27,7 @@ py::tuple solved(Solve&& solve)
     {
         const py::gil_scoped_release unlocked;
         report = solve(positions);
+        require_finite(positions);
     }
     return py::make_tuple(to_numpy(std::move(positions)), report);
 }

@@ -27,6 +27,11 @@ if(SINEW_SANITIZE)
   endif()
 endif()
 
+if(SINEW_SANITIZE_THREADS AND NOT MSVC)
+  target_compile_options(sinew_compiler INTERFACE -fsanitize=thread -g1)
+  target_link_options(sinew_compiler INTERFACE -fsanitize=thread)
+endif()
+
 # Compiles each file of kernels (native/<room>/<name>, with .h and .inl) for the baseline of all processors and for every
 # set of instructions that is named after the file. Fused operations stay off, so all give the same results to the last
 # bit.
@@ -48,7 +53,8 @@ function(sinew_add_kernels target)
       string(COMPARE EQUAL ${instructions} avx512 SINEW_EIGHT_LANES)
       set(source ${CMAKE_CURRENT_BINARY_DIR}/${kernels}_${instructions}.cpp)
       configure_file(${CMAKE_CURRENT_FUNCTION_LIST_DIR}/kernels.cpp.in ${source} @ONLY)
-      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${${instructions}}")
+      set_source_files_properties(${source} PROPERTIES
+        COMPILE_OPTIONS "${${instructions}}" SKIP_PRECOMPILE_HEADERS ON)
       target_sources(${target} PRIVATE ${source})
     endif()
   endforeach()
@@ -60,7 +66,8 @@ function(sinew_compile_with_cgal target names)
   target_include_directories(${target} SYSTEM PRIVATE ${CGAL_INCLUDE_DIR})
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "${names}")
-  set_source_files_properties(${sources} PROPERTIES COMPILE_DEFINITIONS CGAL_DISABLE_GMP=1)
+  set_source_files_properties(${sources} PROPERTIES
+    COMPILE_DEFINITIONS CGAL_DISABLE_GMP=1 SKIP_PRECOMPILE_HEADERS ON)
   if(NOT MSVC)
     set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS -frounding-math)
   endif()

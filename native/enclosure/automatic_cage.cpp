@@ -8,6 +8,7 @@
 #include "native/enclosure/wrap.h"
 #include "native/mesh/components.h"
 #include "native/mesh/diagnosis.h"
+#include "native/mesh/normal_frame.h"
 #include "native/mesh/triangle_tree.h"
 
 #include <Eigen/Geometry>
@@ -37,7 +38,11 @@ struct Frame
     Vector3 centre;
     double size;
 
-    Vector3 in(const Vector3& p) const { return (p - centre) / size; }
+    /// Coordinates too small to be normal, which exact predicates cannot take, become 0.
+    Vector3 in(const Vector3& p) const
+    {
+        return ((p - centre) / size).unaryExpr([](double x) { return std::abs(x) < 1e-150 ? 0.0 : x; });
+    }
     Vector3 out(const Vector3& p) const { return centre + size * p; }
 };
 
@@ -232,19 +237,15 @@ void complete(std::vector<Vector3>& points, Polygons& faces, int axis)
 
 /// Whether the cage is closed, does not cross itself, and contains the target. The coordinates checked are
 /// those that are returned, rounding included.
-bool is_good(const SurfaceMesh& cage, const SurfaceMesh& target)
+/// \param unit  normal_unit() of the target
+bool is_good(const SurfaceMesh& cage, const SurfaceMesh& target, double unit)
 {
     const Diagnosis diagnosis = diagnose(cage);
     if (!diagnosis.boundary_loops.empty() || !diagnosis.non_manifold_edges.empty() ||
         !diagnosis.inconsistent_edges.empty() || !diagnosis.degenerate_faces.empty())
         return false;
-    const auto list = [](const SurfaceMesh& mesh) {
-        std::vector<Vector3> points;
-        for (int v = 0; v < mesh.vertex_count(); ++v)
-            points.push_back(mesh.point(v));
-        return points;
-    };
-    const std::vector<Vector3> around = list(cage), inner = list(target);
+    const std::vector<Vector3> around = points_in_unit(view(cage.points()), unit),
+                               inner = points_in_unit(view(target.points()), unit);
     if (!meeting_pairs(around, cage.triangles()).empty())
         return false;
     const TriangleTree tree(around, cage.triangles());
@@ -276,16 +277,14 @@ bool is_good(const SurfaceMesh& cage, const SurfaceMesh& target)
     return true;
 }
 
-double clearance(const SurfaceMesh& cage, const SurfaceMesh& target, double size)
+double clearance(const SurfaceMesh& cage, const SurfaceMesh& target, double unit, double size)
 {
-    std::vector<Vector3> points;
-    for (int v = 0; v < cage.vertex_count(); ++v)
-        points.push_back(cage.point(v));
-    const TriangleTree tree(points, cage.triangles());
+    const std::vector<Vector3> inner = points_in_unit(view(target.points()), unit);
+    const TriangleTree tree(points_in_unit(view(cage.points()), unit), cage.triangles());
     std::vector<double> distances(target.vertex_count());
     parallel_for(
         target.vertex_count(),
-        [&](int v) { distances[v] = (tree.closest(target.point(v)) - target.point(v)).norm() / size; }, 256);
+        [&](int v) { distances[v] = (tree.closest(inner[v]) - inner[v]).norm() / (size / unit); }, 256);
     return *std::ranges::min_element(distances);
 }
 
@@ -314,6 +313,7 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
         throw InvalidOption("margin: " + std::to_string(options.margin) + " is not in 0.004 to 0.25");
 
     const Frame frame = frame_of(target);
+    const double unit = normal_unit(target.points());
     TriangleSoup soup = soup_of(target, frame);
     const int axis = mirror_axis(target, frame, options.symmetry);
     if (axis >= 0)
@@ -335,14 +335,14 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
         hull.tighten(TriangleTree(wrap.points, wrap.triangles), stage(0.8, 0.95));
 
         auto [points, triangles] = hull.surface();
-        Polygons faces =
-            options.quads ? paired(points, triangles, TriangleTree(soup.points, soup.triangles), 0.3 * margin)
-                          : polygons(triangles);
+        Polygons faces = options.quads ? paired(points, triangles, TriangleTree(soup.points, soup.triangles),
+                                                0.3 * margin, axis)
+                                       : polygons(triangles);
         if (axis >= 0)
             complete(points, faces, axis);
         progress.tick(start + width * 0.95, "checking");
         const SurfaceMesh cage = mesh_of(points, faces, frame);
-        if (!is_good(cage, target))
+        if (!is_good(cage, target, unit))
             continue;
         AutomaticCage found;
         found.points = cage.points();
@@ -350,6 +350,7 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
             found.counts.push_back(static_cast<int>(cage.face(f).size()));
             found.corners.insert(found.corners.end(), cage.face(f).begin(), cage.face(f).end());
         }
+        found.report.wanted = options.faces;
         found.report.faces = static_cast<int>(cage.triangles().size());
         found.report.quads = found.report.faces - cage.face_count();
         found.report.reached = found.report.faces <= options.faces + (axis >= 0 ? 1 : 0);
@@ -365,8 +366,11 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
         throw InvalidMesh(
             "no closed cage without crossings was found around this mesh; try another margin or "
             "number of faces");
+    if (!best->report.reached)
+        best->report.reason = "with fewer faces, some would cross, fold over or become needles, or a hole or "
+                              "the gap between two parts would close";
     best->report.clearance =
-        clearance(SurfaceMesh(best->points, best->counts, best->corners), target, frame.size);
+        clearance(SurfaceMesh(best->points, best->counts, best->corners), target, unit, frame.size);
     progress.tick(1.0, "checking");
     best->report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return *std::move(best);

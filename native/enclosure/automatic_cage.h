@@ -5,6 +5,7 @@
 #include "native/core/types.h"
 #include "native/mesh/surface_mesh.h"
 
+#include <string>
 #include <vector>
 
 namespace sinew {
@@ -28,9 +29,11 @@ struct AutomaticCageOptions
 
 struct AutomaticCageReport
 {
+    int wanted = 0; ///< number of triangles asked for
     int faces = 0; ///< number of triangles; a quad counts as two
     int quads = 0; ///< how many pairs of these triangles are quads
     bool reached = false; ///< whether there are no more faces than wanted; one more in a symmetric cage
+    std::string reason{}; ///< why it has more faces than wanted; empty where they were reached
     int mirror_axis = -1; ///< 0 to 2, or -1 for a cage without symmetry
     int wrap_faces = 0; ///< number of triangles of the fine surface that was simplified
     double margin = 0.0; ///< the margin of that surface, more than wanted where the target has many holes

@@ -6,6 +6,7 @@
 #include "native/core/report.h"
 #include "native/enclosure/wrap.h"
 #include "native/mesh/half_edges.h"
+#include "native/mesh/normal_frame.h"
 #include "native/mesh/triangle_tree.h"
 
 #include <Eigen/Geometry>
@@ -113,7 +114,50 @@ std::vector<std::array<int, 2>> crossing(const SurfaceMesh& cage, const std::vec
     return pairs;
 }
 
-std::vector<int> outside(PointsView points, const TriangleSoup& cage)
+/// The sides of a face, ascending.
+std::vector<std::array<int, 2>> edges_of(std::span<const int> face)
+{
+    std::vector<std::array<int, 2>> edges;
+    for (std::size_t k = 0; k < face.size(); ++k) {
+        const auto [low, high] = std::minmax(face[k], face[(k + 1) % face.size()]);
+        edges.push_back({low, high});
+    }
+    std::ranges::sort(edges);
+    return edges;
+}
+
+/// See CageDiagnosis.
+std::vector<std::array<int, 2>> crowded(const SurfaceMesh& cage)
+{
+    std::vector<std::array<int, 2>> edges = cage.edges(), diagonals;
+    const auto add = [&](int a, int b) { diagonals.push_back({std::min(a, b), std::max(a, b)}); };
+    for (std::size_t t = 0; t < cage.triangles().size(); ++t) {
+        const std::span<const int> face = cage.face(cage.triangle_faces()[t]);
+        if (face.size() == 4) {
+            if (t == 0 || cage.triangle_faces()[t - 1] != cage.triangle_faces()[t]) {
+                add(face[0], face[2]);
+                add(face[1], face[3]);
+            }
+            continue;
+        }
+        for (int k = 0; k < 3; ++k) { // of the two triangles at a diagonal, one counts
+            const int a = cage.triangles()[t][k], b = cage.triangles()[t][(k + 1) % 3];
+            const std::array edge{std::min(a, b), std::max(a, b)};
+            if (a < b && !std::ranges::binary_search(edges_of(face), edge))
+                add(a, b);
+        }
+    }
+    std::ranges::sort(diagonals);
+    std::vector<std::array<int, 2>> found;
+    for (std::size_t k = 0; k < diagonals.size(); ++k)
+        if ((k > 0 && diagonals[k - 1] == diagonals[k]) || std::ranges::binary_search(edges, diagonals[k]))
+            found.push_back(diagonals[k]);
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+}
+
+/// \param unit  of length of the cage
+std::vector<int> outside(PointsView points, const TriangleSoup& cage, double unit)
 {
     std::vector<int> strays;
     for (int i = 0; i < points.rows(); ++i)
@@ -131,11 +175,12 @@ std::vector<int> outside(PointsView points, const TriangleSoup& cage)
     std::vector<char> out(points.rows(), 1);
     if (any) {
         const TriangleTree tree(cage.points, cage.triangles);
+        const std::vector<Vector3> asked = points_in_unit(points, unit);
         const double close = 1e-9 * box.diagonal().norm();
         parallel_for(
             static_cast<int>(points.rows()),
             [&](int i) {
-                const Vector3 p = points.row(i).transpose();
+                const Vector3& p = asked[i];
                 out[i] = winding_number(cage.points, cage.triangles, p) < 0.5 &&
                          (tree.closest(p) - p).norm() > close;
             },
@@ -154,8 +199,8 @@ CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsV
     CageDiagnosis diagnosis;
     TriangleSoup soup;
     soup.triangles = cage.triangles();
-    for (int v = 0; v < cage.vertex_count(); ++v)
-        soup.points.push_back(cage.point(v));
+    const double unit = normal_unit(cage.points());
+    soup.points = points_in_unit(view(cage.points()), unit);
 
     std::vector<std::vector<Neighbour>> neighbours(cage.face_count());
     for_each_edge(sorted_half_edges(cage), [&](std::span<const HalfEdge> along) {
@@ -182,8 +227,9 @@ CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsV
     diagnosis.component_count = static_cast<int>(found.size());
     diagnosis.inverted_faces = inverted(found, soup.points, cut);
     diagnosis.crossing_faces = crossing(cage, soup.points);
+    diagnosis.crowded_diagonals = crowded(cage);
     if (points)
-        diagnosis.outside_points = outside(*points, soup);
+        diagnosis.outside_points = outside(*points, soup, unit);
     return diagnosis;
 }
 
@@ -192,6 +238,8 @@ std::string summary(const CageDiagnosis& d)
     return summary_of({
         {d.open_edges.size(), "open edge", "open edges"},
         {d.non_manifold_edges.size(), "non-manifold edge", "non-manifold edges"},
+        {d.crowded_diagonals.size(), "diagonal of more than two triangles",
+         "diagonals of more than two triangles"},
         {d.inverted_faces.size(), "inverted face", "inverted faces"},
         {d.degenerate_faces.size(), "face without area", "faces without area"},
         {d.crossing_faces.size(), "pair of crossing faces", "pairs of crossing faces"},

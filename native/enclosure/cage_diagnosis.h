@@ -16,11 +16,15 @@ struct CageDiagnosis
 {
     std::vector<std::array<int, 2>> open_edges;         ///< edges with one face
     std::vector<std::array<int, 2>> non_manifold_edges; ///< edges with three or more faces
-    std::vector<int> inverted_faces;                    ///< faces that look inward and should be flipped
-    std::vector<int> degenerate_faces;                  ///< faces with a triangle without area
+    /// Diagonals that are edges, too, or diagonals of several faces: more than two triangles meet there if
+    /// faces are cut along them. Of a quad, this holds for both diagonals, of larger faces for those of
+    /// SurfaceMesh.
+    std::vector<std::array<int, 2>> crowded_diagonals;
+    std::vector<int> inverted_faces; ///< faces that look inward and should be flipped
+    std::vector<int> degenerate_faces; ///< faces with a triangle without area
     std::vector<std::array<int, 2>> crossing_faces; ///< pairs that meet elsewhere than at common corners
-    std::vector<int> outside_points;                ///< target points outside the cage
-    int component_count = 0;                        ///< connected parts with faces
+    std::vector<int> outside_points; ///< target points outside the cage
+    int component_count = 0; ///< connected parts with faces
 };
 
 /// Faces are taken as the triangles that SurfaceMesh cuts them into. A part inside an odd number of other

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 #include <tuple>
 
 namespace sinew {
@@ -20,6 +21,7 @@ struct Pair
     int first, second; ///< triangles
     std::array<int, 4> loop;
 
+    std::pair<int, int> other_diagonal() const { return std::minmax(loop[1], loop[3]); }
     std::array<Triangle, 2> other_cut() const
     {
         return {Triangle{loop[0], loop[1], loop[3]}, Triangle{loop[1], loop[2], loop[3]}};
@@ -90,7 +92,7 @@ Polygons polygons(const std::vector<Triangle>& triangles)
 }
 
 Polygons paired(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles,
-                const TriangleTree& within, double apart)
+                const TriangleTree& within, double apart, int mirror_axis)
 {
     struct Cut
     {
@@ -111,12 +113,24 @@ Polygons paired(const std::vector<Vector3>& points, const std::vector<Triangle>&
                           triangles_meet(corners, indices, corners_of(points, cut.indices), cut.indices);
                });
     };
+    std::set<std::pair<int, int>> taken; // edges, and diagonals of quads
+    for (const Triangle& t : triangles)
+        for (int k = 0; k < 3; ++k)
+            taken.insert(std::minmax(t[k], t[(k + 1) % 3]));
+    const auto on_mirror = [&](int v) { return mirror_axis >= 0 && points[v][mirror_axis] == 0.0; };
+    const auto is_crowded =
+        [&](const Pair& pair) { // the image of the quad has the same diagonal on the mirror
+            return taken.contains(pair.other_diagonal()) ||
+                   (on_mirror(pair.loop[1]) && on_mirror(pair.loop[3]));
+        };
     std::vector<const Pair*> joined(triangles.size(), nullptr);
     const std::vector<Pair> pairs = candidates(points, triangles);
     for (const Pair& pair : pairs) {
         const auto other = pair.other_cut();
-        if (joined[pair.first] || joined[pair.second] || !is_free(other[0], pair) || !is_free(other[1], pair))
+        if (joined[pair.first] || joined[pair.second] || is_crowded(pair) || !is_free(other[0], pair) ||
+            !is_free(other[1], pair))
             continue;
+        taken.insert(pair.other_diagonal());
         joined[pair.first] = joined[pair.second] = &pair;
         for (const Triangle& indices : other)
             cuts.push_back({indices, pair.first, pair.second});

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -14,7 +15,11 @@ namespace sinew {
 
 namespace {
 
-void require_finite(const Points& points)
+/// Products of four lengths between these, and their inverses, are normal numbers.
+constexpr double most = 1e60;
+constexpr double least = 1e-60;
+
+void require_measurable(const Points& points)
 {
     std::vector<int> bad;
     for (int i = 0; i < points.rows(); ++i)
@@ -24,6 +29,21 @@ void require_finite(const Points& points)
         throw InvalidMesh("points: NaN or infinite coordinates at vertices " + list_some(bad) +
                               "; give finite positions",
                           Error::Element::vertex, bad);
+    for (int i = 0; i < points.rows(); ++i)
+        if (points.row(i).cwiseAbs().maxCoeff() > most)
+            bad.push_back(i);
+    if (!bad.empty())
+        throw InvalidMesh("points: farther from the origin than 1e60 at vertices " + list_some(bad) +
+                              "; use a larger unit of length",
+                          Error::Element::vertex, bad);
+    const double size = (points.colwise().maxCoeff() - points.colwise().minCoeff()).maxCoeff();
+    if (size > 0.0 && size < least) {
+        bad.resize(points.rows());
+        std::iota(bad.begin(), bad.end(), 0);
+        throw InvalidMesh("points: the mesh is smaller than 1e-60, at vertices " + list_some(bad) +
+                              "; use a smaller unit of length",
+                          Error::Element::vertex, bad);
+    }
 }
 
 } // namespace
@@ -34,7 +54,7 @@ SurfaceMesh::SurfaceMesh(Points points, std::vector<int> counts, std::vector<int
     const int n = vertex_count();
     if (n == 0)
         throw InvalidMesh("points: the mesh has no vertices");
-    require_finite(points_);
+    require_measurable(points_);
 
     std::vector<int> small;
     std::int64_t total = 0;

@@ -19,10 +19,13 @@ using Triangle = std::array<int, 3>;
 class SurfaceMesh
 {
 public:
-    /// \param points   (n, 3) rest positions, n >= 1, finite.
+    /// \param points   (n, 3) rest positions, n >= 1, finite, no coordinate above 1e60; the longest side of
+    /// the box
+    ///   around them is 0 or at least 1e-60. So areas, volumes and their inverses are normal numbers.
     /// \param counts   (m) number of corners of each face, each >= 3.
     /// \param corners  (sum of counts) vertex indices, face after face.
-    /// \throw InvalidMesh  there is no vertex, a point is not finite, a face has fewer than three corners, an
+    /// \throw InvalidMesh  there is no vertex, a point is not finite or out of range, a face has fewer than
+    /// three corners, an
     ///   index is out of range, or the counts do not add up.
     SurfaceMesh(Points points, std::vector<int> counts, std::vector<int> corners);
 

@@ -209,6 +209,12 @@ SparseMatrix laplacian_power(const SurfaceMesh& mesh, int order, Discretization 
     SparseMatrix power = L;
     for (int k = 1; k < order; ++k)
         power = sparse_product(power, D, L);
+    const auto largest = [](const SparseMatrix& m) {
+        return m.nonZeros() > 0 ? m.coeffs().abs().maxCoeff<Eigen::PropagateNaN>() : 0.0;
+    };
+    if (const double most = largest(power); !std::isfinite(most) || (most == 0.0 && largest(L) > 0.0))
+        throw InvalidMesh("points: the mesh is too large or too small for order " + std::to_string(order) +
+                          "; use another unit of length");
     return power;
 }
 

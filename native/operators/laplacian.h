@@ -71,6 +71,7 @@ VectorX divisible_mass(const SurfaceMesh& mesh, Discretization discretization, d
 
 /// (n, n) the operator of order k in symmetric form, L (M^-1 L)^(k-1) (Eq. 18).
 /// \throw InvalidOption  order < 1.
+/// \throw InvalidMesh    the entries, lengths to the power of 2 - 2k, would not be finite, or all be 0.
 SparseMatrix laplacian_power(const SurfaceMesh& mesh, int order, Discretization discretization);
 
 } // namespace sinew

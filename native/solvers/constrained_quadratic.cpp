@@ -38,13 +38,30 @@ void multiply_row(const SparseMatrix& A, int i, const RowMatrix& x, double* y)
     }
 }
 
+/// Calls `work`; the error of a singular system names a row of the matrix instead of an unknown.
+template <class Work>
+bool named(const ConstrainedQuadratic::Problem& problem, Work&& work)
+{
+    try {
+        return work();
+    } catch (const OutOfMemory&) {
+        throw;
+    } catch (const FactorizationFailed& error) {
+        if (error.elements().empty())
+            throw;
+        const int row = problem.unknowns[error.elements().front()];
+        throw FactorizationFailed("the system is singular; it broke down at vertex " + std::to_string(row),
+                                  Error::Element::vertex, {row});
+    }
+}
+
 } // namespace
 
 void ConstrainedQuadratic::factorize(std::shared_ptr<const SparseMatrix> matrix,
                                      const std::vector<bool>& free)
 {
     Problem next{std::move(matrix), free, problem_.unknowns};
-    if (update(next)) {
+    if (named(next, [&] { return update(next); })) {
         adopt(std::move(next));
         return;
     }
@@ -64,15 +81,10 @@ void ConstrainedQuadratic::factorize(Problem next)
         problem_ = std::move(next);
         return;
     }
-    try {
+    named(next, [&] {
         factor_.factorize(PrincipalBlock(*next.matrix, next.unknowns, next.free));
-    } catch (const FactorizationFailed& error) {
-        if (error.elements().empty())
-            throw;
-        const int row = next.unknowns[error.elements().front()];
-        throw FactorizationFailed("the system is singular; it broke down at vertex " + std::to_string(row),
-                                  Error::Element::vertex, {row});
-    }
+        return true;
+    });
     adopt(std::move(next));
 }
 

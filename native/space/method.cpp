@@ -25,6 +25,12 @@ std::vector<int> not_finite(const PointsView& points)
 
 SpaceReport SpaceMethod::bind(PointsView points, const Progress& progress)
 {
+    const AccessLock alone(AccessLock::changing, access_);
+    return hold(points, progress);
+}
+
+SpaceReport SpaceMethod::hold(PointsView points, const Progress& progress)
+{
     const auto begin = std::chrono::steady_clock::now();
     if (const std::vector<int> bad = not_finite(points); !bad.empty())
         throw InvalidConstraint("points " + list_some(bad) + " are not finite", Error::Element::vertex, bad);
@@ -53,14 +59,16 @@ std::vector<std::string> SpaceMethod::differences(const SpaceMethod& former, con
 
 bool SpaceMethod::can_reuse(const SpaceMethod& former, const PointsView& points) const
 {
+    const AccessLock both(AccessLock::reading, access_, former.access_);
     return differences(former, points).empty();
 }
 
 SpaceReport SpaceMethod::rebind(SpaceMethod& former, PointsView points, const Progress& progress)
 {
+    const AccessLock alone(AccessLock::changing, access_, former.access_);
     const std::vector<std::string> changed = differences(former, points);
     if (!changed.empty()) {
-        SpaceReport report = bind(points, progress);
+        SpaceReport report = hold(points, progress);
         report.changed = joined(changed);
         return report;
     }
@@ -82,11 +90,16 @@ void SpaceMethod::swap_all(SpaceMethod& other)
     std::swap(bound_, other.bound_);
 }
 
-void SpaceMethod::warp(PointsView control, const std::optional<PointsView>& incoming, PositionsOut out) const
+void SpaceMethod::warp(PointsView control, const std::optional<PointsView>& incoming, PositionsOut out,
+                       std::optional<Eigen::Index> room) const
 {
+    const AccessLock shared = reading();
     if (!bound_)
         throw InvalidConstraint(std::string("no points are bound to the ") + control_name() +
                                 ": call bind() first");
+    if (room.value_or(points_.rows()) != points_.rows())
+        throw InvalidConstraint("out: room for " + std::to_string(*room) + " points, and " +
+                                std::to_string(points_.rows()) + " are bound");
     if (incoming) {
         if (incoming->rows() != points_.rows())
             throw InvalidConstraint("incoming: " + std::to_string(incoming->rows()) + " points given for " +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/access.h"
 #include "native/core/progress.h"
 #include "native/core/report.h"
 #include "native/core/types.h"
@@ -39,6 +40,10 @@ using PositionsOut = std::variant<double*, float*>;
 ///                 over an earlier object's
 ///                 weights
 ///   warp()        the control moved            O(n), without weights; safe from several threads at once
+///
+/// All calls may come from several threads. One that binds has its objects to itself: it waits until others
+/// have ended, and others wait for it. Calls from within a progress callback cannot wait and throw
+/// ObjectInUse.
 class SpaceMethod
 {
 public:
@@ -50,6 +55,7 @@ public:
     /// \param points  (n, 3) rest points, in the frame of the control.
     /// \throw InvalidConstraint  points are not finite, or the method has no weights for them.
     /// \throw OutOfMemory, Cancelled
+    /// \throw ObjectInUse        in a progress callback of another call on this object.
     SpaceReport bind(PointsView points, const Progress& progress = {});
 
     /// bind(), taking over the weights of `former` if can_reuse() is true; then `former` has no bound points
@@ -65,12 +71,16 @@ public:
     /// \param control   (c, 3) the posed control.
     /// \param incoming  (n, 3) the shape to deform in this frame; without one, the bound points.
     /// \param out       (n, 3)
-    /// \throw InvalidConstraint  no points are bound, or `control` or `incoming` has another size or is not
-    ///   finite.
-    void warp(PointsView control, const std::optional<PointsView>& incoming, PositionsOut out) const;
+    /// \param room      n, as far as the caller knows; without it, the caller knows for sure.
+    /// \throw InvalidConstraint  no points are bound, `control`, `incoming` or `out` has another size, or a
+    ///   number is not finite.
+    void warp(PointsView control, const std::optional<PointsView>& incoming, PositionsOut out,
+              std::optional<Eigen::Index> room = {}) const;
 
-    /// (n, 3) the bound points.
+    /// (n, 3) the bound points; the next bind replaces them.
     const Points& points() const { return points_; }
+    /// For calls that read what a bind made, and for several calls between which no bind may come.
+    AccessLock reading() const { return {AccessLock::reading, access_}; }
 
 protected:
     SpaceMethod() = default;
@@ -89,12 +99,14 @@ protected:
     virtual const char* control_name() const = 0;
 
 private:
+    SpaceReport hold(PointsView points, const Progress& progress);
     std::vector<std::string> differences(const SpaceMethod& former, const PointsView& points) const;
     void swap_all(SpaceMethod& other);
 
     Points points_;
     SpaceReport report_;
     bool bound_ = false;
+    mutable Access access_;
 };
 
 } // namespace sinew

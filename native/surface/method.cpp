@@ -18,16 +18,44 @@ SurfaceMethod::SurfaceMethod(const SurfaceMesh& rest)
 
 BindReport SurfaceMethod::set_handles(const std::vector<Handle>& handles, const Progress& progress)
 {
+    const AccessLock alone = changing();
+    return hold(handles, progress);
+}
+
+BindReport SurfaceMethod::hold(const std::vector<Handle>& handles, const Progress& progress)
+{
     const auto start = std::chrono::steady_clock::now();
     progress.tick(0.0, "assembling the energy");
     Regions regions(handles, parts_);
     BindReport report = regions.report();
-    bind(regions, report, progress);
+    try {
+        bind(regions, report, progress);
+    } catch (const OutOfMemory&) {
+        throw;
+    } catch (const FactorizationFailed& failure) {
+        refuse(failure);
+    }
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report_ = report;
     regions_ = std::move(regions);
     bound_ = true;
     return report;
+}
+
+void SurfaceMethod::refuse(const FactorizationFailed& failure) const
+{
+    if (failure.elements().empty())
+        throw failure;
+    const int vertex = failure.elements().front(), own = parts_.labels[vertex];
+    std::vector<int> part;
+    for (int v = 0; v < rest_->vertex_count(); ++v)
+        if (parts_.labels[v] == own)
+            part.push_back(v);
+    throw FactorizationFailed("the equations have no unique solution near vertex " + std::to_string(vertex) +
+                                  ", in the part of the vertices " + list_some(part) +
+                                  ": merge vertices that lie in one place, dissolve faces without area, or "
+                                  "let a handle hold more of this part",
+                              Error::Element::vertex, failure.elements());
 }
 
 SurfaceMethod::Comparison SurfaceMethod::compare(const SurfaceMethod& former) const
@@ -42,11 +70,16 @@ SurfaceMethod::Comparison SurfaceMethod::compare(const SurfaceMethod& former) co
                      })};
 }
 
-bool SurfaceMethod::can_reuse(const SurfaceMethod& former) const { return compare(former).reusable; }
+bool SurfaceMethod::can_reuse(const SurfaceMethod& former) const
+{
+    const AccessLock both(AccessLock::reading, access_, former.access_);
+    return compare(former).reusable;
+}
 
 BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
                                  const Progress& progress)
 {
+    const AccessLock alone(AccessLock::changing, access_, former.access_);
     auto [changed, reusable] = compare(former);
     if (!former.bound_ || handles != former.regions_.handles())
         changed.emplace_back("handles");
@@ -67,7 +100,7 @@ BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle
         report = report_;
         report.reuse = Reuse::kept;
     } else {
-        report = set_handles(handles, progress);
+        report = hold(handles, progress);
         report.reuse = reusable ? Reuse::updated : Reuse::anew;
     }
     report.changed = joined(changed);
@@ -91,6 +124,7 @@ void SurfaceMethod::swap_all(SurfaceMethod& other)
 
 SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions) const
 {
+    const AccessLock shared = reading();
     const Targets targets{request.poses, view(rest_->points()), request.incoming,
                           request.from_rest ? &*request.from_rest : nullptr};
     targets.check(regions_.handle_count());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/access.h"
 #include "native/core/progress.h"
 #include "native/core/report.h"
 #include "native/mesh/regions.h"
@@ -38,6 +39,10 @@ struct SolveRequest
 ///                   take over an earlier object's
 ///                   factor
 ///   solve()         the handles moved                no factorisation; safe from several threads at once
+///
+/// All calls may come from several threads. One that binds has its objects to itself: it waits until others
+/// have ended, and others wait for it. Calls from within a progress callback cannot wait and throw
+/// ObjectInUse.
 class SurfaceMethod
 {
 public:
@@ -45,8 +50,9 @@ public:
 
     /// Leaves the object as it was if it throws.
     /// \throw InvalidConstraint    see Regions.
-    /// \throw FactorizationFailed  a system is singular.
+    /// \throw FactorizationFailed  a system is singular; a vertex is named.
     /// \throw Cancelled            by `progress`.
+    /// \throw ObjectInUse          in a progress callback of another call on this object.
     BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {});
 
     /// set_handles(), taking over from `former` what is still valid. The report says how much that was, and
@@ -67,13 +73,20 @@ public:
     SolveReport solve(const SolveRequest& request, Points& positions) const;
 
     const SurfaceMesh& rest() const { return *rest_; }
+    /// What the last bind was for; the next one replaces it.
     const Regions& regions() const { return regions_; }
+    /// For calls that read what a bind made, and for several calls between which no bind may come.
+    AccessLock reading() const { return {AccessLock::reading, access_}; }
 
 protected:
     explicit SurfaceMethod(const SurfaceMesh& rest);
     SurfaceMethod(SurfaceMethod&&) noexcept = default;
 
+    AccessLock changing() { return {AccessLock::changing, access_}; }
+    /// set_handles() for a caller that has the object to itself.
+    BindReport hold(const std::vector<Handle>& handles, const Progress& progress);
     /// Factorises for these regions and completes the report. Must leave the object as it was if it throws.
+    /// The element of a FactorizationFailed is a vertex.
     virtual void bind(const Regions& regions, BindReport& report, const Progress& progress) = 0;
     /// Computes the deformed points after bind().
     /// \param targets  the targets of the request, which have been checked.
@@ -99,12 +112,15 @@ private:
     };
     Comparison compare(const SurfaceMethod& former) const;
     void swap_all(SurfaceMethod& other);
+    /// Says what a breakdown at a vertex means for a mesh, and what to do.
+    [[noreturn]] void refuse(const FactorizationFailed& failure) const;
 
     std::shared_ptr<const SurfaceMesh> rest_; ///< shared, so that its address stays when the method is moved
     Components parts_;
     Regions regions_;
     BindReport report_;
     bool bound_ = false;
+    mutable Access access_;
 };
 
 } // namespace sinew

@@ -12,6 +12,8 @@ import pytest
 
 import sinew_native as sn
 
+from . import methods
+
 STUBS = Path(__file__).resolve().parents[2] / "native" / "bindings" / "sinew_native-stubs"
 TREES = {path.stem: ast.parse(path.read_text(encoding="utf-8")) for path in STUBS.glob("*.pyi")}
 NODES = [node for tree in TREES.values() for node in tree.body]
@@ -23,9 +25,7 @@ REPORTS = [name for name in CLASSES if name.endswith(("Report", "Diagnosis"))]
 
 
 def subclasses(base: type) -> list[str]:
-    """Names of the methods that can be made, not of what they have in common."""
-    made = (name for name, node in CLASSES.items() if any(m.name == "__init__" for m in members(node)))
-    return [name for name in made if issubclass(PUBLIC[name], base)]
+    return [method.__name__ for method in methods.methods_of(base)]
 
 
 def members(node: ast.ClassDef) -> Iterator[ast.FunctionDef]:
@@ -209,20 +209,9 @@ CUBE = sn.SurfaceMesh(
 )
 
 
-def required(name: str) -> list[str]:
-    """What the constructor of a method cannot do without."""
-    (constructor,) = (node for node in members(CLASSES[name]) if node.name == "__init__")
-    return [word for word in parameters(constructor) if word not in ("*", *defaults(constructor))]
-
-
 def made(name: str) -> object:
     """A method on the cube, or moved by its vertices."""
-    given = {"mesh": CUBE, "cage": CUBE, "points": CUBE.points}
-    if "base" in required(name):
-        given["base"] = made(
-            next(base for base in subclasses(sn.SurfaceMethod) if "base" not in required(base))
-        )
-    return PUBLIC[name](**{word: given[word] for word in required(name)})
+    return methods.made(PUBLIC[name], CUBE)
 
 
 @pytest.mark.parametrize("name", subclasses(sn.SurfaceMethod))

@@ -18,7 +18,11 @@ from rig import (
     linked,
     make_active,
     move_world,
+    new_armature,
     new_empty,
+    push,
+    reopen,
+    select,
     some_motion,
     update,
 )
@@ -89,6 +93,11 @@ def assert_weights_are_mirrored(plate: Rig, left: str = "Hand.L", right: str = "
 def assert_is_its_own_mirror_image(plate: Rig) -> None:
     points = plate.points()
     assert np.abs(points - mirror_image(plate.obj, points)).max() < 2e-5
+
+
+def low_corner(sign: float):
+    """Where the left (1.0) or right (-1.0) corner nearest to the viewer is."""
+    return lambda point: point[0] * sign > 0.7 and point[1] < -0.7
 
 
 def on_the_right(plate: Rig) -> list[int]:
@@ -334,17 +343,16 @@ def test_vertices_without_an_image_are_counted(hand: Rig, capfd):
 
 
 def test_refusals_change_nothing(hand: Rig):
-    add_region(hand, "Blob", lambda point: point[0] > 0.9 and point[1] < -0.7)
-    with pytest.raises(RuntimeError, match=r"call it Blob.L or .R"):
-        bpy.ops.sinew.handle_mirror()
+    add_region(hand, "Blob", low_corner(1.0))
     for vertex in hand.obj.data.vertices:
         if vertex.co.x < -0.1:
             vertex.co.z = 3.0
-    hand.deformer.active_handle = 0
-    with pytest.raises(RuntimeError, match="not symmetrical"):
-        bpy.ops.sinew.handle_mirror()
+    for active in (0, 2):
+        hand.deformer.active_handle = active
+        with pytest.raises(RuntimeError, match="not symmetrical"):
+            bpy.ops.sinew.handle_mirror()
     assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine", "Blob"}
-    assert len(hand.deformer.handles) == 3
+    assert handle_names(hand) == ["Hand.L", "Spine", "Blob"]
 
 
 def test_mirror_in_edit_and_weight_paint_mode(hand: Rig):
@@ -370,3 +378,166 @@ def test_a_turned_empty_mirrors_as_a_flipped_pose(hand: Rig):
     bpy.ops.sinew.handle_mirror()
     assert np.allclose(other.rotation_euler, (0.0, 0.0, math.radians(-30.0)), atol=1e-6)
     move_world(control, Matrix.Translation((0.0, 0.0, 0.1)))
+
+
+@pytest.mark.parametrize(("sign", "ending", "other"), [(1.0, ".L", ".R"), (-1.0, ".R", ".L")])
+def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: Rig, capfd, sign, ending, other):
+    """With the group and the control that carried its name, and is mirrored with its pose."""
+    add_region(hand, "Foot", low_corner(sign), "HANDLE")
+    control = by_name(hand, "Foot").control
+    assert control.name == "Plate Foot"
+    control.location.z = 0.4
+    control.rotation_euler.y = 0.3
+    before = hand.points()
+    make_active(hand.obj)
+    capfd.readouterr()
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    said = capfd.readouterr().out
+    assert f"Foot is now Foot{ending}, after the side that it lies on" in said
+    assert f"Mirrored Foot{ending} to Foot{other}" in said
+    assert handle_names(hand) == ["Hand.L", "Spine", f"Foot{ending}", f"Foot{other}"]
+    for end in (ending, other):
+        handle = by_name(hand, f"Foot{end}")
+        assert (handle.vertex_group, handle.control.name) == (f"Foot{end}", f"Plate Foot{end}")
+    assert by_name(hand, f"Foot{ending}").control == control
+    assert "Foot" not in hand.obj.vertex_groups
+    assert_weights_are_mirrored(hand, f"Foot{ending}", f"Foot{other}")
+    corner = [i for i, p in enumerate(hand.rest()) if low_corner(sign)(p)]
+    after = hand.points()
+    assert np.abs(after - before)[corner].max() < FLOAT32
+    assert np.abs(after - mirror_image(hand.obj, after))[corner].max() < 2e-5
+    assert hand.deformer.status_level == "INFO"
+
+
+def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig):
+    make_active(hand.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    change_selection(hand.obj, low_corner(1.0))
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    make_active(hand.obj)
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    assert handle_names(hand) == ["Hand.L", "Spine", "Handle.L", "Handle.R"]
+    bpy.ops.sinew.handle_remove(index=3)
+    bpy.ops.sinew.handle_remove(index=2)
+    assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine"}
+
+
+def change_selection(obj: bpy.types.Object, where) -> None:
+    """In Edit Mode."""
+    edit = bmesh.from_edit_mesh(obj.data)
+    select(edit, where)
+    bmesh.update_edit_mesh(obj.data)
+
+
+def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_path):
+    """Shape keys, masks, modifiers, constraints, painted parameters, and the regions of other deformers."""
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+    obj = hand.obj
+    bpy.ops.object.shape_key_add(from_mix=False)
+    bpy.ops.object.shape_key_add(from_mix=False)
+    key = obj.data.shape_keys.key_blocks[1]
+    key.data[0].co.z, key.value, key.vertex_group = 1.0, 0.5, "Foot"
+    obj.modifiers.new("Smooth", "SMOOTH").vertex_group = "Foot"
+    cloth = obj.modifiers.new("Cloth", "CLOTH")
+    cloth.show_viewport = cloth.show_render = False
+    cloth.settings.vertex_group_mass = "Foot"
+    rider = new_empty("Rider")
+    constraint = rider.constraints.new("COPY_LOCATION")
+    constraint.target, constraint.subtarget = obj, "Foot"
+    first = hand.deformer
+    first.mask_group = "Foot"
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method="arap")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Foot", handle_name="Other")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Spine")
+    second = hand.deformer
+    second.arap.rigidity_group = "Foot"
+    second.handles[0].control.location.z = 0.3
+    update()
+    before, carried = hand.points(), np.array(rider.matrix_world.translation)
+    obj.sinew.active_deformer, obj.sinew.deformers[0].active_handle = 0, 2
+    bpy.ops.sinew.handle_mirror()
+    first, second = obj.sinew.deformers
+    assert handle_names(hand) == ["Hand.L", "Spine", "Foot.L", "Foot.R"]
+    assert second.handles[0].vertex_group == second.arap.rigidity_group == first.mask_group == "Foot.L"
+    assert key.vertex_group == obj.modifiers["Smooth"].vertex_group == constraint.subtarget == "Foot.L"
+    assert cloth.settings.vertex_group_mass == "Foot.L"
+    assert [deformer.status_level for deformer in (first, second)] == ["INFO", "INFO"]
+    assert np.abs(hand.points() - before).max() < 2e-5
+    assert np.allclose(rider.matrix_world.translation, carried, atol=1e-5)
+    reopen(tmp_path / "renamed.blend")
+    assert np.abs(hand.points() - before).max() < 2e-5
+    assert {deformer.status_level for deformer in hand.obj.sinew.deformers} == {"INFO"}
+
+
+def test_a_group_that_a_bone_needs_keeps_its_name(hand: Rig):
+    armature = new_armature(Foot=((0.8, -0.8, 0.0), (0.8, -0.8, 0.5)))
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+    hand.obj.modifiers.new("Armature", "ARMATURE").object = armature
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_mirror()
+    assert handle_names(hand)[2:] == ["Foot.L", "Foot.R"]
+    assert by_name(hand, "Foot.L").vertex_group == "Foot"
+    assert by_name(hand, "Foot.R").vertex_group == "Foot.R"
+
+
+def test_naming_the_sides_is_one_step_of_undo(hand: Rig):
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+
+    def names() -> tuple:
+        groups = [group.name for group in hand.obj.vertex_groups]
+        return handle_names(hand), groups, sorted(obj.name for obj in bpy.data.objects if obj.type == "EMPTY")
+
+    push("Add Handle")
+    before, shape = names(), hand.points()
+    bpy.ops.sinew.handle_mirror()
+    push("Mirror Handle")
+    after = names()
+    assert before != after
+    bpy.ops.ed.undo()
+    assert names() == before
+    assert np.abs(hand.points() - shape).max() < FLOAT32
+    bpy.ops.ed.redo()
+    assert names() == after
+    assert hand.deformer.status_level == "INFO"
+
+
+def test_a_region_on_the_centre_line_stays_one_handle_and_is_said_to(hand: Rig, capfd):
+    hand.deformer.active_handle = 1
+    capfd.readouterr()
+    bpy.ops.sinew.handle_mirror()
+    assert "Spine lies on the centre line: it stays one handle, made symmetric" in capfd.readouterr().out
+    assert handle_names(hand) == ["Hand.L", "Spine"]
+
+
+def test_two_nameless_handles_that_mirror_each_other_become_a_pair(hand: Rig):
+    add_region(hand, "Foot", low_corner(-1.0), "HANDLE")
+    add_region(hand, "Toes", low_corner(1.0), "HANDLE")
+    controls = [by_name(hand, name).control for name in ("Foot", "Toes")]
+    controls[1].location.z = 0.4
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_mirror()
+    assert handle_names(hand)[2:] == ["Toes.R", "Toes.L"]
+    assert [by_name(hand, name).control for name in ("Toes.R", "Toes.L")] == controls
+    assert controls[0].name == "Plate Toes.R"
+    assert controls[0].location.z == pytest.approx(0.4, abs=1e-6)
+    assert hand.deformer.status_level == "INFO"
+
+
+def test_a_name_that_is_taken_gets_a_number(hand: Rig):
+    hand.obj.vertex_groups.new(name="Foot.R")
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+    bpy.ops.sinew.handle_mirror()
+    assert handle_names(hand)[2:] == ["Foot.001.L", "Foot.001.R"]
+    assert hand.obj.vertex_groups.get("Foot.001.L") is not None
+    assert not weights(hand.obj, "Foot.R")
+
+
+def test_all_of_one_side_names_the_handles_of_that_side_alone(hand: Rig):
+    add_region(hand, "Foot", low_corner(-1.0), "HANDLE")
+    bpy.ops.sinew.handle_mirror(side="LEFT_TO_RIGHT")
+    assert handle_names(hand) == ["Hand.L", "Spine", "Foot", "Hand.R"]
+    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
+    assert handle_names(hand) == ["Hand.L", "Spine", "Foot.R", "Hand.R", "Foot.L"]
+    assert_weights_are_mirrored(hand, "Foot.R", "Foot.L")

@@ -6,10 +6,11 @@ import math
 import bpy
 import numpy as np
 import pytest
-from inside import DRAG, catch_up, dragging, evaluated_by, use_threads
+from inside import DRAG, catch_up, dragging, evaluated_by, factor_of, use_threads
 from mathutils import Matrix
 from registry import WITH_HANDLES
-from rig import Rig, evaluated_points, move_world, update
+from rig import Rig, evaluated_points, move_world, push, update
+from sheet import draw_panel
 
 
 @pytest.fixture
@@ -73,6 +74,78 @@ def test_a_newer_pose_drops_the_final_answer_under_way(dragged: Rig, room, monke
     assert not session.unsettled()  # without a window the newer pose is solved to the end
     monkeypatch.undo()
     assert np.array_equal(plate.points(), final_points(plate))
+
+
+def watched_until_final(plate: Rig, session) -> list[np.ndarray]:
+    """What is shown after each pause, until the shape is final."""
+    shapes = [evaluated_points(plate.obj)]
+    while catch_up() or session.unsettled():
+        update()
+        shapes.append(evaluated_points(plate.obj))
+    return shapes
+
+
+def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(plate: Rig, room, monkeypatch):
+    """The shape that undo restores stays in view until the final one is there, which is the same."""
+    plate.bind("arap")
+    plate.lift(0.5)
+    first = plate.points()
+    push("first")
+    plate.lift(0.5)
+    push("second")
+    use_threads(monkeypatch)
+    session = room("session")
+    factor = factor_of(plate.deformer)
+    with dragging():
+        bpy.ops.ed.undo()
+        update()
+        assert session.is_refining(plate.deformer.uid)
+        assert "Refining" in draw_panel().texts()
+        shapes = watched_until_final(plate, session)
+        assert not session.is_refining(plate.deformer.uid)
+        assert "Refining" not in draw_panel().texts()
+    assert factor_of(plate.deformer) is factor
+    for shape in shapes:
+        assert np.abs(shape - first).max() < 1e-6
+
+
+@pytest.mark.parametrize("price", [0.0, 1e9])
+def test_a_drag_right_after_undo_shows_previews_again(plate: Rig, room, monkeypatch, price: float):
+    """Each move asks for something else, so waiting for final shapes would show none of them."""
+    plate.bind("arap")
+    plate.lift(0.5)
+    push("first")
+    plate.lift(0.5)
+    push("second")
+    use_threads(monkeypatch)
+    with dragging():
+        bpy.ops.ed.undo()
+        update()
+        for height in (0.75, 1.0):
+            session = room("session").find(plate.deformer.uid)
+            session.step_milliseconds = price
+            plate.lift(0.25)
+            if price:
+                session.work.thread.join(timeout=20.0)
+                room("session").collect()
+            assert plate.points()[plate.top, 2] == pytest.approx(height, abs=1e-6)
+            assert room("session").unsettled() == [plate.deformer.uid]
+
+
+def test_after_release_the_final_shape_is_the_first_to_be_shown(heavy_drag, room):
+    """A preview that a thread still computes then is dropped."""
+    plate, session = heavy_drag("arap"), room("session")
+    with dragging():
+        plate.lift(0.5)
+        held = session.find(plate.deformer.uid)
+        held.work.thread.join(timeout=20.0)
+        held.step_milliseconds = 1e9
+        plate.lift(0.5)
+        before = evaluated_points(plate.obj)
+        shapes = watched_until_final(plate, session)
+    final = final_points(plate)
+    for shape in shapes:
+        assert np.array_equal(shape, before) or np.array_equal(shape, final)
 
 
 @pytest.fixture

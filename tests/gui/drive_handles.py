@@ -4,6 +4,7 @@ drags.
 """
 
 import sys
+import time
 
 import addon_utils
 import bpy
@@ -389,6 +390,7 @@ def heavy_drag():
         bpy.ops.sinew.deformer_add(method="arap")
         bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Right")
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Left")
+        bpy.ops.ed.undo_push(message="Before the heavy drag")
     viewport().spaces.active.region_3d.view_rotation = (0.8, 0.53, 0.15, 0.24)
     before, lifts = shown(), []
     seen["in_thread"] = seen["unsettled"] = False
@@ -407,12 +409,32 @@ def heavy_drag():
     press("LEFTMOUSE")
     seen["lifts"] = lifts
     yield from rest()
+    seen["marked"] = session().is_refining(deformer().uid)
+    screenshot("6-refining")
     yield from until(lambda: not session().unsettled() and not session().busy(), 120.0)
     yield from rest()
     seen["heavy_settled"] = not session().unsettled()
     handle = deformer().handles[1].control.matrix_world.translation.z
     seen["heavy_lift"] = [handle, float((shown() - before)[:, 2].max())]
     screenshot("6-heavy")
+    yield from undo_heavy(before)
+
+
+def undo_heavy(before: np.ndarray):
+    """Undo of the drag: which shapes are shown on the way, and whether the mesh was bound again for it."""
+    factor, dragged, off = session().find(deformer().uid).bound.factor, shown(), []
+    press("Z", ctrl=True)
+    yield from until(lambda: apart(shown(), dragged) > 0.1)
+    seen["undo_binds"] = 0
+    end = time.monotonic() + 120.0
+    quiet = 0
+    while quiet < 5 and time.monotonic() < end:
+        off.append(apart(shown(), before))
+        seen["undo_binds"] += session().job(deformer().uid) is not None
+        quiet = 0 if session().is_refining(deformer().uid) else quiet + 1
+        yield
+    seen["undo_off"] = max(off)
+    seen["undo_keeps_factor"] = session().find(deformer().uid).bound.factor is factor
 
 
 def journey():

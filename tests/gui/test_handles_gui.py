@@ -10,6 +10,7 @@ NAMES = ["ear", "Ear.R", "Muzzle", "Back"]
 FLOAT32 = 2e-6  # of a head 4 units wide
 LIFT = 0.45
 SLACK = 0.04  # the viewport mixes in linear light and rounds to 8 bits; the oracle here does neither
+HEAVY_SHAPE = 0.04  # 1 % of the grid
 STEADY = 0.002  # of the pixels: anti-aliasing is never twice the same
 
 
@@ -146,3 +147,13 @@ def test_a_heavy_drag_is_answered_by_a_thread_and_settles(seen: dict):
     control, surface = seen["heavy_lift"]
     assert control > 0.1
     assert surface == pytest.approx(control, abs=0.05)
+
+
+def test_a_preview_is_marked_until_it_is_final(seen: dict):
+    assert seen["marked"]
+
+
+def test_undo_of_a_heavy_drag_binds_nothing_and_shows_no_preview(seen: dict):
+    assert seen["undo_binds"] == 0
+    assert seen["undo_keeps_factor"]
+    assert seen["undo_off"] < HEAVY_SHAPE

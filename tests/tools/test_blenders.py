@@ -8,6 +8,7 @@ from workshop.environments import REQUIREMENTS, blender, included
 from workshop.layers import LAYERS, Layer, blender_layer
 from workshop.places import PYTHON311, ROOT
 from workshop.results import Outcome
+from workshop.shell import run, say
 
 RELEASES = (*blender_matrix.BETWEEN, "5.2.3")
 
@@ -61,6 +62,33 @@ def test_a_failed_layer_does_not_stop_the_next(capsys: pytest.CaptureFixture[str
     said = capsys.readouterr().out
     assert "no such package" in said
     assert said.endswith("3 passed, 1 failed\n")
+
+
+def test_layers_of_one_process_run_beside_each_other_and_print_one_after_the_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each waits for a file that the other writes, so neither would end if they ran one after the other."""
+    monkeypatch.setattr(run_tests, "RESULTS", tmp_path)
+    monkeypatch.setattr(run_tests, "jobs", lambda: 2)
+
+    def meets(own: str, other: str) -> Outcome:
+        run(
+            ["bash", "-c", f"echo first of {own}; touch {own}; until [ -e {other} ]; do sleep .01; done"],
+            cwd=tmp_path,
+        )
+        say(f"last of {own}")
+        return Outcome(passed=1)
+
+    pair = [
+        Layer(own, 1, lambda _timeout, own=own, other=other: meets(own, other), one_process=True)
+        for own, other in (("left", "right"), ("right", "left"))
+    ]
+    assert run_tests.run_layers([*pair, Layer("broken", 1, lambda _timeout: Outcome(failed=1))]) == 1
+    said = capsys.readouterr().out
+    assert all(
+        re.search(f"==== {name} =+\nfirst of {name}\nlast of {name}\n", said) for name in ("left", "right")
+    )
+    assert said.endswith("2 passed, 1 failed\n")
 
 
 def test_each_release_plays_random_sequences_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:

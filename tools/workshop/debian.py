@@ -3,7 +3,7 @@
 
 from pathlib import Path
 
-from .shell import must
+from .shell import must, one_at_a_time
 
 PYTHON = ("python3.11", "python3.11-venv")
 BUILD = (
@@ -44,6 +44,7 @@ BPY = (
 )
 
 
+@one_at_a_time()
 def install(*sets: tuple[str, ...]) -> None:
     wanted = dict.fromkeys(package for packages in sets for package in packages)
     must([Path(__file__).with_name("apt_install"), *wanted])

@@ -5,7 +5,7 @@ import argparse
 
 from . import debian, environments
 from .places import BUILD, ROOT
-from .shell import Stamp, fingerprint, jobs, must
+from .shell import Stamp, fingerprint, jobs, must, one_at_a_time
 
 BENCHMARK_TARGETS = ("sinew_native", "sinew_peers", "sinew_frames")
 
@@ -21,6 +21,7 @@ def configure_tree(preset: str) -> None:
         stamp.write()
 
 
+@one_at_a_time()
 def build_tree(preset: str, target: str = "all") -> None:
     """Configures the tree if needed, and builds what changed."""
     configure_tree(preset)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from . import debian
 from .places import BUILD, PYTHON311, ROOT
-from .shell import Stamp, fingerprint, must, say
+from .shell import Stamp, fingerprint, must, one_at_a_time, say
 
 REQUIREMENTS = ROOT / "tools" / "requirements"
 LONG_TERM_BLENDERS = (
@@ -41,6 +41,7 @@ class Environment:
     def site_packages(self) -> Path:
         return next((self.folder / "lib").glob("python3*")) / "site-packages"
 
+    @one_at_a_time()
     def make(self) -> "Environment":
         """Sets the environment up unless this is done already."""
         debian.install(self.packages)

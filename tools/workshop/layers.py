@@ -16,7 +16,7 @@ from .format import checks
 from .package import package, validate
 from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT, SANITIZE_TREE
 from .results import Outcome, outcome
-from .shell import jobs, must, run
+from .shell import jobs, must, one_at_a_time, run
 from .tidy import tidy
 
 RESULTS = BUILD / "results"
@@ -44,6 +44,7 @@ CORE_TESTS = (
     "test_handles.py",
     "test_interface.py",
     "test_methods.py",
+    "test_missing_libraries.py",
     "test_overlay.py",
     "test_random_operations.py",
 )
@@ -54,6 +55,7 @@ class Layer:
     name: str
     timeout: float  # seconds, for the tests without their set-up
     run: Callable[[float], Outcome]
+    one_process: bool = False  # its tests use one core, so that such a layer can run beside another
 
 
 def lint(timeout: float) -> Outcome:
@@ -147,7 +149,7 @@ def _conditions(name: str) -> dict[str, str]:
 def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
     """A layer for a release of Blender, named after its series. It runs ``tests``, or all."""
     name = f"blender-{version.rpartition('.')[0]}"
-    return Layer(name, 900, partial(blender_module, name, environments.blender(version), tests))
+    return Layer(name, 900, partial(blender_module, name, environments.blender(version), tests), True)
 
 
 def blender_5(timeout: float) -> Outcome:
@@ -167,6 +169,7 @@ def gui(timeout: float) -> Outcome:
     return outcome(junit, run(command, env=env, timeout=timeout))
 
 
+@one_at_a_time()
 def install_legacy(name: str) -> dict[str, str | Path]:
     """Installs the legacy zip in Debian's Blender, in a new user folder.
 
@@ -185,6 +188,7 @@ def install_legacy(name: str) -> dict[str, str | Path]:
     return env
 
 
+@one_at_a_time()
 def install_extension(blender: Environment, name: str) -> dict[str, str | Path]:
     """Installs the extension in a Blender that is a Python module, in the same way."""
     zip_file, _ = package()
@@ -257,11 +261,11 @@ LAYERS = (
     Layer("tools", 120, tools),
     Layer("native", 300, native),
     Layer("sanitizers", 1500, sanitizers),
-    Layer("bindings", 420, bindings),
-    Layer("addon", 120, addon),
     Layer("benchmarks", 600, benchmarks),
-    Layer("blender-3.4", 900, blender_3_4),
+    Layer("addon", 120, addon, one_process=True),
+    Layer("bindings", 420, bindings, one_process=True),
+    Layer("blender-3.4", 900, blender_3_4, one_process=True),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
-    Layer("blender-5", 900, blender_5),
-    Layer("gui", 1200, gui),
+    Layer("blender-5", 900, blender_5, one_process=True),
+    Layer("gui", 1200, gui, one_process=True),
 )

@@ -20,7 +20,7 @@ from . import environments
 from .archives import read_zip, write_zip
 from .environments import Environment
 from .places import ADDON, DIST, MANUAL, ROOT, version
-from .shell import must, say
+from .shell import must, one_at_a_time, say
 from .wheels import build_wheels
 
 MANIFEST = "blender_manifest.toml"
@@ -125,6 +125,7 @@ def validate(extension: Path, blender: Environment) -> None:
 
 
 @functools.cache
+@one_at_a_time()
 def package() -> tuple[Path, Path]:
     """Packs the extension and the legacy zip, once per run."""
     wheels, manual = build_wheels(), manual_files()

@@ -1,40 +1,79 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs all layers of the tests, or those that are named, and prints a summary.
 
-A layer that fails does not stop the next one. The last line counts all tests; the status is 1 if any failed.
+Layers that use one core run beside each other, and print when they have ended. A layer that fails does not
+stop the next one. The last line counts all tests; the status is 1 if any failed.
 """
 
 import argparse
+import multiprocessing
+import os
 import sys
 import time
 from collections.abc import Iterable
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from itertools import groupby
 
-from .layers import LAYERS, Layer
+from .layers import LAYERS, RESULTS, Layer
 from .results import Outcome, closing_line
-from .shell import say
+from .shell import jobs, say
+
+_beside: list[Layer] = []  # the layers that run beside each other; the processes for them inherit this
 
 
-def run_layer(layer: Layer) -> Outcome:
+def run_layer(layer: Layer) -> tuple[Outcome, float]:
+    """Runs one layer. Returns its results and its seconds."""
+    start = time.monotonic()
     say(f"\n==== {layer.name} " + "=" * (72 - len(layer.name)))
     try:
-        return layer.run(layer.timeout)
+        found = layer.run(layer.timeout)
     except SystemExit as stop:  # the tool that failed has printed the reason
         say(str(stop.code))
-        return Outcome(failed=1, note="could not be set up")
+        found = Outcome(failed=1, note="could not be set up")
+    return found, time.monotonic() - start
+
+
+def run_beside_each_other(layers: list[Layer]) -> dict[str, tuple[Outcome, float]]:
+    """Runs as many layers at a time as there are cores, and begins with the longest."""
+    RESULTS.mkdir(parents=True, exist_ok=True)
+    _beside[:] = sorted(layers, key=lambda layer: layer.timeout, reverse=True)
+    say("\nThese run beside each other: " + ", ".join(layer.name for layer in _beside))
+    results = {}
+    with ProcessPoolExecutor(jobs(), multiprocessing.get_context("fork")) as pool:
+        running: dict[Future, Layer] = {pool.submit(_run_apart, i): layer for i, layer in enumerate(_beside)}
+        for future in as_completed(running):
+            name = running[future].name
+            results[name] = future.result()
+            say((RESULTS / f"{name}.log").read_text(encoding="utf-8", errors="replace"))
+    return results
+
+
+def _run_apart(number: int) -> tuple[Outcome, float]:
+    """Runs a layer in a process of its own, which writes into a file what the layer prints."""
+    layer = _beside[number]
+    with (RESULTS / f"{layer.name}.log").open("w", encoding="utf-8") as log:
+        os.dup2(log.fileno(), 1)
+        os.dup2(log.fileno(), 2)
+        sys.stdout = sys.stderr = log
+        return run_layer(layer)
 
 
 def run_layers(layers: Iterable[Layer]) -> int:
-    """Runs one layer after the other and prints a table. Returns how many tests failed."""
-    rows = []
-    for layer in layers:
-        start = time.monotonic()
-        rows.append((layer.name, run_layer(layer), time.monotonic() - start))
+    """Runs the layers in their order and prints a table. Returns how many tests failed."""
+    rows = {}
+    for one_process, group in groupby(layers, key=lambda layer: layer.one_process):
+        chain = list(group)
+        if one_process and len(chain) > 1:
+            results = run_beside_each_other(chain)
+            rows |= {layer.name: results[layer.name] for layer in chain}
+        else:
+            rows |= {layer.name: run_layer(layer) for layer in chain}
 
     say(f"\n{'layer':<14}{'passed':>8}{'failed':>8}{'skipped':>9}{'seconds':>9}")
-    for name, found, seconds in rows:
+    for name, (found, seconds) in rows.items():
         line = f"{name:<14}{found.passed:>8}{found.failed:>8}{found.skipped:>9}{seconds:>9.0f}  {found.note}"
         say(line.rstrip())
-    total = sum((found for _, found, _ in rows), Outcome())
+    total = sum((found for found, _ in rows.values()), Outcome())
     say("\n" + closing_line(total))
     return total.failed
 

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs commands, and remembers what was already done."""
 
+import contextlib
+import fcntl
 import hashlib
 import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from .places import BUILD, ROOT
 
 TIMED_OUT = 124
+_set_ups = 0  # how many calls of one_at_a_time() enclose this place
 
 
 def say(text: str) -> None:
@@ -20,6 +23,21 @@ def say(text: str) -> None:
 
 def jobs() -> int:
     return len(os.sched_getaffinity(0))
+
+
+@contextlib.contextmanager
+def one_at_a_time() -> Iterator[None]:
+    """Lets only one process at a time install or build something in this checkout. It may be nested."""
+    global _set_ups
+    BUILD.mkdir(exist_ok=True)
+    with (BUILD / "set-up.lock").open("w") as lock:
+        if _set_ups == 0:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        _set_ups += 1
+        try:
+            yield
+        finally:
+            _set_ups -= 1
 
 
 def environment(extra: Mapping[str, str | Path] | None = None) -> dict[str, str]:

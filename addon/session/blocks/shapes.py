@@ -7,6 +7,7 @@ shape object it shows, whatever its name is.
 
 import hashlib
 import uuid
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -14,7 +15,7 @@ from bpy.types import Mesh, NodesModifier, Object, Scene
 
 from ... import compat
 from ...ids import Datablocks, Inputs
-from ...mesh_io import replace_rest, resize_shape, shape_mesh, write_shape
+from ...mesh_io import copy_shape, replace_rest, resize_shape, shape_mesh, write_shape
 from ...properties import SinewDeformer, deformers_of
 from ..memory import render_writes, sessions
 from . import node_group, references, targets
@@ -133,6 +134,14 @@ def is_linked(proxy: Object | None) -> bool:
     )
 
 
+def hide_overrides(*proxies: Object | None) -> None:
+    """Take shape objects out of the scene that Blender put there, because it overrides all that it finds."""
+    for proxy in proxies:
+        if proxy is not None and proxy.override_library is not None:
+            for collection in proxy.users_collection:
+                collection.objects.unlink(proxy)
+
+
 def _shape_object(proxy: Object | None, name: str, vertex_count: int) -> Object:
     if proxy is None or is_linked(proxy):
         return bpy.data.objects.new(name, shape_mesh(name, vertex_count))
@@ -170,6 +179,28 @@ def show_rest(deformer: SinewDeformer, mode: str, scene: Scene | None = None) ->
         render_writes.write(scene, lambda: write_shape(mesh, zeros, 0.0, False), session.lock)
     shown.signature, shown.converged = _REST, True
     shown.hold(None)
+
+
+def render_as_shown(deformer: SinewDeformer, scene: Scene | None = None) -> bool:
+    """Let renders show what the viewport shows; False if other vertices enter there.
+
+    This only writes an array, so handlers may call it. A handler names its ``scene``, and holds the lock of
+    the session.
+    """
+    shown, rendered = deformer.shape("VIEWPORT"), deformer.shape("RENDER")
+    if shown is None or rendered is None or is_linked(rendered):
+        return True
+    source, mesh = shown.data, rendered.data
+    if deformer.renders_differ or len(source.vertices) != len(mesh.vertices):
+        return False
+    session = sessions.open_session(deformer.uid)
+    if scene is None:
+        copy_shape(source, mesh)
+    else:
+        render_writes.write(scene, lambda: copy_shape(source, mesh), session.lock)
+    # Without a signature, the next render solves if it can.
+    session.shown["RENDER"] = replace(session.view("VIEWPORT"), signature=(), converged=True)
+    return True
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:

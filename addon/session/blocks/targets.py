@@ -5,6 +5,8 @@ A mesh has vertices, which every method moves. Curves, text, hair and point clou
 faces that Blender makes of them. No regions can be marked there, so only cages move them.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from bpy.types import ID, Curve, Object, Spline
 
@@ -74,6 +76,26 @@ def size(obj: Object) -> int:
 def vertex_count(obj: Object) -> int:
     """How many vertices the mesh has without modifiers; -1 for objects of another type."""
     return len(obj.data.vertices) if is_mesh(obj) else -1
+
+
+def sample(obj: Object, count: int) -> np.ndarray:
+    """Where at least ``count`` points of the object itself are, spread over all of them, float32 (k, 3).
+
+    Fewer if it has fewer; none of a text. In Edit Mode they are where they were before it.
+    """
+    if obj.type == "CURVE":
+        splines = obj.data.splines
+        points: Sequence = [point for spline in splines for point in (*spline.bezier_points, *spline.points)]
+    elif obj.type == "MESH":
+        keys = obj.data.shape_keys
+        points = obj.data.vertices if keys is None else keys.reference_key.data
+    else:
+        position = getattr(obj.data, "attributes", {}).get("position")
+        points = () if position is None else position.data
+    name = "vector" if obj.type not in ("CURVE", "MESH") else "co"
+    chosen = range(0, len(points), max(len(points) // count, 1))
+    places = [getattr(points[index], name)[:3] for index in chosen]
+    return np.array(places, dtype=np.float32).reshape(-1, 3)
 
 
 def holds_points(obj: Object, point_type: PointType) -> bool:

@@ -14,6 +14,7 @@ from ...core.methods import METHODS, Control, Method
 from ...core.status import Status
 from ...mesh_io import RestShape
 from ...properties import SinewDeformer
+from ..blocks import libraries
 from ..blocks.keeper import Link, pointer_links, write_driver
 from ..blocks.owners import owners
 from ..memory.evaluation import ControlState, Evaluation
@@ -82,6 +83,15 @@ class ControlKind(Protocol):
     def take_rest(self, obj: Object, deformer: SinewDeformer) -> None:
         """Let the control rest as it is now."""
 
+    def take_along(self, deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+        """Apply has changed the object space of the target by an affine map ``by`` (4, 4).
+
+        The rest, unless it is a stored rest mesh, and the poses in ``held`` and in the settings follow.
+        """
+
+    def keep_pose(self, deformer: SinewDeformer, held: dict[str, np.ndarray]) -> None:
+        """Store the poses ``held`` of controls from libraries: the next time, these may be missing."""
+
     def forget_rest(self, deformer: SinewDeformer) -> None:
         """Forget how the control rested: at the next bind it rests as it is then."""
 
@@ -133,6 +143,12 @@ def marks_regions(method: Method) -> bool:
 def lost_controls(deformer: SinewDeformer) -> tuple[str, ...]:
     """The lines in the panel about controls that were deleted."""
     return kind_in_use(deformer).lost(deformer)
+
+
+def missing_control(deformer: SinewDeformer) -> str:
+    """What to say if a control is missing with its library; empty if none is."""
+    controls = (link.object for link in kind_in_use(deformer).links(deformer))
+    return next((libraries.explain(control) for control in controls if libraries.is_lost(control)), "")
 
 
 def object_with(deformer: SinewDeformer, elements: Elements) -> Object:

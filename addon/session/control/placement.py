@@ -7,14 +7,21 @@ from mathutils import Matrix
 
 from ...compat import read_positions
 from ..blocks.capture import evaluated_mesh
+from ..blocks.libraries import is_lost
 from ..memory.evaluation import NO_VERTICES, Place
 
 
 def read_place(
     control: Object | None, depsgraph: Depsgraph, bone: str = "", by_shape: bool = False
 ) -> Place | None:
-    """Where an object, or its bone, is; None if it is not there. ``by_shape``: its vertices count too."""
-    if control is None:
+    """Where an object, or its bone, is; None if it is not there. ``by_shape``: its vertices count too.
+
+    An object of a missing library is not there, and where vertices count, no object without them is.
+    """
+    if control is None or (by_shape and control.type != "MESH"):
+        return None
+    data = control.data
+    if (control.library is not None or (data is not None and data.library is not None)) and is_lost(control):
         return None
     evaluated = control.evaluated_get(depsgraph)
     world = evaluated.matrix_world.copy().freeze()

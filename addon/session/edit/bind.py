@@ -12,7 +12,7 @@ from ...core import status
 from ...core.errors import ConstraintError, SinewError
 from ...core.status import Level, Status
 from ...properties import SinewDeformer
-from ..blocks import capture, shapes, targets, vertex_groups
+from ..blocks import capture, rest_frame, shapes, targets, vertex_groups
 from ..blocks.owners import forget_owners
 from ..control import kinds
 from ..control.kinds import ControlKind
@@ -41,6 +41,7 @@ def bind(
             raise SinewError(f"{deformer.name} is baked - Unbake it first")
         try:
             with _shown_in_panel(deformer), _unbound_on_refusal(deformer):
+                rest_frame.absorb(deformer)
                 kind = _required_kind(obj, deformer)
                 vertex_groups.follow_renamed_groups(obj, deformer)
                 meshes, entered = capture.rest_meshes(obj, deformer, entered), None
@@ -113,5 +114,6 @@ def unbind(obj: Object, deformer: SinewDeformer) -> None:
     sessions.drop(deformer.uid)
     for kind in kinds.every_kind():
         kind.forget_rest(deformer)
+    rest_frame.forget(deformer)
     status.put(deformer.uid, Status(Level.INFO, "Not bound - press Bind"))
     obj.update_tag()

@@ -14,7 +14,7 @@ from ...backend import Progress, automatic_cage
 from ...core.errors import CageError, MeshError
 from ...mesh_io import read_rest
 from ...properties import SinewDeformer
-from ..blocks import capture, shapes, targets
+from ..blocks import capture, rest_frame, shapes, targets
 from ..control import kinds
 from ..control.cage import kind as cage_kind
 from ..live import binding
@@ -23,7 +23,8 @@ from . import hull
 
 CAGE_METHODS = kinds.methods_of(cage_kind)
 
-Shape = tuple[np.ndarray, np.ndarray, np.ndarray]  # points (c, 3), corners per face, vertex of each corner
+# Points (c, 3), corners per face, vertex of each corner, and why there are more faces than wanted.
+Shape = tuple[np.ndarray, np.ndarray, np.ndarray, str]
 
 
 def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
@@ -56,7 +57,7 @@ def _around(
 @sessions.suspended()
 def add_cage_object(obj: Object, shape: Shape) -> Object:
     """A new mesh object of this shape in the frame of ``obj``, which it follows."""
-    points, counts, corners = shape
+    points, counts, corners, _more = shape
     mesh = bpy.data.meshes.new(f"{obj.name} Cage")
     faces = [face.tolist() for face in np.split(corners, np.cumsum(counts)[:-1])]
     mesh.from_pydata(points.tolist(), [], faces)
@@ -98,6 +99,7 @@ def _parent(cage: Object, obj: Object) -> None:
 @sessions.suspended()
 def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
     """Let the cage rest as it is now, so that the mesh is at rest too. ``bind`` must follow."""
+    rest_frame.absorb(deformer)
     cage_kind.take_rest(obj, deformer)
     binding.abandon(deformer.uid)
 
@@ -106,7 +108,7 @@ def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
 def flip_cage(deformer: SinewDeformer) -> None:
     """Flip the faces of the cage, so that they point outwards. ``bind`` must follow, and takes its rest."""
     cage = deformer.cage
-    if cage is None or cage.data.library is not None:
+    if cage is None or cage.type != "MESH" or cage.data.library is not None:
         raise CageError("There is no cage here that could be flipped - make it local first")
     edit = bmesh.from_edit_mesh(cage.data) if cage.mode == "EDIT" else bmesh.new()
     if cage.mode != "EDIT":

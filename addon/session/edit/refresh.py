@@ -14,7 +14,7 @@ from ...compat import read_positions, write_positions
 from ...core.errors import SinewError
 from ...mesh_io import read_rest, same_topology
 from ...properties import SinewDeformer
-from ..blocks import capture, shapes, vertex_groups
+from ..blocks import capture, rest_frame, shapes, vertex_groups
 from ..control import kinds
 from ..memory import sessions
 from . import bind
@@ -53,6 +53,7 @@ def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
     kind = kinds.kind_in_use(deformer)
     if deformer.auto_rebind and kind.is_stale(deformer):
         with suppress(SinewError):  # the panel says why
+            rest_frame.absorb(deformer)
             kind.take_rest(obj, deformer)
             bind.bind(obj, deformer, wait=False)
         return True

@@ -11,7 +11,7 @@ from ...ids import Datablocks
 from ..blocks import keeper, references, shapes, targets
 from ..blocks.owners import copies, forget_owners, has_copies, owners
 from ..control import kinds
-from ..live import binding
+from ..live import binding, mirroring
 from ..memory import sessions
 from . import deformers
 
@@ -22,6 +22,7 @@ def separate(obj: Object) -> None:
         modifier = shapes.find_modifier(obj, deformer)
         deformer.uid = shapes.new_key()
         shared = deformer.shape("VIEWPORT"), deformer.shape("RENDER")
+        shapes.hide_overrides(*shared)
         if shared[0] is not None:
             deformer.proxy = bpy.data.objects.new(Datablocks.PROXY_VIEWPORT, shared[0].data.copy())
         if shared[1] is not None:
@@ -84,6 +85,7 @@ def _former(obj: Object) -> list[int]:
 
 
 def has_pending() -> bool:
-    """Whether there is work for ``tidy``, ``refresh`` or ``settle``."""
+    """Whether there is work for ``tidy``, ``refresh``, ``settle`` or ``key_partners``."""
     waits = sessions.unsettled() or sessions.rewired() or sessions.has_edited() or _converted()
-    return bool(waits) or has_copies() or not all(keeper.is_kept(obj) for obj in owners())
+    waits_for_keys = mirroring.waits_for_keys()
+    return bool(waits) or waits_for_keys or has_copies() or not all(keeper.is_kept(obj) for obj in owners())

@@ -15,10 +15,8 @@ from ...core.errors import BackendMissingError, CancelledError, SinewError
 from ...core.memory import remember
 from ...core.point_types import MESH
 from ...core.status import Level, Remedy, Status
-from ...ids import Keys
-from ...mesh_io import read_rest
 from ...properties import SinewDeformer
-from ..blocks import targets
+from ..blocks import rest_frame, targets
 from ..blocks.owners import owners
 from ..control import kinds
 from ..control.bind_input import BindInput
@@ -72,7 +70,7 @@ def ensure(
     is the one of the mode.
     """
     rest = deformer.rest_in(mode)
-    token = rest.get(Keys.REST_TOKEN, "")
+    token = rest_frame.token(deformer, rest)
     key = kinds.bind_key(settings, token)
     under_way = None
     if mode == "VIEWPORT":
@@ -88,7 +86,7 @@ def ensure(
     request = None
     try:
         if session.rest is None or session.rest.token != token:
-            session.rest = read_rest(rest)
+            session.rest = rest_frame.read(deformer, rest)
         kind, base_count = kinds.kind_in_use(settings), targets.vertex_count(deformer.id_data)
         request = kind.request(settings, rest, session.rest, key, base_count)
         if rest == deformer.rest:

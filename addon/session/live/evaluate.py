@@ -8,6 +8,7 @@ given, and writes arrays of unchanged size. It never makes or removes a databloc
 from typing import NamedTuple
 
 import bpy
+import numpy as np
 from bpy.types import Depsgraph, Object
 
 from ... import compat
@@ -23,7 +24,7 @@ from ..control import kinds
 from ..memory import sessions
 from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
 from ..memory.sessions import LastUpdate
-from . import binding, incoming, schedule, solving
+from . import applied, binding, incoming, mirroring, renders, schedule, solving
 from .changes import Change, Changes
 from .schedule import Step
 
@@ -51,12 +52,14 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
             moved.append(look)
     steps = schedule.steps(found) if moved and len(found) > 1 else []
     for look in [] if steps else moved:
-        _update_object(look, depsgraph, changes, preview)
+        _solve(look, depsgraph, changes, preview)
     if steps:
-        _update_in_order(steps, depsgraph, changes, preview)
+        _solve_in_order(steps, depsgraph, changes, preview)
+    if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
+        mirroring.note_seen(edit)
 
 
-def _update_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
+def _solve_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
     """Update rigs after those that they read: see ``schedule``."""
     changes.take()
     schedule.begin(depsgraph)
@@ -80,24 +83,28 @@ def _update_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, 
 def _writes(look: "_Look", depsgraph: Depsgraph, changes: Changes, preview: bool) -> bool:
     """Update the deformers of an object; whether one of them shows another shape now."""
     before = _shown(look.obj, depsgraph.mode)
-    _update_object(look, depsgraph, changes, preview)
+    _solve(look, depsgraph, changes, preview)
     after = _shown(look.obj, depsgraph.mode)
     return len(before) != len(after) or any(
         one is not other for one, other in zip(before, after, strict=True)
     )
 
 
+def _shown(obj: Object, mode: str) -> list[object]:
+    """What identifies the shapes that the deformers of an object show: each write makes another one."""
+    views = [shapes.session_of(deformer, mode).view(mode) for deformer in obj.sinew.deformers]
+    return [part for view in views for part in (view.signature, view.shape, view.factor)]
+
+
 class _Look(NamedTuple):
-    """An object whose deformers are to be updated. ``layout`` is that of the last update, as in
-    ``LastUpdate``, if nothing but controls has changed since: then settings and modifiers need no check.
-    """
+    """An object whose deformers are to be updated, and the last time that they were."""
 
     obj: Object
     evaluated: Object
     placed: tuple
     controls: list[ControlState]
-    new_geometry: bool
-    layout: tuple | None
+    change: Change
+    last: LastUpdate | None
 
 
 def _look_at(obj: Object, depsgraph: Depsgraph, changes: Changes) -> _Look | None:
@@ -112,36 +119,80 @@ def _look_at(obj: Object, depsgraph: Depsgraph, changes: Changes) -> _Look | Non
     if sessions.take_missed(obj.name):
         changes.add_geometry(obj)
         change = Change.GEOMETRY
+    return _Look(obj, evaluated, placed, controls, change, last)
+
+
+def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
+    """Update the deformers of an object."""
+    obj, evaluated, placed, controls, change, last = look
     layout = last.layout if last is not None and change <= Change.DRIVEN else None
-    return _Look(obj, evaluated, placed, controls, change is Change.GEOMETRY, layout)
+    new_geometry = change is Change.GEOMETRY
+    expected = {}
+    in_viewport = depsgraph.mode == "VIEWPORT"
+    if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
+        expected = applied.follow(obj, evaluated, last)
+    layout = _update_object(
+        obj, evaluated, depsgraph, depsgraph.mode, controls, preview, new_geometry, layout
+    )
+    changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
+    if expected:
+        applied.compare(obj, expected)
 
 
-def _update_object(look: _Look, depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
-    """Update the deformers of an object in the order of its modifiers."""
-    obj, evaluated, layout, new_geometry = look.obj, look.evaluated, look.layout, look.new_geometry
+def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> None:
+    """Solve what a render would show of an object now, in the depsgraph of the viewport. Main thread only.
+
+    ``entered`` float32 (n, 3) is what enters the first deformer in renders.
+    """
+    evaluated = obj.evaluated_get(depsgraph)
+    _placed, controls = Changes(depsgraph).read(obj, evaluated)
+    _update_object(obj, evaluated, depsgraph, "RENDER", controls, False, True, None, entered)
+
+
+def _update_object(
+    obj: Object,
+    evaluated: Object,
+    depsgraph: Depsgraph,
+    mode: str,
+    controls: list[ControlState],
+    preview: bool,
+    new_geometry: bool,
+    layout: tuple | None,
+    entered: np.ndarray | None = None,
+) -> tuple:
+    """Update the deformers of an object in a mode; returns its layout, as in ``LastUpdate``.
+
+    The ``layout`` of the last update is given if nothing but controls has changed since. Then the settings
+    and modifiers need no check. ``entered`` float32 (n, 3) is what enters the first deformer, if it is known.
+    """
     changed = False
     if layout is None or not _still_holds(layout, obj):
         changed = True
-        if depsgraph.mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
+        if mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
             new_geometry = False  # the attributes that were evaluated belong to another modifier
-        layout = _layout(obj, depsgraph.mode)
+        layout = _layout(obj, mode)
+        if mode == "VIEWPORT":
+            mirroring.note_target(obj)
     chain = Chain()
     for modifier, shows in zip(obj.modifiers, layout, strict=True):
-        if not is_shown(modifier, depsgraph.mode):
+        if not is_shown(modifier, mode):
             continue
         if shows is None:
             chain = Chain() if baked.overwrites(modifier) else chain.after_other_modifier()
             continue
+        if entered is not None:
+            chain, entered = Chain(points=entered), None
         index = shows[0]
         deformer = obj.sinew.deformers[index]
         settings = _evaluated_settings(evaluated, index, deformer)
-        session, control = shapes.session_of(deformer, depsgraph.mode), look.controls[index]
+        session, control = shapes.session_of(deformer, mode), controls[index]
         if settings.method != deformer.method:  # an animated method may ask for another kind of control
             control = kinds.kind_in_use(settings).read_state(deformer, depsgraph)
         evaluation = Evaluation(
             obj,
             evaluated,
             depsgraph,
+            mode,
             modifier,
             deformer,
             settings,
@@ -162,16 +213,10 @@ def _update_object(look: _Look, depsgraph: Depsgraph, changes: Changes, preview:
                 chain = _update_deformer(evaluation)
             except SinewError as error:
                 chain = _refuse(evaluation, error)
-    if depsgraph.mode == "VIEWPORT" and changed:
+    if mode == "VIEWPORT" and changed:
         _report_lost(obj)
         baked.report(obj)
-    changes.note(obj, LastUpdate(look.placed, layout))
-
-
-def _shown(obj: Object, mode: str) -> list[object]:
-    """What identifies the shapes that the deformers of an object show: each write makes another one."""
-    views = [shapes.session_of(deformer, mode).view(mode) for deformer in obj.sinew.deformers]
-    return [part for view in views for part in (view.signature, view.shape, view.factor)]
+    return layout
 
 
 def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
@@ -211,8 +256,11 @@ def _by_shape(obj: Object) -> dict[Object, int]:
 
 
 def _report_lost(obj: Object) -> None:
-    """Tell in the panel which hidden data was deleted. Bind makes it again."""
+    """Tell in the panel which controls and which hidden data are missing. Bind makes the data again."""
     for deformer in obj.sinew.deformers:
+        missing = kinds.missing_control(deformer) if bpy.data.libraries else ""
+        if missing and status.current(deformer.uid).level is not Level.ERROR:
+            status.put(deformer.uid, Status(Level.WARNING, missing))
         session = sessions.find(deformer.uid)
         was_bound = deformer.is_bound or (session is not None and session.bound is not None)
         if not was_bound or binding.job(deformer.uid) is not None:
@@ -241,7 +289,10 @@ def _update_deformer(evaluation: Evaluation) -> Chain:
     """Update one deformer; returns what it passes on to the next."""
     deformer, session = evaluation.deformer, evaluation.session
     if not evaluation.settings.live:
-        return incoming.after(evaluation)
+        held = renders.while_not_live(evaluation)
+        if held is None:
+            return incoming.after(evaluation)
+        evaluation = held
     if shapes.is_linked(deformer.proxy):
         status.put(deformer.uid, Status(Level.INFO, LINKED))
         return Chain(broken=True)
@@ -277,6 +328,7 @@ def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
     else:
         evaluation.note(f"In the render: {error}")
     if isinstance(error, BackendMissingError):
+        renders.show_viewport_shape(evaluation)
         return incoming.after(evaluation)  # the last solution stays
     shapes.show_rest(evaluation.deformer, evaluation.mode, evaluation.depsgraph.scene)
     return evaluation.chain.through(evaluation.deformer.uid)
@@ -291,7 +343,7 @@ def settle() -> bool:
     for obj in owners():
         for deformer in obj.sinew.deformers:
             session = sessions.find(deformer.uid)
-            if session is None or session.work is not None:
+            if session is None or (session.work is not None and session.work.subject.final):
                 continue
             if any(not shown.converged for shown in session.shown.values()):
                 session.settle = asked = True

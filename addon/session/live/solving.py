@@ -4,6 +4,7 @@
 A drag in a window shows previews, which take as many steps as the drag budget allows and start from the last
 shape. If a single step takes longer than the budget, a thread solves, and the shape follows the controls a
 little later. When the drag pauses, the exact shape, which depends on the poses alone, replaces the preview.
+Where nothing is known of the shape, after undo for instance, the exact shape is the first to be shown.
 """
 
 import math
@@ -24,7 +25,7 @@ from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
 from ..memory.sessions import Bound, Session, Shown
-from . import binding, drag
+from . import binding, drag, renders
 from .incoming import TOPOLOGY_CHANGED
 
 
@@ -50,6 +51,7 @@ def solve(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, dis
     shown = evaluation.shown
     question = _question(evaluation, bound, incoming, displacement)
     if question is None:
+        renders.show_viewport_shape(evaluation)
         return
     if shown.shape is not None and question.matches(shown) and (shown.converged or question.early):
         if shown.factor != _factor(evaluation):
@@ -89,9 +91,15 @@ def _question(
     options.update(further)
     options["incoming"] = incoming
     shown = evaluation.shown
-    same = shown.signature == signature and _same(shown.incoming, incoming)
-    final = evaluation.session.settle and same and evaluation.in_viewport
-    early = evaluation.preview and evaluation.settings.is_iterative and not final
+    work = evaluation.session.work
+    last = shown if work is None else work.subject
+    same = last.signature == signature and _same(last.incoming, incoming)
+    wanted = evaluation.session.settle and same
+    in_drag = evaluation.preview and evaluation.settings.is_iterative
+    if in_drag and shown.shape is None:
+        wanted = work is None or (same and work.subject.final)
+    final = wanted and evaluation.in_viewport
+    early = in_drag and not final
     if early:
         options["max_iterations"] = min(evaluation.session.steps, options["max_iterations"])
         if shown.positions is not None and not shown.displacement:
@@ -119,7 +127,9 @@ def _show(
     shown.hold(shape)
     shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged
     if evaluation.in_viewport and status.current(evaluation.deformer.uid).level is not Level.INFO:
-        status.put(evaluation.deformer.uid, Status(Level.INFO, binding.summary(bound)))
+        missing = kinds.missing_control(evaluation.deformer)
+        line = Status(Level.WARNING, missing) if missing else Status(Level.INFO, binding.summary(bound))
+        status.put(evaluation.deformer.uid, line)
 
 
 def _solve_here(evaluation: Evaluation, bound: Bound, question: Question) -> np.ndarray:
@@ -167,7 +177,10 @@ def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bo
 def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Question, np.ndarray] | None:
     """The shape that a thread has computed, perhaps for an earlier question; None while there is none."""
     work = session.work
-    if work is not None and not work.done:
+    if work is not None and question.final and not work.subject.final:  # the drag has ended
+        work.cancel()
+        work = None
+    elif work is not None and not work.done:
         if question.matches(work.subject) or not work.subject.final:
             return None
         work.cancel()

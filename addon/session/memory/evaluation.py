@@ -77,6 +77,7 @@ class Evaluation:
     obj: Object
     evaluated: Object
     depsgraph: Depsgraph
+    mode: str  # VIEWPORT or RENDER: which of the two shapes is computed
     modifier: NodesModifier
     deformer: SinewDeformer
     settings: SinewDeformer
@@ -85,11 +86,6 @@ class Evaluation:
     chain: Chain
     preview: bool
     new_geometry: bool  # what enters the modifiers may differ from the last evaluation
-
-    @cached_property
-    def mode(self) -> str:
-        """VIEWPORT or RENDER."""
-        return self.depsgraph.mode
 
     @cached_property
     def in_viewport(self) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...backend import Factor
 from ...core import status
@@ -91,11 +92,13 @@ class Session:
 class LastUpdate:
     """Where an object and its controls were when its deformers were last updated.
 
+    ``world`` is the matrix of the object, a copy.
     ``layout`` has an entry per modifier: the index and key of the deformer that it shows, or None.
     """
 
     placed: tuple
     layout: tuple[tuple[int, str] | None, ...]
+    world: Matrix
 
 
 _sessions: dict[str, Session] = remember({})
@@ -189,6 +192,12 @@ def has_answer(key: str) -> bool:
     """Whether a thread has solved for this deformer, and the shape is not shown yet."""
     session = _sessions.get(key)
     return session is not None and session.work is not None and session.work.done
+
+
+def is_refining(key: str) -> bool:
+    """Whether the shape shown is not final: the final one is being computed, or will be after a pause."""
+    session = _sessions.get(key)
+    return session is not None and (session.work is not None or not session.view("VIEWPORT").converged)
 
 
 def unsettled() -> list[str]:

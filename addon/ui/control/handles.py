@@ -95,7 +95,22 @@ def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeforme
     side.menu(Menus.HANDLE, text="", icon="DOWNARROW_HLT")
     if several:
         draw_move_buttons(side, Operators.HANDLE_MOVE)
+    if several:
+        _draw_mirror(context, layout, deformer)
     _draw_add_buttons(context, layout, obj)
+
+
+def _draw_mirror(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
+    """Draw the switch for mirrored posing. Bones have their own, that of their armature."""
+    layout.prop(deformer, "use_mirror_x", icon="MOD_MIRROR")
+    if not deformer.use_mirror_x:
+        return
+    armatures = {handle.control for handle in deformer.handles if handle.bone and handle.control is not None}
+    for armature in sorted(armatures, key=lambda armature: armature.name):
+        if armature.pose is not None:
+            layout.prop(armature.pose, "use_mirror_x", text=f"Bones of {armature.name}", icon="MOD_MIRROR")
+    if not armatures and not session.control_pairs(deformer):
+        draw_text(context, layout, "No control has one on the other side yet - Mirror makes it", "INFO")
 
 
 def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:

@@ -59,9 +59,11 @@ double volume(const SurfaceMesh& mesh)
 } // namespace
 
 Cage::Cage(SurfaceMesh rest)
-    : rest_(std::move(rest)),
+    : frame_(rest.points()), rest_(frame_.in(rest)),
       size_((rest_.points().colwise().maxCoeff() - rest_.points().colwise().minCoeff()).norm())
 {
+    if (!frame_.is_identity())
+        given_ = std::move(rest);
     if (rest_.face_count() == 0)
         throw InvalidMesh("the cage has no faces");
     const std::vector<int> unbalanced = unbalanced_vertices(rest_);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/mesh/surface_mesh.h"
+#include "native/mesh/normal_frame.h"
+
+#include <optional>
 
 namespace sinew {
 
@@ -25,18 +27,25 @@ public:
     ///   or inside out (faces are named).
     explicit Cage(SurfaceMesh rest);
 
+    /// The rest cage in its own frame(), in which all coordinates are computed. So neither its size nor its
+    /// place matters.
     const SurfaceMesh& rest() const { return rest_; }
+    /// The rest cage as it was given.
+    const SurfaceMesh& given() const { return given_ ? *given_ : rest_; }
+    const NormalFrame& frame() const { return frame_; }
     int vertex_count() const { return rest_.vertex_count(); }
     const std::vector<Triangle>& triangles() const { return rest_.triangles(); }
 
-    /// Diagonal of the box around the rest vertices.
+    /// Diagonal of the box around the vertices of rest().
     double size() const { return size_; }
 
     /// \throw InvalidConstraint  there are more or fewer vertices than the cage has, or some are not finite.
     void check_pose(PointsView vertices) const;
 
 private:
+    NormalFrame frame_;
     SurfaceMesh rest_;
+    std::optional<SurfaceMesh> given_; ///< where the frame is not the identity
     double size_;
 };
 

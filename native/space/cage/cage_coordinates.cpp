@@ -6,7 +6,8 @@ namespace sinew {
 std::vector<std::string> CageCoordinates::changed_settings(const SpaceMethod& former) const
 {
     const Cage& other = static_cast<const CageCoordinates&>(former).cage_;
-    return names_of({{"cage", !(cage_.rest() == other.rest())}}, LinearSpaceMethod::changed_settings(former));
+    return names_of({{"cage", !(cage_.given() == other.given())}},
+                    LinearSpaceMethod::changed_settings(former));
 }
 
 } // namespace sinew

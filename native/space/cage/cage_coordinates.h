@@ -25,7 +25,11 @@ protected:
     {
     }
 
-    PointsView rest_control() const override { return view(cage_.rest().points()); }
+    PointsView rest_control() const override { return view(cage_.given().points()); }
+    PointsView normalized(PointsView points, Points& storage) const override
+    {
+        return cage_.frame().in(points, storage);
+    }
     void check_control(PointsView control) const override { cage_.check_pose(control); }
     /// "cage", "precision" and "threshold".
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;

@@ -67,7 +67,7 @@ int Green::columns() const { return cage().vertex_count() + static_cast<int>(cag
 RowMatrix Green::face_weights() const
 {
     const RowMatrix all = weights().dense();
-    return cage().size() *
+    return cage().frame().unit() * cage().size() *
            all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
 }
 

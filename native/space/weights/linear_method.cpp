@@ -10,9 +10,11 @@
 
 namespace sinew {
 
-void LinearSpaceMethod::compute(PointsView points, SpaceReport& report, const Progress& progress)
+void LinearSpaceMethod::compute(PointsView given, SpaceReport& report, const Progress& progress)
 {
     using Clock = std::chrono::steady_clock;
+    Points storage;
+    const PointsView points = normalized(given, storage);
     const int count = static_cast<int>(points.rows());
     Points rest_controls;
     controls(rest_control(), rest_controls);
@@ -23,7 +25,7 @@ void LinearSpaceMethod::compute(PointsView points, SpaceReport& report, const Pr
         ~Release() { method.release(); }
     } at_the_end{*this};
     const double prepared = prepare(points, progress);
-    std::vector<char> outside(static_cast<std::size_t>(count), 0);
+    std::vector<char> outside(static_cast<std::size_t>(count), 0), lost = outside;
     // About a tenth of a second passes between ticks. The weights do not depend on where the ticks are.
     const int block = block_size();
     int slab = 4 * block;
@@ -37,6 +39,11 @@ void LinearSpaceMethod::compute(PointsView points, SpaceReport& report, const Pr
             const PointsView chunk(points.data() + 3 * static_cast<std::ptrdiff_t>(first + from), to - from,
                                    3);
             evaluate(first + from, chunk, rows, out);
+            for (int i = from; i < to; ++i)
+                if (!rows.row(i - from).allFinite()) {
+                    lost[static_cast<std::size_t>(first + i)] = 1;
+                    rows.row(i - from).setZero();
+                }
             weights.set_rows(first + from, rows);
             std::copy(out.begin(), out.end(), outside.begin() + first + from);
         });
@@ -46,9 +53,17 @@ void LinearSpaceMethod::compute(PointsView points, SpaceReport& report, const Pr
             slab = std::min(2 * slab, 1 << 20);
     }
 
-    for (int i = 0; i < count; ++i)
+    std::vector<int> without;
+    for (int i = 0; i < count; ++i) {
         if (outside[static_cast<std::size_t>(i)])
             report.outside.push_back(i);
+        if (lost[static_cast<std::size_t>(i)])
+            without.push_back(i);
+    }
+    if (!without.empty())
+        throw InvalidConstraint("points " + list_some(without) + " have no finite weights: the " +
+                                    control_name() + " is too thin there",
+                                Error::Element::vertex, without);
     if (!report.outside.empty() && !reaches_outside())
         throw InvalidConstraint("points " + list_some(report.outside) + " lie outside the " + control_name(),
                                 Error::Element::vertex, report.outside);

@@ -29,6 +29,8 @@ protected:
     /// \throw InvalidConstraint  the posed control does not fit the rest one, or is not finite.
     virtual void check_control(PointsView control) const = 0;
 
+    /// Points in the frame in which prepare() and evaluate() compute.
+    virtual PointsView normalized(PointsView points, Points&) const { return points; }
     /// Prepares evaluate(); bind() calls it once. Must leave the object as it was if it throws.
     /// \return the share of the time of bind() that it takes. It reports its progress within that share.
     virtual double prepare(PointsView, const Progress&) { return 0.0; }

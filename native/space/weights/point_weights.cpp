@@ -21,6 +21,10 @@ namespace {
 template <class T>
 constexpr int block_points = 64 / sizeof(T);
 
+/// A mean move is taken out if it is so many times as long as the moves relative to it.
+constexpr double much_longer = 8.0;
+constexpr double one = 1e-9; ///< a sum of weights that is so close to 1 is 1
+
 using Vector4 = Eigen::Vector4d;
 using Matrix4 = Eigen::Matrix4d;
 
@@ -50,6 +54,7 @@ PointWeights::PointWeights(int points, const Points& rest_controls, int vertices
         throw InvalidOption("the threshold of the weights must lie in [0, 1)");
     const std::size_t parts = blocks_of(points, part);
     dropped_.assign(parts, 0.0);
+    sums_.assign(is_single() ? static_cast<std::size_t>(points) : 0, 1.0);
     if (is_sparse()) {
         columns_.resize(parts);
         offsets_.resize(parts);
@@ -77,6 +82,10 @@ PointWeights::PointWeights(int points, const Points& rest_controls, int vertices
 
 void PointWeights::set_rows(int first, const RowMatrix& rows)
 {
+    if (is_single())
+        for (Eigen::Index i = 0; i < rows.rows(); ++i)
+            if (const double sum = rows.row(i).head(vertices_).sum(); std::abs(sum - 1.0) > one)
+                sums_[static_cast<std::size_t>(first + i)] = sum;
     if (is_sparse())
         is_single() ? keep_large(singles_, first, rows) : keep_large(doubles_, first, rows);
     else
@@ -187,8 +196,22 @@ void PointWeights::apply(const Points& moves, PointsView rest, Real* positions) 
 }
 
 template <class T, class Real>
-void PointWeights::apply(const Store<T>& store, const Points& moves, PointsView rest, Real* positions) const
+void PointWeights::apply(const Store<T>& store, const Points& all_moves, PointsView rest,
+                         Real* positions) const
 {
+    Eigen::RowVector3d mean = Eigen::RowVector3d::Zero();
+    Points relative;
+    if (is_single() && vertices_ > 0) {
+        mean = all_moves.topRows(vertices_).colwise().mean();
+        const double farthest = (all_moves.topRows(vertices_).rowwise() - mean).cwiseAbs().maxCoeff();
+        if (mean.cwiseAbs().maxCoeff() > much_longer * farthest) {
+            relative = all_moves;
+            relative.topRows(vertices_).rowwise() -= mean;
+        } else {
+            mean.setZero();
+        }
+    }
+    const Points& moves = relative.size() > 0 ? relative : all_moves;
     const double most = moves.size() > 0 ? moves.cwiseAbs().maxCoeff() : 0.0;
     // Moves are scaled so that they fit into single precision. A power of two causes no rounding.
     const double scale = most > 0.0 ? std::ldexp(1.0, std::ilogb(most)) : 1.0;
@@ -198,10 +221,13 @@ void PointWeights::apply(const Store<T>& store, const Points& moves, PointsView 
         for (int axis = 0; axis < 3; ++axis)
             factors[static_cast<std::size_t>(c) * stride + axis] = static_cast<T>(moves(c, axis) / scale);
     const ProductKernels& kernels = widest_kernels<ProductKernels>();
+    const bool apart = relative.size() > 0;
     const auto place = [&](int i, const T* sum, int step) {
-        for (int axis = 0; axis < 3; ++axis)
-            positions[3 * static_cast<std::size_t>(i) + axis] =
-                static_cast<Real>(rest(i, axis) + scale * static_cast<double>(sum[step * axis]));
+        for (int axis = 0; axis < 3; ++axis) {
+            const double own = scale * static_cast<double>(sum[step * axis]);
+            positions[3 * static_cast<std::size_t>(i) + axis] = static_cast<Real>(
+                rest(i, axis) + (apart ? sums_[static_cast<std::size_t>(i)] * mean[axis] + own : own));
+        }
     };
     constexpr int block = block_points<T>;
     const int grain = std::max(1, (1 << 16) / (std::max(columns, 1) * block));

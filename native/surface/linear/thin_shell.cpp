@@ -261,6 +261,7 @@ void ThinShell::bind(const Regions& regions, BindReport& report, const Progress&
 BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness& bending,
                                     const Stiffness& variation, const Progress& progress)
 {
+    const AccessLock alone = changing();
     struct Exchange ///< exchanges the stiffnesses, and exchanges them back unless all went well
     {
         Impl& own;
@@ -283,7 +284,7 @@ BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness
     exchange.options.bending = bending;
     exchange.options.variation = variation;
     exchange.swap();
-    const BindReport report = set_handles(regions().handles(), progress);
+    const BindReport report = hold(regions().handles(), progress);
     exchange.done = true;
     return report;
 }
@@ -308,8 +309,10 @@ void ThinShell::swap_binding(SurfaceMethod& other)
 
 LinearResponse ThinShell::respond(const MatrixX& constraints) const
 {
+    const AccessLock shared = reading();
     return impl_->bound.respond(rest().vertex_count(), constraints);
 }
+
 SolveReport ThinShell::deform(const SolveRequest& request, const Targets& targets, Points& positions) const
 {
     const Binding& bound = impl_->bound;

@@ -79,7 +79,8 @@ public:
     /// \param constraints  (c, m) one row for each of regions().constraints().
     LinearResponse respond(const MatrixX& constraints) const;
 
-    /// Null where the options do not ask for it, or where there are more than 16 handles.
+    /// Null where the options do not ask for it, or where there are more than 16 handles; the next bind frees
+    /// it.
     const AffineBasis* affine_basis() const;
 
 protected:

@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/mesh/normal_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 #include "native/surface/nonlinear/arap/cascade.h"
@@ -122,13 +123,16 @@ struct Workspace
 /// The results of a bind.
 struct Binding
 {
+    double unit; ///< of the nodes, whose squares fit into single precision
     ArapGraph graph;
     Points node_rest; ///< the rest points of the nodes
     ArapCascade cascade;
     mutable Pool<Workspace> workspaces;
 
-    Binding(const RestGraph& mesh, const Points& rest, const Regions& regions, const Progress& progress)
-        : graph(mesh.held_by(regions), mesh.cells, rest), node_rest(rest.rows(), 3)
+    /// \param rest  (n, 3) in units of `unit`
+    Binding(const RestGraph& mesh, double unit, const Points& rest, const Regions& regions,
+            const Progress& progress)
+        : unit(unit), graph(mesh.held_by(regions), mesh.cells, rest), node_rest(rest.rows(), 3)
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
@@ -139,13 +143,23 @@ struct Binding
     void to_nodes(const PointsView& points, int count, Points& nodes) const
     {
         nodes.resize(count, 3);
-        parallel_for(count, [&](int i) { nodes.row(i) = points.row(graph.order()[i]); });
+        parallel_for(count,
+                     [&, scale = 1.0 / unit](int i) { nodes.row(i) = scale * points.row(graph.order()[i]); });
     }
     void to_vertices(const PointsView& nodes, Points& points) const
     {
         points.resize(nodes.rows(), 3);
-        parallel_for(graph.size(), [&](int i) { points.row(graph.order()[i]) = nodes.row(i); });
+        parallel_for(graph.size(), [&](int i) { points.row(graph.order()[i]) = unit * nodes.row(i); });
     }
+    /// Poses of the nodes.
+    Poses to_nodes(Poses poses) const
+    {
+        for (Pose& pose : poses)
+            pose.col(3) /= unit;
+        return poses;
+    }
+    /// E for its value in units of the nodes.
+    double energy(double of_nodes) const { return of_nodes * graph.energy_factor() * unit * unit; }
 };
 
 } // namespace
@@ -154,6 +168,7 @@ struct Arap::Impl
 {
     ArapOptions options;
     std::vector<double> rigidity;       ///< one per vertex
+    double unit = 1.0; ///< see normal_unit()
     std::optional<RestGraph> assembled; ///< by the first bind
     int degenerate_faces = 0;           ///< counted by the first bind
     int factorizations = 0;
@@ -167,6 +182,7 @@ Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
     require_at_least(options.tolerance, 0.0, "tolerance");
     require_at_least(options.max_iterations, 1, "max_iterations");
     impl_->options = options;
+    impl_->unit = normal_unit(rest.points());
     impl_->rigidity = painted_rigidity(options.rigidity, rest.vertex_count());
 }
 
@@ -176,12 +192,16 @@ Arap::Arap(Arap&&) noexcept = default;
 void Arap::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Impl& self = *impl_;
+    std::optional<SurfaceMesh> scaled;
+    if (self.unit != 1.0)
+        scaled = in_unit(rest(), self.unit);
+    const SurfaceMesh& mesh = scaled ? *scaled : rest();
     if (!self.assembled) {
-        self.assembled.emplace(rest(), self.options, self.rigidity);
-        self.degenerate_faces = degenerate_face_count(rest());
+        self.assembled.emplace(mesh, self.options, self.rigidity);
+        self.degenerate_faces = degenerate_face_count(mesh);
     }
     progress.tick(0.2, "factorising");
-    auto next = std::make_unique<const Binding>(*self.assembled, rest().points(), regions, progress);
+    auto next = std::make_unique<const Binding>(*self.assembled, self.unit, mesh.points(), regions, progress);
     progress.tick(1.0, "bound");
 
     self.bound = std::move(next);
@@ -221,7 +241,8 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
 
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
     ArapWorkspace& fine = work->fine;
-    Targets targets{given.poses, view(bound.node_rest), {}, given.from_rest};
+    const Poses poses = bound.to_nodes(given.poses);
+    Targets targets{poses, view(bound.node_rest), {}, given.from_rest};
     if (given.incoming) {
         bound.to_nodes(*given.incoming, graph.size(), work->incoming);
         targets.incoming.emplace(view(work->incoming));
@@ -242,7 +263,7 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         problem.positions_for_rotations(fine.x);
     }
     SolveReport report = minimize(problem, fine.x, options, request.progress, &fine.descent);
-    report.energy *= graph.energy_factor();
+    report.energy = bound.energy(report.energy);
     bound.to_vertices(problem.place(fine.x), positions);
     return report;
 }
@@ -250,6 +271,7 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
 double Arap::energy(const PointsView& positions) const
 {
     require_same_size(positions, "positions");
+    const AccessLock shared = reading();
     if (!impl_->bound)
         return 0.0;
     const Binding& bound = *impl_->bound;
@@ -271,7 +293,7 @@ double Arap::energy(const PointsView& positions) const
             break;
         energy = next;
     }
-    return energy * graph.energy_factor();
+    return bound.energy(energy);
 }
 
 } // namespace sinew

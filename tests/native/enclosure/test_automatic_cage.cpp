@@ -163,6 +163,41 @@ TEST(AutomaticCage, joins_triangles_into_quads_that_are_safe_along_both_diagonal
     }
 }
 
+TEST(AutomaticCage, no_diagonal_of_a_quad_is_an_edge_or_a_diagonal_of_another)
+{
+    using Symmetry = AutomaticCageOptions::Symmetry;
+    for (const SurfaceMesh& target :
+         {shapes::sphere(2), shapes::bar(8, 2), shapes::hill(12, 12), torus(40, 20)})
+        for (int faces : {12, 16, 24, 40, 64, 100})
+            for (Symmetry symmetry : {Symmetry::none, Symmetry::x, Symmetry::y}) {
+                const AutomaticCage cage = automatic_cage(
+                    target, {.faces = faces, .margin = 0.1, .symmetry = symmetry, .quads = true});
+                std::map<std::pair<int, int>, int> used; // sides count half, as two faces have each
+                for (const auto& face : shapes::faces_of(mesh_of(cage))) {
+                    for (std::size_t k = 0; k < face.size(); ++k)
+                        ++used[std::minmax(face[k], face[(k + 1) % face.size()])];
+                    if (face.size() == 4)
+                        for (int k : {0, 1})
+                            used[std::minmax(face[k], face[k + 2])] += 2;
+                }
+                for (const auto& [pair, times] : used)
+                    EXPECT_EQ(times, 2) << faces << ": " << pair.first << " " << pair.second;
+                EXPECT_EQ(summary(diagnose_cage(mesh_of(cage), view(target.points()))), "clean");
+            }
+}
+
+TEST(AutomaticCage, says_how_many_faces_were_asked_for_and_why_there_are_more)
+{
+    for (int faces : {12, 60}) {
+        const AutomaticCageReport report =
+            automatic_cage(torus(40, 20), {.faces = faces, .margin = wide}).report;
+        EXPECT_EQ(report.wanted, faces);
+        EXPECT_EQ(report.reached, report.faces <= faces + 1);
+        EXPECT_EQ(report.reason.empty(), report.reached);
+        EXPECT_EQ(report.reached, faces == 60) << "a ring needs more than twelve";
+    }
+}
+
 // Loose triangles wrap into a surface of many holes, which no collapse may close: a wider margin does.
 TEST(AutomaticCage, widens_the_margin_where_the_wrap_has_too_many_holes)
 {

@@ -6,7 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <string>
 
 namespace sinew {
 
@@ -55,6 +57,29 @@ TEST(CageDiagnosis, names_open_edges)
     const CageDiagnosis found = diagnose_cage(shapes::over(shapes::cube().points(), faces));
     EXPECT_EQ(found.open_edges, (std::vector<std::array<int, 2>>{{4, 5}, {4, 7}, {5, 6}, {6, 7}}));
     EXPECT_EQ(summary(found), "4 open edges");
+}
+
+TEST(CageDiagnosis, names_diagonals_that_are_edges_or_diagonals_of_other_faces)
+{
+    // Two faces of a tetrahedron as one quad: its other diagonal is the edge opposite.
+    const std::vector<Vector3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const SurfaceMesh quad = shapes::mesh(corners, {{0, 2, 1, 3}, {0, 3, 1}, {1, 2, 0}});
+    CageDiagnosis found = diagnose_cage(quad);
+    EXPECT_EQ(found.crowded_diagonals, (std::vector<std::array<int, 2>>{{0, 1}}));
+    // A pillow of two quads has both diagonals twice, one of two pentagons those that it is cut along.
+    for (int sides : {4, 5}) {
+        std::vector<Vector3> rim;
+        std::vector<int> front, back;
+        for (int k = 0; k < sides; ++k) {
+            rim.emplace_back(std::cos(2 * shapes::pi * k / sides), std::sin(2 * shapes::pi * k / sides), 0);
+            front.push_back(k);
+            back.insert(back.begin(), k);
+        }
+        found = diagnose_cage(shapes::mesh(rim, {front, back}));
+        EXPECT_GE(found.crowded_diagonals.size(), 1u) << sides;
+        EXPECT_NE(summary(found).find("more than two triangles"), std::string::npos);
+    }
+    EXPECT_TRUE(diagnose_cage(shapes::cube()).crowded_diagonals.empty());
 }
 
 TEST(CageDiagnosis, names_inverted_faces_one_or_all)

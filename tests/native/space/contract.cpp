@@ -269,6 +269,50 @@ TEST_P(SpaceContract, any_number_of_threads_gives_the_same_bits)
     }
 }
 
+TEST_P(SpaceContract, binds_and_warps_from_several_threads_take_turns)
+{
+    const Points control = moved(traits()), fewer = traits().points.topRows(60);
+    for (const SpaceVariant& variant : traits().variants) {
+        SCOPED_TRACE(variant.name);
+        const Points all = warped(*bound(variant, traits().points), control);
+        const Method one = bound(variant, fewer), other = bound(variant, fewer);
+        std::vector<int> wrong(4, 0);
+        std::vector<std::thread> threads;
+        for (int t = 0; t < 4; ++t)
+            threads.emplace_back([&, t] {
+                for (int k = 0; k < 6; ++k) {
+                    if (t == 0)
+                        one->bind(view(fewer));
+                    else if (t == 1)
+                        (k % 2 ? one : other)
+                            ->rebind(k % 2 ? *other : *one, view(k % 3 ? fewer : traits().points));
+                    else
+                        try { // the former object of a rebind has no points, and others have more of them
+                            Points out(fewer.rows(), 3);
+                            (k % 2 ? one : other)->warp(view(control), {}, out.data(), out.rows());
+                            wrong[t] += out != all.topRows(fewer.rows());
+                        } catch (const InvalidConstraint&) {
+                        }
+                }
+            });
+        for (std::thread& thread : threads)
+            thread.join();
+        EXPECT_EQ(wrong, std::vector<int>(4, 0));
+    }
+}
+
+TEST_P(SpaceContract, a_callback_cannot_wait_for_its_own_call)
+{
+    const Method method = bound(traits().variants.front(), traits().points);
+    const Points control = moved(traits()), before = warped(*method, control);
+    const Progress warps([&](double, const char*) { return warped(*method, control).rows() > 0; });
+    const Progress binds(
+        [&](double, const char*) { return method->bind(view(traits().points)).point_count > 0; });
+    for (const Progress& callback : {warps, binds})
+        EXPECT_THROW(method->bind(view(traits().points), callback), ObjectInUse);
+    EXPECT_EQ(warped(*method, control), before);
+}
+
 TEST_P(SpaceContract, rebind_takes_over_what_is_the_same)
 {
     const Points control = moved(traits()), fewer = traits().points.topRows(20);

@@ -1,32 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/native/surface/contract.h"
+#include "tests/native/surface/calls.h"
 
 #include "tests/native/refusals.h"
 
 #include <cmath>
-#include <thread>
 
 namespace sinew {
 
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-using Method = std::shared_ptr<SurfaceMethod>;
-
-Method bound(const SurfaceVariant& variant, const SurfaceMesh& mesh, const std::vector<Handle>& handles)
-{
-    Method method = variant.make(mesh);
-    method->set_handles(handles);
-    return method;
-}
-
-Points solve(const SurfaceMethod& method, const Poses& poses, SolveRequest request = {})
-{
-    Points positions;
-    request.poses = poses;
-    method.solve(request, positions);
-    return positions;
-}
+using calls::bound, calls::Method, calls::solve;
 
 double worst_gap(const Points& from, const Points& q, const std::vector<int>& vertices, const Pose& pose)
 {
@@ -50,8 +34,6 @@ std::vector<Handle> softened(std::vector<Handle> handles, double weight)
     handles[1].weights.assign(handles[1].vertices.size(), weight);
     return handles;
 }
-
-const Progress never([](double, const char*) { return false; });
 
 } // namespace
 
@@ -188,27 +170,61 @@ TEST_P(SurfaceContract, a_single_vertex_can_be_a_handle)
 
 TEST_P(SurfaceContract, before_any_handle_the_shape_that_comes_in_goes_out)
 {
-    const Points incoming = 2 * mesh().points();
-    const Method method = traits().variants.front().make(mesh());
-    for (int time : {1, 2}) {
-        EXPECT_EQ(solve(*method, {}), mesh().points());
-        EXPECT_EQ(solve(*method, {}, {.incoming = view(incoming)}), incoming);
-        if (time == 1) {
-            EXPECT_EQ(method->set_handles({}).free_parts, 1);
+    for (const SurfaceMesh* shape : sizes())
+        for (const SurfaceVariant& variant : traits().variants) {
+            SCOPED_TRACE(variant.name);
+            const Points incoming = 2 * shape->points();
+            const Method method = variant.make(*shape);
+            for (int time : {1, 2}) {
+                EXPECT_EQ(solve(*method, {}), shape->points());
+                EXPECT_EQ(solve(*method, {}, {.incoming = view(incoming)}), incoming);
+                if (time == 1) {
+                    EXPECT_EQ(method->set_handles({}).free_parts, 1);
+                }
+            }
         }
-    }
+}
+
+TEST_P(SurfaceContract, weights_of_zero_hold_nothing)
+{
+    for (const SurfaceMesh* shape : sizes())
+        for (const SurfaceVariant& variant : traits().variants) {
+            SCOPED_TRACE(variant.name);
+            std::vector<Handle> handles = softened(shapes::ends(*shape, traits().depth), 0.0);
+            handles[0].weights.assign(handles[0].vertices.size(), 0.0);
+            const Method method = variant.make(*shape);
+            EXPECT_EQ(method->set_handles(handles).free_parts, 1);
+            EXPECT_EQ(solve(*method, traits().bent), shape->points());
+        }
 }
 
 TEST_P(SurfaceContract, handles_may_hold_every_vertex)
 {
     const Pose pose = traits().bent[1];
-    for (const SurfaceVariant& variant : traits().variants) {
-        SCOPED_TRACE(variant.name);
-        const Method method =
-            bound(variant, mesh(), {{shapes::where(mesh(), [](const Vector3&) { return true; }), {}}});
-        EXPECT_LT(shapes::distance(solve(*method, {pose}), shapes::transformed(mesh().points(), pose)),
-                  1e-13);
-    }
+    for (const SurfaceMesh* shape : sizes())
+        for (const SurfaceVariant& variant : traits().variants) {
+            SCOPED_TRACE(variant.name);
+            const Method method =
+                bound(variant, *shape, {{shapes::where(*shape, [](const Vector3&) { return true; }), {}}});
+            EXPECT_LT(shapes::distance(solve(*method, {pose}), shapes::transformed(shape->points(), pose)),
+                      3e-15 * shapes::size(shape->points()));
+        }
+}
+
+TEST_P(SurfaceContract, most_of_a_mesh_may_be_without_a_handle)
+{
+    const SurfaceMesh small = shapes::sphere(1);
+    const int n = small.vertex_count();
+    for (const SurfaceMesh* shape : sizes())
+        for (const SurfaceVariant& variant : traits().variants) {
+            SCOPED_TRACE(variant.name);
+            const SurfaceMesh both = shapes::joined(small, *shape, {0, 40, 0});
+            const Method method = bound(variant, both, {{{0}, {}}});
+            const Points q = solve(*method, {shapes::shift(1, 2, 3)});
+            EXPECT_EQ(q.bottomRows(shape->vertex_count()), both.points().bottomRows(shape->vertex_count()));
+            EXPECT_LT(shapes::distance(q.topRows(n), small.points().rowwise() + Eigen::RowVector3d(1, 2, 3)),
+                      traits().translation);
+        }
 }
 
 TEST_P(SurfaceContract, a_part_without_a_handle_stays_and_the_others_do_not_feel_it)
@@ -361,25 +377,6 @@ TEST_P(SurfaceContract, the_same_request_gives_the_same_bits_whatever_came_befor
     }
 }
 
-TEST_P(SurfaceContract, solves_from_several_threads_give_the_same_bits)
-{
-    for (const SurfaceVariant& variant : traits().variants) {
-        SCOPED_TRACE(variant.name);
-        const Method method = bound(variant, traits().large, shapes::ends(traits().large, traits().depth));
-        const Points alone = solve(*method, traits().bent);
-        std::vector<int> wrong(3, 0);
-        std::vector<std::thread> threads;
-        for (int& count : wrong)
-            threads.emplace_back([&] {
-                for (int k = 0; k < 5; ++k)
-                    count += solve(*method, traits().bent) != alone;
-            });
-        for (std::thread& thread : threads)
-            thread.join();
-        EXPECT_EQ(wrong, std::vector<int>(3, 0));
-    }
-}
-
 TEST_P(SurfaceContract, ten_solves_take_one_factorisation)
 {
     for (const SurfaceVariant& variant : traits().variants) {
@@ -516,75 +513,6 @@ TEST_P(SurfaceContract, refuses_what_does_not_fit_a_solve)
     EXPECT_THROW(solve(*method, bent, {.tolerance = nan}), InvalidOption);
     const auto broken_enters = [&] { solve(*method, bent, {.incoming = view(broken)}); };
     expect_elements(refusal<InvalidConstraint>(broken_enters), Error::Element::vertex, {4});
-}
-
-TEST_P(SurfaceContract, rebind_keeps_what_is_the_same)
-{
-    for (const SurfaceVariant& variant : traits().variants) {
-        SCOPED_TRACE(variant.name);
-        const Method former = bound(variant, mesh(), ends()), next = variant.make(mesh());
-        const Points before = solve(*former, traits().bent);
-        EXPECT_TRUE(next->can_reuse(*former));
-        EXPECT_THROW(next->rebind(*former, ends(), never), Cancelled);
-        EXPECT_THROW(next->rebind(*former, {{{}, {}}}), InvalidConstraint);
-        EXPECT_EQ(solve(*former, traits().bent), before);
-        const BindReport report = next->rebind(*former, ends());
-        EXPECT_EQ(report.reuse, Reuse::kept);
-        EXPECT_EQ(report.changed, "");
-        EXPECT_EQ(report.factorizations, variant.factorizations);
-        EXPECT_EQ(solve(*next, traits().bent), before);
-        EXPECT_EQ(solve(*former, {}), mesh().points()) << "it has no handles any more";
-        EXPECT_FALSE(variant.make(mesh())->can_reuse(*former));
-    }
-}
-
-TEST_P(SurfaceContract, rebind_to_other_handles_gives_what_a_new_object_gives)
-{
-    std::vector<Handle> more = ends();
-    more.push_back({{mesh().vertex_count() / 2}, {}});
-    Poses poses = traits().bent;
-    poses.push_back(shapes::shift(0, 0, 1));
-    for (const SurfaceVariant& variant : traits().variants) {
-        SCOPED_TRACE(variant.name);
-        const Method former = bound(variant, mesh(), ends()), next = variant.make(mesh());
-        const BindReport report = next->rebind(*former, more);
-        EXPECT_EQ(report.reuse, Reuse::updated);
-        EXPECT_EQ(report.changed, "handles");
-        EXPECT_LT(shapes::distance(solve(*next, poses), solve(*bound(variant, mesh(), more), poses)),
-                  traits().similar);
-    }
-}
-
-TEST_P(SurfaceContract, rebind_says_what_differs_and_leaves_alone_what_serves_nothing)
-{
-    const SurfaceVariant& variant = traits().variants.front();
-    const Method former = bound(variant, mesh(), ends());
-    const Points before = solve(*former, traits().bent);
-    const auto anew = [&](const Method& next, const std::string& changed) {
-        EXPECT_FALSE(next->can_reuse(*former));
-        const BindReport report = next->rebind(*former, ends());
-        EXPECT_EQ(report.reuse, Reuse::anew);
-        EXPECT_EQ(report.changed, changed);
-        EXPECT_EQ(solve(*former, traits().bent), before);
-    };
-    Points elsewhere = mesh().points();
-    elsewhere(0, 0) += 1e-9;
-    anew(variant.make(shapes::moved(mesh(), elsewhere)), "rest shape");
-    shapes::Polygons fewer = shapes::faces_of(mesh());
-    fewer.pop_back();
-    anew(variant.make(shapes::over(mesh().points(), fewer)), "rest shape");
-    if (traits().other) {
-        EXPECT_FALSE(traits().other(mesh())->can_reuse(*former));
-    }
-    if (traits().updated) {
-        const Method next = traits().updated(mesh()), fresh = traits().updated(mesh());
-        const BindReport report = next->rebind(*former, ends());
-        EXPECT_EQ(report.reuse, Reuse::updated);
-        EXPECT_EQ(report.changed, traits().updates);
-        fresh->set_handles(ends());
-        EXPECT_LT(shapes::distance(solve(*next, traits().bent), solve(*fresh, traits().bent)),
-                  traits().similar);
-    }
 }
 
 } // namespace sinew

@@ -73,6 +73,12 @@ protected:
     const SurfaceTraits& traits() const { return GetParam(); }
     const SurfaceMesh& mesh() const { return traits().mesh; }
     std::vector<Handle> ends() const { return shapes::ends(mesh(), traits().depth); }
+    /// A small mesh, and one of 1,271 vertices, as methods may treat large ones in another way.
+    static std::vector<const SurfaceMesh*> sizes()
+    {
+        static const SurfaceMesh small = shapes::hill(8, 8), large = shapes::hill(40, 30);
+        return {&small, &large};
+    }
 };
 
 } // namespace sinew

@@ -20,9 +20,9 @@ from ....core.geometry import frames
 from ....core.methods import Method
 from ....core.status import Level, Remedy, Status
 from ....ids import Datablocks, Keys
-from ....mesh_io import RestShape, read_rest
+from ....mesh_io import RestShape
 from ....properties import SinewDeformer, StoredCage
-from ...blocks import shapes
+from ...blocks import libraries, rest_frame, shapes
 from ...blocks.keeper import Link
 from ...blocks.vertex_groups import read_weights
 from ...memory.evaluation import ControlState, Evaluation
@@ -59,7 +59,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     if not isinstance(settings.cage_rest, Mesh):
         raise CageError("The cage is not bound yet - press Bind", remedy=Remedy.BIND)
     read_weights(rest, mesh, settings)
-    cage = read_rest(settings.cage_rest)
+    cage = rest_frame.read(settings, settings.cage_rest)
     if not len(cage.points):
         raise CageError("The cage has no vertices - add some, then Set Rest Cage", remedy=Remedy.CAGE_REST)
     if len(cage.not_finite):
@@ -102,6 +102,7 @@ def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
     cage, rest = deformer.cage, deformer.cage_rest
     if cage is None:
         raise CageError("The cage is not in this view layer - nothing to select")
+    _refuse_other_type(cage)
     if isinstance(rest, Mesh) and len(cage.data.vertices) != len(rest.vertices):
         raise CageError(
             "The cage has other vertices than its rest - turn off its modifiers, then Set Rest Cage"
@@ -124,6 +125,9 @@ def read_state(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
 def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
     """The vertices of the cage (c, 3) in the frame of the target; without a cage the last known ones."""
     held, (place,) = evaluation.session.poses, evaluation.control
+    cage = evaluation.deformer.cage
+    if place is None and cage is not None and not libraries.is_lost(cage):
+        _refuse_other_type(cage)
     if place is None or evaluation.deformer.cage_missing:
         return (held[_POSE], {}) if _POSE in held else None
     vertices, expected = place.vertices, len(bound.factor.recipe.control.points)
@@ -148,12 +152,15 @@ def is_stale(deformer: SinewDeformer) -> bool:
     """Whether the cage has gained or lost vertices since it was bound."""
     if deformer.cage_missing or not isinstance(deformer.cage_rest, Mesh):
         return False
-    found = placement.read_vertices(deformer.cage, bpy.context.evaluated_depsgraph_get())
-    return len(found) != len(deformer.cage_rest.vertices)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    place = placement.read_place(deformer.cage, depsgraph, by_shape=True)
+    return place is not None and len(place.vertices) != len(deformer.cage_rest.vertices)
 
 
 def set_rest(obj: Object, deformer: SinewDeformer) -> None:
     """Let the cage rest where it is, unless it has a rest already."""
+    if deformer.cage is not None and not libraries.is_lost(deformer.cage):
+        _refuse_other_type(deformer.cage)
     if deformer.cage is not None and not isinstance(deformer.cage_rest, Mesh):
         take_rest(obj, deformer)
 
@@ -163,6 +170,9 @@ def take_rest(obj: Object, deformer: SinewDeformer) -> None:
     cage = deformer.cage
     if cage is None:
         raise CageError(MISSING)
+    if libraries.is_lost(cage):
+        raise CageError(libraries.explain(cage))
+    _refuse_other_type(cage)
     cage.update_from_editmode()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = cage.evaluated_get(depsgraph)
@@ -175,6 +185,16 @@ def take_rest(obj: Object, deformer: SinewDeformer) -> None:
     objects.hold_rest(StoredCage(deformer), mesh)
 
 
+def take_along(_deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+    """The last pose follows; the rest of the cage is a stored rest shape, and follows by itself."""
+    if _POSE in held:
+        held[_POSE] = frames.transformed(by, held[_POSE])
+
+
+def keep_pose(_deformer: SinewDeformer, _held: dict[str, np.ndarray]) -> None:
+    """Nothing: without its cage, the last shape stays as the file has stored it."""
+
+
 def forget_rest(deformer: SinewDeformer) -> None:
     """Forget the rest of the cage."""
     objects.forget_rest((StoredCage(deformer),))
@@ -184,8 +204,7 @@ def use(obj: Object, deformer: SinewDeformer, control: Object, owned: bool) -> N
     """Use a mesh object as the cage. It is drawn as wire, and rests where it is at the bind."""
     if control == obj:
         raise CageError(f"{obj.name} cannot be its own cage - choose another mesh")
-    if control.type != "MESH":
-        raise CageError(f"{control.name} is no mesh - a cage is a closed mesh around the target")
+    _refuse_other_type(control)
     if _leads_to(control, obj):
         raise CageError(
             f"{control.name} follows {obj.name} itself - choose a cage that does not depend on it"
@@ -194,6 +213,11 @@ def use(obj: Object, deformer: SinewDeformer, control: Object, owned: bool) -> N
     if control.library is None:
         control.display_type = "WIRE"
         control.hide_render = True
+
+
+def _refuse_other_type(cage: Object) -> None:
+    if cage.type != "MESH":
+        raise CageError(f"{cage.name} is no mesh - a cage is a closed mesh around the target")
 
 
 def _leads_to(cage: Object, obj: Object) -> bool:
@@ -216,6 +240,8 @@ def links(deformer: SinewDeformer) -> Iterator[Link]:
 
 def lost(deformer: SinewDeformer) -> tuple[str, ...]:
     """A line in the panel if the cage was deleted."""
+    if deformer.cage is not None and libraries.is_lost(deformer.cage):
+        return (libraries.explain(deformer.cage),)
     is_lost = deformer.is_bound and deformer.cage_missing
     return ("The cage was deleted, and the last shape stays - pick another",) if is_lost else ()
 

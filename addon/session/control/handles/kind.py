@@ -11,6 +11,7 @@ from ....core.errors import ConstraintError, SinewError
 from ....core.methods import Method
 from ....core.status import Level, Status
 from ....properties import SinewDeformer
+from ...blocks import libraries
 from ...memory.evaluation import ControlState, Evaluation
 from ...memory.sessions import Bound
 from ..bind_input import BindInput
@@ -19,6 +20,7 @@ from . import poses
 from .links import links
 from .poses import complete_rest_frames as set_rest
 from .poses import complete_rest_frames as take_rest
+from .poses import keep_pose, take_along
 from .regions import has_constraints as is_set
 from .regions import key, request
 from .release import release
@@ -30,6 +32,7 @@ __all__ = (
     "influence",
     "is_set",
     "is_stale",
+    "keep_pose",
     "key",
     "links",
     "lost",
@@ -43,6 +46,7 @@ __all__ = (
     "selectable",
     "selected",
     "set_rest",
+    "take_along",
     "take_rest",
     "use",
 )
@@ -110,12 +114,14 @@ def forget_rest(deformer: SinewDeformer) -> None:
 
 
 def lost(deformer: SinewDeformer) -> tuple[str, ...]:
-    """A line in the panel per handle whose control was deleted."""
-    return tuple(
-        f"{handle.name} has lost its control and stays where it was - pick another"
-        for handle in deformer.handles
-        if handle.control_missing
-    )
+    """A line in the panel per handle whose control was deleted, or is missing with its library."""
+    lines = []
+    for handle in deformer.handles:
+        if handle.kind == "HANDLE" and handle.control is not None and libraries.is_lost(handle.control):
+            lines.append(libraries.explain(handle.control))
+        elif handle.control_missing:
+            lines.append(f"{handle.name} has lost its control and stays where it was - pick another")
+    return tuple(dict.fromkeys(lines))
 
 
 def selected(_deformer: SinewDeformer) -> tuple[int, ...]:

@@ -55,8 +55,25 @@ def capture_rest(
     """
     now = frames.inverse(target, "The mesh object") @ control
     if pose is not None:
-        now = frames.inverse(np.vstack((pose, (0.0, 0.0, 0.0, 1.0))), handle.name) @ now
+        now = frames.inverse(_square(pose), handle.name) @ now
     set_rest(handle, now)
+
+
+def take_along(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+    """Take rest frames and last poses along with an affine map ``by`` (4, 4) of the target's object space."""
+    inverse = frames.inverse(by, "The mesh object")
+    for handle in deformer.handles:
+        if handle.has_rest:
+            set_rest(handle, by @ rest_of(handle))
+        if handle.has_last_pose:
+            last = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
+            handle.last_pose = (by[:3] @ _square(last) @ inverse).ravel().tolist()
+        if handle.uid in held:
+            held[handle.uid] = by[:3] @ _square(held[handle.uid]) @ inverse
+
+
+def _square(pose: np.ndarray) -> np.ndarray:
+    return np.vstack((pose, (0.0, 0.0, 0.0, 1.0)))
 
 
 def bound_poses(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
@@ -106,6 +123,13 @@ def _keep(handle: SinewHandle, pose: np.ndarray) -> None:
     values = pose.astype(np.float32).ravel()
     if not handle.has_last_pose or not np.array_equal(values, np.array(handle.last_pose, dtype=np.float32)):
         handle.last_pose, handle.has_last_pose = values.tolist(), True
+
+
+def keep_pose(deformer: SinewDeformer, held: dict[str, np.ndarray]) -> None:
+    """Store the poses ``held`` of controls from libraries: the next time, these may be missing."""
+    for handle in deformer.handles:
+        if handle.control is not None and handle.control.library is not None and handle.uid in held:
+            _keep(handle, held[handle.uid])
 
 
 def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:

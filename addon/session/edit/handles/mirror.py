@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mirrors handles across the local X of the object: vertex groups with weights, and controls with their pose.
 
-The other side is found by name. A handle without a side in its name lies on the centre and is made even: one
-half takes the weights of the other. Blender's own Mirror does the same if one half is selected. If both are,
-it swaps them, which leaves an uneven region uneven. The mean of both would lower weights of 1, which hold
-vertices exactly.
+The other side is found by name. A handle without a side in its name is named by the side that its region lies
+on. If the region reaches the centre, it stays one handle and is made even: one half takes the weights of the
+other. Blender's own Mirror does the same if one half is selected. If both are, it swaps them, which leaves an
+uneven region uneven. The mean of both would lower weights of 1, which hold vertices exactly.
 """
 
 from dataclasses import dataclass, field
@@ -16,14 +16,17 @@ from bpy.types import Object
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError, SinewError
 from ....core.methods import HANDLE_PARAMETERS
-from ....core.sides import Side, flip, side_of
+from ....core.sides import Side, flip
 from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks import capture, shapes, vertex_groups
 from ...control import kinds
+from ...control.handles.sides import counterpart, side_of_handle, sided_name
+from ...live import mirroring
 from ...memory import sessions
 from . import mirror_controls
 from .mirror_weights import MirrorPlane, images
+from .naming import give_name, name_of_side, side_of_points
 
 _COPIED = ("kind", "weight", "colour", "enabled", "from_rest") + tuple(
     parameter.id for parameter in HANDLE_PARAMETERS
@@ -32,9 +35,12 @@ _COPIED = ("kind", "weight", "colour", "enabled", "from_rest") + tuple(
 
 @dataclass(frozen=True)
 class MirrorOptions:
-    """``source`` is the side that is copied. ``tolerance`` is in object space."""
+    """``source`` is the side that is copied; None is the side of the first handle, left on the centre.
 
-    source: Side = Side.LEFT
+    ``tolerance`` is in object space.
+    """
+
+    source: Side | None = None
     tolerance: float = 1e-3
     weights_only: bool = False
     painted_groups: bool = False
@@ -42,10 +48,12 @@ class MirrorOptions:
 
 @dataclass
 class Mirrored:
-    """What was done: pairs of names, handles that were made even, how many vertices have no image on the
-    other side, and how many on the centre stay with the source."""
+    """What was done: pairs of names; old and new names of handles that were named by their side; handles on
+    the centre that were made even; how many vertices have no image on the other side; and how many on the
+    centre stay with the source."""
 
     pairs: list[tuple[str, str]] = field(default_factory=list)
+    named: list[tuple[str, str]] = field(default_factory=list)
     evened: list[str] = field(default_factory=list)
     unmatched: int = 0
     centre: int = 0
@@ -56,16 +64,6 @@ def handles_of_side(deformer: SinewDeformer, side: Side) -> list[str]:
     return [handle.uid for handle in deformer.handles if side_of_handle(handle) in (side, None)]
 
 
-def _sided_name(handle: SinewHandle) -> str:
-    """The name that tells the side: that of the handle, or else of its group; empty on the centre."""
-    return next((name for name in (handle.name, handle.vertex_group) if flip(name)), "")
-
-
-def side_of_handle(handle: SinewHandle) -> Side | None:
-    """The side of a handle; None on the centre."""
-    return side_of(_sided_name(handle))
-
-
 @sessions.suspended()
 def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: MirrorOptions) -> Mirrored:
     """Mirror the handles with these keys. The deformer is not bound again: see ``bind``."""
@@ -74,25 +72,30 @@ def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: Mirro
     made = _missing_groups(obj, deformer, keys, options)
     try:
         rest, members = _rest(obj, deformer, keys)
-        across = {key: images(rest.points, options.tolerance, members[key]) for key in keys if key in members}
-        _refuse_lopsided(deformer, rest, members, across, options)
+        sides = _sides(deformer, rest, members, options)
+        across = {key: images(rest.points, options.tolerance, members[key]) for key in sides}
+        names = _names(obj, deformer, rest, sides, across)
+        _refuse_lopsided(deformer, members, across, names, options)
     except SinewError:
         for name in made:
             obj.vertex_groups.remove(obj.vertex_groups[name])
         raise
-    plane = MirrorPlane(obj, options.tolerance)
     result = Mirrored(unmatched=sum(int((found < 0).sum()) for found in across.values()))
+    for key, name in names.items():
+        handle = _by_key(deformer, key)
+        result.named.append((handle.name, name))
+        give_name(obj, handle, name)
+    made += _missing_groups(obj, deformer, list(across), options)
+    plane = MirrorPlane(obj, options.tolerance)
+    source_side = options.source or next(iter(sides.values())) or Side.LEFT
     for key in across:
         source = _by_key(deformer, key)
-        if not _sided_name(source):
-            plane.even_out(obj.vertex_groups[source.vertex_group], options.source)
+        if not sided_name(source):
+            plane.even_out(obj.vertex_groups[source.vertex_group], source_side)
             result.evened.append(source.name)
             continue
-        target = _counterpart(deformer, source)
-        is_new = target is None
-        if is_new and options.weights_only:
-            continue
-        target_key = _add(deformer, source, made) if is_new else target.uid
+        target = counterpart(deformer, source)
+        target_key = _add(deformer, source, made) if target is None else target.uid
         source, target = _by_key(deformer, key), _by_key(deformer, target_key)
         group = obj.vertex_groups[target.vertex_group]
         result.centre += plane.copy_across(source.vertex_group, group, source.weight)
@@ -103,9 +106,10 @@ def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: Mirro
             reached = np.unique(across[key][across[key] >= 0])
             mirror_controls.give(obj, deformer, source, target, rest, reached)
     if options.painted_groups:
-        _even_out_painted(obj, deformer, plane, options.source)
+        _even_out_painted(obj, deformer, plane, source_side)
     kinds.keep_evaluated(obj)
     obj.update_tag()
+    mirroring.note_seen()  # what was placed here was moved by no artist
     return result
 
 
@@ -114,19 +118,9 @@ def _by_key(deformer: SinewDeformer, key: str) -> SinewHandle:
     return next(handle for handle in deformer.handles if handle.uid == key)
 
 
-def _counterpart(deformer: SinewDeformer, source: SinewHandle) -> SinewHandle | None:
-    """The handle of the other side, found by its name or else by the name of its group."""
-    for name in ("name", "vertex_group"):
-        wanted = flip(getattr(source, name))
-        for handle in deformer.handles:
-            if wanted and getattr(handle, name) == wanted:
-                return handle
-    return None
-
-
 def _target_group(deformer: SinewDeformer, source: SinewHandle) -> str:
     """The vertex group of the other side."""
-    target = _counterpart(deformer, source)
+    target = counterpart(deformer, source)
     return target.vertex_group if target else flip(source.vertex_group) or flip(source.name)
 
 
@@ -137,8 +131,8 @@ def _missing_groups(
     made = []
     for key in keys:
         source = _by_key(deformer, key)
-        name = _target_group(deformer, source) if _sided_name(source) else ""
-        is_wanted = not options.weights_only or _counterpart(deformer, source) is not None
+        name = _target_group(deformer, source) if sided_name(source) else ""
+        is_wanted = not options.weights_only or counterpart(deformer, source) is not None
         if name and is_wanted and name not in obj.vertex_groups:
             obj.vertex_groups.new(name=name)
             made.append(name)
@@ -163,39 +157,87 @@ def _rest(obj: Object, deformer: SinewDeformer, keys: list[str]) -> tuple[RestSh
     return rest, found
 
 
-def _refuse_lopsided(
+def _sides(
+    deformer: SinewDeformer, rest: RestShape, members: dict[str, np.ndarray], options: MirrorOptions
+) -> dict[str, Side | None]:
+    """The side of each handle: by its name, else by its place; None on the centre.
+
+    Handles that lie on the side that receives are left out: their names are theirs to keep.
+    """
+    found = {}
+    for key, vertices in members.items():
+        handle = _by_key(deformer, key)
+        side = side_of_handle(handle) or side_of_points(rest.points[vertices], options.tolerance)
+        if side is None or options.source in (None, side):
+            found[key] = side
+    if not found:
+        raise ConstraintError("There is nothing to mirror on this side - no handle lies on it")
+    return found
+
+
+def _names(
+    obj: Object,
     deformer: SinewDeformer,
     rest: RestShape,
+    sides: dict[str, Side | None],
+    across: dict[str, np.ndarray],
+) -> dict[str, str]:
+    """The new names, by key, of handles that lie on a side but do not say so in their names.
+
+    If another such handle holds most of the mirror image already, it is the counterpart, and named too.
+    """
+    names: dict[str, str] = {}
+    for key, side in sides.items():
+        handle = _by_key(deformer, key)
+        if side is None or sided_name(handle):
+            continue
+        names[key] = name_of_side(obj, deformer, handle, side, list(names.values()))
+        reached = across[key][across[key] >= 0]
+        for other in deformer.handles:
+            painted = rest.weights.get(other.vertex_group)
+            is_nameless = other.uid not in names and not sided_name(other)
+            if is_nameless and painted is not None and (painted[reached] > 0.0).sum() * 2 > len(across[key]):
+                names[other.uid] = flip(names[key])
+                break
+    return names
+
+
+def _refuse_lopsided(
+    deformer: SinewDeformer,
     members: dict[str, np.ndarray],
     across: dict[str, np.ndarray],
+    names: dict[str, str],
     options: MirrorOptions,
 ) -> None:
-    """Refuse regions that lie on one side without a side in their name, or without an image on the other."""
+    """Refuse regions without an image on the other side, and take them out of ``across`` and ``names``.
+
+    ``names`` are those that handles are to get.
+    """
     is_alone = len(across) == 1
     for key in list(across):
-        handle, x = _by_key(deformer, key), rest.points[members[key], 0]
-        one_sided = (x > options.tolerance).all() or (x < -options.tolerance).all()
+        handle = _by_key(deformer, key)
+        other = flip(names.get(key, "")) or flip(sided_name(handle))
+        exists = counterpart(deformer, handle) is not None or other in names.values()
+        exists = exists or any(found.name == other for found in deformer.handles)
         message = ""
-        if one_sided and not _sided_name(handle):
-            message = f"{handle.name} lies on one side but its name has none - call it {handle.name}.L or .R"
-        elif (across[key] < 0).all():
+        if (across[key] < 0).all():
             message = (
                 f"No vertex of {handle.name} has a mirror image across X - the mesh is not symmetrical "
                 "there. Raise the tolerance if it nearly is"
             )
-        elif (
-            is_alone
-            and options.weights_only
-            and _sided_name(handle)
-            and _counterpart(deformer, handle) is None
-        ):
-            message = f"{handle.name} has no counterpart {flip(_sided_name(handle))} yet - mirror all of it"
+        elif options.weights_only and other and not exists:
+            message = f"{handle.name} has no counterpart {other} yet - mirror all of it"
         if message and is_alone:
             raise ConstraintError(message, Elements(Owner.TARGET, "vertex", members[key]))
         if message:
             del across[key]
+            for named in [named for named, name in names.items() if named == key or name == other]:
+                del names[named]
     if not across:
-        raise ConstraintError("No handle can be mirrored - the mesh is not symmetrical across its local X")
+        raise ConstraintError(
+            "No handle can be mirrored - the mesh is not symmetrical across its local X, or the other side "
+            "has no handles yet"
+        )
 
 
 def _add(deformer: SinewDeformer, source: SinewHandle, made: list[str]) -> str:

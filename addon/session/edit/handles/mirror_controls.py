@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gives a control to a mirrored handle: the bone or object of the other side, or else an empty.
-
-With S the reflection across the target's local X, the mirror image of a frame or pose M is S M S: a rigid
-motion again, and the one Blender's Paste Pose Flipped gives bones.
-"""
+"""Gives a control to a mirrored handle: the bone or object of the other side, or else an empty."""
 
 import bpy
 import numpy as np
@@ -16,16 +12,11 @@ from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...control.handles import poses
 from ...control.handles.release import release_control
+from ...control.handles.sides import mirrored
 from ...memory import sessions
 from . import empties
 
-_REFLECTION = np.diag((-1.0, 1.0, 1.0, 1.0))
 _CLOSE = 1e-3  # largest difference of poses that count as equal: a millimetre, a twentieth of a degree
-
-
-def _mirrored(matrix: np.ndarray) -> np.ndarray:
-    """The mirror image of a matrix (4, 4)."""
-    return _REFLECTION @ matrix @ _REFLECTION
 
 
 def give(
@@ -43,8 +34,8 @@ def give(
     if target.kind != "HANDLE":
         release_control(target)
         return
-    pose = _mirrored(np.vstack((_pose(obj, deformer, source), (0.0, 0.0, 0.0, 1.0))))
-    frame = _mirrored(poses.rest_of(source)) if source.has_rest else None
+    pose = mirrored(np.vstack((_pose(obj, deformer, source), (0.0, 0.0, 0.0, 1.0))))
+    frame = mirrored(poses.rest_of(source)) if source.has_rest else None
     if not target.control_missing:
         if target.owns_control and frame is not None:
             _place(obj, target, frame, pose)
@@ -122,7 +113,7 @@ def _give_bone(obj: Object, source: SinewHandle, target: SinewHandle, control: O
     bones = control.data.bones
     own, other = (np.array(bones[name].matrix_local, dtype=np.float64) for name in (source.bone, bone))
     moved = frames.inverse(to_target @ own, source.bone) @ poses.rest_of(source)
-    poses.set_rest(target, to_target @ other @ _mirrored(moved))
+    poses.set_rest(target, to_target @ other @ mirrored(moved))
 
 
 def _give_object(

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/nonlinear/arap/cascade.h"
 
+#include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/graph/rotations.h"
 
@@ -65,13 +66,21 @@ ArapCascade::ArapCascade(const ArapGraph& fine, const Points& rest, const Progre
     const ArapGraph* graph = &fine;
     const Points* points = &rest;
     levels_.reserve(most_levels); // so that `graph` may point into it
-    while (static_cast<int>(levels_.size()) < most_levels && graph->size() / coarsening >= fewest_nodes) {
+    // Where no node is free, nothing needs a start.
+    while (fine.free_count() > 0 && static_cast<int>(levels_.size()) < most_levels &&
+           graph->size() / coarsening >= fewest_nodes) {
         progress.tick(0.6 + 0.4 * levels_.size() / most_levels, "clustering");
         const Clusters clusters(graph->nodes(), *points, graph->size() / coarsening);
         const auto active = std::ranges::count_if(clusters.label, [](int p) { return p >= 0; });
         if (clusters.seeds.size() > worthwhile * active)
             break;
-        levels_.emplace_back(*graph, *points, clusters);
+        try {
+            levels_.emplace_back(*graph, *points, clusters);
+        } catch (const OutOfMemory&) {
+            throw;
+        } catch (const FactorizationFailed&) {
+            break; // the finer levels are a start, too
+        }
         graph = &levels_.back().graph;
         points = &levels_.back().rest;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/nonlinear/arap/graph.h"
 
+#include "native/core/errors.h"
 #include "native/core/parallel.h"
 
 #include <algorithm>
@@ -176,7 +177,7 @@ private:
         SparseMatrix matrix(given.free_count(), given.free_count());
         matrix.setFromTriplets(L.begin(), L.end());
         if (!(smoothing > 0)) {
-            position_factor.factorize(matrix);
+            named([&] { position_factor.factorize(matrix); });
             return;
         }
         // A node without edges, or in a part that has shrunk to a point, needs a positive pivot, too.
@@ -192,7 +193,24 @@ private:
         for (int i : elimination)
             if (given.place(i) >= 0)
                 free_elimination.push_back(given.place(i));
-        position_factor.factorize(matrix, free_elimination);
+        named([&] { position_factor.factorize(matrix, free_elimination); });
+    }
+
+    /// Factorises for the free nodes, and names the node at which it broke down instead of its place among
+    /// them.
+    template <class Factorize>
+    void named(Factorize&& factorize) const
+    {
+        try {
+            factorize();
+        } catch (const OutOfMemory&) {
+            throw;
+        } catch (const FactorizationFailed& failure) {
+            if (failure.elements().empty())
+                throw;
+            throw FactorizationFailed(failure.what(), Error::Element::vertex,
+                                      {given.free_nodes()[failure.elements().front()]});
+        }
     }
 
     void sort(const Points& rest)

@@ -11,9 +11,11 @@ TEST(CageGeometry, is_about_the_middle_in_units_of_the_size)
 {
     const SurfaceMesh far = shapes::moved(shapes::cube(), (1e3 * shapes::cube().points()).rowwise() +
                                                               Eigen::RowVector3d(7e6, 0, 0));
-    const CageGeometry geometry{Cage(far)};
+    const Cage cage(far);
+    const CageGeometry geometry{cage};
     // 1e-9 is what coordinates of 7e6 leave
-    EXPECT_NEAR(geometry.normalized({7e6 + 1e3, 500, 500}).x(), 0.5 / std::sqrt(3.0), 1e-12);
+    const Vector3 corner = cage.frame().in(Vector3(7e6 + 1e3, 500, 500));
+    EXPECT_NEAR(geometry.normalized(corner).x(), 0.5 / std::sqrt(3.0), 1e-12);
     const CageTables tables = geometry.tables();
     EXPECT_EQ(tables.edge_count, 18);
     EXPECT_EQ(tables.triangle_count, 12);

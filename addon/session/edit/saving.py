@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a file stores for computers that do not solve: renders there show what the viewport shows here.
+
+Main thread only.
+"""
+
+from contextlib import suppress
+
+import bpy
+import numpy as np
+from bpy.types import Object
+
+from ...compat import read_positions
+from ...core.errors import SinewError
+from ...properties import SinewDeformer
+from ..blocks import capture, shapes
+from ..blocks.owners import owners
+from ..control import kinds
+from ..live import binding, evaluate
+from ..memory import sessions
+
+
+def store() -> None:
+    """Put the last solutions into the shapes for renders, before the file is saved.
+
+    Where other vertices enter in renders than in the viewport, they are solved for the poses of now.
+    """
+    found = [obj for obj in owners() if obj.library is None]
+    if not found or bpy.app.is_job_running("RENDER"):
+        return
+    bpy.context.view_layer.update()  # a script may save right after it has moved a control
+    for obj in found:
+        differing = _first_that_differs(obj)
+        if differing is not None:
+            with suppress(SinewError):  # the panel says what is wrong
+                _solve(obj, differing)
+        for deformer in obj.sinew.deformers:
+            for kind in kinds.every_kind():
+                kind.keep_pose(deformer, sessions.open_session(deformer.uid).poses)
+    store_shown()
+
+
+def store_shown() -> None:
+    """The same without a solve: only where the same vertices enter in renders and in the viewport."""
+    for obj in owners():
+        if obj.library is None:
+            for deformer in obj.sinew.deformers:
+                if _is_in_viewport(obj, deformer):
+                    shapes.render_as_shown(deformer)
+
+
+def _is_in_viewport(obj: Object, deformer: SinewDeformer) -> bool:
+    modifier = shapes.find_modifier(obj, deformer)
+    return modifier is not None and modifier.show_viewport
+
+
+def _first_that_differs(obj: Object) -> SinewDeformer | None:
+    """The first deformer in the stack, if renders need a solve of their own for some deformer."""
+    by_modifier = {}
+    for deformer in obj.sinew.deformers:
+        modifier = shapes.find_modifier(obj, deformer)
+        if modifier is not None and modifier.show_render and deformer.is_bound:
+            by_modifier[modifier.name] = deformer
+    if not any(
+        _is_ready(deformer) and (deformer.renders_differ or not obj.modifiers[name].show_viewport)
+        for name, deformer in by_modifier.items()
+    ):
+        return None
+    return next(by_modifier[modifier.name] for modifier in obj.modifiers if modifier.name in by_modifier)
+
+
+def _is_ready(deformer: SinewDeformer) -> bool:
+    """Whether a solve takes no long bind, for which the user of a window would have to wait at a save."""
+    bound = shapes.session_of(deformer, "RENDER").bound
+    return bound is not None or not binding.may_wait(len(deformer.rest_in("RENDER").vertices))
+
+
+@sessions.suspended()
+def _solve(obj: Object, first: SinewDeformer) -> None:
+    """Solve what a render would show of an object now."""
+    entered = _entering_renders(obj, first)
+    evaluate.update_renders(obj, bpy.context.evaluated_depsgraph_get(), entered)
+
+
+def _entering_renders(obj: Object, deformer: SinewDeformer) -> np.ndarray:
+    """What would enter a deformer in a render now, float32 (n, 3)."""
+    shown, rendered = capture.rest_meshes(obj, deformer)
+    try:
+        return read_positions(shown if rendered is None else rendered)
+    finally:
+        for mesh in (shown, rendered):
+            if mesh is not None:
+                bpy.data.meshes.remove(mesh)

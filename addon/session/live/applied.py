@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Follows Apply Location, Rotation and Scale, and Set Origin: the pose stays where it is in the world.
+
+They change the mesh and the frame of its object at once, so that the mesh itself stays in its place. By that
+they are recognised, by hand or by a script: some points of the mesh have moved in object space, and not in
+the world. Then the rest takes part in the change. All other edits of the mesh come on top of the pose.
+"""
+
+import numpy as np
+from bpy.types import Object
+from mathutils import Matrix
+
+from ...compat import read_positions, write_positions
+from ...core import status
+from ...core.errors import SinewError
+from ...core.geometry import frames
+from ...core.memory import remember
+from ...core.status import Level, Status
+from ...ids import Keys
+from ...properties import SinewDeformer
+from ..blocks import rest_frame, shapes, targets
+from ..control import kinds
+from ..memory import sessions
+from ..memory.sessions import LastUpdate
+
+_SAMPLE = 64  # points that are compared
+_ROUNDING = 4e-6  # some roundings of float32, relative to the coordinates
+_VISIBLE = 1e-3  # relative to the size of the shape
+_MOST = 1000  # meshes that undo can go back to
+
+_samples: dict[str, np.ndarray] = remember({})  # by object, in its last update
+_frames: dict[tuple, np.ndarray] = remember({})  # of the rest of a deformer, by what its mesh was then
+
+
+def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> dict[str, np.ndarray]:
+    """Let the rest of an object follow if Apply has changed it, after its mesh was edited.
+
+    Returns the shapes that stay where they were in the world, float32 (n, 3) by the key of the deformer.
+    Without a ``last`` update the mesh may be that of another step of undo. Blender stores such a step before
+    the rest has followed, so the frame of the rest is what it was when this mesh was here before.
+    """
+    sample = targets.sample(obj, _SAMPLE)
+    before, _samples[obj.name_full] = _samples.get(obj.name_full), sample
+    by = None
+    if last is not None and before is not None:
+        by = _change(last.world, evaluated.matrix_world, before, sample)
+    if len(_frames) > _MOST:
+        _frames.clear()
+    expected: dict[str, np.ndarray] = {}
+    for index, deformer in enumerate(obj.sinew.deformers):
+        rest = deformer.rest_in("VIEWPORT")
+        token = "" if rest is None else str(rest.get(Keys.REST_TOKEN))
+        key = (deformer.uid, token, hash(sample.tobytes()))
+        try:
+            frame = rest_frame.matrix(deformer)
+            moved = by is not None
+            if by is not None:
+                expected |= _take_along(deformer, by)
+            elif last is None and not np.array_equal(_frames.get(key, frame), frame):
+                moved = True
+                _take_along(deformer, _frames[key] @ np.linalg.inv(frame))
+            _frames[key] = rest_frame.matrix(deformer)
+        except SinewError:
+            continue  # the bind shows it
+        if moved and index < len(evaluated.sinew.deformers):
+            _copy(deformer, evaluated.sinew.deformers[index])
+    return expected
+
+
+def _change(old: Matrix, new: Matrix, before: np.ndarray, after: np.ndarray) -> np.ndarray | None:
+    """The affine map (4, 4) that Apply has moved the points by; None if it was no Apply.
+
+    The points ``before`` were in the frame ``old``, and are ``after`` in the frame ``new``.
+    """
+    if before.shape != after.shape or not len(after) or np.array_equal(before, after):
+        return None
+    was, now = (np.array(matrix.copy(), dtype=np.float64) for matrix in (old, new))
+    if np.array_equal(was, now):
+        return None
+    before, after = before.astype(np.float64), after.astype(np.float64)
+    moved = np.abs(frames.transformed(now, after) - frames.transformed(was, before)).max()
+    largest = max(
+        (np.abs(points) @ np.abs(frame[:3, :3]).T + np.abs(frame[:3, 3])).max()
+        for frame, points in ((was, before), (now, after))
+    )
+    if not moved <= _ROUNDING * largest:
+        return None
+    try:
+        by = frames.inverse(now, "The mesh object") @ was
+    except SinewError:
+        return None
+    return _refined(by, before, after)
+
+
+def _refined(by: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarray:
+    """The map next to ``by`` that moves the points exactly: far from the origin, frames are rounded more."""
+    moved = frames.transformed(by, before)
+    centre = moved.mean(axis=0)
+    rows = np.column_stack((moved - centre, np.ones(len(moved))))
+    correction = np.eye(4)
+    found = np.linalg.lstsq(rows, after - moved, rcond=1e-6)[0]
+    correction[:3, :3] += found[:3].T
+    correction[:3, 3] = found[3] - found[:3].T @ centre
+    return correction @ by
+
+
+def _take_along(deformer: SinewDeformer, by: np.ndarray) -> dict[str, np.ndarray]:
+    """Change the frame of the rest, of the last poses and of the shape that is shown, which is returned."""
+    session = sessions.open_session(deformer.uid)
+    with session.lock:
+        rest_frame.move(deformer, by)
+        for kind in kinds.every_kind():
+            kind.take_along(deformer, by, session.poses)
+        for mode in ("RENDER", "VIEWPORT"):
+            shapes.session_of(deformer, mode).shown.clear()
+        _move_shape(deformer.shape("RENDER"), by)
+        shown = _move_shape(deformer.shape("VIEWPORT"), by)
+    return {} if shown is None else {deformer.uid: shown}
+
+
+def _move_shape(shape: Object | None, by: np.ndarray) -> np.ndarray | None:
+    """Move what a shape object shows, float32 (n, 3); None if that is the rest shape."""
+    if shape is None or shapes.is_linked(shape):
+        return None
+    held = read_positions(shape.data)
+    factor, displacement = held[-1, :2]
+    if not factor > 0.0:
+        return None
+    held[:-1] = held[:-1] @ by[:3, :3].T
+    if displacement < 0.5:
+        held[:-1] += by[:3, 3]
+    write_positions(shape.data, held)
+    return held[:-1]
+
+
+def _copy(deformer: SinewDeformer, evaluated: SinewDeformer) -> None:
+    """Change the copy of the settings that this evaluation has been given."""
+    for owner, copy, name in (
+        (deformer, evaluated, "applied"),
+        *((handle, copy, "rest_matrix") for handle, copy in zip(deformer.handles, evaluated.handles)),
+    ):
+        setattr(copy, name, np.array(getattr(owner, name)).ravel(order="F").tolist())
+    evaluated.has_applied = deformer.has_applied
+
+
+def compare(obj: Object, expected: dict[str, np.ndarray]) -> None:
+    """Tell in the panel where a method gives another shape now, as it may after an uneven scale."""
+    for deformer in obj.sinew.deformers:
+        wanted, session = expected.get(deformer.uid), sessions.find(deformer.uid)
+        found = None if session is None else session.view("VIEWPORT").positions
+        if wanted is None or found is None or found.shape != wanted.shape:
+            continue
+        off = float(np.abs(found - wanted).max())
+        if off > _VISIBLE * float(np.ptp(wanted, axis=0).max()):
+            text = (
+                f"The pose changed by up to {off:.3g}, as {deformer.definition.label} depends on the "
+                "proportions that were applied - undo it, or go on with this shape"
+            )
+            status.put(deformer.uid, Status(Level.WARNING, text))

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mark in the corner of the 3D viewports while a preview is shown, and the final shape is on its way."""
+
+import bpy
+from bpy.types import SpaceView3D
+
+from .. import session
+from . import overlay_draw
+
+_callbacks: list = []  # the drawing callback, as Blender identifies it
+
+
+def marks() -> list[str]:
+    """The lines of the mark: one per object whose shape is not final yet."""
+    return [
+        f"Refining {obj.name}"
+        for obj in session.owners()
+        if any(session.is_refining(deformer.uid) for deformer in obj.sinew.deformers)
+    ]
+
+
+def _draw() -> None:
+    lines = marks()
+    if lines and bpy.context.space_data.overlay.show_overlays:
+        overlay_draw.draw_lines(bpy.context, lines)
+
+
+def register() -> None:
+    if not bpy.app.background:
+        _callbacks.append(SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL"))
+
+
+def unregister() -> None:
+    while _callbacks:
+        SpaceView3D.draw_handler_remove(_callbacks.pop(), "WINDOW")

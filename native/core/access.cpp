@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/core/access.h"
+
+#include <condition_variable>
+#include <mutex>
+
+namespace sinew {
+
+namespace {
+
+// One mutex for all objects, so that a call can take two of them at once. It is held for some instructions.
+std::mutex mutex;
+std::condition_variable freed;
+int sleepers = 0;
+thread_local int held = 0; ///< how many locks this thread has
+
+} // namespace
+
+/// \param patient  whether to let calls go first that wait to change the objects
+bool AccessLock::take(bool patient)
+{
+    bool possible = true;
+    each([&](const Access& one) {
+        possible = possible && !one.changing_ &&
+                   (kind_ == changing ? one.readers_ == 0 : !patient || one.waiting_ == 0);
+    });
+    if (possible)
+        each([&](Access& one) { kind_ == changing ? void(one.changing_ = true) : void(++one.readers_); });
+    return possible;
+}
+
+AccessLock::AccessLock(Kind kind, Access& object, Access& other) : kind_(kind), object_(object), other_(other)
+{
+    std::unique_lock lock(mutex);
+    if (held > 0) {
+        if (!take(false))
+            throw ObjectInUse("the object is in use by another call; a progress callback cannot wait for "
+                              "that call to end, so call again later");
+    } else if (!take(true)) {
+        ++sleepers;
+        if (kind_ == changing)
+            each([](Access& one) { ++one.waiting_; });
+        freed.wait(lock, [this] { return take(true); });
+        if (kind_ == changing)
+            each([](Access& one) { --one.waiting_; });
+        --sleepers;
+    }
+    ++held;
+}
+
+AccessLock::~AccessLock()
+{
+    bool wake;
+    {
+        const std::lock_guard lock(mutex);
+        --held;
+        each([&](Access& one) { kind_ == changing ? void(one.changing_ = false) : void(--one.readers_); });
+        wake = sleepers > 0;
+    }
+    if (wake)
+        freed.notify_all();
+}
+
+} // namespace sinew

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every method of the module, found by walking it, and how to make one."""
+
+import inspect
+
+import numpy as np
+
+import sinew_native as sn
+
+
+def required(method: type) -> list[str]:
+    """What the constructor cannot do without."""
+    line = inspect.getdoc(method.__init__).splitlines()[0]
+    words = [part.split(":")[0].strip() for part in line[line.index("(") + 1 :].split(",") if "=" not in part]
+    return [word for word in words if word.isidentifier() and word != "self"]
+
+
+def methods_of(base: type) -> list[type]:
+    """Those that can be made, not what they have in common."""
+    classes = (value for value in vars(sn).values() if inspect.isclass(value) and issubclass(value, base))
+    return [each for each in classes if required(each)]
+
+
+SURFACE_METHODS = methods_of(sn.SurfaceMethod)
+SPACE_METHODS = methods_of(sn.SpaceMethod)
+
+
+def made(method: type, mesh: sn.SurfaceMesh, **options: object):
+    """A method on a mesh, or moved by its vertices."""
+    given = {"mesh": mesh, "cage": mesh, "points": mesh.points}
+    if "base" in required(method):
+        given["base"] = made(next(base for base in SURFACE_METHODS if "base" not in required(base)), mesh)
+    return method(**{word: given[word] for word in required(method)}, **options)
+
+
+def choices(method: type) -> list[dict[str, object]]:
+    """Options with which a method works in another way."""
+    text = inspect.getdoc(method.__init__)
+    found: list[dict[str, object]] = [{}]
+    found += [{"exact": False}] if "exact: bool" in text else []
+    found += [{"solver": "lattice"}] if "'lattice'" in text else []
+    found += [{"smoothness": 0.0}] if "smoothness: " in text else []
+    found += [{"cells": "rims"}] if "'rims'" in text else []
+    found += [{"variation": 1.0, "stretching": 1.0}] if "variation: " in text else []
+    return found + ([{"threshold": 1e-3, "precision": "double"}] if "threshold: " in text else [])
+
+
+def called(entry: type | dict[str, object]) -> str:
+    """A name for the tests of a method or of its options."""
+    return entry.__name__ if isinstance(entry, type) else ",".join(f"{k}={v}" for k, v in entry.items())
+
+
+EVERY_SURFACE_METHOD = [(method, options) for method in SURFACE_METHODS for options in choices(method)]
+EVERY_SPACE_METHOD = [(method, options) for method in SPACE_METHODS for options in choices(method)]
+
+
+def inside(cage: np.ndarray, count: int = 40) -> np.ndarray:
+    """Points around the middle of a convex cage."""
+    middle = cage.mean(0)
+    shares = np.random.default_rng(2).dirichlet(np.ones(len(cage)), count)
+    return middle + 0.9 * (shares @ (cage - middle))
