@@ -147,7 +147,9 @@ def _place(part: Part) -> Iterator[Part]:
 def _pose(part: Part) -> Iterator[Part]:
     armature = part.object
     yield Part(PLACE, armature)
-    bones = armature.pose.bones if armature.pose else ()
+    if armature.pose is None:  # its library is missing
+        return
+    bones = armature.pose.bones
     if not part.bone:
         for bone in bones:
             for constraint in bone.constraints:
@@ -201,8 +203,9 @@ def _modifiers(obj: Object, modifiers: Iterable[Modifier]) -> Iterator[Part]:
                     followed.update((what, other) for other in named.all_objects)
                 else:
                     followed.add((what, named))
-            if getattr(modifier, "subtarget", "") and targets.has_bones(modifier.object):
-                yield Part(POSE, modifier.object, modifier.subtarget)
+            bone, owner = getattr(modifier, "subtarget", ""), getattr(modifier, "object", None)
+            if bone and owner is not None and targets.has_bones(owner):
+                yield Part(POSE, owner, bone)
     if obj.parent is not None and obj.parent_type in ("ARMATURE", "LATTICE"):  # it deforms like a modifier
         followed.add((POSE if obj.parent_type == "ARMATURE" else SHAPE, obj.parent))
     followed = {(what, other) for what, other in followed if other is not None}
