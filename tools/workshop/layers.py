@@ -43,6 +43,7 @@ CORE_TESTS = (
     "test_handles.py",
     "test_interface.py",
     "test_methods.py",
+    "test_missing_libraries.py",
     "test_overlay.py",
     "test_random_operations.py",
 )
