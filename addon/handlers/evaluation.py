@@ -11,6 +11,7 @@ from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from .. import session
+from ..operators import entering
 from . import deferred
 
 
@@ -48,6 +49,8 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     session.update(depsgraph, preview=interactive, edit=True)
     if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
         listen(bool(session.mirrored_targets))
+    if entering.waiting and depsgraph.mode == "VIEWPORT":
+        entering.follow(depsgraph.view_layer)
     if interactive:
         deferred.schedule()
 

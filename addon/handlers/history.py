@@ -8,6 +8,7 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..core.memory import forget_all
+from ..operators import entering
 from . import deferred, evaluation
 
 
@@ -19,6 +20,7 @@ def on_undo(*_args: object) -> None:
     session.complete_undo()
     evaluation.listen(bool(session.mirrored_targets))
     _evaluate_all()
+    entering.restore(bpy.context.view_layer)
 
 
 @persistent

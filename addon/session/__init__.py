@@ -4,16 +4,16 @@
 from .blocks.baked import find_cache
 from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
-from .blocks.shapes import attribute_names, find_modifier
-from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh, size
+from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
+from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
 from .edit.bind import bind, unbind
-from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, flip_cage, set_rest_cage
+from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, cage_seconds, flip_cage, set_rest_cage
 from .edit.deformers import add_deformer, remove_deformer
 from .edit.handles.bones import is_moved_by_control
-from .edit.handles.handles import add_handle, remove_handle
+from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
 from .edit.order import move_deformer, move_handle
@@ -51,6 +51,7 @@ __all__ = (
     "bind",
     "busy",
     "cage_maker",
+    "cage_seconds",
     "can_be_moved",
     "cancel",
     "carry_out_writes",
@@ -89,6 +90,7 @@ __all__ = (
     "move_handle",
     "move_partners",
     "must_hand_over",
+    "new_control",
     "note_edit",
     "notes",
     "object_with",
@@ -109,9 +111,9 @@ __all__ = (
     "separate_copies",
     "set_rest_cage",
     "settle",
-    "size",
     "store",
     "store_shown",
+    "stray_modifiers",
     "summary",
     "suspended",
     "tidy",

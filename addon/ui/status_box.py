@@ -43,6 +43,7 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.FLIP_CAGE: Button(Operators.CAGE_FLIP, "Flip", "NORMALS_FACE"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
+    Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
     Remedy.CONVERT: Button("object.convert", "Convert to Mesh", "OUTLINER_OB_MESH", (("target", "MESH"),)),
     Remedy.OVERRIDE: Button("object.make_override_library", "Make Library Override", "LIBRARY_DATA_OVERRIDE"),
     Remedy.PREFERENCES: Button(
@@ -131,8 +132,9 @@ def headline(deformer: SinewDeformer) -> Status:
 
 def _warnings(deformer: SinewDeformer) -> tuple[Status, ...]:
     """What is seen without an evaluation: lost controls, and rigs that follow each other."""
-    found = (*session.lost_controls(deformer), *session.circle(deformer.id_data))
-    return tuple(Status(Level.WARNING, text) for text in found)
+    lines = (*session.lost_controls(deformer), *session.circle(deformer.id_data))
+    remedies = [Remedy.NEW_CONTROL if "New Control" in text else Remedy.NONE for text in lines]
+    return tuple(Status(Level.WARNING, text, remedy=remedy) for text, remedy in zip(lines, remedies))
 
 
 def _draw_progress(layout: UILayout, work: object) -> None:

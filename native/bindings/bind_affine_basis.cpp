@@ -28,7 +28,8 @@ void bind_affine_basis(py::module_& module)
                 return solved([&](Points& positions) { return basis.solve(checked, positions); });
             },
             py::arg("poses"),
-            "(k, 3, 4) -> (positions (n, 3), SolveReport), as ThinShell.solve from rest.\n"
+            "(k, 3, 4) -> (positions (n, 3), SolveReport), as ThinShell.solve from rest, but free parts "
+            "stay.\n"
             "Raises InvalidConstraint for a wrong count, shape or non-finite number.");
 }
 

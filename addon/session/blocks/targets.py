@@ -91,7 +91,7 @@ def sample(obj: Object, count: int) -> np.ndarray:
         points = obj.data.vertices if keys is None else keys.reference_key.data
     else:
         position = getattr(obj.data, "attributes", {}).get("position")
-        points = () if position is None else position.data
+        points = [] if position is None else position.data
     name = "vector" if obj.type not in ("CURVE", "MESH") else "co"
     chosen = range(0, len(points), max(len(points) // count, 1))
     places = [getattr(points[index], name)[:3] for index in chosen]
