@@ -2,7 +2,7 @@
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
 from .blocks.baked import find_cache
-from .blocks.owners import copies, forget_owners, known_copies, owners
+from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
@@ -23,14 +23,15 @@ from .edit.repair import summary as repair_summary
 from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
 from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
-from .edit.upkeep import collect, has_pending, separate_overrides, tidy
+from .edit.upkeep import collect, has_pending, separate_copies, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
+from .live.dependencies import circle
 from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .live.mirroring import complete_undo, key_partners, mirrored_targets, move_partners
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import find, forget_shapes, is_refining, note_edit, suspended, unsettled
+from .memory.sessions import find, forget_shapes, is_refining, is_suspended, note_edit, suspended, unsettled
 from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
@@ -54,6 +55,7 @@ __all__ = (
     "can_be_moved",
     "cancel",
     "carry_out_writes",
+    "circle",
     "collect",
     "complete_undo",
     "control_pairs",
@@ -69,14 +71,15 @@ __all__ = (
     "forget_shapes",
     "group_from_selection",
     "handles_of_side",
+    "has_copies",
     "has_pending",
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
     "is_refining",
+    "is_suspended",
     "job",
     "key_partners",
-    "known_copies",
     "label",
     "lost_controls",
     "marks_regions",
@@ -105,7 +108,7 @@ __all__ = (
     "rig_region",
     "select_elements",
     "select_group",
-    "separate_overrides",
+    "separate_copies",
     "set_rest_cage",
     "settle",
     "store",
