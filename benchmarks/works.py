@@ -73,6 +73,18 @@ WORKS = (
         {100_000: 2.0},
     ),
     Work(
+        "riders_bind",
+        "binding 2,000 loose shells that follow, 20 per 1,000 vertices",
+        "a limit of 1 s",
+        {100_000: 1.0},
+    ),
+    Work(
+        "riders_frame",
+        "what these shells add to `ThinShell.solve`",
+        "a limit of 3 ms",
+        {100_000: 1.0},
+    ),
+    Work(
         "arap_iteration",
         "one iteration of `Arap`, spokes and rims",
         "libigl",

@@ -225,6 +225,13 @@ def automatic_cage(
     return around, np.full(len(faces), 3, dtype=np.int32), faces.ravel(), more
 
 
+def connected_parts(count: int, faces: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """The part (n,) that each of ``count`` vertices belongs to. ``faces`` are (counts, corners)."""
+    native = _module()
+    with _translated(native):
+        return native.SurfaceMesh(np.zeros((count, 3)), faces).components
+
+
 def diagnose(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> Diagnosis:
     """Find the defects that Repair can mend. ``points`` (n, 3) float64, ``faces`` (counts, corners).
 

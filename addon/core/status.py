@@ -32,6 +32,7 @@ class Remedy(Enum):
     CAGE_REST = "CAGE_REST"
     FLIP_CAGE = "FLIP_CAGE"
     CONVERT = "CONVERT"
+    NEW_CONTROL = "NEW_CONTROL"
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ EMPTY = Status()
 
 _statuses: dict[str, Status] = remember({})
 _notes: dict[str, tuple[Status, ...]] = remember({})
+_incoming: dict[str, Status] = remember({})
 
 
 def current(key: str) -> Status:
@@ -57,7 +59,8 @@ def current(key: str) -> Status:
 
 def notes(key: str) -> tuple[Status, ...]:
     """The other lines, which are mostly warnings."""
-    return _notes.get(key, ())
+    lines, last = _notes.get(key, ()), _incoming.get(key)
+    return lines if last is None else (*lines, last)
 
 
 def put(key: str, status: Status) -> None:
@@ -68,6 +71,15 @@ def put(key: str, status: Status) -> None:
 def put_notes(key: str, lines: tuple[Status, ...]) -> None:
     """Replace the other lines."""
     _notes[key] = lines
+    _incoming.pop(key, None)
+
+
+def put_incoming(key: str, text: str) -> None:
+    """Replace the line that tells how the incoming shape is followed; empty for no line."""
+    if text:
+        _incoming[key] = Status(Level.INFO, text)
+    else:
+        _incoming.pop(key, None)
 
 
 def fail(key: str, error: Exception) -> None:
@@ -79,4 +91,4 @@ def fail(key: str, error: Exception) -> None:
 def clear(key: str) -> None:
     """Remove all lines of a deformer."""
     _statuses.pop(key, None)
-    _notes.pop(key, None)
+    put_notes(key, ())

@@ -24,6 +24,7 @@ def register() -> None:
 
 def unregister() -> None:
     deferred.stop()
+    evaluation.listen(False)
     session.store_shown()  # renders without Sinew show it
     for event, handler in _HANDLERS:
         handlers = getattr(bpy.app.handlers, event)

@@ -4,12 +4,36 @@
 What these handlers write makes Blender evaluate the scene once more, but not again and again.
 """
 
+import threading
+
 import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from .. import session
+from ..operators import entering
 from . import deferred
+
+
+@persistent
+def before_depsgraph_update(*_args: object) -> None:
+    """Something was edited, and is not evaluated yet: what an artist moves takes its mirror image along.
+
+    Blender calls it only while posing is mirrored for some object.
+    """
+    if threading.current_thread() is threading.main_thread():
+        session.move_partners()
+
+
+_before_updates = bpy.app.handlers.depsgraph_update_pre
+
+
+def listen(wanted: bool) -> None:
+    """Let Blender call ``before_depsgraph_update``, or no more."""
+    if before_depsgraph_update in _before_updates:
+        _before_updates.remove(before_depsgraph_update)
+    if wanted:
+        _before_updates.append(before_depsgraph_update)
 
 
 @persistent
@@ -17,14 +41,18 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Something was edited.
 
     With a window, a drag shows previews, and the final shape follows after a pause. Without one there is no
-    pause: a library override gets shapes of its own at once.
+    pause: copies and library overrides get shapes of their own at once.
     """
+    if bpy.app.background and session.has_copies():
+        deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     session.update(depsgraph, preview=interactive, edit=True)
+    if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
+        listen(bool(session.mirrored_targets))
+    if entering.waiting and depsgraph.mode == "VIEWPORT":
+        entering.follow(depsgraph.view_layer)
     if interactive:
         deferred.schedule()
-    elif depsgraph.mode == "VIEWPORT" and session.known_copies() and session.separate_overrides():
-        depsgraph.view_layer.update()
 
 
 @persistent
@@ -33,6 +61,10 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
 
     It always computes the final shape.
     """
+    if bpy.app.background and session.has_copies():
+        deferred.separate_copies(depsgraph)
     session.update(depsgraph)
     if depsgraph.mode == "VIEWPORT":
+        if session.mirrored_targets and before_depsgraph_update not in _before_updates:
+            listen(True)
         deferred.follow_threads()  # an animated setting may have started a bind

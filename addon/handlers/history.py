@@ -8,7 +8,8 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..core.memory import forget_all
-from . import deferred
+from ..operators import entering
+from . import deferred, evaluation
 
 
 @persistent
@@ -16,7 +17,10 @@ def on_undo(*_args: object) -> None:
     """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
     session.forget_owners()
     session.forget_shapes()
+    session.complete_undo()
+    evaluation.listen(bool(session.mirrored_targets))
     _evaluate_all()
+    entering.restore(bpy.context.view_layer)
 
 
 @persistent
@@ -24,8 +28,12 @@ def on_load(*_args: object) -> None:
     """Another file was opened: forget everything about the previous one."""
     forget_all()
     if session.owners():  # the first evaluation after a load calls no handlers
-        session.update(bpy.context.evaluated_depsgraph_get())
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        if bpy.app.background and session.has_copies():
+            deferred.separate_copies(depsgraph)
+        session.update(depsgraph)
         deferred.schedule()
+    evaluation.listen(bool(session.mirrored_targets))
 
 
 @persistent

@@ -104,6 +104,18 @@ void bind_core(py::module_& module)
         }
     });
 
+    py::class_<Ride>(module, "Ride", "A connected part without a handle that rides on another part.")
+        .def_readonly("part", &Ride::part, "Its number; parts are numbered by their lowest vertices.")
+        .def_readonly("first_vertex", &Ride::first_vertex, "Its lowest vertex.")
+        .def_readonly("vertex_count", &Ride::vertex_count, "Number of its vertices.")
+        .def_readonly("host", &Ride::host, "The part that it rides on, which may ride itself.")
+        .def_readonly("frame_count", &Ride::frame_count, "Number of its frames; 1 where it moves rigidly.")
+        .def("__repr__", [](const Ride& r) {
+            return "<Ride: part " + std::to_string(r.part) + " of " + std::to_string(r.vertex_count) +
+                   " vertices on part " + std::to_string(r.host) + ", " + std::to_string(r.frame_count) +
+                   (r.frame_count == 1 ? " frame>" : " frames>");
+        });
+
     py::class_<BindReport>(module, "BindReport", "What set_handles() or rebind() did.")
         .def_property_readonly(
             "reuse", [](const BindReport& r) { return name_of(r.reuse); },
@@ -117,10 +129,15 @@ void bind_core(py::module_& module)
         .def_readonly("soft_vertices", &BindReport::soft_vertices,
                       "Number of vertices that a handle pulls softly.")
         .def_readonly("free_parts", &BindReport::free_parts,
-                      "Number of connected parts without any constraint; they stay at rest.")
+                      "Number of connected parts without any constraint that stay at rest.")
         .def_property_readonly(
             "free_vertices", [](const BindReport& r) { return to_numpy(r.free_vertices); },
             "(f,) the vertices of those parts.")
+        .def_readonly("rides", &BindReport::rides,
+                      "A Ride for each connected part without any constraint that follows another part.")
+        .def_property_readonly(
+            "riding_vertices", [](const BindReport& r) { return to_numpy(r.riding_vertices); },
+            "(r,) the vertices of those parts.")
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
                       "Number of faces with a triangle of (nearly) no area, whose area was raised.")
         .def_readonly("factorizations", &BindReport::factorizations,
@@ -135,7 +152,8 @@ void bind_core(py::module_& module)
         .def("__repr__", [](const BindReport& r) {
             return "<BindReport: " + std::to_string(r.handle_count) + " handles, " +
                    std::to_string(r.constrained_vertices) + " held, " + std::to_string(r.soft_vertices) +
-                   " soft, " + std::to_string(r.free_parts) + " free parts>";
+                   " soft, " + std::to_string(r.free_parts) + " free parts, " +
+                   std::to_string(r.rides.size()) + " riding>";
         });
 
     py::class_<SolveReport>(module, "SolveReport", "What solve() reached.")

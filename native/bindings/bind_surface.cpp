@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/bindings/choices.h"
+#include "native/bindings/representation.h"
 #include "native/bindings/surface.h"
 
 #include <pybind11/stl.h>
@@ -7,22 +9,35 @@ namespace sinew::bindings {
 
 namespace {
 
+FreeParts free_parts_of(const std::string& choice, const py::object& stiffness)
+{
+    FreeParts options;
+    options.follow = choose<bool>(choice, "free_parts", {{"stay", false}, {"follow", true}});
+    if (!stiffness.is_none())
+        options.stiffness = numbers(stiffness, "free_part_stiffness");
+    return options;
+}
+
 BindReport set_handles(SurfaceMethod& method, const py::object& regions, const py::object& weights,
-                       const py::object& continuity, const py::object& callback)
+                       const py::object& continuity, const py::object& callback,
+                       const std::string& free_parts, const py::object& free_part_stiffness)
 {
     const std::vector<Handle> checked = handles(regions, weights, continuity);
+    const FreeParts options = free_parts_of(free_parts, free_part_stiffness);
     const Progress ticks = progress(callback);
     const py::gil_scoped_release unlocked;
-    return method.set_handles(checked, ticks);
+    return method.set_handles(checked, ticks, options);
 }
 
 BindReport rebind(SurfaceMethod& method, SurfaceMethod& former, const py::object& regions,
-                  const py::object& weights, const py::object& continuity, const py::object& callback)
+                  const py::object& weights, const py::object& continuity, const py::object& callback,
+                  const std::string& free_parts, const py::object& free_part_stiffness)
 {
     const std::vector<Handle> checked = handles(regions, weights, continuity);
+    const FreeParts options = free_parts_of(free_parts, free_part_stiffness);
     const Progress ticks = progress(callback);
     const py::gil_scoped_release unlocked;
-    return method.rebind(former, checked, ticks);
+    return method.rebind(former, checked, ticks, options);
 }
 
 bool can_reuse(const SurfaceMethod& method, const py::object& former)
@@ -59,7 +74,8 @@ those that change an option) have their objects to themselves: they wait until o
 wait for them. A progress callback must not wait for the call that it belongs to, so there such a call raises
 ObjectInUse.)")
         .def("set_handles", &set_handles, py::arg("handles"), py::arg("weights") = py::none(),
-             py::arg("continuity") = py::none(), py::arg("progress") = py::none(),
+             py::arg("continuity") = py::none(), py::arg("progress") = py::none(), py::kw_only(),
+             py::arg("free_parts") = "stay", py::arg("free_part_stiffness") = py::none(),
              R"(Factorise for these handles -> BindReport. Cost: see the class.
 
 handles     sequence of (h_i,) vertex index arrays, one per handle; a fixed region is a handle, too. [[0, 7]] is one
@@ -69,17 +85,26 @@ weights     None, or one entry per handle: None, a number or (h_i,) numbers in [
 continuity  None (2), a number, or one per handle, in [0, 2]: C0 to C2 at the region's border, as far
             as the order of the method allows. C1 needs regions two rings deep, C2 three.
 progress    None or callable(fraction, stage); returning False cancels.
+free_parts  what connected parts without a handle do. 'stay': they keep the incoming shape. 'follow': they ride
+            on the parts that have a handle, rigidly where they are compact or small, bending where they are
+            long; they enter no system, and solve() reads their motion off the surface they lay on.
+free_part_stiffness
+            None (0), a number or (n,) numbers in [0, 1], of which each part takes the mean: 0 bends as its
+            size says, 1 moves as one rigid body.
 
-Raises InvalidConstraint, FactorizationFailed, ObjectInUse or Cancelled; the object then stays as it was.)")
+Raises InvalidConstraint, InvalidOption, FactorizationFailed, ObjectInUse or Cancelled; the object then stays as
+it was.)")
         .def("rebind", &rebind, py::arg("former"), py::arg("handles"), py::arg("weights") = py::none(),
-             py::arg("continuity") = py::none(), py::arg("progress") = py::none(),
+             py::arg("continuity") = py::none(), py::arg("progress") = py::none(), py::kw_only(),
+             py::arg("free_parts") = "stay", py::arg("free_part_stiffness") = py::none(),
              R"(As set_handles(), taking over from another object what is still valid -> BindReport.
 
 former   SurfaceMethod. If can_reuse(former), it has no handles afterwards; otherwise it stays as it was.
 handles  (h_i,) vertex indices each; this and the others as in set_handles().
 
-The report's `reuse` and `changed` say how much was taken over and what differs.
-Raises InvalidConstraint, FactorizationFailed, ObjectInUse or Cancelled; both objects then stay as they were.)")
+The report's `reuse` and `changed` say how much was taken over and what differs; other free parts keep the
+factor. Raises InvalidConstraint, InvalidOption, FactorizationFailed, ObjectInUse or Cancelled; both objects then
+stay as they were.)")
         .def("can_reuse", &can_reuse, py::arg("former"),
              "Whether rebind() would take anything over from another method. Cost: O(n), to compare.")
         .def("solve", &solve, py::arg("poses"), py::kw_only(), py::arg("incoming") = py::none(),
@@ -102,7 +127,11 @@ out             None, or a float32 array (n, 3) to write into and return. After 
 A linear method accepts start, max_iterations, tolerance and progress, but does not use them.
 Raises InvalidConstraint for a wrong count, shape or non-finite number, InvalidOption or Cancelled. If the
 iterations are used up, the report says so; this is no error.)")
-        .def_property_readonly("rest", &SurfaceMethod::rest, "SurfaceMesh, the rest shape.");
+        .def_property_readonly("rest", &SurfaceMethod::rest, "SurfaceMesh, the rest shape.")
+        .def("__repr__", [](const py::object& self) {
+            const int count = self.cast<const SurfaceMethod&>().rest().vertex_count();
+            return representation(self, std::to_string(count) + " vertices");
+        });
 }
 
 } // namespace sinew::bindings

@@ -37,6 +37,16 @@ struct Count
 /// "1 open edge, 3 points outside": the counts that are not zero; "clean" where all are zero.
 std::string summary_of(std::initializer_list<Count> counts);
 
+/// A part without a handle that rides on another part.
+struct Ride
+{
+    int part;         ///< parts are numbered by their lowest vertices
+    int first_vertex; ///< of the part
+    int vertex_count;
+    int host;        ///< the part it rides on, which may ride itself
+    int frame_count; ///< 1 where it moves rigidly
+};
+
 /// What set_handles() or rebind() did.
 struct BindReport
 {
@@ -45,8 +55,10 @@ struct BindReport
     int handle_count = 0;
     int constrained_vertices = 0;   ///< vertices that a handle holds exactly
     int soft_vertices = 0;          ///< vertices that a handle pulls softly
-    int free_parts = 0;             ///< connected parts without any constraint; they stay at rest
+    int free_parts = 0;             ///< connected parts without any constraint that stay at rest
     std::vector<int> free_vertices; ///< the vertices of those parts
+    std::vector<Ride> rides;        ///< connected parts without any constraint that follow others
+    std::vector<int> riding_vertices; ///< the vertices of those parts
     int degenerate_faces = 0;       ///< faces with a triangle of (nearly) no area, whose area was raised
     int factorizations = 0;         ///< numeric factorisations so far, with those of earlier objects
     int analyses = 0;               ///< symbolic factorisations so far, likewise

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 
@@ -110,15 +111,18 @@ struct TriangleTree::Impl
     using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Iterator>>>;
 
     std::vector<Kernel::Triangle_3> triangles;
+    std::vector<int> numbers; ///< of the triangles, among all
     Tree tree;
 };
 
 TriangleTree::TriangleTree(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles)
     : impl_(std::make_unique<Impl>())
 {
-    for (const Triangle& triangle : triangles)
-        if (const Kernel::Triangle_3 t = exact(corners_of(points, triangle)); !t.is_degenerate())
+    for (int i = 0; i < static_cast<int>(triangles.size()); ++i)
+        if (const Kernel::Triangle_3 t = exact(corners_of(points, triangles[i])); !t.is_degenerate()) {
             impl_->triangles.push_back(t);
+            impl_->numbers.push_back(i);
+        }
     impl_->tree.rebuild(impl_->triangles.cbegin(), impl_->triangles.cend());
     impl_->tree.build(); // now: otherwise the first threads that ask would build it
     impl_->tree.accelerate_distance_queries();
@@ -133,10 +137,30 @@ bool TriangleTree::meets(const Corners& triangle) const
     return !t.is_degenerate() && impl_->tree.do_intersect(t);
 }
 
-Vector3 TriangleTree::closest(const Vector3& point) const
+TriangleTree::Place TriangleTree::closest_place(const Vector3& point) const
 {
-    const Point found = impl_->tree.closest_point(exact(point));
-    return {found.x(), found.y(), found.z()};
+    const auto [found, triangle] = impl_->tree.closest_point_and_primitive(exact(point));
+    return {{found.x(), found.y(), found.z()}, impl_->numbers[triangle - impl_->triangles.cbegin()]};
 }
+
+int TriangleTree::crossings(const Vector3& from, const Vector3& direction) const
+{
+    std::vector<Impl::Iterator> crossed;
+    impl_->tree.all_intersected_primitives(
+        Kernel::Ray_3(exact(from), Kernel::Vector_3(direction.x(), direction.y(), direction.z())),
+        std::back_inserter(crossed));
+    int count = 0;
+    for (const Impl::Iterator triangle : crossed) {
+        const auto corner = [&](int k) {
+            const Point& p = triangle->vertex(k);
+            return Vector3(p.x(), p.y(), p.z());
+        };
+        const double along = (corner(1) - corner(0)).cross(corner(2) - corner(0)).dot(direction);
+        count += (along > 0) - (along < 0);
+    }
+    return count;
+}
+
+bool TriangleTree::empty() const { return impl_->triangles.empty(); }
 
 } // namespace sinew

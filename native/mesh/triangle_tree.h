@@ -48,7 +48,22 @@ public:
     /// Whether a triangle touches or crosses one of the tree. Exact; false for a flat triangle.
     bool meets(const Corners& triangle) const;
     /// The closest point on the triangles, up to rounding. There must be a triangle.
-    Vector3 closest(const Vector3& point) const;
+    Vector3 closest(const Vector3& point) const { return closest_place(point).point; }
+
+    /// A point on a triangle.
+    struct Place
+    {
+        Vector3 point;
+        int triangle; ///< its index among those that the constructor got
+    };
+    /// The closest point and its triangle, under the same condition.
+    Place closest_place(const Vector3& point) const;
+
+    /// How often a ray leaves through the front of a triangle, less how often it enters: 1 from inside a
+    /// closed surface whose faces look outward, 0 from outside. A ray through an edge may count it twice.
+    int crossings(const Vector3& from, const Vector3& direction) const;
+    /// Whether there is no triangle, but for flat ones.
+    bool empty() const;
 
 private:
     struct Impl;

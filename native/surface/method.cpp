@@ -10,24 +10,42 @@
 
 namespace sinew {
 
+namespace {
+
+/// Says which of the parts without a handle ride. Either all of them do, or none.
+void tell(const Riders& riders, BindReport& report)
+{
+    report.rides = riders.rides();
+    if (report.rides.empty())
+        return;
+    report.free_parts = 0;
+    report.riding_vertices = std::exchange(report.free_vertices, {});
+}
+
+} // namespace
+
 SurfaceMethod::SurfaceMethod(const SurfaceMesh& rest)
     : rest_(std::make_shared<const SurfaceMesh>(rest)), parts_(connected_components(*rest_)),
       regions_({}, parts_)
 {
 }
 
-BindReport SurfaceMethod::set_handles(const std::vector<Handle>& handles, const Progress& progress)
+BindReport SurfaceMethod::set_handles(const std::vector<Handle>& handles, const Progress& progress,
+                                      const FreeParts& free_parts)
 {
     const AccessLock alone = changing();
-    return hold(handles, progress);
+    return hold(handles, progress, free_parts);
 }
 
-BindReport SurfaceMethod::hold(const std::vector<Handle>& handles, const Progress& progress)
+BindReport SurfaceMethod::hold(const std::vector<Handle>& handles, const Progress& progress,
+                               const FreeParts& free_parts)
 {
     const auto start = std::chrono::steady_clock::now();
     progress.tick(0.0, "assembling the energy");
     Regions regions(handles, parts_);
+    std::shared_ptr<const Riders> riders = riders_for(regions, free_parts, progress);
     BindReport report = regions.report();
+    tell(*riders, report);
     try {
         bind(regions, report, progress);
     } catch (const OutOfMemory&) {
@@ -38,7 +56,34 @@ BindReport SurfaceMethod::hold(const std::vector<Handle>& handles, const Progres
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report_ = report;
     regions_ = std::move(regions);
+    riders_ = std::move(riders);
     bound_ = true;
+    return report;
+}
+
+std::shared_ptr<const Riders> SurfaceMethod::riders_for(const Regions& regions, const FreeParts& free_parts,
+                                                        const Progress& progress) const
+{
+    std::vector<bool> driven(parts_.count, false);
+    for (int v = 0; v < rest_->vertex_count(); ++v)
+        if (!regions.is_idle(v))
+            driven[parts_.labels[v]] = true;
+    if (riders_ && riders_->serves(driven, free_parts))
+        return riders_;
+    return std::make_shared<const Riders>(*rest_, parts_, std::move(driven), free_parts, progress);
+}
+
+BindReport SurfaceMethod::follow(const FreeParts& free_parts, const Progress& progress)
+{
+    std::shared_ptr<const Riders> riders = riders_for(regions_, free_parts, progress);
+    progress.tick(1.0, "taking over the factor");
+    BindReport report = report_, counted = regions_.report();
+    report.free_parts = counted.free_parts;
+    report.free_vertices = std::move(counted.free_vertices);
+    report.riding_vertices.clear();
+    tell(*riders, report);
+    report_ = report;
+    riders_ = std::move(riders);
     return report;
 }
 
@@ -77,12 +122,15 @@ bool SurfaceMethod::can_reuse(const SurfaceMethod& former) const
 }
 
 BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
-                                 const Progress& progress)
+                                 const Progress& progress, const FreeParts& free_parts)
 {
     const AccessLock alone(AccessLock::changing, access_, former.access_);
     auto [changed, reusable] = compare(former);
     if (!former.bound_ || handles != former.regions_.handles())
         changed.emplace_back("handles");
+    const bool keeps_factor = reusable && changed.empty();
+    if (former.bound_ && free_parts != former.free_parts())
+        changed.emplace_back("free_parts");
     struct Exchange
     {
         SurfaceMethod &own, *other;
@@ -95,12 +143,11 @@ BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle
     if (reusable)
         swap_all(former);
     BindReport report;
-    if (reusable && changed.empty()) {
-        progress.tick(1.0, "taking over the factor");
-        report = report_;
-        report.reuse = Reuse::kept;
+    if (keeps_factor) {
+        report = follow(free_parts, progress);
+        report.reuse = changed.empty() ? Reuse::kept : Reuse::updated;
     } else {
-        report = hold(handles, progress);
+        report = hold(handles, progress, free_parts);
         report.reuse = reusable ? Reuse::updated : Reuse::anew;
     }
     report.changed = joined(changed);
@@ -118,6 +165,7 @@ void SurfaceMethod::swap_all(SurfaceMethod& other)
         return;
     swap_binding(other);
     std::swap(regions_, other.regions_);
+    std::swap(riders_, other.riders_);
     std::swap(report_, other.report_);
     std::swap(bound_, other.bound_);
 }
@@ -136,7 +184,9 @@ SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions)
         positions = targets.base();
         return SolveReport{.converged = true};
     }
-    return deform(request, targets, positions);
+    const SolveReport report = deform(request, targets, positions);
+    riders_->move(request.incoming, positions);
+    return report;
 }
 
 void SurfaceMethod::require_same_size(const PointsView& points, const char* name) const

@@ -6,6 +6,7 @@
 #include "native/core/report.h"
 #include "native/mesh/regions.h"
 #include "native/mesh/surface_mesh.h"
+#include "native/riders/riders.h"
 
 #include <memory>
 #include <optional>
@@ -49,18 +50,22 @@ public:
     virtual ~SurfaceMethod() = default;
 
     /// Leaves the object as it was if it throws.
+    /// \param free_parts  what parts without a handle do. Those that follow are in no system: solve() reads
+    ///   their motion off the solved points.
     /// \throw InvalidConstraint    see Regions.
+    /// \throw InvalidOption        see Riders.
     /// \throw FactorizationFailed  a system is singular; a vertex is named.
     /// \throw Cancelled            by `progress`.
     /// \throw ObjectInUse          in a progress callback of another call on this object.
-    BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {});
+    BindReport set_handles(const std::vector<Handle>& handles, const Progress& progress = {},
+                           const FreeParts& free_parts = {});
 
     /// set_handles(), taking over from `former` what is still valid. The report says how much that was, and
     /// what differs between the two objects. If can_reuse() is true, `former` has no handles afterwards;
     /// otherwise it stays as it was. Leaves both objects as they were if it throws.
     /// \throw as set_handles()
     BindReport rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
-                      const Progress& progress = {});
+                      const Progress& progress = {}, const FreeParts& free_parts = {});
 
     /// Whether rebind() would take anything over: `former` has handles, it is of the same class and has the
     /// same rest shape, and only options differ that the method can update.
@@ -75,6 +80,8 @@ public:
     const SurfaceMesh& rest() const { return *rest_; }
     /// What the last bind was for; the next one replaces it.
     const Regions& regions() const { return regions_; }
+    /// As in the last set_handles() or rebind().
+    FreeParts free_parts() const { return riders_ ? riders_->options() : FreeParts{}; }
     /// For calls that read what a bind made, and for several calls between which no bind may come.
     AccessLock reading() const { return {AccessLock::reading, access_}; }
 
@@ -84,7 +91,8 @@ protected:
 
     AccessLock changing() { return {AccessLock::changing, access_}; }
     /// set_handles() for a caller that has the object to itself.
-    BindReport hold(const std::vector<Handle>& handles, const Progress& progress);
+    BindReport hold(const std::vector<Handle>& handles, const Progress& progress,
+                    const FreeParts& free_parts);
     /// Factorises for these regions and completes the report. Must leave the object as it was if it throws.
     /// The element of a FactorizationFailed is a vertex.
     virtual void bind(const Regions& regions, BindReport& report, const Progress& progress) = 0;
@@ -112,12 +120,18 @@ private:
     };
     Comparison compare(const SurfaceMethod& former) const;
     void swap_all(SurfaceMethod& other);
+    /// The last riders if they serve these handles, too.
+    std::shared_ptr<const Riders> riders_for(const Regions& regions, const FreeParts& free_parts,
+                                             const Progress& progress) const;
+    /// Takes over other riders and keeps the factor.
+    BindReport follow(const FreeParts& free_parts, const Progress& progress);
     /// Says what a breakdown at a vertex means for a mesh, and what to do.
     [[noreturn]] void refuse(const FactorizationFailed& failure) const;
 
     std::shared_ptr<const SurfaceMesh> rest_; ///< shared, so that its address stays when the method is moved
     Components parts_;
     Regions regions_;
+    std::shared_ptr<const Riders> riders_; ///< null before the first bind
     BindReport report_;
     bool bound_ = false;
     mutable Access access_;

@@ -92,6 +92,7 @@ def tasks(draw: st.DrawFn) -> dict[str, object]:
         if motion != "still":
             poses[h, :, 3] = scale * rng.normal(size=3)
     incoming = points + scale * rng.normal(size=points.shape) if draw(st.booleans()) else None
+    free_parts = draw(st.sampled_from(["stay", "follow"]))
     return {
         "points": points,
         "faces": faces,
@@ -99,6 +100,7 @@ def tasks(draw: st.DrawFn) -> dict[str, object]:
         "weights": weights,
         "poses": poses,
         "incoming": incoming,
+        "free_parts": free_parts,
     }
 
 
@@ -109,7 +111,7 @@ def mesh_of(task: dict[str, object]) -> sn.SurfaceMesh:
 
 def bind_and_solve(surface: sn.ThinShell | sn.Arap, task: dict[str, object], **options: object) -> None:
     try:
-        report = surface.set_handles(task["handles"], task["weights"])
+        report = surface.set_handles(task["handles"], task["weights"], free_parts=task["free_parts"])
         positions, solved = surface.solve(task["poses"], incoming=task["incoming"], **options)
     except sn.Error:
         return

@@ -90,10 +90,12 @@ class Expected(Poses):
         fixed: tuple[str, ...] = ("Base",),
         method: str = "thin_shell",
         points: np.ndarray | None = None,
+        free_parts: str = "follow",
         **options: object,
     ) -> None:
         super().__init__(obj, control)
         self._regions, self._solver, self._row = (handle, *fixed), None, BY_ID[method]
+        self._free_parts = free_parts
         self._options, self._steps = options_of(self._row, options)
         self.rebind(obj, points)
 
@@ -109,7 +111,8 @@ class Expected(Poses):
             return
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
         self._solver = new_native(self._row, mesh, self._options)
-        self._solver.set_handles([group[0] for group in groups], weights=[group[1] for group in groups])
+        members, weights = zip(*groups, strict=True)
+        self._solver.set_handles(members, weights=weights, free_parts=self._free_parts)
 
     @classmethod
     def of_rig(cls, plate: Rig, method: str = "thin_shell", **options: object) -> Expected:

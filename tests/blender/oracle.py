@@ -115,12 +115,18 @@ class Oracle:
         try:
             if len(incoming) != len(rest) or not np.array_equal(answer.faces, triangles(deformer.rest)):
                 raise Refusal("Topology changed")
-            regions = regions_of(deformer, weights, len(rest))
+            faces = triangles(deformer.rest)
+            part = parts(len(rest), faces)
+            regions = regions_of(deformer, weights, part)
             options = options_of(deformer, weights)
             poses, flags = self._poses(obj, deformer, regions, depsgraph)
             before = rest if displaces else incoming.astype(np.float64)
-            solve = DENSE.get(deformer.method, partial(self._solve_natively, BY_ID[deformer.method]))
-            moved, error = solve(rest, triangles(deformer.rest), options, regions, poses, flags, before)
+            by_native = partial(self._solve_natively, BY_ID[deformer.method], deformer.loose_parts.lower())
+            solve = DENSE.get(deformer.method, by_native)
+            moved, error = solve(rest, faces, options, regions, poses, flags, before)
+            loose = ~np.isin(part, part[np.concatenate([region.members for region in regions])])
+            if solve is not by_native and loose.any():
+                moved[loose] = by_native(rest, faces, options, regions, poses, flags, before)[0][loose]
         except Refusal as refusal:
             answer.refused[deformer.uid] = str(refusal)
             return False
@@ -168,14 +174,15 @@ class Oracle:
         return np.array(poses), np.array(flags)
 
     def _solve_natively(
-        self, row, rest, faces, options, regions, poses, flags, before
+        self, row, free_parts, rest, faces, options, regions, poses, flags, before
     ) -> tuple[np.ndarray, float]:
         """Solve with a new native object, which has no history."""
         steps = {
             parameter.id: options.pop(parameter.id) for parameter in row.parameters if not parameter.rebinds
         }
         solver = new_native(row, self.native.SurfaceMesh(rest, faces), options)
-        solver.set_handles([region.members for region in regions], weights=[r.strength for r in regions])
+        members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
+        solver.set_handles(members, weights=strengths, free_parts=free_parts)
         incoming = None if np.array_equal(before, rest) else before
         moved, _report = solver.solve(poses, incoming=incoming, from_rest=flags, **steps)
         # Where a pose or an incoming shape differs in its last digit, the steps may stop one earlier.
@@ -261,16 +268,18 @@ def follow(obj: bpy.types.Object, modifier: bpy.types.Modifier, answer: Expected
         raise Unsure(f"no formula for {modifier.type}")
 
 
-def regions_of(deformer, weights: Weights, count: int) -> list[Region]:
-    """The regions in use, read off a table of who paints which vertex.
+def regions_of(deformer, weights: Weights, part: np.ndarray) -> list[Region]:
+    """The regions in use, read off a table of who paints which vertex; ``part`` (n,) labels the parts.
 
-    A vertex obeys one hard handle at most. Where there is a support, what nobody paints is fixed.
+    A vertex obeys one hard handle at most. Where there is a support, what nobody paints is fixed, but for the
+    parts that nobody paints anywhere, if these follow. A region whose vertex group is empty or gone is none.
     """
-    handles = [handle for handle in deformer.handles if handle.enabled]
-    painted = {handle.uid: weights(handle.vertex_group) for handle in handles}
-    for handle in handles:
-        if painted[handle.uid] is None or not painted[handle.uid].any():
-            raise Refusal(f"vertex group {handle.vertex_group} is empty, or gone")
+    count = len(part)
+    enabled = [handle for handle in deformer.handles if handle.enabled]
+    painted = {handle.uid: weights(handle.vertex_group) for handle in enabled}
+    handles = [h for h in enabled if painted[h.uid] is not None and painted[h.uid].any()]
+    if not handles:
+        raise Refusal("nothing holds the mesh")
     supports = [handle for handle in handles if handle.kind == "SUPPORT"]
     movers = [handle for handle in handles if handle.kind != "SUPPORT"]
     strengths = np.array([painted[handle.uid] * handle.weight for handle in movers]).reshape(-1, count)
@@ -282,6 +291,8 @@ def regions_of(deformer, weights: Weights, count: int) -> list[Region]:
         for members in [np.flatnonzero(painted[handle.uid])]
     ]
     free = ~np.any([painted[handle.uid] > 0.0 for handle in handles], axis=0)
+    if deformer.loose_parts == "FOLLOW":
+        free &= np.isin(part, part[~free])
     if supports and free.any():
         border = min(handle.continuity for handle in supports)
         found.append(Region(np.flatnonzero(free), np.ones(free.sum()), border))

@@ -19,6 +19,7 @@ from rig import (
     move_world,
     new_armature,
     push,
+    update,
 )
 
 # --- from a selection
@@ -108,8 +109,10 @@ def test_select_shows_free_parts(plate: Rig, room):
     bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
     bpy.ops.object.mode_set(mode="OBJECT")
     plate.bind()
+    plate.deformer.loose_parts = "STAY"
+    update()
     lines = [line.text for line in room("core.status").notes(plate.deformer.uid)]
-    assert "1 free part stays at rest" in lines
+    assert "1 loose part stays at rest" in lines
     make_active(plate.obj)
     bpy.ops.sinew.select_problems()
     edit = bmesh.from_edit_mesh(plate.obj.data)

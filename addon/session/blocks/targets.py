@@ -5,6 +5,8 @@ A mesh has vertices, which every method moves. Curves, text, hair and point clou
 faces that Blender makes of them. No regions can be marked there, so only cages move them.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from bpy.types import ID, Curve, Object, Spline
 
@@ -45,6 +47,11 @@ def point_type(deformer: SinewDeformer) -> PointType:
     return MESH if rest is None else point_type_with_id(rest.get(Keys.REST_POINT_TYPE))
 
 
+def has_bones(obj: Object) -> bool:
+    """Whether the object is an armature."""
+    return obj.type == "ARMATURE"
+
+
 def is_exported(obj: Object) -> bool:
     """Whether Blender writes the shape shown of this object into Alembic files.
 
@@ -78,13 +85,13 @@ def sample(obj: Object, count: int) -> np.ndarray:
     """
     if obj.type == "CURVE":
         splines = obj.data.splines
-        points = [point for spline in splines for point in (*spline.bezier_points, *spline.points)]
+        points: Sequence = [point for spline in splines for point in (*spline.bezier_points, *spline.points)]
     elif obj.type == "MESH":
         keys = obj.data.shape_keys
         points = obj.data.vertices if keys is None else keys.reference_key.data
     else:
         position = getattr(obj.data, "attributes", {}).get("position")
-        points = () if position is None else position.data
+        points = [] if position is None else position.data
     name = "vector" if obj.type not in ("CURVE", "MESH") else "co"
     chosen = range(0, len(points), max(len(points) // count, 1))
     places = [getattr(points[index], name)[:3] for index in chosen]

@@ -11,7 +11,7 @@ from ...ids import Datablocks
 from ..blocks import keeper, references, shapes, targets
 from ..blocks.owners import copies, forget_owners, has_copies, owners
 from ..control import kinds
-from ..live import binding
+from ..live import binding, mirroring
 from ..memory import sessions
 from . import deformers
 
@@ -34,16 +34,6 @@ def separate(obj: Object) -> None:
     obj.update_tag()
 
 
-def separate_overrides() -> bool:
-    """Give library overrides shapes of their own, so that a script need not wait; whether there were any."""
-    found = [obj for obj in copies() if obj.override_library is not None]
-    for obj in found:
-        separate(obj)
-    if found:
-        forget_owners()
-    return bool(found)
-
-
 def collect() -> None:
     """Take in the results of threads. The next evaluation solves with them, or shows them."""
     ready = binding.collect()
@@ -54,13 +44,19 @@ def collect() -> None:
             obj.update_tag(refresh={"OBJECT"})
 
 
-def tidy() -> None:
-    """Give copied objects their own shapes, and renew drivers that are missing or name the wrong control."""
+def separate_copies() -> bool:
+    """Give copied objects keys and shapes of their own; whether there were any."""
     found = copies()
     for obj in found:
         separate(obj)
     if found:
         forget_owners()
+    return bool(found)
+
+
+def tidy() -> None:
+    """Give copied objects their own shapes, and renew drivers that are missing or name the wrong control."""
+    separate_copies()
     for obj in _converted():
         for index in _former(obj):
             deformers.forget_deformer(obj, index)
@@ -89,6 +85,7 @@ def _former(obj: Object) -> list[int]:
 
 
 def has_pending() -> bool:
-    """Whether there is work for ``tidy``, ``refresh`` or ``settle``."""
+    """Whether there is work for ``tidy``, ``refresh``, ``settle`` or ``key_partners``."""
     waits = sessions.unsettled() or sessions.rewired() or sessions.has_edited() or _converted()
-    return bool(waits) or has_copies() or not all(keeper.is_kept(obj) for obj in owners())
+    waits_for_keys = mirroring.waits_for_keys()
+    return bool(waits) or waits_for_keys or has_copies() or not all(keeper.is_kept(obj) for obj in owners())

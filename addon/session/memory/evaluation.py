@@ -11,7 +11,6 @@ from bpy.types import Depsgraph, NodesModifier, Object
 from mathutils import Matrix
 
 from ...core import status
-from ...core.status import Level, Status
 from ...properties import SinewDeformer
 from .sessions import Session, Shown
 
@@ -104,8 +103,7 @@ class Evaluation:
 
     def note(self, text: str) -> None:
         """Replace the line in the panel that tells how the incoming shape is followed; empty for no line."""
-        others = tuple(line for line in status.notes(self.deformer.uid) if line.level is not Level.INFO)
-        status.put_notes(self.deformer.uid, (*others, Status(Level.INFO, text)) if text else others)
+        status.put_incoming(self.deformer.uid, text)
 
 
 def is_shown(modifier: NodesModifier, mode: str) -> bool:

@@ -10,7 +10,9 @@ import bmesh
 import bpy
 import numpy as np
 from bpy.types import Object
+from mathutils.kdtree import KDTree
 
+from ...backend import connected_parts
 from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, MeshError, TopologyChangedError
 from ...core.geometry import frames, reach
@@ -25,12 +27,26 @@ CHANGED = "The mesh was edited meanwhile - grab again"
 
 _RINGS = 3  # energies up to the variation of curvature depend on vertices three edges away
 _HEADROOM = 1.5  # when the radius grows, the surface is measured up to this multiple of it
+_NEAR = 0.02  # of the diagonal of what is grabbed: a loose part that is nearer lies on it, or in it
+_SMALL = 0.5  # of the same: larger parts are things of their own
+_SAMPLES = 16  # vertices of a loose part for which the vertices beneath are looked up
 _FEW = 0.2  # up to this share of the vertices, it is quicker to update normals one by one than all of them
 
 
 @dataclass(frozen=True)
+class LoosePart:
+    """A part without a selected vertex that lies on a part with one, or in it.
+
+    ``vertices`` are its own; ``beneath`` are the nearest vertices of the other, the nearest of all first.
+    """
+
+    vertices: np.ndarray
+    beneath: np.ndarray
+
+
+@dataclass(frozen=True)
 class Region:
-    """What follows the selection within a radius.
+    """What follows the selection within a radius, loose parts on it included.
 
     ``members`` (k,) are vertices of the mesh; ``free``, ``handle`` and ``fixed`` are indices into them.
     ``rest`` (k, 3) is oriented and scaled as the world. ``moving`` (t,) are the selected vertices and then
@@ -69,6 +85,7 @@ class Patch:
         self._read(obj)
         self._triangles = reach.TriangleMesh(len(self._rest), self._counts, self._corners)
         self._lengths: np.ndarray | None = None
+        self._loose = self._loose_parts()
         self._measured = 0.0
         self._written: Region | None = None  # the region whose vertices are not at rest
 
@@ -122,7 +139,12 @@ class Patch:
         else:
             free = self._measure(sources, radius) <= radius
         free &= ~sources
-        inside = reach.with_rings(self._counts, self._corners, free, _RINGS)
+        moving, near = free | sources, free.copy()
+        for part in self._loose:
+            if moving[part.beneath[0]]:
+                free[part.vertices] = near[part.beneath] = True
+        near |= free
+        inside = reach.with_rings(self._counts, self._corners, near, _RINGS)
         members, faces = reach.submesh(self._counts, self._corners, inside)
         return Region(
             radius,
@@ -135,6 +157,30 @@ class Patch:
             rest=self.points[members],
             faces=faces,
         )
+
+    def _loose_parts(self) -> list[LoosePart]:
+        """The parts that ride on what is grabbed. A hidden or fixed vertex keeps its part in place."""
+        labels = connected_parts(len(self._rest), (self._counts, self._corners))
+        in_face = np.bincount(self._corners, minlength=len(labels)) > 0
+        host = in_face & np.isin(labels, labels[self.selected])
+        loose = np.flatnonzero(in_face & ~np.isin(labels, labels[np.flatnonzero(host | self._stays)]))
+        if not len(loose) or not host.any():
+            return []
+        diagonal = np.linalg.norm(np.ptp(self.points[host], axis=0))
+        places = KDTree(int(host.sum()))
+        for vertex in np.flatnonzero(host).tolist():
+            places.insert(self.points[vertex], vertex)
+        places.balance()
+        found = []
+        loose = loose[np.argsort(labels[loose], kind="stable")]
+        for part in np.split(loose, np.flatnonzero(np.diff(labels[loose])) + 1):
+            if np.linalg.norm(np.ptp(self.points[part], axis=0)) > _SMALL * diagonal:
+                continue
+            some = part[:: max(len(part) // _SAMPLES, 1)]
+            nearest = sorted((places.find(point)[1:] for point in self.points[some]), key=lambda hit: hit[1])
+            if nearest[0][1] <= _NEAR * diagonal:
+                found.append(LoosePart(part, np.array([vertex for vertex, _distance in nearest])))
+        return found
 
     def _shaded(self, moving: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
         faces = reach.touching_faces(self._counts, self._corners, moving)

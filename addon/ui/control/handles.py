@@ -39,6 +39,8 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
             control = layout.column()
             control.alert = handle.control_missing
             control.prop(handle, "control")
+            if handle.control_missing:
+                layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS").index = deformer.active_handle
             if handle.control is not None and handle.control.type == "ARMATURE":
                 control.prop_search(handle, "bone", handle.control.data, "bones")
             layout.prop(handle, "from_rest")
@@ -60,6 +62,7 @@ class SINEW_MT_handle(Menu):
         layout = invoking(self.layout)
         layout.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
         layout.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
+        layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS")
         draw_move_entries(layout, Operators.HANDLE_MOVE)
         layout.separator()
         layout.operator(Operators.HANDLE_REMOVE, icon="REMOVE")
@@ -95,7 +98,22 @@ def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeforme
     side.menu(Menus.HANDLE, text="", icon="DOWNARROW_HLT")
     if several:
         draw_move_buttons(side, Operators.HANDLE_MOVE)
+    if several:
+        _draw_mirror(context, layout, deformer)
     _draw_add_buttons(context, layout, obj)
+
+
+def _draw_mirror(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
+    """Draw the switch for mirrored posing. Bones have their own, that of their armature."""
+    layout.prop(deformer, "use_mirror_x", icon="MOD_MIRROR")
+    if not deformer.use_mirror_x:
+        return
+    armatures = {handle.control for handle in deformer.handles if handle.bone and handle.control is not None}
+    for armature in sorted(armatures, key=lambda armature: armature.name):
+        if armature.pose is not None:
+            layout.prop(armature.pose, "use_mirror_x", text=f"Bones of {armature.name}", icon="MOD_MIRROR")
+    if not armatures and not session.control_pairs(deformer):
+        draw_text(context, layout, "No control has one on the other side yet - Mirror makes it", "INFO")
 
 
 def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:

@@ -9,6 +9,8 @@ from ._mesh import SurfaceMesh
 from ._operators import Discretization
 from ._types import Floats, Progress, Singles, Weights
 
+FreeParts = Literal["stay", "follow"]
+
 class SurfaceMethod:
     def set_handles(
         self,
@@ -16,6 +18,9 @@ class SurfaceMethod:
         weights: Weights | None = None,
         continuity: ArrayLike | None = None,
         progress: Progress | None = None,
+        *,
+        free_parts: FreeParts = "stay",
+        free_part_stiffness: ArrayLike | None = None,
     ) -> BindReport: ...
     def rebind(
         self,
@@ -24,6 +29,9 @@ class SurfaceMethod:
         weights: Weights | None = None,
         continuity: ArrayLike | None = None,
         progress: Progress | None = None,
+        *,
+        free_parts: FreeParts = "stay",
+        free_part_stiffness: ArrayLike | None = None,
     ) -> BindReport: ...
     def can_reuse(self, former: object) -> bool: ...
     def solve(

@@ -284,7 +284,7 @@ BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness
     exchange.options.bending = bending;
     exchange.options.variation = variation;
     exchange.swap();
-    const BindReport report = hold(regions().handles(), progress);
+    const BindReport report = hold(regions().handles(), progress, free_parts());
     exchange.done = true;
     return report;
 }

@@ -5,7 +5,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace sinew {
 
@@ -92,6 +94,46 @@ TEST(CageTriangles, tree_finds_what_is_met_and_what_is_closest)
     EXPECT_FALSE(tree.meets({Vector3(.5, .5, .5), Vector3(.5, .5, .9), Vector3(.6, .5, .5)}));
     EXPECT_FALSE(tree.meets({Vector3(0, 0, 0), Vector3(0, 0, 0), Vector3(1, 0, 0)})); // flat
     EXPECT_LT((tree.closest({.3, .4, 7}) - Vector3(.3, .4, 1)).norm(), 1e-14);
+}
+
+TEST(TriangleTree, names_the_triangle_of_the_closest_point)
+{
+    const SurfaceMesh mesh = shapes::sphere(2);
+    std::vector<Triangle> triangles{{0, 0, 1}, {2, 2, 2}}; // flat: left out, but counted
+    triangles.insert(triangles.end(), mesh.triangles().begin(), mesh.triangles().end());
+    const std::vector<Vector3> points = points_of(mesh);
+    const TriangleTree tree(points, triangles);
+    for (int t = 2; t < static_cast<int>(triangles.size()); ++t) {
+        const Corners corners = corners_of(points, triangles[t]);
+        const Vector3 middle = (corners[0] + corners[1] + corners[2]) / 3;
+        const TriangleTree::Place found = tree.closest_place(1.5 * middle);
+        EXPECT_EQ(found.triangle, t);
+        EXPECT_EQ(found.point, tree.closest(1.5 * middle));
+        EXPECT_LT((found.point - middle).norm(), .05);
+    }
+    EXPECT_FALSE(tree.empty());
+    EXPECT_TRUE(TriangleTree(points, {Triangle{0, 0, 1}}).empty());
+    EXPECT_TRUE(TriangleTree(points, {}).empty());
+}
+
+TEST(TriangleTree, counts_the_crossings_of_a_ray)
+{
+    const SurfaceMesh mesh = shapes::sphere(2);
+    const std::vector<Vector3> points = points_of(mesh);
+    std::vector<Triangle> triangles = mesh.triangles();
+    const Vector3 direction(.5357, .6301, .5622);
+    shapes::Random random(5);
+    for (int sign : {1, -1}) {
+        const TriangleTree tree(points, triangles);
+        for (int k = 0; k < 200; ++k) {
+            const Vector3 at = 1.5 * random.vector();
+            const double wound = winding_number(points, triangles, at);
+            EXPECT_EQ(tree.crossings(at, direction), std::lround(wound)) << at.transpose();
+            EXPECT_EQ(std::lround(wound), at.norm() < .9 ? sign : at.norm() > 1 ? 0 : std::lround(wound));
+        }
+        for (Triangle& t : triangles)
+            std::swap(t[1], t[2]);
+    }
 }
 
 } // namespace sinew

@@ -36,3 +36,37 @@ def counterpart(deformer: SinewDeformer, source: SinewHandle) -> SinewHandle | N
             if wanted and getattr(handle, name) == wanted:
                 return handle
     return None
+
+
+def control_pairs(deformer: SinewDeformer) -> list[tuple[SinewHandle, SinewHandle]]:
+    """The left and the right handle of each pair whose controls are two objects with a rest frame each.
+
+    The names of the handles tell the side, or else those of their groups, or else those of the controls.
+    """
+    movable = [
+        handle
+        for handle in deformer.handles
+        if handle.kind == "HANDLE" and handle.control is not None and not handle.bone and handle.has_rest
+    ]
+    found: list[tuple[SinewHandle, SinewHandle]] = []
+    paired: set[str] = set()
+    for name_of in (_name, _group, _control):
+        by_name = {name_of(handle): handle for handle in movable if handle.uid not in paired}
+        for name, left in by_name.items():
+            right = by_name.get(flip(name)) if side_of(name) is Side.LEFT else None
+            if right is not None and right.control != left.control:
+                found.append((left, right))
+                paired |= {left.uid, right.uid}
+    return found
+
+
+def _name(handle: SinewHandle) -> str:
+    return handle.name
+
+
+def _group(handle: SinewHandle) -> str:
+    return handle.vertex_group
+
+
+def _control(handle: SinewHandle) -> str:
+    return handle.control.name

@@ -22,6 +22,7 @@ from ....properties import SinewDeformer, SinewHandle
 from ...blocks import capture, shapes, vertex_groups
 from ...control import kinds
 from ...control.handles.sides import counterpart, side_of_handle, sided_name
+from ...live import mirroring
 from ...memory import sessions
 from . import mirror_controls
 from .mirror_weights import MirrorPlane, images
@@ -108,6 +109,7 @@ def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: Mirro
         _even_out_painted(obj, deformer, plane, source_side)
     kinds.keep_evaluated(obj)
     obj.update_tag()
+    mirroring.note_seen()  # what was placed here was moved by no artist
     return result
 
 

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/mesh/edge_distances.h"
+#include "native/mesh/triangle_tree.h"
+#include "native/riders/part.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace sinew {
+
+/// A part at rest on which others ride. Triangles of less than 1e-10 of the largest area are left out of its
+/// surface.
+class HostSurface
+{
+public:
+    /// \param part  has some area, and must live as long as the host.
+    explicit HostSurface(const Part& part);
+
+    const Part& part() const { return *part_; }
+    const std::vector<Triangle>& triangles() const { return triangles_; }
+    const std::vector<double>& areas() const { return areas_; }
+    const std::vector<Vector3>& centres() const { return centres_; }
+    /// sqrt(2 mean area of the triangles): about how long an edge is.
+    double spacing() const { return spacing_; }
+    /// The triangles that have this vertex.
+    std::span<const int> around(int vertex) const
+    {
+        return {around_.data() + offsets_[vertex], around_.data() + offsets_[vertex + 1]};
+    }
+
+    /// Of triangles(). Call prepare_tree() first.
+    const TriangleTree& tree() const { return *tree_; }
+    void prepare_tree()
+    {
+        if (!tree_)
+            tree_ = std::make_unique<TriangleTree>(part_->points, triangles_);
+    }
+    /// Call prepare_edges() first.
+    const EdgeDistances& edges() const { return *edges_; }
+    void prepare_edges()
+    {
+        if (!edges_)
+            edges_ = std::make_unique<EdgeDistances>(part_->points, part_->triangles);
+    }
+
+private:
+    const Part* part_;
+    std::vector<Triangle> triangles_;
+    std::vector<double> areas_;
+    std::vector<Vector3> centres_;
+    double spacing_ = 0.0;
+    std::vector<int> offsets_, around_;
+    std::unique_ptr<TriangleTree> tree_;
+    std::unique_ptr<EdgeDistances> edges_;
+};
+
+} // namespace sinew

@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirrored posing in a real window: drags, numbers, Esc, Alt+G, undo by mouse and keys. Needs a display."""
+
+import numpy as np
+import pytest
+from blender_window import drive
+
+TIMEOUT = 300.0
+FLIP = np.array((-1.0, 1.0, 1.0))
+FLOAT32 = 4e-6  # of a head 4 units wide
+
+
+@pytest.fixture(scope="module")
+def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
+    """What the session in ``drive_mirror.py`` observed."""
+    return drive("drive_mirror.py", tmp_path_factory.mktemp("mirror"), TIMEOUT)
+
+
+def is_mirrored(left: list[float], right: list[float]) -> bool:
+    return bool(np.abs(np.array(left) * FLIP - right).max() < FLOAT32)
+
+
+def test_mirror_names_the_ears(seen: dict):
+    assert seen["names"] == ["Ear.L", "Back", "Ear.R"]
+
+
+def test_the_other_ear_follows_each_step_of_a_drag(seen: dict):
+    heights = [left[1] for left, _right, _uneven in seen["steps"]]
+    assert len(set(heights)) == len(heights)
+    for left, right, uneven in (*seen["steps"], seen["dragged"]):
+        assert np.abs(left).max() > 0.01
+        assert is_mirrored(left, right)
+        assert uneven < FLOAT32
+
+
+def test_one_step_of_undo_takes_both_back_and_redo_brings_both(seen: dict):
+    left, right, uneven = seen["undone"]
+    assert np.abs([left, right]).max() < 1e-12
+    assert uneven < FLOAT32
+    assert np.allclose(seen["redone"][:2], seen["dragged"][:2], atol=1e-6)
+
+
+def test_clearing_one_clears_both_at_every_step_of_undo(seen: dict):
+    assert np.abs(seen["cleared"]).max() < 1e-12
+    assert np.abs(seen["cleared again"]).max() < 1e-12
+    assert np.allclose(seen["before it was cleared"], seen["redone"][:2], atol=1e-6)
+
+
+def test_escape_gives_both_back(seen: dict):
+    before, along = seen["taken along"]
+    assert not is_mirrored(*before)
+    assert is_mirrored(*along)
+    before, after = seen["cancelled"]
+    assert before == after
+
+
+def test_typed_numbers_are_followed(seen: dict):
+    left, right, uneven = seen["typed"]
+    assert is_mirrored(left, right)
+    assert uneven < FLOAT32
