@@ -14,6 +14,7 @@ class Operators:
     CAGE_FLIP = "sinew.cage_flip"
     HANDLE_ADD = "sinew.handle_add"
     HANDLE_REMOVE = "sinew.handle_remove"
+    CONTROL_NEW = "sinew.control_new"
     BIND = "sinew.bind"
     UNBIND = "sinew.unbind"
     CANCEL = "sinew.cancel"
@@ -32,6 +33,8 @@ class Operators:
     UNBAKE = "sinew.unbake"
     CURVE_EDIT = "sinew.curve_edit"
     HELP = "sinew.help"
+    PRESET_ADD = "sinew.preset_add"
+    PRESET_APPLY = "sinew.preset_apply"
 
 
 class Menus:
@@ -40,6 +43,7 @@ class Menus:
     EDIT_MESH = "SINEW_MT_edit_mesh"
     OBJECT = "SINEW_MT_object"
     PIE = "SINEW_MT_pie"
+    ADD = "SINEW_MT_add"
     ADD_REGION = "SINEW_MT_add_region"
     HANDLE = "SINEW_MT_handle"
     CAGE = "SINEW_MT_cage"
@@ -50,6 +54,12 @@ class Menus:
         "FIXED": "SINEW_MT_fixed_of_group",
         "SUPPORT": "SINEW_MT_support_of_group",
     }
+
+
+class Panels:
+    """``bl_idname`` of the panels that are called by name."""
+
+    PRESETS = "SINEW_PT_presets"
 
 
 class Datablocks:

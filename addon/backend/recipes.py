@@ -4,7 +4,7 @@
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -69,6 +69,7 @@ class Handles:
     weights: Sequence[object]
     options: dict[str, Sequence[object]] = field(default_factory=dict)
     free_parts: str = "stay"
+    triangle_count: ClassVar[int] = 0  # of a cage
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without handles."""
@@ -100,6 +101,7 @@ class ControlPoints:
     """The points (c, 3) float64 of a control at rest, in the frame of the target, for a space method."""
 
     points: np.ndarray
+    triangle_count: ClassVar[int] = 0  # of a cage
 
     def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
         """The native method, still without bound points."""
@@ -166,6 +168,12 @@ class CageReport:
 class Cage(Shape):
     """The rest cage around a target, in the frame of the target."""
 
+    @property
+    def triangle_count(self) -> int:
+        """How many triangles the faces of the cage are cut into."""
+        counts, corners = self.faces
+        return len(corners) - 2 * len(counts)
+
     def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
         """The native method, still without bound points."""
         cage = native.SurfaceMesh(self.points, self.faces)
@@ -214,6 +222,13 @@ def _naming_cage(native, cage: Any) -> Iterator[None]:
         raise CageError(str(error), elements, remedy) from error
 
 
+def _seconds(method: Method, points: int, faces: int, options: dict[str, object]) -> float:
+    bases = [value for value in options.values() if isinstance(value, Base)]
+    return method.bind_seconds(points, faces, options) + sum(
+        _seconds(base.method, points, faces, base.options) for base in bases
+    )
+
+
 @dataclass(frozen=True)
 class Recipe:
     """Everything that a bind depends on. ``options`` are those of the native constructor.
@@ -225,6 +240,11 @@ class Recipe:
     target: Shape
     options: dict[str, object]
     control: Handles | ControlPoints | Cage
+
+    @property
+    def seconds(self) -> float:
+        """About how long the bind takes, by the registry's rows; with that of a base method."""
+        return _seconds(self.method, len(self.target.points), self.control.triangle_count, self.options)
 
     def native_class(self, native) -> type:
         """The class of the method in the native module."""

@@ -46,7 +46,7 @@ class ShapeReader:
         found = session.find_modifier(self.owner(), self.deformer())
         if found is None:
             raise SinewError(
-                f"The modifier of {self.deformer().name} was removed - press Bind, then bake again"
+                f"The modifier of {self.deformer().name} was removed - press Rebind, then bake again"
             )
         return found
 
@@ -91,7 +91,7 @@ class ShapeReader:
         found = read_incoming(mesh, *session.attribute_names(self.uid), len(mesh.vertices))
         if found.points is None:
             raise SinewError(
-                f"The shape before {self.deformer().name} is not known - press Bind, then bake again"
+                f"The shape before {self.deformer().name} is not known - press Rebind, then bake again"
             )
         return found.points
 

@@ -10,6 +10,7 @@ from .interface import (
     has_group_input,
     hide_in_modifier,
     modifier_input,
+    modifier_inputs,
     rename_attribute_inputs,
     set_modifier_input,
 )
@@ -32,6 +33,7 @@ __all__ = (
     "is_bone_selected",
     "is_placeholder",
     "modifier_input",
+    "modifier_inputs",
     "move_modifier",
     "read_edges",
     "read_faces",

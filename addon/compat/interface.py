@@ -47,10 +47,18 @@ def has_group_input(group: NodeTree, name: str) -> bool:
 def modifier_input(modifier: NodesModifier, name: str) -> object:
     """The value of an input of a modifier's node group; None if the group has no such input."""
     identifier = _identifier(modifier.node_group, name) if modifier.node_group else None
-    if identifier is None:
-        return None
+    return None if identifier is None else _value(modifier, identifier)
+
+
+def modifier_inputs(modifier: NodesModifier) -> list[object]:
+    """The values of all inputs of a modifier's node group; None for those without a value."""
+    group = modifier.node_group
+    return [_value(modifier, item.identifier) for item in _inputs(group)] if group else []
+
+
+def _value(modifier: NodesModifier, identifier: str) -> object:
     if hasattr(modifier, "properties"):
-        return getattr(modifier.properties.inputs, identifier).value
+        return getattr(getattr(modifier.properties.inputs, identifier, None), "value", None)
     return modifier.get(identifier)
 
 

@@ -25,9 +25,9 @@ class SinewError(Exception):
         if remedy is not None:
             self.remedy = remedy
 
-    def with_elements(self, elements: Elements, remedy: status.Remedy) -> "SinewError":
-        """The same error with other elements and another remedy."""
-        return type(self)(str(self), elements, remedy)
+    def with_elements(self, elements: Elements, remedy: status.Remedy, text: str = "") -> "SinewError":
+        """The same error with other elements, another remedy and, if it is given, another text."""
+        return type(self)(text or str(self), elements, remedy)
 
 
 class BackendMissingError(SinewError):

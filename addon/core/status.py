@@ -32,6 +32,7 @@ class Remedy(Enum):
     CAGE_REST = "CAGE_REST"
     FLIP_CAGE = "FLIP_CAGE"
     CONVERT = "CONVERT"
+    NEW_CONTROL = "NEW_CONTROL"
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Work that has to wait until the artist pauses, done by timers on the main thread.
 
-Timers do not run without a window; tests call ``catch_up`` instead.
+Timers do not run without a window; tests call ``catch_up`` instead, and copies made by scripts do not wait.
 """
 
 import time
 
 import bpy
+from bpy.types import Depsgraph
 
 from .. import session
 
@@ -56,6 +57,17 @@ def _write_for_renders() -> float | None:
         return None
     session.carry_out_writes()
     return 0.0 if bpy.app.is_job_running("RENDER") else _IDLE_POLL
+
+
+def separate_copies(depsgraph: Depsgraph) -> None:
+    """Give the copies that a script has made shapes of their own now, as there is no window and so no timer.
+
+    Blender then evaluates them, which calls the handlers once more.
+    """
+    if depsgraph.mode != "VIEWPORT" or session.is_suspended():
+        return
+    if session.separate_copies() and not session.has_copies():
+        depsgraph.update()
 
 
 def catch_up() -> bool:

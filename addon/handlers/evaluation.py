@@ -11,6 +11,7 @@ from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from .. import session
+from ..operators import entering
 from . import deferred
 
 
@@ -40,16 +41,18 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Something was edited.
 
     With a window, a drag shows previews, and the final shape follows after a pause. Without one there is no
-    pause: a library override gets shapes of its own at once.
+    pause: copies and library overrides get shapes of their own at once.
     """
+    if bpy.app.background and session.has_copies():
+        deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     session.update(depsgraph, preview=interactive, edit=True)
     if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
         listen(bool(session.mirrored_targets))
+    if entering.waiting and depsgraph.mode == "VIEWPORT":
+        entering.follow(depsgraph.view_layer)
     if interactive:
         deferred.schedule()
-    elif depsgraph.mode == "VIEWPORT" and session.known_copies() and session.separate_overrides():
-        depsgraph.view_layer.update()
 
 
 @persistent
@@ -58,6 +61,8 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
 
     It always computes the final shape.
     """
+    if bpy.app.background and session.has_copies():
+        deferred.separate_copies(depsgraph)
     session.update(depsgraph)
     if depsgraph.mode == "VIEWPORT":
         if session.mirrored_targets and before_depsgraph_update not in _before_updates:

@@ -8,6 +8,7 @@ from bpy.app.handlers import persistent
 
 from .. import session
 from ..core.memory import forget_all
+from ..operators import entering
 from . import deferred, evaluation
 
 
@@ -19,6 +20,7 @@ def on_undo(*_args: object) -> None:
     session.complete_undo()
     evaluation.listen(bool(session.mirrored_targets))
     _evaluate_all()
+    entering.restore(bpy.context.view_layer)
 
 
 @persistent
@@ -26,7 +28,10 @@ def on_load(*_args: object) -> None:
     """Another file was opened: forget everything about the previous one."""
     forget_all()
     if session.owners():  # the first evaluation after a load calls no handlers
-        session.update(bpy.context.evaluated_depsgraph_get())
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        if bpy.app.background and session.has_copies():
+            deferred.separate_copies(depsgraph)
+        session.update(depsgraph)
         deferred.schedule()
     evaluation.listen(bool(session.mirrored_targets))
 

@@ -3,11 +3,13 @@
 
 from bpy.utils import register_classes_factory
 
+from . import entering
 from .apply import SINEW_OT_apply
 from .bake import SINEW_OT_bake, SINEW_OT_unbake
 from .bind import SINEW_OT_bind, SINEW_OT_unbind
 from .cage import SINEW_OT_cage_add, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
 from .cancel import SINEW_OT_cancel, SINEW_OT_watch
+from .control import SINEW_OT_control_new
 from .curve import SINEW_OT_curve_edit
 from .deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
 from .grab_region import SINEW_OT_grab_region
@@ -15,12 +17,13 @@ from .handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select
 from .help import PAGES, SINEW_OT_help
 from .mirror import SINEW_OT_handle_mirror
 from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
+from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
 from .target import explain_no_target, target_of
 
-__all__ = ("PAGES", "explain_no_target", "register", "target_of", "unregister")
+__all__ = ("PAGES", "entering", "explain_no_target", "preset_folder", "register", "target_of", "unregister")
 
 register, unregister = register_classes_factory(
     (
@@ -34,6 +37,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,
         SINEW_OT_handle_move,
+        SINEW_OT_control_new,
         SINEW_OT_select_handle,
         SINEW_OT_bind,
         SINEW_OT_unbind,
@@ -49,5 +53,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_select_distorted,
         SINEW_OT_curve_edit,
         SINEW_OT_help,
+        SINEW_OT_preset_add,
+        SINEW_OT_preset_apply,
     )
 )

@@ -26,8 +26,7 @@ class SINEW_OT_bind(BindingOperator, Operator):
         obj = target_of(context)
         deformer = obj.sinew.active
         session.bind(obj, deformer, wait)
-        if deformer.status:
-            self.report({"INFO"}, deformer.status)
+        self.report_state(deformer.uid)
         return {"FINISHED"}
 
 

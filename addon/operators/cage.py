@@ -10,7 +10,7 @@ from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer
 from .reporting import reports_errors
-from .target import has_deformer, has_target, object_mode, target_of
+from .target import has_deformer, has_target, object_mode, show_control, target_of
 from .waiting import BindingOperator
 
 _CANCELLED = "No cage was made"
@@ -81,8 +81,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         self._work = None
-        obj = target_of(context)
-        if self.source != "AUTO" or not session.may_wait(session.size(obj)):
+        if self.source != "AUTO" or not session.may_wait(session.cage_seconds(self.margin)):
             return super().invoke(context, event)
         return self._begin(context)
 
@@ -128,8 +127,8 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
             deformer, refusal = session.rig_control(
                 obj, cage, self.method, owned=self.source == "AUTO", wait=wait
             )
-            _show(context, cage)
-        self.report_bind(refusal, f"{cage.name}: {deformer.status}{more}")
+            _show(context, obj, cage)
+        self.report_bind(refusal, deformer.uid, cage.name, more)
         return {"FINISHED"}
 
     def _maker(self, obj: Object):
@@ -155,14 +154,14 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
         return others[0]
 
 
-def _show(context: Context, cage: Object) -> None:
+def _show(context: Context, obj: Object, cage: Object) -> None:
     """Select the cage, so that Tab edits it and G moves it. The panel still shows the mesh."""
     if cage.name not in context.view_layer.objects:
         return
     for other in context.selected_objects:
         other.select_set(False)
     cage.select_set(True)
-    context.view_layer.objects.active = cage
+    show_control(context, obj, cage)
 
 
 class _CageOperator(BindingOperator):
@@ -183,7 +182,7 @@ class _CageOperator(BindingOperator):
         deformer = obj.sinew.active
         self.change(obj, deformer)
         session.bind(obj, deformer, wait)
-        self.report({"INFO"}, deformer.status)
+        self.report_state(deformer.uid)
         return {"FINISHED"}
 
 

@@ -11,7 +11,7 @@ from ..ids import Operators
 from ..preferences import preferences
 from ..properties import HANDLE_ROLES, SinewHandle
 from .reporting import reports_errors
-from .target import handle_index, has_deformer, has_target, object_mode, target_of
+from .target import handle_index, has_deformer, has_target, object_mode, show_control, target_of
 from .waiting import BindingOperator
 
 _LABELS = {identifier: label for identifier, label, *_rest in HANDLE_ROLES}
@@ -108,16 +108,16 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
                 from_rest=False if self.control_object else None,
                 wait=wait,
             )
+            context.view_layer.update()  # the new empty enters the view layer, and the shape is solved
             if handle.kind == "HANDLE" and mode not in ("POSE", "PAINT_WEIGHT"):
-                context.view_layer.update()  # the new empty enters the view layer
                 self._show_control(context, obj, handle)
-        self.report_bind(refusal, f"{handle.name}: {obj.sinew.active.status}")
+        self.report_bind(refusal, obj.sinew.active.uid, handle.name)
         return {"FINISHED"}
 
     def _show_control(self, context: Context, obj: Object, handle: SinewHandle) -> None:
         """Select the control. The region is kept even if its control cannot be selected."""
         try:
-            _select(context, obj, handle)
+            select_control(context, obj, handle)
         except SinewError as error:
             self.report({"WARNING"}, str(error))
 
@@ -190,13 +190,14 @@ class SINEW_OT_select_handle(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        handle = deformer.handles[handle_index(deformer, self.index)]
+        deformer.active_handle = handle_index(deformer, self.index)
+        handle = deformer.handles[deformer.active_handle]
         if obj.vertex_groups.get(handle.vertex_group):
             obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
         if obj.mode == "EDIT":
             _select_vertices(obj, handle, self.extend)
         elif obj.mode != "WEIGHT_PAINT":
-            _select(context, obj, handle, self.extend)
+            select_control(context, obj, handle, self.extend)
             if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
                 bpy.ops.object.mode_set(mode="POSE")
         return {"FINISHED"}
@@ -240,8 +241,11 @@ def _select_vertices(obj: Object, handle: SinewHandle, extend: bool) -> None:
         session.select_group(obj, handle.vertex_group)
 
 
-def _select(context: Context, obj: Object, handle: SinewHandle, extend: bool = False) -> None:
-    """Select the control, so that G, R and S move it. The mesh stays active, so the panel still shows it."""
+def select_control(context: Context, obj: Object, handle: SinewHandle, extend: bool = False) -> None:
+    """Select the control and make it active, so that G, R, S and typed numbers move it.
+
+    The panel still shows the mesh that it moves.
+    """
     control = handle.control
     if control is None or control.name not in context.view_layer.objects:
         raise SinewError(f"{handle.name} has no control in this view layer - choose one in the Region panel")
@@ -257,4 +261,4 @@ def _select(context: Context, obj: Object, handle: SinewHandle, extend: bool = F
             compat.select_bone(control, other.name, False)
         compat.select_bone(control, handle.bone)
         control.data.bones.active = control.data.bones[handle.bone]
-    context.view_layer.objects.active = control if control.type == "ARMATURE" else obj
+    show_control(context, obj, control)

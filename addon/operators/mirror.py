@@ -82,7 +82,9 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
         with object_mode(context, obj):
             done = session.mirror(obj, deformer, keys, options)
             context.view_layer.update()  # new empties enter the view layer
-            self.report_bind(session.try_bind(obj, deformer, wait))
+            refusal = session.try_bind(obj, deformer, wait)
+            if refusal is not None:
+                self.report({"WARNING"}, str(refusal))
         self._report_result(done)
         return {"FINISHED"}
 

@@ -41,7 +41,7 @@ class SINEW_OT_select_distorted(Operator):
         result.repainted(deformer)
         found = result.measure(obj, deformer, Measure(self.measure))
         if found is None:
-            self.report({"ERROR"}, "There is no shape to measure - press Bind")
+            self.report({"ERROR"}, "There is no shape to measure - press Rebind")
             return {"CANCELLED"}
         if len(obj.data.vertices) != len(found.values):
             self.report(

@@ -9,9 +9,12 @@ from bpy.types import Context, Object
 
 from .. import session
 from ..core.errors import SinewError
+from ..core.memory import remember
 from ..properties import SinewDeformer, deformers_of
+from . import entering
 
 _CONVERTIBLE = ("SURFACE", "META")
+_came_from: dict[str, str] = remember({})  # the object that the artist worked on, by control
 
 
 def target_of(context: Context) -> Object | None:
@@ -22,7 +25,18 @@ def target_of(context: Context) -> Object | None:
     can_be_moved = session.can_be_moved(obj)
     if can_be_moved and deformers_of(obj):
         return obj
-    return session.posed_by(obj) or (obj if can_be_moved else _posed_with(context, obj))
+    posed = session.posed_by(obj, preferred=_came_from.get(obj.name, ""))
+    return posed or (obj if can_be_moved else _posed_with(context, obj))
+
+
+def show_control(context: Context, obj: Object, control: Object) -> None:
+    """Make the control of an object active. If it moves others too, the panel stays with this object.
+
+    The Modifiers tab shows the active object only. Where that was used, the object stays active.
+    """
+    _came_from[control.name] = obj.name
+    if context.area is None or context.area.type != "PROPERTIES" or control.type == "ARMATURE":
+        context.view_layer.objects.active = control
 
 
 def _posed_with(context: Context, armature: Object) -> Object | None:
@@ -101,10 +115,14 @@ def object_mode(context: Context, obj: Object) -> Iterator[None]:
     if mode != "EDIT":
         yield
         return
+    active, noted = context.view_layer.objects.active, entering.take(obj)
     bpy.ops.object.mode_set(mode="OBJECT")
-    active = context.view_layer.objects.active
     try:
         yield
     finally:
+        shown = context.view_layer.objects.active
         context.view_layer.objects.active = active
         bpy.ops.object.mode_set(mode=mode)
+        if shown not in (None, active):
+            noted = shown.name
+        entering.note(obj, noted)

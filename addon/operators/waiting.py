@@ -4,12 +4,25 @@
 from bpy.types import Context, Event
 
 from .. import session
+from ..core import status
 from ..core.errors import SinewError
+from ..core.status import Level
 from .target import target_of
 
 
 class WaitsForBind:
     """Mixin for an operator. Its ``invoke`` ends with ``return self.wait_for(...)``."""
+
+    _reports = False  # whether the bind that a thread computes is to be reported
+    _words = ("", "")
+
+    def report_state(self, uid: str, subject: str = "", more: str = "") -> None:
+        """Report the state of a deformer between ``subject`` and ``more``, as soon as no thread binds it."""
+        self._reports, self._words = session.job(uid) is not None, (subject, more)
+        line = status.current(uid)
+        if not self._reports and line.text:
+            level = "WARNING" if line.level is Level.ERROR else "INFO"
+            self.report({level}, (f"{subject}: " if subject else "") + line.text + more)
 
     def wait_for(self, context: Context, uid: str, result: set[str]) -> set[str]:
         """Continue as a modal operator while a thread binds the deformer; else return ``result``."""
@@ -38,6 +51,7 @@ class WaitsForBind:
         if event.type == "ESC" and event.value == "PRESS":
             session.cancel(self._uid)
             self.report({"WARNING"}, session.CANCELLED)
+            self._reports = False
             return self._finish(context)
         context.workspace.status_text_set(f"Sinew is binding: {job.fraction:.0%} {job.stage}   (Esc cancels)")
         return {"PASS_THROUGH"}
@@ -45,6 +59,8 @@ class WaitsForBind:
     def _finish(self, context: Context) -> set[str]:
         session.watch(self._uid, False)
         self.end(context)
+        if self._reports:
+            self.report_state(self._uid, *self._words)
         return {"FINISHED"}
 
 
@@ -65,9 +81,9 @@ class BindingOperator(WaitsForBind):
         deformer = target_of(context).sinew.active
         return result if deformer is None else self.wait_for(context, deformer.uid, result)
 
-    def report_bind(self, refusal: SinewError | None, success: str = "") -> None:
+    def report_bind(self, refusal: SinewError | None, uid: str, subject: str, more: str = "") -> None:
         """Report the result. A refused bind is only a warning, since the change itself is kept."""
         if refusal is not None:
             self.report({"WARNING"}, str(refusal))
-        elif success:
-            self.report({"INFO"}, success)
+        else:
+            self.report_state(uid, subject, more)

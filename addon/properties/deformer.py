@@ -16,7 +16,8 @@ from bpy.props import (
 from bpy.types import Context, Mesh, Modifier, Object, PropertyGroup
 
 from ..core import status
-from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Control, Method, group_property
+from ..core.names import unique_name, without_number
 from ..ids import Keys
 from .bake import SinewBake
 from .control import SinewControl, StoredCage
@@ -31,15 +32,27 @@ LOOSE_PARTS = (
 
 
 def method_items() -> tuple[tuple, ...]:
-    """The items of the method menu, with one heading per family."""
-    items, family = [], None
-    for method in METHODS:
-        if method.family is not family:
-            family = method.family
-            items.append(("", family.value, ""))
-        description = f"{method.summary}. {method.paper}, section {method.section}"
-        items.append((method.id, method.label, description, "NONE", method.number))
+    """The items of the method menu, with one heading per kind of control."""
+    items: list[tuple] = []
+    for control in Control:
+        rows = [method for method in METHODS if method.control is control]
+        items += [("", control.value, "")] * bool(rows)
+        for method in rows:
+            description = f"{method.summary}. {method.paper}, section {method.section}"
+            items.append((method.id, method.label, description, "NONE", method.number))
     return tuple(items)
+
+
+# Earlier builds gave these names to new deformers, so nobody chose them.
+_GIVEN = {"Sinew", "Cage", *(method.label for method in METHODS)}
+
+
+def _method_changed(deformer: "SinewDeformer", context: Context) -> None:
+    """Name the deformer after its method, as long as nobody has given it a name."""
+    if without_number(deformer.name) in _GIVEN:
+        others = [other.name for other in deformer.id_data.sinew.deformers if other.uid != deformer.uid]
+        deformer.name = unique_name(deformer.definition.label, others)
+    evaluate_again(deformer, context)
 
 
 def _cage_changed(deformer: "SinewDeformer", context: Context) -> None:
@@ -85,10 +98,12 @@ class SinewDeformer(PropertyGroup):
         update=None,
         name="Name",
         default="Sinew",
-        description="Name of the deformer in the list; double-click it there to rename it",
+        description="Name of the deformer in the list; double-click it there to rename it. Until then it is "
+        "that of the method",
     )
     method: setting(
         EnumProperty,
+        update=_method_changed,
         name="Method",
         items=method_items(),
         default=DEFAULT_METHOD,
@@ -250,6 +265,28 @@ class SinewDeformer(PropertyGroup):
         """Whether renders have another number of vertices. If not, ``rest_render`` is empty or None."""
         return isinstance(self.rest_render, Mesh) and len(self.rest_render.vertices) > 0
 
+    def take_group_names(self, renamed: dict[str, str]) -> None:
+        """Use the new names of renamed vertex groups, by their old names."""
+        for handle in self.handles:
+            if handle.vertex_group in renamed:
+                handle.vertex_group = renamed[handle.vertex_group]
+        for method, values in self.methods:
+            for name in map(group_property, method.paintable):
+                if getattr(values, name) in renamed:
+                    setattr(values, name, renamed[getattr(values, name)])
+        self.mask_group = renamed.get(self.mask_group, self.mask_group)
+
+    def rename_rest_group(self, old: str, new: str) -> None:
+        """Rename a vertex group in the rest shapes, which remember the groups that they were made with."""
+        for name in ("rest", "rest_render"):
+            mesh = getattr(self, name)
+            if not isinstance(mesh, Mesh) or Keys.REST_GROUPS not in mesh or mesh.library is not None:
+                continue
+            if mesh.users > 1:  # a copy of the object, whose groups keep their names, uses it too
+                mesh = mesh.copy()
+                setattr(self, name, mesh)
+            mesh[Keys.REST_GROUPS] = [new if group == old else group for group in mesh[Keys.REST_GROUPS]]
+
     def shape(self, mode: str) -> Object | None:
         """The hidden object that holds the shape for VIEWPORT or RENDER; None if Sinew did not make it."""
         shape = self.proxy_render if mode == "RENDER" else self.proxy
@@ -284,6 +321,16 @@ class SinewObject(PropertyGroup):
 
     deformers: setting_list(type=SinewDeformer)
     active_deformer: record(IntProperty)
+
+    def rename_group(self, old: str, new: str) -> None:
+        """Rename a vertex group of the object, with all settings that name it."""
+        group = self.id_data.vertex_groups.get(old)
+        if group is None:
+            return
+        group.name = new
+        for deformer in self.deformers:
+            deformer.take_group_names({old: group.name})
+            deformer.rename_rest_group(old, group.name)
 
     @property
     def active(self) -> SinewDeformer | None:

@@ -13,6 +13,7 @@ from bpy.props import (
 from bpy.types import Context, Object, PropertyGroup
 
 from ..core.methods import HANDLE_PARAMETERS
+from ..core.names import without_number
 from .parameters import declare
 from .setting import evaluate_again, record, setting
 
@@ -29,6 +30,21 @@ ROLES = (
 )
 
 
+def _renamed(handle: "SinewHandle", _context: Context) -> None:
+    """Rename the vertex group and the empty that were made for the region and still carry its old name."""
+    before, handle.named = handle.named or handle.vertex_group, handle.name
+    obj, new = handle.id_data, handle.name
+    if before in (new, "") or not new:
+        return
+    if handle.owns_group and handle.vertex_group == before and obj.data.library is None:
+        obj.sinew.rename_group(before, new)
+    control = handle.control
+    if control is None or not handle.owns_control or control.library is not None:
+        return
+    if f"{obj.name} {before}" in (control.name, without_number(control.name)):
+        control.name = f"{obj.name} {new}"
+
+
 def _control_changed(handle: "SinewHandle", context: Context) -> None:
     handle.has_rest = False
     evaluate_again(handle, context)
@@ -40,11 +56,13 @@ class SinewHandle(PropertyGroup):
     uid: record(StringProperty)
     name: setting(
         StringProperty,
-        update=None,
+        update=_renamed,
         name="Name",
         default="Handle",
-        description="Name of the region in the list; ends in .L or .R if the region has a mirror image",
+        description="Name of the region in the list; ends in .L or .R if the region has a mirror image. "
+        "A vertex group and an empty that were made for the region and carry its name are renamed, too",
     )
+    named: record(StringProperty, description="The name that the region had before it is renamed")
     kind: setting(
         EnumProperty,
         name="Role",

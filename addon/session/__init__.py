@@ -2,18 +2,18 @@
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
 from .blocks.baked import find_cache
-from .blocks.owners import copies, forget_owners, known_copies, owners
+from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
-from .blocks.shapes import attribute_names, find_modifier
-from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh, size
+from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
+from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
 from .edit.bind import bind, unbind
-from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, flip_cage, set_rest_cage
+from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, cage_seconds, flip_cage, set_rest_cage
 from .edit.deformers import add_deformer, remove_deformer
 from .edit.handles.bones import is_moved_by_control
-from .edit.handles.handles import add_handle, remove_handle
+from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
 from .edit.order import move_deformer, move_handle
@@ -23,14 +23,15 @@ from .edit.repair import summary as repair_summary
 from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
 from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
-from .edit.upkeep import collect, has_pending, separate_overrides, tidy
+from .edit.upkeep import collect, has_pending, separate_copies, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
+from .live.dependencies import circle
 from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .live.mirroring import complete_undo, key_partners, mirrored_targets, move_partners
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import find, forget_shapes, is_refining, note_edit, suspended, unsettled
+from .memory.sessions import find, forget_shapes, is_refining, is_suspended, note_edit, suspended, unsettled
 from .tools.grab import NOTHING_FREE, Grab
 
 __all__ = (
@@ -50,9 +51,11 @@ __all__ = (
     "bind",
     "busy",
     "cage_maker",
+    "cage_seconds",
     "can_be_moved",
     "cancel",
     "carry_out_writes",
+    "circle",
     "collect",
     "complete_undo",
     "control_pairs",
@@ -68,14 +71,15 @@ __all__ = (
     "forget_shapes",
     "group_from_selection",
     "handles_of_side",
+    "has_copies",
     "has_pending",
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
     "is_refining",
+    "is_suspended",
     "job",
     "key_partners",
-    "known_copies",
     "label",
     "lost_controls",
     "marks_regions",
@@ -86,6 +90,7 @@ __all__ = (
     "move_handle",
     "move_partners",
     "must_hand_over",
+    "new_control",
     "note_edit",
     "notes",
     "object_with",
@@ -103,12 +108,12 @@ __all__ = (
     "rig_region",
     "select_elements",
     "select_group",
-    "separate_overrides",
+    "separate_copies",
     "set_rest_cage",
     "settle",
-    "size",
     "store",
     "store_shown",
+    "stray_modifiers",
     "summary",
     "suspended",
     "tidy",

@@ -70,6 +70,7 @@ class SINEW_UL_handles(UIList):
             picker.alert = True
             picker.ui_units_x = 2.4 if columns(context) < _CONTROL_FROM else 0.0
             picker.prop(handle, "control", text="")
+            row.operator(Operators.CONTROL_NEW, text="", icon="ADD", emboss=False).index = index
         else:
             if columns(context) > _CONTROL_FROM:
                 row.label(text=handle.control_label)

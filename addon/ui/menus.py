@@ -63,6 +63,23 @@ class SINEW_MT_add_region(Menu):
             layout.menu(name, icon=_ADDING[role][1])
 
 
+class SINEW_MT_add(Menu):
+    """Add a region, a cage or another deformer"""
+
+    bl_idname = Menus.ADD
+    bl_label = "Add"
+
+    def draw(self, _context: Context) -> None:
+        layout = invoking(self.layout)
+        for role, name in Menus.FOR_GROUPS.items():
+            layout.menu(name, icon=_ADDING[role][1])
+        layout.separator()
+        for source, text in (("AUTO", "Add Cage"), ("OBJECT", "Use Selected as Cage")):
+            layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
+        layout.separator()
+        layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="MODIFIER")
+
+
 class SINEW_MT_deformer(Menu):
     """What can be done with the active deformer"""
 
@@ -177,6 +194,7 @@ _CLASSES = (
     *_GROUP_MENUS,
     SINEW_MT_manual,
     SINEW_MT_add_region,
+    SINEW_MT_add,
     *control.MENUS,
     SINEW_MT_deformer,
     SINEW_MT_edit_mesh,

@@ -18,10 +18,15 @@ from .control import draw_start, drawing_of
 from .layouts import draw_move_buttons, split
 from .parameters import draw_parameter
 from .places import ActiveDeformerPanel, SidebarPanel, active_deformer
+from .presets import SINEW_PT_presets
 from .status_box import NATIVE_MISSING, draw_error, draw_message, draw_remedy, draw_status
 from .text import draw_text
 
 LINKED = "This object is linked from another file - make a library override to pose it here"
+COPIED = (
+    "The modifier {} was copied from another object and shows the shape of that one - remove it, then add "
+    "handles or a cage here"
+)
 
 
 class SINEW_PT_sinew(SidebarPanel, Panel):
@@ -43,6 +48,8 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
         if obj.library is not None:
             draw_message(context, layout, Status(Level.INFO, LINKED, remedy=Remedy.OVERRIDE))
             return
+        for name in session.stray_modifiers(obj):
+            draw_message(context, layout, Status(Level.WARNING, COPIED.format(name)))
         deformer = obj.sinew.active
         if deformer is None:
             _draw_first_step(context, layout, obj)
@@ -118,13 +125,15 @@ def _draw_deformers(layout: UILayout, obj: Object) -> None:
 
 
 def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    row = layout.row(align=True)
     if session.is_mesh(obj):
-        layout.prop(deformer, "method", text="")
+        row.prop(deformer, "method", text="")
     else:
-        choices = layout.column(align=True)
+        choices = row.column(align=True)
         for method in METHODS:
             if Moved.POINTS in method.moves:
                 choices.prop_enum(deformer, "method", method.id)
+    SINEW_PT_presets.draw_panel_header(row.row())
     drawing = drawing_of(deformer.definition)
     if drawing.ABOVE_PARAMETERS:
         drawing.draw(context, layout, obj, deformer)

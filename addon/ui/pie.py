@@ -44,10 +44,10 @@ def _draw_other_modes(pie: UILayout) -> None:
     pie.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
     pie.operator(Operators.BIND, icon="FILE_REFRESH")
     pie.operator(Operators.BAKE, icon="RENDER_ANIMATION")
-    pie.operator(Operators.UNBIND, icon="X")
+    pie.menu(Menus.ADD, icon="ADD")
     pie.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
     pie.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
-    pie.operator(Operators.HELP, icon="QUESTION")
+    pie.operator(Operators.APPLY, icon="CHECKMARK")
 
 
 register, unregister = register_classes_factory((SINEW_MT_pie,))

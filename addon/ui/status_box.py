@@ -43,6 +43,7 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.FLIP_CAGE: Button(Operators.CAGE_FLIP, "Flip", "NORMALS_FACE"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
+    Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
     Remedy.CONVERT: Button("object.convert", "Convert to Mesh", "OUTLINER_OB_MESH", (("target", "MESH"),)),
     Remedy.OVERRIDE: Button("object.make_override_library", "Make Library Override", "LIBRARY_DATA_OVERRIDE"),
     Remedy.PREFERENCES: Button(
@@ -93,7 +94,7 @@ def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
     line = headline(deformer)
     problem = int(bool(line.elements))
     lines = [(line, problem - 1)] if line.level is not Level.ERROR else []
-    for line in (*status.notes(deformer.uid), *_lost_controls(deformer)):
+    for line in (*status.notes(deformer.uid), *_warnings(deformer)):
         lines.append((line, problem if line.elements else -1))
         problem += bool(line.elements)
     unlocked = deformer.is_bound and not context.scene.render.use_lock_interface
@@ -129,8 +130,11 @@ def headline(deformer: SinewDeformer) -> Status:
     return main
 
 
-def _lost_controls(deformer: SinewDeformer) -> tuple[Status, ...]:
-    return tuple(Status(Level.WARNING, text) for text in session.lost_controls(deformer))
+def _warnings(deformer: SinewDeformer) -> tuple[Status, ...]:
+    """What is seen without an evaluation: lost controls, and rigs that follow each other."""
+    lines = (*session.lost_controls(deformer), *session.circle(deformer.id_data))
+    remedies = [Remedy.NEW_CONTROL if "New Control" in text else Remedy.NONE for text in lines]
+    return tuple(Status(Level.WARNING, text, remedy=remedy) for text, remedy in zip(lines, remedies))
 
 
 def _draw_progress(layout: UILayout, work: object) -> None:

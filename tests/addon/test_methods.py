@@ -84,6 +84,23 @@ def test_the_menu_keeps_families_together_in_the_order_of_the_tutorial():
     assert families == sorted(families, key=list(Family).index)
 
 
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_a_bind_costs_more_where_there_is_more_to_bind(method: methods.Method):
+    """With every choice that a bind depends on."""
+    plain = {row.id: row.default for row in method.parameters if row.rebinds}
+    choices = [
+        (row.id, item[0]) for row in method.parameters if isinstance(row, Choice) for item in row.items
+    ]
+    for name, value in [*choices, ("", None)]:
+        options = {**plain, **({name: value} if name in plain else {})}
+        small, large = (method.bind_seconds(points, 50, options) for points in (1000, 50_000))
+        assert 0.0 < small < large
+        if method.control is Control.CAGE:
+            assert (
+                large < method.bind_seconds(50_000, 500, options) < method.bind_seconds(50_000, 5000, plain)
+            )
+
+
 def test_painted_parameters_rebind():
     """A painted parameter goes into the factor."""
     assert all(parameter.rebinds for method in METHODS for parameter in method.paintable)

@@ -272,14 +272,14 @@ def regions_of(deformer, weights: Weights, part: np.ndarray) -> list[Region]:
     """The regions in use, read off a table of who paints which vertex; ``part`` (n,) labels the parts.
 
     A vertex obeys one hard handle at most. Where there is a support, what nobody paints is fixed, but for the
-    parts that nobody paints anywhere, if these follow.
+    parts that nobody paints anywhere, if these follow. A region whose vertex group is empty or gone is none.
     """
     count = len(part)
-    handles = [handle for handle in deformer.handles if handle.enabled]
-    painted = {handle.uid: weights(handle.vertex_group) for handle in handles}
-    for handle in handles:
-        if painted[handle.uid] is None or not painted[handle.uid].any():
-            raise Refusal(f"vertex group {handle.vertex_group} is empty, or gone")
+    enabled = [handle for handle in deformer.handles if handle.enabled]
+    painted = {handle.uid: weights(handle.vertex_group) for handle in enabled}
+    handles = [h for h in enabled if painted[h.uid] is not None and painted[h.uid].any()]
+    if not handles:
+        raise Refusal("nothing holds the mesh")
     supports = [handle for handle in handles if handle.kind == "SUPPORT"]
     movers = [handle for handle in handles if handle.kind != "SUPPORT"]
     strengths = np.array([painted[handle.uid] * handle.weight for handle in movers]).reshape(-1, count)

@@ -57,28 +57,29 @@ def test_empty_group(plate: Rig):
     assert_lifted(plate)
 
 
-def test_group_emptied_after_bind(plate: Rig):
+def test_group_emptied_after_bind(plate: Rig, room):
     plate.bind().lift(0.5)
     plate.obj.vertex_groups["Top"].remove([int(index) for index in plate.top])
     make_active(plate.obj)
-    with pytest.raises(RuntimeError, match="'Top' has no vertices"):
-        bpy.ops.sinew.bind()
+    bpy.ops.sinew.bind()
     assert_at_rest(plate)
-    assert "Top" in plate.deformer.status
+    (note,) = room("core.status").notes(plate.deformer.uid)
+    assert "'Top' has no vertices" in note.text
     plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 1.0, "REPLACE")
     bpy.ops.sinew.bind()
     assert_lifted(plate)
 
 
-def test_group_deleted_after_bind(plate: Rig):
+def test_group_deleted_after_bind(plate: Rig, room):
     plate.bind().lift(0.5)
     before = plate.points()
     plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Top"])
     assert np.array_equal(plate.points(), before)  # what is bound stays bound
     make_active(plate.obj)
-    with pytest.raises(RuntimeError, match="vertex group 'Top' is not on the mesh"):
-        bpy.ops.sinew.bind()
+    bpy.ops.sinew.bind()
     assert_at_rest(plate)
+    (note,) = room("core.status").notes(plate.deformer.uid)
+    assert "vertex group 'Top' is not on the mesh" in note.text
 
 
 def test_vertex_in_two_hard_handles(plate: Rig):

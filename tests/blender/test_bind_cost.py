@@ -3,11 +3,15 @@
 
 from collections import Counter
 from collections.abc import Callable
+from functools import partial
 
 import bpy
 import pytest
-from inside import BINDING, ask_for_factor, calls_of, catch_up, room, use_threads
+from cages import ball, fine_box, surround
+from inside import BINDING, ask_for_factor, calls_of, catch_up, finish, room, use_threads
+from registry import BY_ID, METHODS, Control, options_of
 from rig import Rig, make_active, update
+from rigs import rig_for
 
 CAPTURE = "_rest_mesh"  # evaluates a copy of the object and makes a mesh of it
 
@@ -52,7 +56,7 @@ def by_an_operator(plate: Rig) -> None:
 
 
 def by_an_evaluation(plate: Rig) -> None:
-    plate.deformer.handles[0].vertex_group = "Nowhere"
+    plate.deformer.handles[0].vertex_group = "Base"
     update()
 
 
@@ -85,3 +89,58 @@ def test_a_refusal_is_shown_by_one_call(
 def refuse(*_arguments: object, **_options: object) -> None:
     """Stands in for a native call."""
     raise room("core.errors").SinewError("Refused")
+
+
+def estimate(method: str, points: int, triangles: int) -> float:
+    """Seconds that the row of a method names, with its defaults."""
+    return BY_ID[method].bind_seconds(points, triangles, options_of(BY_ID[method], {})[0])
+
+
+def light(method: str) -> bpy.types.Object:
+    """What the other tests pose, with the choices that cost least."""
+    rig, row = rig_for(method), BY_ID[method]
+    rig.bind(method)
+    options = options_of(row, {})[0]
+    for parameter in row.parameters:
+        if parameter.rebinds and hasattr(parameter, "items"):
+            choices = [{**options, parameter.id: item[0]} for item in parameter.items]
+            options = min(choices, key=partial(row.bind_seconds, 99, 12))
+            setattr(rig.deformer.parameters, parameter.id, options[parameter.id])
+    update()
+    return rig.obj
+
+
+def heavy(method: str) -> bpy.types.Object:
+    """A large mesh for handles; a small one in a cage with so many faces that they alone take long."""
+    wanted = 1.2 * room(BINDING).HEAVY
+    if BY_ID[method].control is Control.CAGE:
+        target = ball(levels=4)
+        count = len(target.data.vertices)
+        cuts = next(cuts for cuts in range(99) if estimate(method, count, 12 * (cuts + 1) ** 2) > wanted)
+        surround(target, fine_box(cuts), method)
+        return target
+    cells = next(cells for cells in range(20, 999, 5) if estimate(method, (cells + 1) ** 2, 0) > wanted)
+    return Rig.plate(cells).bind(method).obj
+
+
+@pytest.mark.parametrize(
+    "method", [row.id for row in METHODS if row.control in (Control.HANDLES, Control.CAGE)]
+)
+@pytest.mark.parametrize(("rig", "in_thread"), [(light, False), (heavy, True)])
+def test_the_cost_of_a_bind_decides_whether_a_thread_computes_it(
+    method: str, rig: Callable[[str], bpy.types.Object], in_thread: bool, monkeypatch: pytest.MonkeyPatch
+):
+    """As in a window; the estimates of the rows are no further from the truth than a busy machine."""
+    obj, binding, session = rig(method), room(BINDING), room("session")
+    deformer = obj.sinew.active
+    taken = session.find(deformer.uid).bound.milliseconds / 1000.0
+    monkeypatch.setattr(binding, "may_wait", lambda seconds: seconds >= binding.HEAVY)
+    session.find(deformer.uid).bound = None
+    session.bind(obj, deformer, wait=False)
+    assert (session.job(deformer.uid) is not None) is in_thread
+    assert finish()
+    assert deformer.status_level == "INFO", deformer.status
+    if in_thread:
+        assert 0.1 * binding.HEAVY < taken < 10.0 * binding.HEAVY
+    else:
+        assert taken < 3.0 * binding.HEAVY

@@ -20,6 +20,7 @@ from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
 from inside import catch_up
 from rig import Rig, add_group, make_active, new_object, reopen, update
+from rigs import HandleRig
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 NAN, INF = math.nan, math.inf
@@ -108,6 +109,15 @@ def rest_matrix(value: float):
     def wound(plate: Rig) -> None:
         matrix = [value if index == 5 else float(index % 5 == 0) for index in range(16)]
         plate.deformer.handles[0].rest_matrix = matrix
+
+    return wound
+
+
+def applied(value: float):
+    """What Apply is said to have done to the rest shape."""
+
+    def wound(plate: Rig) -> None:
+        plate.deformer.has_applied, plate.deformer.applied = True, [value] * 16
 
     return wound
 
@@ -239,6 +249,9 @@ WOUNDS = {
     "rest_matrix_inf": rest_matrix(INF),
     "rest_matrix_huge": rest_matrix(1e38),
     "rest_matrix_singular": rest_matrix(0.0),
+    "applied_nan": applied(NAN),
+    "applied_huge": applied(1e38),
+    "applied_singular": applied(0.0),
     "factor_nan": lambda plate: setattr(plate.deformer, "factor", NAN),
     "factor_nan_below": raw_value(NAN, "deformers", 0, "factor"),
     "factor_inf_below": raw_value(INF, "deformers", 0, "factor"),
@@ -336,19 +349,22 @@ def test_a_hostile_value_gives_a_status_and_nothing_worse(posed: Rig, room, tmp_
         assert [tuple(vertex.co) for vertex in bpy.data.meshes[mesh].vertices] == before
 
 
-def test_a_hundred_thousand_handles_stay_responsive(posed: Rig):
+def test_a_hundred_thousand_handles_stay_responsive(posed_plate: HandleRig, room):
+    posed = posed_plate
     handles = posed.deformer.handles
     for _ in range(100_000):
         handles.add()
     posed.obj.update_tag()
     start = time.process_time()
     update()
-    assert posed.deformer.status_level == "ERROR"
+    assert posed.deformer.status_level == "INFO"  # they have no vertices, and the others go on
     for step in range(3):
         posed.control.location.z = 0.1 * step
         update()
     assert time.process_time() - start < 6.0  # seconds of one core; two on an idle one
-    assert np.array_equal(posed.points(), posed.rest())
+    assert posed.shows(posed.at(0.2))
+    notes = room("core.status").notes(posed.deformer.uid)
+    assert [line.text for line in notes][3:] == ["99,997 more regions are not used"]
 
 
 def test_hundreds_of_objects_that_claim_one_key_are_told_apart_in_time(posed: Rig):

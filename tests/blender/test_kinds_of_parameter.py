@@ -14,7 +14,7 @@ import pytest
 from second_blender import another_blender
 
 MODULE = """
-from .schema import Control, Curve, Family, Method, Moved, Pointer
+from .schema import Control, Curve, Family, Method, Moved, Pointer, factorising
 
 ROWS = (
     Method(
@@ -29,6 +29,7 @@ ROWS = (
         summary="Adds its parameters to the shape",
         iterative=False,
         moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.01),
         parameters=(
             Curve(
                 "profile",
@@ -60,6 +61,7 @@ ROWS = (
         summary="Moves on what another method moved",
         iterative=False,
         moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.01),
         wraps=(Family.SURFACE_LINEAR, Family.SURFACE_NONLINEAR),
     ),
     Method(
@@ -74,6 +76,7 @@ ROWS = (
         summary="Each point moves with the nearest point of a handle",
         iterative=False,
         moves=frozenset(Moved),
+        bind_seconds=factorising(0.01),
     ),
 )
 """

@@ -29,7 +29,7 @@ def test_the_pie_menu_adds_what_stays(seen: dict):
 def test_back_in_object_mode_the_control_alone_is_selected(seen: dict):
     assert seen["mode"] == "OBJECT"
     assert seen["selected"] == ["spot Handle"]
-    assert "2,930 vertices, 2 " in seen["status"]
+    assert "2,930 vertices, 1 handle, 1 fixed, " in seen["status"]
     assert "bound in" in seen["status"]
 
 
@@ -123,6 +123,6 @@ def test_one_undo_takes_a_grab_back_and_esc_restores_every_bit(seen: dict):
 
 def test_a_heavy_mesh_binds_in_a_thread_and_esc_cancels(seen: dict):
     assert seen["heavy_in_thread"]
-    assert "160,801 vertices, 2 " in seen["heavy_status"]
+    assert "160,801 vertices, 1 handle, 1 fixed, " in seen["heavy_status"]
     assert "cancelled" in seen["cancelled"]
     assert "bound in" in seen["bound_again"]

@@ -78,13 +78,19 @@ def _was_made_here(folder: Path) -> bool:
     return str(folder) in (folder / "pyvenv.cfg").read_text(encoding="utf-8")
 
 
-@functools.cache
 def python313() -> Path | None:
-    """A Python 3.13 with headers, from PATH or from pyenv, or None."""
-    pyenv = sorted(Path.home().glob(".pyenv/versions/3.13*/bin/python3.13"), reverse=True)
-    on_path = shutil.which("python3.13")
+    """The Python of Blender 5.1 and later, or None."""
+    return python(13)
+
+
+@functools.cache
+def python(minor: int) -> Path | None:
+    """A Python 3.``minor`` with headers, from PATH or from pyenv, or None."""
+    name = f"python3.{minor}"
+    pyenv = sorted(Path.home().glob(f".pyenv/versions/3.{minor}*/bin/{name}"), reverse=True)
+    on_path = shutil.which(name)
     check = (
-        "import os, sys, sysconfig, venv; assert sys.version_info[:2] == (3, 13); "
+        f"import os, sys, sysconfig, venv; assert sys.version_info[:2] == (3, {minor}); "
         "assert os.path.exists(os.path.join(sysconfig.get_path('include'), 'Python.h')); "
         "print(os.path.realpath(sys.executable))"
     )
@@ -100,8 +106,13 @@ def build() -> Environment:
 
 
 def build313() -> Environment | None:
-    interpreter = python313()
-    return Environment("build-3.13", interpreter, ("build",)) if interpreter else None
+    return build_for(13)
+
+
+def build_for(minor: int) -> Environment | None:
+    """What builds a wheel for Python 3.``minor``; None if it is not installed."""
+    interpreter = python(minor)
+    return Environment(f"build-3.{minor}", interpreter, ("build",)) if interpreter else None
 
 
 def dev() -> Environment:

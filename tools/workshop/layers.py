@@ -36,6 +36,7 @@ RANDOM_SEQUENCES = 50  # in each of four releases: 200 per run
 CORE_TESTS = (
     "test_bake.py",
     "test_cage_kinds.py",
+    "test_chains.py",
     "test_event_files.py",
     "test_event_render.py",
     "test_event_stack.py",

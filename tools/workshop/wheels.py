@@ -2,8 +2,8 @@
 """Builds self-contained wheels of sinew_native.
 
 One for Python 3.11 (Blender 3.4.1 of Debian 12 and 4.2 to 5.0) and, where a Python 3.13 exists, one for 3.13
-(Blender 5.1 and later). Each carries its own CHOLMOD, OpenBLAS, TBB and OpenSubdiv, and is only kept if it
-works.
+(Blender 5.1 and later); if wanted, also for 3.12 and 3.14. Each carries its own CHOLMOD, OpenBLAS, TBB and
+OpenSubdiv, and is only kept if it works.
 """
 
 import argparse
@@ -30,13 +30,15 @@ INPUTS = (
     *(f"tools/workshop/{name}.py" for name in ("archives", "isolation", "notices", "wheels")),
 )
 CHECK = Path(__file__).parent / "inside" / "check_module.py"
+WITHOUT_BLENDER = (12, 14)  # the second numbers of Pythons that no Blender of blender.org comes with
 EPOCH = "315532800"  # 1 January 1980, the first date that a zip can store
 
 
-def build_wheels() -> list[Path]:
-    """The repaired wheels. They are built again only if their inputs changed."""
+def build_wheels(for_programs: bool = False) -> list[Path]:
+    """The repaired wheels, also those for programs without Blender; built again only if inputs changed."""
     debian.install(debian.BUILD)
     builders = [environments.build(), environments.build313()]
+    builders += [environments.build_for(minor) for minor in WITHOUT_BLENDER if for_programs]
     return [build_wheel(builder.make()) for builder in builders if builder]
 
 
@@ -110,7 +112,8 @@ def _made(folder: Path) -> Path:
 
 
 def _tag(builder: Environment) -> str:
-    return "cp311" if builder.interpreter == PYTHON311 else "cp313"
+    """As in the name of the wheel: "cp312" for the environment "build-3.12"."""
+    return "cp" + (builder.name.removeprefix("build").strip("-") or "3.11").replace(".", "")
 
 
 def _wheel(tag: str) -> Path:
@@ -121,8 +124,9 @@ def _wheel(tag: str) -> Path:
 
 
 def main() -> None:
-    argparse.ArgumentParser(prog="tools/build_wheels", description=__doc__).parse_args()
-    for wheel in build_wheels():
+    parser = argparse.ArgumentParser(prog="tools/build_wheels", description=__doc__)
+    parser.add_argument("--all", action="store_true", help="also for Python 3.12 and 3.14, where these exist")
+    for wheel in build_wheels(parser.parse_args().all):
         say(str(wheel.relative_to(ROOT)))
 
 

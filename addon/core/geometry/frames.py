@@ -60,17 +60,24 @@ def axes_from_normal(normal: np.ndarray) -> np.ndarray:
     return np.column_stack((side, np.cross(normal, side), normal))
 
 
+def not_a_number(name: str) -> str:
+    """Why an object cannot be used whose matrix has NaN or infinite entries."""
+    return f"{name} has a location, rotation or scale that is not a number - undo, or type another one"
+
+
 def inverse(matrix: np.ndarray, name: str) -> np.ndarray:
-    """The inverse of a 4x4 matrix, read-only. The error for a singular matrix names the object ``name``."""
+    """The inverse of a 4x4 matrix, read-only. The error for a matrix without one names ``name``."""
     return _inverse(np.asarray(matrix, dtype=np.float64).tobytes(), name)
 
 
 @lru_cache(maxsize=256)  # most matrices are the same in the next frame: rest frames, and objects that stay
 def _inverse(data: bytes, name: str) -> np.ndarray:
     matrix = np.frombuffer(data).reshape(4, 4)
+    if not np.isfinite(matrix).all():
+        raise ConstraintError(not_a_number(name))
     linear = matrix[:3, :3]
     scale = np.prod(np.linalg.norm(linear, axis=0))
-    if not np.isfinite(matrix).all() or abs(np.linalg.det(linear)) <= 1e-9 * max(scale, 1e-30):
+    if abs(np.linalg.det(linear)) <= 1e-9 * max(scale, 1e-30):
         raise ConstraintError(f"{name} is scaled to zero - give it a scale other than 0")
     found = np.linalg.inv(matrix)
     found.setflags(write=False)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The fields of a row of the method registry, and the types of parameters."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum
 from functools import cached_property
@@ -8,7 +9,7 @@ from typing import Any, ClassVar
 
 
 class Family(Enum):
-    """The families of methods, which are the sections of the method menu, in its order."""
+    """The families of methods, which are the sections of the documents, in their order."""
 
     SURFACE_LINEAR = "Linear Surface"
     SURFACE_NONLINEAR = "Nonlinear Surface"
@@ -18,11 +19,11 @@ class Family(Enum):
 
 
 class Control(Enum):
-    """The kinds of control: what an artist moves to steer a method."""
+    """The kinds of control: what an artist moves to steer a method. The method menu has a heading each."""
 
     HANDLES = "Handles"
-    CAGE = "Cage"
-    LATTICE = "Lattice"
+    CAGE = "Cages"
+    LATTICE = "Lattices"
     POINTS = "Points"
     CURVES = "Curves"
 
@@ -115,15 +116,29 @@ class Pointer(Parameter):
     default: None = None
 
 
+BindSeconds = Callable[[int, int, Mapping[str, Any]], float]
+
+
+def factorising(seconds: float) -> BindSeconds:
+    """The cost of a sparse factor: ``seconds`` for 10,000 points, and a little more than in proportion."""
+    return lambda points, _faces, _options: seconds * (points / 1e4) ** 1.3
+
+
+def per_pair(seconds: float) -> BindSeconds:
+    """The cost of a closed form for each point and each triangle of the cage: ``seconds`` for one of each."""
+    return lambda points, faces, _options: seconds * points * faces
+
+
 @dataclass(frozen=True)
 class Method:
     """One row of the registry. Files store ``number``, so never reuse or change it.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
-    ``wraps``: the families of the methods that this method can be put around. Its native constructor gets
-    such a method as ``base``. It is empty for a method that works alone. ``handle_parameters``: every handle
-    has its own value of these. The native ``set_handles`` takes one keyword per parameter, with one value per
-    handle.
+    ``bind_seconds``: about how long a bind takes on two cores, from the number of points, the triangles of
+    the cage (0 without one) and the options; its constants are measured. ``wraps``: the families of the
+    methods that this method can be put around. Its native constructor gets such a method as ``base``. It is
+    empty for a method that works alone. ``handle_parameters``: every handle has its own value of these. The
+    native ``set_handles`` takes one keyword per parameter, with one value per handle.
     """
 
     id: str
@@ -137,6 +152,7 @@ class Method:
     summary: str
     iterative: bool
     moves: frozenset[Moved]
+    bind_seconds: BindSeconds
     wraps: tuple[Family, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()

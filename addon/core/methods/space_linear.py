@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Linear space methods: each point is a weighted sum of the vertices of its control."""
 
-from .schema import Bool, Choice, Control, Family, Float, Int, Method, Moved
+from collections.abc import Mapping
+from typing import Any
+
+from .schema import Bool, Choice, Control, Family, Float, Int, Method, Moved, per_pair
 
 PRECISIONS = (
     (
@@ -61,6 +64,30 @@ QUALITIES = (
 )
 
 
+def _positive_seconds(points: int, faces: int, options: Mapping[str, Any]) -> float:
+    """Faces that hide each other are clipped, or rays are sent."""
+    if options["exact"]:
+        return 1.5e-8 * points * faces**1.5
+    return (1.4e-7 + 1.6e-10 * options["directions"]) * points * faces
+
+
+# Seconds by quality: for the boundary of a cage, for a lattice, and for each of its faces on the lattice.
+_HARMONIC = {
+    "fast": (0.03, 2.0, 0.0012),
+    "medium": (0.35, 6.0, 0.0064),
+    "fine": (1.5, 25.0, 0.025),
+    "finest": (60.0, 80.0, 0.08),
+}
+_LATTICE_FROM = 600  # triangles
+
+
+def _harmonic_seconds(points: int, faces: int, options: Mapping[str, Any]) -> float:
+    """The boundary of the cage is solved once; a large cage is solved on a lattice instead."""
+    boundary, lattice, face = _HARMONIC[options["quality"]]
+    solved = boundary + 2e-9 * faces**3 if faces <= _LATTICE_FROM else lattice + face * faces
+    return solved + 6e-8 * points * faces
+
+
 ROWS = (
     Method(
         id="mean_value",
@@ -74,6 +101,7 @@ ROWS = (
         summary="Works inside and outside the cage; limbs that lie side by side pull at each other",
         iterative=False,
         moves=frozenset(Moved),
+        bind_seconds=per_pair(1e-8),
         parameters=CAGE_PARAMETERS,
     ),
     Method(
@@ -88,6 +116,7 @@ ROWS = (
         summary="Each point follows only the visible part of the cage, so limbs do not pull at each other",
         iterative=False,
         moves=frozenset(Moved),
+        bind_seconds=_positive_seconds,
         parameters=(
             Bool(
                 "exact",
@@ -124,6 +153,7 @@ ROWS = (
         summary="Influence spreads inside the cage, along limbs and never across gaps; smooth inside",
         iterative=False,
         moves=frozenset(Moved),
+        bind_seconds=_harmonic_seconds,
         parameters=(
             Choice(
                 "quality",
@@ -149,6 +179,7 @@ ROWS = (
         summary="Keeps details in shape: parts rotate instead of shearing, and bulge a little out of it",
         iterative=False,
         moves=frozenset(Moved),
+        bind_seconds=per_pair(1.4e-8),
         parameters=(
             Choice(
                 "outside",

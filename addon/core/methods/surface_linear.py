@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Linear surface methods: one sparse system per frame."""
 
-from .schema import Choice, Control, Family, Float, Method, Moved
+from .schema import Choice, Control, Family, Float, Method, Moved, factorising
 
 LAPLACIANS = (
     (
@@ -45,6 +45,7 @@ ROWS = (
         summary="Smooth and fair; best for translations and gentle bends",
         iterative=False,
         moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.035),
         handle_parameters=(CONTINUITY,),
         parameters=(
             Float(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nonlinear surface methods: they minimise an energy, step by step, from a start."""
 
-from .schema import Choice, Control, Family, Float, Int, Method, Moved
+from .schema import Choice, Control, Family, Float, Int, Method, Moved, factorising
 
 CELLS = (
     ("spokes", "Spokes", "Each vertex keeps the edges that meet it rigid"),
@@ -26,6 +26,7 @@ ROWS = (
         summary="Keeps details through large turns; best for limbs",
         iterative=True,
         moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.12),
         parameters=(
             Float(
                 "smoothness",

@@ -52,12 +52,8 @@ def owners() -> list[Object]:
 
 def has_copies() -> bool:
     """Whether some object shares the shape meshes of another, or overrides linked ones: see ``upkeep``."""
-    owners()
-    return _found.has_copies
-
-
-def known_copies() -> bool:
-    """The same, as it was when the owners were last asked for."""
+    if _found.objects != len(bpy.data.objects):
+        _take()
     return _found.has_copies
 
 

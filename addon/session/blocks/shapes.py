@@ -44,6 +44,17 @@ def find_modifier(obj: Object, deformer: SinewDeformer) -> NodesModifier | None:
     return None
 
 
+def stray_modifiers(obj: Object) -> list[str]:
+    """The modifiers that show the shape of another object's deformer: Copy Modifiers copies no settings."""
+    own = {shape for deformer in deformers_of(obj) for shape in (deformer.proxy, deformer.proxy_render)}
+    own |= {None}
+    return [
+        modifier.name
+        for modifier in obj.modifiers
+        if node_group.is_ours(modifier) and compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT) not in own
+    ]
+
+
 def _restore_names(obj: Object, deformer: SinewDeformer) -> bool:
     """Give a copied modifier the names of attributes that the removed original had; whether it had others."""
     modifier = find_modifier(obj, deformer)

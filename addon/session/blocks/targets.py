@@ -47,6 +47,11 @@ def point_type(deformer: SinewDeformer) -> PointType:
     return MESH if rest is None else point_type_with_id(rest.get(Keys.REST_POINT_TYPE))
 
 
+def has_bones(obj: Object) -> bool:
+    """Whether the object is an armature."""
+    return obj.type == "ARMATURE"
+
+
 def is_exported(obj: Object) -> bool:
     """Whether Blender writes the shape shown of this object into Alembic files.
 

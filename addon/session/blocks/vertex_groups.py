@@ -48,12 +48,7 @@ def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
     for mesh in {rest, deformer.rest_in("RENDER")}:
         if mesh is not None:
             mesh[Keys.REST_GROUPS] = [group.name for group in obj.vertex_groups]
-    for handle in deformer.handles:
-        handle.vertex_group = renamed.get(handle.vertex_group, handle.vertex_group)
-    for method, values in deformer.methods:
-        for name in map(group_property, method.paintable):
-            setattr(values, name, renamed.get(getattr(values, name), getattr(values, name)))
-    deformer.mask_group = renamed.get(deformer.mask_group, deformer.mask_group)
+    deformer.take_group_names(renamed)
     return True
 
 

@@ -36,8 +36,9 @@ _NAMES: dict[tuple[str, bool], _Names] = {
 class BindInput:
     """Everything that a thread needs to build a factor.
 
-    ``control`` names what moves the mesh, as the panel says it. ``handles`` and ``indices`` are the keys and
-    the vertices of the bound handles, in their order; a cage has none.
+    ``control`` names what moves the mesh, as the panel says it. ``handles``, ``names`` and ``indices`` are
+    the keys, names and vertices of the bound handles, in their order; a cage has none. ``unused`` has a line
+    for the panel per region that holds no vertex.
     """
 
     key: tuple
@@ -46,7 +47,9 @@ class BindInput:
     on_base: bool  # whether the vertices that enter are those of the base mesh
     control: str
     handles: tuple[str, ...] = ()
+    names: tuple[str, ...] = ()
     indices: tuple[np.ndarray, ...] = ()
+    unused: tuple[str, ...] = ()
     after: "BindInput | None" = None  # if this is a preview: the exact bind that follows
 
 

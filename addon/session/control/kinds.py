@@ -33,9 +33,6 @@ class ControlKind(Protocol):
     MISSING: str  # tells the artist what to do while nothing moves the mesh
     MARKS_REGIONS: bool  # whether it moves regions of a mesh, which are vertex groups
 
-    def name(self, method: Method) -> str:
-        """The name of a new deformer with this method."""
-
     def is_set(self, settings: SinewDeformer) -> bool:
         """Whether something moves the mesh."""
 
@@ -158,12 +155,10 @@ def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
     return kind_in_use(deformer).object_with(deformer, elements)
 
 
-def posed_by(control: Object) -> Object | None:
-    """The object that is moved by this control, or by one of its bones."""
-    for obj in owners():
-        if any(link.object == control for link in _links(obj)):
-            return obj
-    return None
+def posed_by(control: Object, preferred: str = "") -> Object | None:
+    """An object that is moved by this control, or by one of its bones: the one of this name, or the first."""
+    found = [obj for obj in owners() if any(link.object == control for link in _links(obj))]
+    return next((obj for obj in found if obj.name == preferred), found[0] if found else None)
 
 
 def keep_evaluated(obj: Object) -> None:

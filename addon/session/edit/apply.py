@@ -62,7 +62,8 @@ def _refuse(obj: Object, deformer: SinewDeformer, modifier: Modifier | None, as_
     if deformer.bake.is_baked:
         raise SinewError(f"{deformer.name} is baked - Unbake it first")
     if modifier is None:
-        raise SinewError(f"{deformer.name} has no modifier any more - press Bind first")
+        button = "Rebind" if deformer.is_bound else "Bind"
+        raise SinewError(f"{deformer.name} has no modifier any more - press {button} first")
     if not modifier.show_viewport:
         raise SinewError(f"The modifier {modifier.name} is switched off - switch it on first")
 

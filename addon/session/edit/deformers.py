@@ -7,6 +7,7 @@ from bpy.types import Object
 from ...core import status
 from ...core.errors import SinewError
 from ...core.methods import BY_ID
+from ...core.names import unique_name
 from ...core.status import Level, Status
 from ...preferences import preferences
 from ...properties import SinewDeformer
@@ -15,7 +16,6 @@ from ..blocks.owners import forget_owners
 from ..control import kinds
 from ..live import binding
 from ..memory import sessions
-from .names import unique_name
 
 
 @sessions.suspended()
@@ -28,8 +28,8 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     deformer.complete()
     deformer.uid = shapes.new_key()
     taken = [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
-    deformer.name = name or unique_name(kinds.kind_of_method(BY_ID[method]).name(BY_ID[method]), taken)
     deformer.method = method
+    deformer.name = name or unique_name(BY_ID[method].label, taken)
     deformer.auto_rebind = preferences(bpy.context).auto_rebind
     obj.sinew.active_deformer = len(obj.sinew.deformers) - 1
     shapes.ensure(obj, deformer, max(targets.vertex_count(obj), 0))

@@ -34,16 +34,6 @@ def separate(obj: Object) -> None:
     obj.update_tag()
 
 
-def separate_overrides() -> bool:
-    """Give library overrides shapes of their own, so that a script need not wait; whether there were any."""
-    found = [obj for obj in copies() if obj.override_library is not None]
-    for obj in found:
-        separate(obj)
-    if found:
-        forget_owners()
-    return bool(found)
-
-
 def collect() -> None:
     """Take in the results of threads. The next evaluation solves with them, or shows them."""
     ready = binding.collect()
@@ -54,13 +44,19 @@ def collect() -> None:
             obj.update_tag(refresh={"OBJECT"})
 
 
-def tidy() -> None:
-    """Give copied objects their own shapes, and renew drivers that are missing or name the wrong control."""
+def separate_copies() -> bool:
+    """Give copied objects keys and shapes of their own; whether there were any."""
     found = copies()
     for obj in found:
         separate(obj)
     if found:
         forget_owners()
+    return bool(found)
+
+
+def tidy() -> None:
+    """Give copied objects their own shapes, and renew drivers that are missing or name the wrong control."""
+    separate_copies()
     for obj in _converted():
         for index in _former(obj):
             deformers.forget_deformer(obj, index)

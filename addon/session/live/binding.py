@@ -2,6 +2,7 @@
 """Decides when to factorise. Small meshes are bound at once, large ones in a thread of their own."""
 
 import logging
+import re
 import time
 from dataclasses import replace
 from functools import partial
@@ -27,9 +28,13 @@ from . import mesh_notes
 
 logger = logging.getLogger(__name__)
 
-HEAVY = 20_000  # vertices. Smaller meshes are bound within some tens of milliseconds, so they need no thread
+HEAVY = (
+    0.2  # seconds. What takes less is felt as a hitch, so it needs no thread; what takes more, as a freeze
+)
+_SOLVE = 1e-5  # seconds for each vertex of an iterative method, with the steps that large poses need
 
-CANCELLED = "Binding was cancelled - press Bind to start again"
+CANCELLED = "Binding was cancelled - press Rebind to start again"
+_ROW = re.compile(r"\bhandle (\d+)\b")  # how the native module names a handle
 
 
 class _Jobs(dict[str, Work]):
@@ -93,7 +98,7 @@ def ensure(
             abandon(deformer.uid)
         session.drop_work()  # it solves with the old factor
         prepared = None if session.bound is None else session.bound.factor.prepare_rebind(request.recipe)
-        if not wait and may_wait(len(request.rest.points)):
+        if not wait and may_wait(request.recipe.seconds):
             _jobs[deformer.uid] = _begin(request, prepared)
             return None
         begin = time.perf_counter()
@@ -115,13 +120,15 @@ def _begin(request: BindInput, prepared: PreparedBind | None) -> Work:
 
 
 def _with_selectable(error: SinewError, request: BindInput | None) -> SinewError:
-    """The error of a bind, naming elements that can be selected."""
+    """The error of a bind, naming handles as the artist does, and elements that can be selected."""
     if request is None:
         return error
+    text = _ROW.sub(lambda row: request.names[int(row[1])], str(error)) if request.names else str(error)
     elements = kinds.kind_of_method(request.recipe.method).selectable(error.elements, request)
     if request.rest.point_type is not MESH and elements.owner is Owner.TARGET:
-        return error.with_elements(NO_ELEMENTS, Remedy.NONE)  # nothing of it can be selected, or repaired
-    return error.with_elements(elements, error.remedy)
+        # Nothing of it can be selected, or repaired.
+        return error.with_elements(NO_ELEMENTS, Remedy.NONE, text)
+    return error.with_elements(elements, error.remedy, text)
 
 
 def _keep_job_for(uid: str, key: tuple) -> None:
@@ -174,6 +181,8 @@ def summary(bound: Bound) -> str:
 
 def duration(milliseconds: float) -> str:
     """A time as people say it."""
+    if milliseconds < 0.1:
+        return "less than 0.1 ms"
     if milliseconds >= 1000.0:
         return f"{milliseconds / 1000.0:.1f} s"
     return f"{milliseconds:.0f} ms" if milliseconds >= 10.0 else f"{milliseconds:.1f} ms"
@@ -188,9 +197,14 @@ def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
     return (*warnings, *mesh_notes.notes(diagnosis, request.on_base))
 
 
-def may_wait(vertex_count: int) -> bool:
-    """Whether a bind of so many vertices may run in a thread: there is a window, and the mesh is large."""
-    return not bpy.app.background and vertex_count >= HEAVY
+def may_wait(seconds: float) -> bool:
+    """Whether work that takes about so long may run in a thread: there is a window, and it would freeze."""
+    return not bpy.app.background and seconds >= HEAVY
+
+
+def solve_seconds(vertex_count: int) -> float:
+    """About how long it takes to solve for so many vertices."""
+    return _SOLVE * vertex_count
 
 
 def job(uid: str) -> Work | None:

@@ -32,12 +32,23 @@ class Changes:
         self._depsgraph = depsgraph
         self._in_viewport = depsgraph.mode == "VIEWPORT"
         self._updates: dict[object, Change] | None = None
+        self._new_geometry: set[Object] = set()
 
     def change_of(self, obj: Object) -> Change:
         """What changed of an object: everything, if Blender does not show it and so does not list it."""
         if not self._in_viewport or not obj.visible_get(view_layer=self._depsgraph.view_layer):
             return Change.GEOMETRY
+        if obj in self._new_geometry:
+            return Change.GEOMETRY
         return max(self._listed(obj), self._listed(obj.data))
+
+    def take(self) -> None:
+        """Read Blender's list now, because another evaluation is about to begin a new one."""
+        self._listed(None)
+
+    def add_geometry(self, obj: Object) -> None:
+        """Note that what enters the modifiers of an object may differ, whatever Blender lists."""
+        self._new_geometry.add(obj)
 
     def has_edited_mesh(self, obj: Object) -> bool:
         """Whether the mesh itself, or its stack of modifiers, was edited."""

@@ -5,6 +5,8 @@ In renders, handlers run this outside the main thread. It reads evaluated data f
 given, and writes arrays of unchanged size. It never makes or removes a datablock.
 """
 
+from typing import NamedTuple
+
 import bpy
 import numpy as np
 from bpy.types import Depsgraph, Object
@@ -22,8 +24,9 @@ from ..control import kinds
 from ..memory import sessions
 from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
 from ..memory.sessions import LastUpdate
-from . import applied, binding, incoming, mirroring, renders, solving
+from . import applied, binding, incoming, mirroring, renders, schedule, solving
 from .changes import Change, Changes
+from .schedule import Step
 
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
 
@@ -35,35 +38,105 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
     If nothing changed, this takes some microseconds per control, however large the meshes are.
     """
     found = owners()
-    changes, in_viewport = Changes(depsgraph) if found else None, depsgraph.mode == "VIEWPORT"
+    if not found or schedule.is_waiting():
+        return
+    changes, moved = Changes(depsgraph), []
     for obj in found:
         if edit and changes.has_edited_mesh(obj):
             sessions.note_edit(obj.name)
         if sessions.is_suspended():
             sessions.note_missed(obj.name)
             continue
-        evaluated = obj.evaluated_get(depsgraph)
-        if not evaluated.is_evaluated:
-            continue
-        change, last = changes.change_of(obj), changes.last_update(obj)
-        placed, controls = changes.read(obj, evaluated)
-        if last is not None and change is Change.NOTHING and last.placed == placed:
-            continue
-        if sessions.take_missed(obj.name):
-            change = Change.GEOMETRY
-        layout = last.layout if last is not None and change <= Change.DRIVEN else None
-        new_geometry = change is Change.GEOMETRY
-        expected = {}
-        if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
-            expected = applied.follow(obj, evaluated, last)
-        layout = _update_object(
-            obj, evaluated, depsgraph, depsgraph.mode, controls, preview, new_geometry, layout
-        )
-        changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
-        if expected:
-            applied.compare(obj, expected)
+        look = _look_at(obj, depsgraph, changes)
+        if look is not None:
+            moved.append(look)
+    steps = schedule.steps(found) if moved and len(found) > 1 else []
+    for look in [] if steps else moved:
+        _solve(look, depsgraph, changes, preview)
+    if steps:
+        _solve_in_order(steps, depsgraph, changes, preview)
     if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
         mirroring.note_seen(edit)
+
+
+def _solve_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
+    """Update rigs after those that they read: see ``schedule``."""
+    changes.take()
+    schedule.begin(depsgraph)
+    written: set[Object] = set()  # since Blender evaluated them last
+    for step in steps:
+        for _round in range(step.rounds):
+            if written & step.read:
+                schedule.evaluate(depsgraph)
+                for obj, reads in step.rigs.items():
+                    if reads.entering & written:
+                        changes.add_geometry(obj)
+                written.clear()
+            before = len(written)
+            for look in [_look_at(obj, depsgraph, changes) for obj in step.rigs]:
+                if look is not None and _writes(look, depsgraph, changes, preview):
+                    written.add(look.obj)
+            if len(written) == before:
+                break
+
+
+def _writes(look: "_Look", depsgraph: Depsgraph, changes: Changes, preview: bool) -> bool:
+    """Update the deformers of an object; whether one of them shows another shape now."""
+    before = _shown(look.obj, depsgraph.mode)
+    _solve(look, depsgraph, changes, preview)
+    after = _shown(look.obj, depsgraph.mode)
+    return len(before) != len(after) or any(
+        one is not other for one, other in zip(before, after, strict=True)
+    )
+
+
+def _shown(obj: Object, mode: str) -> list[object]:
+    """What identifies the shapes that the deformers of an object show: each write makes another one."""
+    views = [shapes.session_of(deformer, mode).view(mode) for deformer in obj.sinew.deformers]
+    return [part for view in views for part in (view.signature, view.shape, view.factor)]
+
+
+class _Look(NamedTuple):
+    """An object whose deformers are to be updated, and the last time that they were."""
+
+    obj: Object
+    evaluated: Object
+    placed: tuple
+    controls: list[ControlState]
+    change: Change
+    last: LastUpdate | None
+
+
+def _look_at(obj: Object, depsgraph: Depsgraph, changes: Changes) -> _Look | None:
+    """Where an object and its controls are; None if that is as before, or if nothing shows it."""
+    evaluated = obj.evaluated_get(depsgraph)
+    if not evaluated.is_evaluated:
+        return None
+    change, last = changes.change_of(obj), changes.last_update(obj)
+    placed, controls = changes.read(obj, evaluated)
+    if last is not None and change is Change.NOTHING and last.placed == placed:
+        return None
+    if sessions.take_missed(obj.name):
+        changes.add_geometry(obj)
+        change = Change.GEOMETRY
+    return _Look(obj, evaluated, placed, controls, change, last)
+
+
+def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
+    """Update the deformers of an object."""
+    obj, evaluated, placed, controls, change, last = look
+    layout = last.layout if last is not None and change <= Change.DRIVEN else None
+    new_geometry = change is Change.GEOMETRY
+    expected = {}
+    in_viewport = depsgraph.mode == "VIEWPORT"
+    if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
+        expected = applied.follow(obj, evaluated, last)
+    layout = _update_object(
+        obj, evaluated, depsgraph, depsgraph.mode, controls, preview, new_geometry, layout
+    )
+    changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
+    if expected:
+        applied.compare(obj, expected)
 
 
 def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> None:

@@ -27,6 +27,7 @@ from ..blocks.owners import owners
 from ..control.handles import poses
 from ..control.handles.sides import control_pairs, mirrored
 from ..memory import sessions
+from . import schedule
 
 _ROTATIONS = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
 _MODES = (*_ROTATIONS, "XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX")
@@ -101,7 +102,7 @@ def move_partners() -> None:
 
     If both controls of a pair were moved, each stays where it is. What Sinew itself moves has no followers.
     """
-    for obj in () if sessions.is_suspended() else _targets():
+    for obj in () if sessions.is_suspended() or schedule.is_waiting() else _targets():
         for names, pair in _pairs(obj).items():
             moved = [_is_moved(handle.control) for handle in pair]
             if moved[0] != moved[1]:

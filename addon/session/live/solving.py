@@ -166,7 +166,7 @@ def _learn_price(session: Session, question: Question, seconds: float) -> None:
 
 def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bool:
     """Whether a thread may solve: for a final shape, and for a preview that takes longer than the budget."""
-    if not binding.may_wait(len(bound.rest.points)):
+    if not binding.may_wait(binding.solve_seconds(len(bound.rest.points))):
         return False
     session = evaluation.session
     iterative = evaluation.settings.is_iterative

@@ -83,7 +83,7 @@ class Grab:
         region = self._patch.region(radius)
         if len(region.free) == 0 or len(region.fixed) == 0:  # bound when a motion asks for it
             self._take(region, None)
-        elif wait or not binding.may_wait(len(region.members)):
+        elif wait or not binding.may_wait(self._recipe(region).seconds):
             self._take(region, self._bind(region, None))
         else:
             self._work = Work(lambda progress: self._bind(region, progress), region)
@@ -102,7 +102,7 @@ class Grab:
         """Whether the region has its factor, or needs none. False while a thread builds it."""
         if self._factor is not None or len(region.free) == 0:
             return True
-        if wait or not binding.may_wait(len(region.members)):
+        if wait or not binding.may_wait(self._recipe(region).seconds):
             self._factor = self._bind(region, None)
             return True
         if self._work is None:
@@ -119,13 +119,15 @@ class Grab:
         self._region, self._factor = region, factor
         self._start, self._budget = None, FIRST_STEPS
 
-    def _bind(self, region: Region, progress: Progress | None) -> Factor:
+    def _recipe(self, region: Region) -> Recipe:
         options = {row.id: row.default for row in self._method.parameters if row.rebinds}
         handles = [places for places in (region.handle, region.fixed) if len(places)]
         target = Shape(region.rest, region.faces)
         held = Handles(handles, [None] * len(handles), free_parts="follow")
-        recipe = Recipe(self._method, target, options, held)
-        return build_factor(recipe, progress)
+        return Recipe(self._method, target, options, held)
+
+    def _bind(self, region: Region, progress: Progress | None) -> Factor:
+        return build_factor(self._recipe(region), progress)
 
     # How it moves
 
@@ -165,7 +167,8 @@ class Grab:
     def settle(self, obj: Object, motion: np.ndarray, wait: bool = True) -> bool:
         """Show the exact shape, which depends on the motion alone; False while a thread computes it."""
         region, pose = self._followed(), self._pose(motion)
-        heavy = self._method.iterative and binding.may_wait(len(region.members))
+        takes = binding.solve_seconds(len(region.members))
+        heavy = self._method.iterative and binding.may_wait(takes)
         if wait or not heavy or len(region.free) == 0 or region.rides_along(pose):
             self.show(obj, motion)
             return True

@@ -39,6 +39,8 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
             control = layout.column()
             control.alert = handle.control_missing
             control.prop(handle, "control")
+            if handle.control_missing:
+                layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS").index = deformer.active_handle
             if handle.control is not None and handle.control.type == "ARMATURE":
                 control.prop_search(handle, "bone", handle.control.data, "bones")
             layout.prop(handle, "from_rest")
@@ -60,6 +62,7 @@ class SINEW_MT_handle(Menu):
         layout = invoking(self.layout)
         layout.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
         layout.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
+        layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS")
         draw_move_entries(layout, Operators.HANDLE_MOVE)
         layout.separator()
         layout.operator(Operators.HANDLE_REMOVE, icon="REMOVE")

@@ -17,7 +17,6 @@ from ....backend import Cage, CageReport, Recipe, Shape
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import CageError
 from ....core.geometry import frames
-from ....core.methods import Method
 from ....core.status import Level, Remedy, Status
 from ....ids import Datablocks, Keys
 from ....mesh_io import RestShape
@@ -38,11 +37,6 @@ MARKS_REGIONS = False
 _POSE = "cage"  # the key of the last pose of the cage in ``Session.poses``
 
 
-def name(_method: Method) -> str:
-    """Artists try one method after the other on the same cage, so the method is not the name."""
-    return "Cage"
-
-
 def is_set(settings: SinewDeformer) -> bool:
     """Whether there is a cage, or there was one at bind."""
     return settings.cage is not None or isinstance(settings.cage_rest, Mesh)
@@ -57,7 +51,7 @@ def key(settings: SinewDeformer) -> tuple:
 def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int) -> BindInput:
     """The arrays for the native module. Raises a ``SinewError`` if the cage cannot be bound."""
     if not isinstance(settings.cage_rest, Mesh):
-        raise CageError("The cage is not bound yet - press Bind", remedy=Remedy.BIND)
+        raise CageError("The cage is not bound yet - press Rebind", remedy=Remedy.BIND)
     read_weights(rest, mesh, settings)
     cage = rest_frame.read(settings, settings.cage_rest)
     if not len(cage.points):

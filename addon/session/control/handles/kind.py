@@ -8,7 +8,6 @@ from bpy.types import Depsgraph, Object
 
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import ConstraintError, SinewError
-from ....core.methods import Method
 from ....core.status import Level, Status
 from ....properties import SinewDeformer
 from ...blocks import libraries
@@ -36,7 +35,6 @@ __all__ = (
     "key",
     "links",
     "lost",
-    "name",
     "notes",
     "object_with",
     "pose",
@@ -53,18 +51,20 @@ __all__ = (
 
 MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
 MARKS_REGIONS = True
-
-
-def name(method: Method) -> str:
-    """The method: each one makes another shape of the same handles."""
-    return method.label
+_NAMED = 3  # regions without vertices; the panel counts the others
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """What the parts of the mesh do that no region touches. A space method moves all parts."""
+    """Warnings about regions without vertices, and what the parts of the mesh do that no region touches.
+
+    A space method moves all parts.
+    """
+    lines = [Status(Level.WARNING, text) for text in request.unused[:_NAMED]]
+    if len(request.unused) > _NAMED:
+        lines.append(Status(Level.WARNING, f"{len(request.unused) - _NAMED:,} more regions are not used"))
     if request.recipe.method.is_space:
-        return ()
-    lines, riding, staying = [], len(report.rides), report.free_parts
+        return tuple(lines)
+    riding, staying = len(report.rides), report.free_parts
     if riding:
         text = "1 loose part follows" if riding == 1 else f"{riding:,} loose parts follow"
         lines.append(Status(Level.INFO, f"{text} the surface"))
@@ -125,7 +125,9 @@ def lost(deformer: SinewDeformer) -> tuple[str, ...]:
         if handle.kind == "HANDLE" and handle.control is not None and libraries.is_lost(handle.control):
             lines.append(libraries.explain(handle.control))
         elif handle.control_missing:
-            lines.append(f"{handle.name} has lost its control and stays where it was - pick another")
+            lines.append(
+                f"{handle.name} has lost its control and stays where it was - New Control, or pick another"
+            )
     return tuple(dict.fromkeys(lines))
 
 

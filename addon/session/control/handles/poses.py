@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The places of the controls as poses in the object space of the target."""
 
+import math
 from functools import lru_cache
 
 import bpy
@@ -8,9 +9,11 @@ import numpy as np
 from bpy.types import Depsgraph, Object
 from mathutils import Matrix
 
+from ....core.errors import ConstraintError
 from ....core.geometry import frames
 from ....mesh_io import read_shape
 from ....properties import SinewDeformer, SinewHandle
+from ...memory import sessions
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
 from ..placement import read_place
@@ -108,6 +111,8 @@ def bound_poses(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.nd
         if control is not None and handle.has_rest:
             to_rest = _inverse(handle.rest_matrix, f"The control of {handle.name}")
             poses[row] = (_inverse(world, "The mesh object") @ control @ to_rest)[:3]
+            if not math.isfinite(poses[row].sum()):
+                raise ConstraintError(frames.not_a_number(f"The control of {handle.name}"))
             session.poses[key] = poses[row].copy()
         else:
             if key not in session.poses:
@@ -125,6 +130,23 @@ def _keep(handle: SinewHandle, pose: np.ndarray) -> None:
         handle.last_pose, handle.has_last_pose = values.tolist(), True
 
 
+def kept_pose(deformer: SinewDeformer, handle: SinewHandle) -> np.ndarray:
+    """The pose (3, 4) that the region of a handle without a control keeps."""
+    session = sessions.find(deformer.uid)
+    if session is not None and handle.uid in session.poses:
+        return session.poses[handle.uid]
+    if session is not None and session.bound is not None and handle.uid in session.bound.handles:
+        return _last_pose(deformer, session.bound, session.bound.handles.index(handle.uid))
+    kept = _stored_pose(handle)
+    return IDENTITY if kept is None else kept
+
+
+def _stored_pose(handle: SinewHandle) -> np.ndarray | None:
+    """The pose in the file, which a handle without a control keeps; None if there is none."""
+    kept = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
+    return kept if handle.has_last_pose and np.isfinite(kept).all() else None
+
+
 def keep_pose(deformer: SinewDeformer, held: dict[str, np.ndarray]) -> None:
     """Store the poses ``held`` of controls from libraries: the next time, these may be missing."""
     for handle in deformer.handles:
@@ -135,8 +157,8 @@ def keep_pose(deformer: SinewDeformer, held: dict[str, np.ndarray]) -> None:
 def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
     """Where a region without its control stays: as stored in the file, else as the saved shape shows it."""
     handle = next(handle for handle in deformer.handles if handle.uid == bound.handles[row])
-    kept = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
-    if handle.has_last_pose and np.isfinite(kept).all():
+    kept = _stored_pose(handle)
+    if kept is not None:
         return kept
     rest = bound.rest.points
     members = bound.indices[row]

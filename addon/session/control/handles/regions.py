@@ -18,6 +18,8 @@ from ..bind_input import BindInput, options
 from .poses import rest_of
 
 _IMPLIED = "support"  # the key of the fixed region around a support
+_NO_VERTICES = np.empty(0, dtype=np.intp)
+_NOUNS = (("HANDLE", "handle", "handles"), ("FIXED", "fixed", "fixed"), ("SUPPORT", "support", "supports"))
 
 
 def key(settings: SinewDeformer) -> tuple:
@@ -56,8 +58,9 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     read_weights(rest, mesh, settings)
     method = settings.definition
     count = len(rest.points)
+    bound: list[SinewHandle] = []
+    unused: list[str] = []
     follow = settings.loose_parts == "FOLLOW" and not method.is_space
-    names: list[str] = []
     indices: list[np.ndarray] = []
     weights: list[np.ndarray | None] = []
     own: list[tuple] = []
@@ -73,24 +76,19 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         if not handle.vertex_group and method.is_space and handle.kind == "HANDLE":
             if not handle.has_rest:
                 raise ConstraintError(
-                    f"{handle.name} has no vertex group and no control - choose one of them, then Rebind"
+                    f"{handle.name} has no vertex group and no control - choose one of them, then bind again"
                 )
-            names.append(handle.uid)
-            indices.append(np.empty(0, dtype=np.intp))
+            bound.append(handle)
+            indices.append(_NO_VERTICES)
             weights.append(None)
             own.append(_own_values(settings, handle))
             points.append(rest_of(handle)[:3, 3][None])
             continue
         painted = rest.weights.get(handle.vertex_group)
-        if painted is None:
-            raise ConstraintError(
-                f"{handle.name}: vertex group '{handle.vertex_group}' is not on the mesh - pick one, Rebind"
-            )
-        members = np.flatnonzero(painted > 0.0)
-        if len(members) == 0:
-            raise ConstraintError(
-                f"{handle.name}: vertex group '{handle.vertex_group}' has no vertices - assign some, Rebind"
-            )
+        members = np.flatnonzero(painted > 0.0) if painted is not None else _NO_VERTICES
+        if painted is None or len(members) == 0:
+            unused.append(_why_unused(handle, painted is not None))
+            continue
         if handle.kind == "SUPPORT":
             support = painted > 0.0 if support is None else support | (painted > 0.0)
             of_supports.append(_own_values(settings, handle))
@@ -98,25 +96,29 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         strength = painted[members].astype(np.float64) * handle.weight
         _refuse_overlap(holder, members[strength >= 1.0], handle.name, labels)
         taken[members] = True
-        names.append(handle.uid)
+        bound.append(handle)
         indices.append(members)
         points.append(rest.points[members])
         weights.append(strength)
         own.append(_own_values(settings, handle))
+    keys, names = [handle.uid for handle in bound], [handle.name for handle in bound]
     if support is not None:
         held = ~support & ~taken
         if follow:
             held &= _on_touched_parts(rest, support | taken)
         outside = np.flatnonzero(held)
         if len(outside):
-            names.append(_IMPLIED)
+            keys.append(_IMPLIED)
+            names.append("the region outside the supports")
             indices.append(outside)
             points.append(rest.points[outside])
             weights.append(None)
             own.append(tuple(map(min, zip(*of_supports, strict=True))))  # all supports share one border
-    if not names:
+    if not keys:
         raise ConstraintError(
-            "Nothing holds the mesh - select vertices in Edit Mode and Add Handle or Add Fixed"
+            unused[0]
+            if unused
+            else "Nothing holds the mesh - select vertices in Edit Mode and Add Handle or Add Fixed"
         )
     return BindInput(
         key=key,
@@ -135,10 +137,28 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         ),
         rest=rest,
         on_base=count == base_count,
-        control="1 handle" if len(names) == 1 else f"{len(names)} handles",
-        handles=tuple(names),
+        control=_counted([handle.kind for handle in bound] + ["SUPPORT"] * len(of_supports)),
+        handles=tuple(keys),
+        names=tuple(names),
+        unused=tuple(unused),
         indices=tuple(indices),
     )
+
+
+def _why_unused(handle: SinewHandle, has_group: bool) -> str:
+    """The line in the panel about a region that holds no vertex."""
+    lacks = "has no vertices - assign some" if has_group else "is not on the mesh - pick another"
+    return f"{handle.name} is not used: its vertex group '{handle.vertex_group}' {lacks}"
+
+
+def _counted(roles: list[str]) -> str:
+    """How many regions of each role there are, as the panel says it: "2 handles, 1 fixed"."""
+    found = []
+    for role, one, several in _NOUNS:
+        count = roles.count(role)
+        if count:
+            found.append(f"{count} {one if count == 1 else several}")
+    return ", ".join(found)
 
 
 def _on_touched_parts(rest: RestShape, touched: np.ndarray) -> np.ndarray:
@@ -154,7 +174,7 @@ def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: lis
         other = labels[holder[shared[0]]]
         vertices = "1 vertex" if len(shared) == 1 else f"{len(shared)} vertices"
         raise ConstraintError(
-            f"{other} and {name} share {vertices} - take them out of one of the two groups, then Rebind",
+            f"{other} and {name} share {vertices} - take them out of one of the two groups, then bind again",
             Elements(Owner.TARGET, "vertex", shared),
             Remedy.PART_REGIONS,
         )

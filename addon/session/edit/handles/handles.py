@@ -8,6 +8,7 @@ from bpy.types import Mesh, Object
 from ....core import status
 from ....core.errors import ConstraintError, SinewError
 from ....core.geometry import frames
+from ....core.names import unique_name
 from ....core.status import Level, Status
 from ....mesh_io import RestShape, group_names, group_weights, read_rest
 from ....properties import SinewDeformer, SinewHandle
@@ -17,7 +18,6 @@ from ...control.handles import poses
 from ...control.handles.release import release_control, release_group
 from ...memory import sessions
 from ..bind import unbind
-from ..names import unique_name
 from . import empties
 
 
@@ -60,9 +60,9 @@ def add_captured_handle(
     handle.kind = role
     handle.vertex_group = vertex_group
     handle.owns_group = owns_group
-    handle.name = unique_name(
-        vertex_group, [other.name for other in deformer.handles if other.uid != handle.uid]
-    )
+    taken = [other.name for other in deformer.handles if other.uid != handle.uid]
+    handle.named = unique_name(vertex_group, taken)  # so that the name below renames nothing
+    handle.name = handle.named
     handle.colour = empties.colour(len(deformer.handles) - 1)
     deformer.active_handle = len(deformer.handles) - 1
     if role != "HANDLE":
@@ -113,6 +113,26 @@ def _current_pose(deformer: SinewDeformer, rest: RestShape, members: np.ndarray)
     before = session.bound.rest.points if shown.incoming is None else shown.incoming.astype(np.float64)
     after = shown.positions + (before if shown.displacement else 0.0)
     return frames.fit(before[members], after[members], rigid=True)
+
+
+@sessions.suspended()
+def new_control(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
+    """Give a handle that has lost its control an empty of its own, where its region is now. Nothing jumps."""
+    pose = poses.kept_pose(deformer, handle)
+    mesh = capture.rest_mesh(obj, deformer)
+    try:
+        empty, _frame = empties.make_empty(
+            obj, read_rest(mesh), _members(mesh, handle), f"{obj.name} {handle.name}", pose
+        )
+    finally:
+        bpy.data.meshes.remove(mesh)
+    handle.control, handle.bone, handle.owns_control = empty, "", True
+    world = np.array(obj.matrix_world, dtype=np.float64)
+    relative = empty.matrix_parent_inverse @ empty.matrix_basis
+    poses.capture_rest(handle, world, world @ np.array(relative, dtype=np.float64), pose)
+    handle.has_last_pose = False
+    kinds.keep_evaluated(obj)
+    obj.update_tag()
 
 
 @sessions.suspended()

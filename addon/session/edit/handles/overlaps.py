@@ -42,9 +42,7 @@ def _hard(obj: Object, handle: SinewHandle) -> np.ndarray:
     names = [group.name for group in obj.vertex_groups]
     painted = group_weights(obj.data, names, {handle.vertex_group}).get(handle.vertex_group)
     if painted is None:
-        raise ConstraintError(
-            f"{handle.name}: vertex group '{handle.vertex_group}' is not on the mesh - pick one, Rebind"
-        )
+        return np.zeros(len(obj.data.vertices), dtype=bool)
     return painted.astype(np.float64) * handle.weight >= 1.0
 
 

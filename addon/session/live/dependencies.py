@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which rigs a rig reads: those whose shapes decide where its controls are, or what enters its modifiers.
+
+Blender follows all this by itself, but cannot know that Sinew computes a shape from controls. So parents,
+constraints, modifiers and drivers are followed here. Handlers and scripts may change them before any frame,
+so nothing is kept from one evaluation to the next.
+"""
+
+from collections.abc import Iterable, Iterator
+from functools import cache
+from typing import Any, NamedTuple
+
+from bpy.types import ID, Collection, Constraint, Modifier, NodeTree, Object
+
+from ... import compat
+from ...ids import Keys
+from ...properties import deformers_of
+from ..blocks import node_group, references, targets
+from ..control import kinds
+
+PLACE = "PLACE"  # where an object is
+POSE = "POSE"  # where a bone of an armature is, or where all of them are
+SHAPE = "SHAPE"  # what the modifiers of an object make of it
+
+_BY_VERTEX = ("VERTEX", "VERTEX_3")
+_ON_SHAPE = ("CLAMP_TO", "FOLLOW_PATH", "SHRINKWRAP", "SPLINE_IK")  # these constraints need no vertex group
+_MOVES_PARENTS = ("IK", "SPLINE_IK")
+# These modifiers ask where their objects are, and not for their shapes.
+_BY_PLACE = frozenset(
+    ("CAST", "DISPLACE", "HOOK", "MIRROR", "NORMAL_EDIT", "SCREW", "SIMPLE_DEFORM", "UV_WARP", "WARP", "WAVE")
+)
+_OF_SHAPE = ("dimensions", "bound_box")  # what a driver may read of an object that depends on its shape
+_KEEPER = f'["{Keys.KEEP}"]'
+
+
+class Part(NamedTuple):
+    """What may depend on the shape of a rig: a place, a shape or a pose. No ``bone`` means all of them."""
+
+    what: str
+    object: Object
+    bone: str = ""
+
+
+class Reads(NamedTuple):
+    """The rigs that a rig reads, and those of them whose shapes may change what enters its modifiers."""
+
+    rigs: frozenset[Object]
+    entering: frozenset[Object]
+
+
+class Relations:
+    """The relations of the scene as they are now. Each is followed when it is asked for, and once."""
+
+    def __init__(self) -> None:
+        self._next: dict[Part, tuple[Part, ...]] = {}
+        self._reads: dict[Object, Reads] = {}
+
+    def reads(self, rig: Object) -> Reads:
+        """The rigs that a rig reads by itself."""
+        found = self._reads.get(rig)
+        if found is None:
+            entering = self._reached(_entering(rig))
+            found = self._reads[rig] = Reads(entering | self._reached(_controls(rig)), entering)
+        return found
+
+    def below(self, rig: Object) -> frozenset[Object]:
+        """The rigs that a rig reads by itself or through others. It is one of them if it is in a circle."""
+        found: set[Object] = set()
+        waiting = [rig]
+        while waiting:
+            new = self.reads(waiting.pop()).rigs - found
+            found |= new
+            waiting.extend(new)
+        return frozenset(found)
+
+    def _reached(self, parts: Iterable[Part]) -> frozenset[Object]:
+        """The rigs whose shapes these parts depend on."""
+        waiting = list(parts)
+        known, found = set(waiting), set()
+        while waiting:
+            part = waiting.pop()
+            if part.what == SHAPE and deformers_of(part.object):
+                found.add(part.object)
+            following = self._next.get(part)
+            if following is None:
+                following = self._next[part] = tuple(_FOLLOW[part.what](part))
+            new = [other for other in following if other not in known]
+            known.update(new)
+            waiting += new
+        return frozenset(found)
+
+
+def circle(rig: Object) -> tuple[str, ...]:
+    """The line in the panel about the circle that a rig is in; none if it is in no circle."""
+    relations = Relations()
+    below = relations.below(rig)
+    if rig not in below:
+        return ()
+    names = sorted(other.name for other in below if rig in relations.below(other))
+    if len(names) == 1:
+        return (
+            f"{names[0]} follows its own shape, by a control or a modifier - let that follow another object",
+        )
+    listed = f"{', '.join(names[:-1])} and {names[-1]}"
+    return (f"{listed} follow each other in a circle - let one of them follow another object",)
+
+
+def _controls(rig: Object) -> Iterator[Part]:
+    """What the poses of a rig depend on."""
+    yield Part(PLACE, rig)
+    for deformer in rig.sinew.deformers:
+        for link in kinds.kind_in_use(deformer).links(deformer):
+            yield Part(PLACE, link.object)
+            if link.by_shape:
+                yield Part(SHAPE, link.object)
+            if link.bone:
+                yield Part(POSE, link.object, link.bone)
+        for other in references.pointed(deformer):
+            yield Part(PLACE, other)
+    yield from _drivers(rig, "sinew.")
+
+
+def _entering(rig: Object) -> Iterator[Part]:
+    """What the shape depends on that enters the last deformer of a rig."""
+    modifiers = list(rig.modifiers)
+    while modifiers and not node_group.is_ours(modifiers[-1]):
+        modifiers.pop()
+    yield from _modifiers(rig, modifiers)
+
+
+def _place(part: Part) -> Iterator[Part]:
+    obj = part.object
+    parent = obj.parent
+    if parent is not None:
+        yield Part(PLACE, parent)
+        kind = obj.parent_type
+        if kind in _BY_VERTEX or targets.is_path(parent):
+            yield Part(SHAPE, parent)
+        elif kind == "BONE":
+            yield Part(POSE, parent, obj.parent_bone)
+    for constraint in obj.constraints:
+        yield from _constraint(constraint)
+    if obj.animation_data is not None:
+        yield from _drivers(obj, "", but=("sinew.", "modifiers[", "pose.", _KEEPER))
+
+
+def _pose(part: Part) -> Iterator[Part]:
+    armature = part.object
+    yield Part(PLACE, armature)
+    if armature.pose is None:  # its library is missing
+        return
+    bones = armature.pose.bones
+    if not part.bone:
+        for bone in bones:
+            for constraint in bone.constraints:
+                yield from _constraint(constraint)
+        yield from _drivers(armature, "pose.")
+        return
+    upwards = []
+    bone = bones.get(part.bone)
+    while bone is not None:
+        upwards.append(bone)
+        bone = bone.parent
+    for bone in upwards:
+        for constraint in bone.constraints:
+            yield from _constraint(constraint)
+        yield from _drivers(armature, f'pose.bones["{bone.name}"]')
+    for bone in bones:
+        for constraint in bone.constraints:
+            if constraint.type in _MOVES_PARENTS:
+                moved = bone.parent_recursive[: constraint.chain_count or None]
+                if any(other in upwards for other in moved):
+                    yield from _constraint(constraint)
+
+
+def _shape(part: Part) -> Iterator[Part]:
+    obj = part.object
+    yield from _modifiers(obj, obj.modifiers)
+    for name in ("bevel_object", "taper_object", "follow_curve"):
+        other = getattr(obj.data, name, None)
+        if other is not None:
+            yield Part(SHAPE, other)
+            yield Part(PLACE, other)
+
+
+_FOLLOW = {PLACE: _place, POSE: _pose, SHAPE: _shape}
+
+
+def _modifiers(obj: Object, modifiers: Iterable[Modifier]) -> Iterator[Part]:
+    """What the shape of an object depends on before and after these modifiers."""
+    followed = set()
+    for modifier in modifiers:
+        if modifier.type == "ARMATURE":
+            followed.add((POSE, modifier.object))
+        elif modifier.type == "NODES":
+            if not node_group.is_ours(modifier):
+                followed.update((SHAPE, other) for other in _in_nodes(modifier))
+        else:
+            what = PLACE if modifier.type in _BY_PLACE else SHAPE
+            for name in _pointers(modifier.__class__):
+                named = getattr(modifier, name)
+                if isinstance(named, Collection):
+                    followed.update((what, other) for other in named.all_objects)
+                else:
+                    followed.add((what, named))
+            bone, owner = getattr(modifier, "subtarget", ""), getattr(modifier, "object", None)
+            if bone and owner is not None and targets.has_bones(owner):
+                yield Part(POSE, owner, bone)
+    if obj.parent is not None and obj.parent_type in ("ARMATURE", "LATTICE"):  # it deforms like a modifier
+        followed.add((POSE if obj.parent_type == "ARMATURE" else SHAPE, obj.parent))
+    followed = {(what, other) for what, other in followed if other is not None}
+    if followed:
+        yield Part(PLACE, obj)
+    for what, other in followed:
+        yield Part(PLACE, other)
+        yield Part(what, other)
+    yield from _drivers(obj, "modifiers[")
+    keys = getattr(obj.data, "shape_keys", None)
+    if keys is not None:
+        yield from _drivers(keys, "")
+
+
+@cache
+def _pointers(kind: Any) -> tuple[str, ...]:
+    """The properties of a type of modifier that name an object or a collection."""
+    return tuple(
+        row.identifier
+        for row in kind.bl_rna.properties
+        if row.type == "POINTER" and row.fixed_type.identifier in ("Object", "Collection")
+    )
+
+
+def _in_nodes(modifier: Modifier) -> Iterator[Object]:
+    """The objects that the node group of a modifier uses, named in it or by its inputs."""
+    named = list(compat.modifier_inputs(modifier))
+    waiting, known = [modifier.node_group], set()
+    while waiting:
+        tree = waiting.pop()
+        if not isinstance(tree, NodeTree) or tree in known:
+            continue
+        known.add(tree)
+        for node in tree.nodes:
+            if node.type == "GROUP":
+                waiting.append(node.node_tree)
+            if node.type in ("GROUP", "OBJECT_INFO", "COLLECTION_INFO"):
+                named += [getattr(socket, "default_value", None) for socket in node.inputs]
+    for value in named:
+        if isinstance(value, Collection):
+            yield from value.all_objects
+        elif isinstance(value, Object):
+            yield value
+
+
+def _constraint(constraint: Constraint) -> Iterator[Part]:
+    on_shape = constraint.type in _ON_SHAPE
+    if constraint.type == "ARMATURE":
+        for row in constraint.targets:
+            yield from _followed(row.target, row.subtarget, on_shape)
+        return
+    for name, group in (("target", "subtarget"), ("pole_target", "pole_subtarget")):
+        yield from _followed(getattr(constraint, name, None), getattr(constraint, group, ""), on_shape)
+
+
+def _followed(target: Object | None, subtarget: str, on_shape: bool) -> Iterator[Part]:
+    """What a constraint follows: an object, one of its bones, a vertex group, or its surface."""
+    if target is None:
+        return
+    yield Part(PLACE, target)
+    if subtarget and targets.has_bones(target):
+        yield Part(POSE, target, subtarget)
+    elif subtarget or on_shape:
+        yield Part(SHAPE, target)
+
+
+def _drivers(datablock: ID, beginning: str, but: tuple[str, ...] = ()) -> Iterator[Part]:
+    """What the drivers follow of the paths that begin so, ``but`` for some."""
+    animation = datablock.animation_data
+    for curve in animation.drivers if animation is not None else ():
+        path = curve.data_path
+        if not path.startswith(beginning) or (but and path.startswith(but)):
+            continue
+        for variable in curve.driver.variables:
+            for target in variable.targets:
+                other = target.id
+                if not isinstance(other, Object):
+                    continue
+                yield Part(PLACE, other)
+                if target.bone_target and targets.has_bones(other):
+                    yield Part(POSE, other, target.bone_target)
+                elif variable.type == "SINGLE_PROP" and target.data_path.startswith(_OF_SHAPE):
+                    yield Part(SHAPE, other)
