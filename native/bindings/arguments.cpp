@@ -170,17 +170,16 @@ Progress progress(const py::object& callback)
     });
 }
 
-SinglePoints singles(const py::object& object, const char* name, std::optional<py::ssize_t> rows)
+SinglePoints singles(const py::object& object, const char* name, py::ssize_t rows)
 {
     using Array = py::array_t<float, py::array::c_style>;
     constexpr int fit = py::detail::npy_api::NPY_ARRAY_WRITEABLE_ | py::detail::npy_api::NPY_ARRAY_ALIGNED_;
     if (!py::isinstance<Array>(object) || (py::reinterpret_borrow<py::array>(object).flags() & fit) != fit)
         throw py::type_error(std::string(name) + ": a writable C-contiguous float32 array is needed");
     auto array = py::reinterpret_borrow<Array>(object);
-    if (array.ndim() != 2 || array.shape(0) != rows.value_or(array.shape(0)) || array.shape(1) != 3)
-        throw InvalidConstraint(std::string(name) + ": the shape must be (" +
-                                (rows ? std::to_string(*rows) : "n") + ", 3)");
-    return {array.mutable_data(), array.shape(0), 3};
+    if (array.ndim() != 2 || array.shape(0) != rows || array.shape(1) != 3)
+        throw InvalidConstraint(std::string(name) + ": the shape must be (" + std::to_string(rows) + ", 3)");
+    return {array.mutable_data(), rows, 3};
 }
 
 namespace {

@@ -72,12 +72,11 @@ std::optional<std::vector<bool>> flags(const py::object& object, std::size_t cou
 /// cancel.
 Progress progress(const py::object& callback);
 
-/// (rows, 3) view of a C-contiguous, writable float32 array that the caller wants to be filled; of any number
-/// of rows if none is given.
+/// (rows, 3) view of a C-contiguous, writable float32 array that the caller wants to be filled.
 /// \throw py::type_error     for anything else; it names the argument.
 /// \throw InvalidConstraint  another shape.
 using SinglePoints = Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
-SinglePoints singles(const py::object& object, const char* name, std::optional<py::ssize_t> rows = {});
+SinglePoints singles(const py::object& object, const char* name, py::ssize_t rows);
 
 /// Rounds to single precision. Needs no GIL.
 /// \throw InvalidConstraint  a rounded position is not finite.

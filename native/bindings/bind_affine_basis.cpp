@@ -30,7 +30,11 @@ void bind_affine_basis(py::module_& module)
             py::arg("poses"),
             "(k, 3, 4) -> (positions (n, 3), SolveReport), as ThinShell.solve from rest, but free parts "
             "stay.\n"
-            "Raises InvalidConstraint for a wrong count, shape or non-finite number.");
+            "Raises InvalidConstraint for a wrong count, shape or non-finite number.")
+        .def("__repr__", [](const AffineBasis& basis) {
+            return "<AffineBasis: " + std::to_string(basis.matrix().rows()) + " vertices, " +
+                   std::to_string(basis.matrix().cols() / 4) + " handles>";
+        });
 }
 
 } // namespace sinew::bindings

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/cage.h"
+#include "native/bindings/representation.h"
 
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -45,7 +46,11 @@ vertices  indices; one that comes twice counts once. Cost: O(points x vertices),
           sparse.
 
 Raises InvalidConstraint for an index that the cage does not have.)")
-        .def_property_readonly("vertex_weights", &vertex_weights, "(n, c) weights of the cage's vertices.");
+        .def_property_readonly("vertex_weights", &vertex_weights, "(n, c) weights of the cage's vertices.")
+        .def("__repr__", [](const py::object& self) {
+            const int count = self.cast<const CageCoordinates&>().cage().vertex_count();
+            return representation(self, "a cage of " + std::to_string(count) + " vertices");
+        });
 }
 
 } // namespace sinew::bindings

@@ -113,7 +113,11 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
         .def_property_readonly("bytes", &read<&SpdFactor::bytes>, "Memory of the factor.")
         .def_property_readonly("factorizations", &read<&SpdFactor::factorizations>,
                                "Numeric factorisations so far.")
-        .def_property_readonly("analyses", &read<&SpdFactor::analyses>, "Symbolic factorisations so far.");
+        .def_property_readonly("analyses", &read<&SpdFactor::analyses>, "Symbolic factorisations so far.")
+        .def("__repr__", [](const SharedFactor& shared) {
+            return "<SpdFactor: " + std::to_string(read<&SpdFactor::size>(shared)) + " rows, " +
+                   std::to_string(read<&SpdFactor::nonzeros>(shared)) + " entries>";
+        });
 }
 
 } // namespace sinew::bindings

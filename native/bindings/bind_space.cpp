@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
+#include "native/bindings/representation.h"
 #include "native/space/method.h"
 
 #include <memory>
@@ -38,6 +39,13 @@ bool can_reuse(const SpaceMethod& method, const py::object& former, const py::ob
     return method.can_reuse(other, view);
 }
 
+Eigen::Index point_count(const SpaceMethod& method)
+{
+    const py::gil_scoped_release unlocked;
+    const AccessLock shared = method.reading();
+    return method.points().rows();
+}
+
 py::object warp(const SpaceMethod& method, const py::object& control, const py::object& out,
                 const py::object& incoming)
 {
@@ -45,11 +53,13 @@ py::object warp(const SpaceMethod& method, const py::object& control, const py::
     const PointsView view = points<InvalidConstraint>(array, "cage_points");
     const OptionalPoints entering(incoming, "incoming");
     if (!out.is_none()) {
-        SinglePoints single = singles(out, "out");
-        const py::gil_scoped_release unlocked;
-        method.warp(view, entering.view, single.data(), single.rows());
-        require_finite(single);
-        return out;
+        SinglePoints single = singles(out, "out", point_count(method));
+        {
+            const py::gil_scoped_release unlocked;
+            method.warp(view, entering.view, single.data(), single.rows());
+            require_finite(single);
+        }
+        return out; // counts a reference, which needs the GIL
     }
     Points positions;
     {
@@ -125,7 +135,9 @@ incoming     (n, 3) the shape to which the displacements are added; None for the
 
 The control at rest gives exactly the incoming shape.
 
-Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or before bind().)");
+Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or before bind().)")
+        .def("__repr__",
+             [](const py::object& self) { return representation(self, "a deformation of space"); });
 }
 
 } // namespace sinew::bindings

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/choices.h"
+#include "native/bindings/representation.h"
 #include "native/bindings/surface.h"
 
 #include <pybind11/stl.h>
@@ -126,7 +127,11 @@ out             None, or a float32 array (n, 3) to write into and return. After 
 A linear method accepts start, max_iterations, tolerance and progress, but does not use them.
 Raises InvalidConstraint for a wrong count, shape or non-finite number, InvalidOption or Cancelled. If the
 iterations are used up, the report says so; this is no error.)")
-        .def_property_readonly("rest", &SurfaceMethod::rest, "SurfaceMesh, the rest shape.");
+        .def_property_readonly("rest", &SurfaceMethod::rest, "SurfaceMesh, the rest shape.")
+        .def("__repr__", [](const py::object& self) {
+            const int count = self.cast<const SurfaceMethod&>().rest().vertex_count();
+            return representation(self, std::to_string(count) + " vertices");
+        });
 }
 
 } // namespace sinew::bindings

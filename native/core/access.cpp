@@ -10,7 +10,8 @@ namespace {
 
 // One mutex for all objects, so that a call can take two of them at once. It is held for some instructions.
 std::mutex mutex;
-std::condition_variable freed;
+// Never destroyed, as threads may still wait when the process ends.
+std::condition_variable& freed = *new std::condition_variable;
 int sleepers = 0;
 thread_local int held = 0; ///< how many locks this thread has
 

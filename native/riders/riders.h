@@ -40,7 +40,7 @@ struct FreeParts
 ///   constructor   the rest shape, the driven parts or the    see find_seats(); per frame a search on the
 ///   host
 ///                 options changed
-///   move()        after each solve                           0.5 us per frame, 5 ns per vertex
+///   move()        after each solve                           1 us per frame, its vertices included
 class Riders
 {
 public:

@@ -283,3 +283,34 @@ def test_space_methods_agree_on_shapes_and_refusals(name: str) -> None:
     report = method.rebind(again, points[1:])
     assert (report.reuse, report.changed) == ("anew", "points")
     np.testing.assert_array_equal(again.warp(moved), before)
+
+
+def classes() -> list[str]:
+    """All public classes; errors print themselves as all exceptions do."""
+    return [name for name, value in PUBLIC.items() if inspect.isclass(value) and name not in ERRORS]
+
+
+@pytest.mark.parametrize("name", classes())
+def test_every_class_prints_itself_and_every_property_says_what_it_is(name: str):
+    cls = PUBLIC[name]
+    assert cls.__repr__ is not object.__repr__
+    silent = [key for key, value in vars(cls).items() if isinstance(value, property) and not value.__doc__]
+    assert not silent
+
+
+def test_objects_say_what_they_hold():
+    square = sn.SurfaceMesh(np.eye(4, 3), np.array([[0, 1, 2], [0, 2, 3]]))
+    shell = sn.ThinShell(square)
+    shell.set_handles([[0, 1, 2], [3]])
+    assert repr(shell) == "<ThinShell: 4 vertices>"
+    assert repr(sn.AffineBasis(shell)) == "<AffineBasis: 4 vertices, 2 handles>"
+    assert repr(sn.Green(CUBE)) == "<Green: a cage of 8 vertices>"
+    factor = sn.SpdFactor(pytest.importorskip("scipy.sparse").identity(3, format="csc"))
+    assert re.fullmatch(r"<SpdFactor: 3 rows, \d+ entries>", repr(factor))
+
+
+def test_a_derived_class_prints_its_own_name():
+    class Mine(sn.Green):
+        """A user's class."""
+
+    assert repr(Mine(CUBE)) == "<Mine: a cage of 8 vertices>"

@@ -275,6 +275,16 @@ def test_before_and_after_a_subdivision_of_the_mesh(caged: Caged, first: str):
     assert len(expected) > 500
 
 
+def test_a_cage_with_more_faces_than_asked_for_says_so(capfd: pytest.CaptureFixture):
+    bpy.ops.mesh.primitive_torus_add(major_radius=3.0, minor_radius=1.0)
+    ring = bpy.context.object
+    for faces, more in ((12, True), (100, False)):
+        make_active(ring)
+        assert bpy.ops.sinew.cage_add(source="AUTO", faces=faces, margin=0.06) == {"FINISHED"}
+        told = capfd.readouterr().out
+        assert (f"faces instead of {faces}: with fewer" in told) is more, told
+
+
 @pytest.mark.parametrize("sheared", [False, True])
 def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_parent(sheared: bool):
     target = ball()
