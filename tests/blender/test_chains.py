@@ -383,6 +383,32 @@ def test_a_parent_given_by_a_script_counts_in_the_next_frame():
     assert difference(again(rider.obj), shown) < EXACT
 
 
+def test_relations_that_name_nothing_are_followed_nowhere(posed_plate: HandleRig):
+    """Objects, bones, groups and nodes that do not exist, or no longer."""
+    rider = new_rider("Before").start("thin_shell")
+    armature = new_armature(only=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    make_active(rider.obj)
+    hook = rider.obj.modifiers.new("Hook below", "HOOK")
+    hook.object, hook.subtarget = armature, "gone"
+    bpy.ops.object.modifier_move_to_index(modifier=hook.name, index=0)
+    for kind in ("SHRINKWRAP", "ARMATURE", "NODES", "BOOLEAN"):
+        rider.obj.modifiers.new(kind, kind)
+        bpy.ops.object.modifier_move_to_index(modifier=kind, index=0)
+    for kind in ("COPY_LOCATION", "ARMATURE", "SHRINKWRAP", "CHILD_OF"):
+        rider.control.constraints.new(kind)
+    constrain(rider.control, "COPY_LOCATION", target=armature, subtarget="gone")
+    driver = rider.control.driver_add("scale", 0).driver
+    driver.type = "SUM"
+    driver.variables.new().type = "TRANSFORMS"
+    make_active(rider.obj)
+    posed_plate.lift(0.1)
+    assert posed_plate.is_right()
+    assert "follow" not in draw_panel().texts()
+    hook.object = None
+    posed_plate.lift(0.1)
+    assert posed_plate.is_right()
+
+
 # --- what it costs
 
 
