@@ -37,8 +37,8 @@ struct FreeParts
 /// depends on the shapes before and after the deformation alone.
 ///
 ///   call          repeat it when ...                         cost
-///   constructor   the rest shape, the driven parts or the    0.4 ms per small part, most of it for
-///                 options changed                            closest points
+///   constructor   the rest shape, the driven parts or the    0.4 ms per small part
+///                 options changed
 ///   move()        after each solve                           1 us per frame, its vertices included
 class Riders
 {
