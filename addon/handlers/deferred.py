@@ -64,8 +64,9 @@ def separate_copies(depsgraph: Depsgraph) -> None:
 
     Blender then evaluates them, which calls the handlers once more.
     """
-    if depsgraph.mode != "VIEWPORT" or session.is_suspended():
+    if depsgraph.mode != "VIEWPORT" or session.is_suspended() or session.is_waiting():
         return
+    session.begin_evaluation(depsgraph)
     if session.separate_copies() and not session.has_copies():
         depsgraph.update()
 

@@ -29,6 +29,8 @@ from .live.dependencies import circle
 from .live.evaluate import settle, update
 from .live.mesh_notes import notes
 from .live.mirroring import complete_undo, key_partners, mirrored_targets, move_partners
+from .live.schedule import begin as begin_evaluation
+from .live.schedule import is_waiting
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
 from .memory.sessions import find, forget_shapes, is_refining, is_suspended, note_edit, suspended, unsettled
@@ -48,6 +50,7 @@ __all__ = (
     "add_handle",
     "apply",
     "attribute_names",
+    "begin_evaluation",
     "bind",
     "busy",
     "cage_maker",
@@ -78,6 +81,7 @@ __all__ = (
     "is_moved_by_control",
     "is_refining",
     "is_suspended",
+    "is_waiting",
     "job",
     "key_partners",
     "label",

@@ -97,7 +97,7 @@ def test_a_bind_costs_more_where_there_is_more_to_bind(method: methods.Method):
         assert 0.0 < small < large
         if method.control is Control.CAGE:
             assert (
-                large < method.bind_seconds(50_000, 500, options) < method.bind_seconds(50_000, 5000, plain)
+                large < method.bind_seconds(50_000, 500, options) < method.bind_seconds(50_000, 5000, options)
             )
 
 

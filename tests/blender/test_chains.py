@@ -426,7 +426,8 @@ def test_each_rig_of_a_chain_is_solved_once_per_frame():
     assert found["_answer"] == found["write_shape"] == 3, found
     assert found["evaluate"] == 3, found  # the first one finds nothing to do
     found = calls_of(lambda: bpy.context.scene.frame_set(8))
-    assert not found["_answer"] + found["write_shape"] + found["evaluate"], found
+    assert not found["_answer"] + found["write_shape"], found
+    assert found["evaluate"] <= 1, found  # from Blender 4.2 on, the same frame is evaluated anew
 
 
 def test_rigs_that_read_no_other_are_evaluated_as_before():
