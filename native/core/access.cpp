@@ -10,10 +10,15 @@ namespace {
 
 // One mutex for all objects, so that a call can take two of them at once. It is held for some instructions.
 std::mutex mutex;
-// Never destroyed, as threads may still wait when the process ends.
-std::condition_variable& freed = *new std::condition_variable;
 int sleepers = 0;
 thread_local int held = 0; ///< how many locks this thread has
+
+/// Never destroyed, as threads may still wait when the process ends.
+std::condition_variable& freed()
+{
+    static auto& condition = *new std::condition_variable;
+    return condition;
+}
 
 } // namespace
 
@@ -41,7 +46,7 @@ AccessLock::AccessLock(Kind kind, Access& object, Access& other) : kind_(kind), 
         ++sleepers;
         if (kind_ == changing)
             each([](Access& one) { ++one.waiting_; });
-        freed.wait(lock, [this] { return take(true); });
+        freed().wait(lock, [this] { return take(true); });
         if (kind_ == changing)
             each([](Access& one) { --one.waiting_; });
         --sleepers;
@@ -59,7 +64,7 @@ AccessLock::~AccessLock()
         wake = sleepers > 0;
     }
     if (wake)
-        freed.notify_all();
+        freed().notify_all();
 }
 
 } // namespace sinew

@@ -11,7 +11,7 @@ std::vector<int> farthest_points(const std::vector<Vector3>& points, int count, 
     std::vector<int> chosen;
     for (int next = first; static_cast<int>(chosen.size()) < count;) {
         chosen.push_back(next);
-        const Vector3 at = points[next];
+        const Vector3& at = points[next];
         double farthest = 0.0;
         for (int i = 0; i < static_cast<int>(points.size()); ++i) {
             distances[i] = std::min(distances[i], (points[i] - at).squaredNorm());

@@ -90,7 +90,7 @@ BindReport SurfaceMethod::follow(const FreeParts& free_parts, const Progress& pr
 void SurfaceMethod::refuse(const FactorizationFailed& failure) const
 {
     if (failure.elements().empty())
-        throw failure;
+        throw; // the failure that the caller has caught
     const int vertex = failure.elements().front(), own = parts_.labels[vertex];
     std::vector<int> part;
     for (int v = 0; v < rest_->vertex_count(); ++v)
