@@ -421,7 +421,7 @@ def reading(method: str) -> dict[str, object]:
     spent = Spent()
     steps = [
         (room("session.blocks.capture"), "rest_meshes"),
-        (room("session.live.binding"), "read_rest"),
+        (room("session.blocks.rest_frame"), "read"),
         (room("session.control.handles.kind"), "request"),
     ]
     for owner, name in steps:
