@@ -73,7 +73,9 @@ Footprint footprint_of(int frame, const Seat& seat, const Part& part, const Host
         heaviest = std::max(heaviest, weight);
     }
     footprint.gap /= weights;
-    footprint.radius = size / 2 + nearest + 1.5 * host.spacing();
+    // A scan may have many loose vertices far from everything: each listens to a small patch only.
+    const double above = part.points.size() == 1 ? std::min(nearest, 8 * host.spacing()) : nearest;
+    footprint.radius = size / 2 + above + 1.5 * host.spacing();
     // Of contacts that are equal but for rounding, as midway between two limbs, that of the lowest vertex.
     int lowest = std::numeric_limits<int>::max();
     for (std::size_t k = 0; k < on.size(); ++k)

@@ -207,6 +207,13 @@ def test_faces_that_are_no_integers_are_a_type_error(kind: type) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
+def test_plain_numbers_are_no_handles_and_the_error_says_what_to_write(method: type) -> None:
+    surface, _points, _handles = bound(method)
+    with pytest.raises(TypeError, match=r"write \[\[0, 7\]\] for one handle"):
+        surface.set_handles([0, 7])
+
+
+@pytest.mark.parametrize("method", METHODS)
 def test_wrong_types_elsewhere_are_type_errors(method: type) -> None:
     surface, points, handles = bound(method)
     before, _ = surface.solve(POSES)

@@ -197,7 +197,7 @@ def has_answer(key: str) -> bool:
 def is_refining(key: str) -> bool:
     """Whether the shape shown is not final: the final one is being computed, or will be after a pause."""
     session = _sessions.get(key)
-    return session is not None and (session.work is not None or not session.view("VIEWPORT").converged)
+    return session is not None and (session.work is not None or key in unsettled())
 
 
 def unsettled() -> list[str]:
