@@ -20,6 +20,7 @@ from driving import (
     in_view,
     middle,
     move,
+    new_head,
     play,
     press,
     region,
@@ -91,20 +92,7 @@ def properties() -> bpy.types.Area:
 def prepare():
     """A posed head with three handles and a fixed region, seen from the front."""
     enable()
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
-    bpy.ops.mesh.primitive_monkey_add(size=3.0)
-    obj = bpy.context.object
-    obj.name = "Head"
-    obj.modifiers.new("Subdivision", "SUBSURF").levels = 2
-    bpy.ops.object.modifier_apply(modifier="Subdivision")
-    bpy.ops.object.shade_smooth()
-    for name, (kind, where) in REGIONS.items():
-        members = [vertex.index for vertex in obj.data.vertices if where(vertex.co)]
-        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
-        bpy.context.view_layer.objects.active = obj
-        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
-    bpy.context.view_layer.objects.active = obj
+    new_head(2, REGIONS)
     deformer().handles[0].control.matrix_world.translation.z += LIFT
     deformer().handles[2].control.matrix_world.translation.x -= 0.3
     view = viewport().spaces.active.region_3d

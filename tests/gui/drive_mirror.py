@@ -8,6 +8,7 @@ from driving import (
     in_view,
     middle,
     move,
+    new_head,
     open_tab,
     play,
     press,
@@ -56,19 +57,7 @@ def uneven() -> float:
 def prepare():
     """A head whose left ear is a handle without a side in its name; Mirror makes the right one."""
     enable()
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
-    bpy.ops.mesh.primitive_monkey_add(size=3.0)
-    obj = bpy.context.object
-    obj.name = "Head"
-    obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
-    bpy.ops.object.modifier_apply(modifier="Subdivision")
-    for name, (kind, where) in REGIONS.items():
-        members = [vertex.index for vertex in obj.data.vertices if where(vertex.co)]
-        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
-        bpy.context.view_layer.objects.active = obj
-        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
-    bpy.context.view_layer.objects.active = obj
+    new_head(1, REGIONS)
     deformer().active_handle = 0
     bpy.ops.sinew.handle_mirror(tolerance=0.01)
     seen["names"] = [handle.name for handle in deformer().handles]

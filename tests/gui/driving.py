@@ -69,6 +69,24 @@ _KEYS = {" ": "SPACE", ".": "PERIOD", "-": "MINUS", **{str(n): key for n, key in
 _CHARACTERS = {key: character for character, key in _KEYS.items()}
 
 
+def new_head(levels: int, regions: dict) -> None:
+    """A smooth head alone in the scene, subdivided, with ``regions`` by name: kind, and which points."""
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    bpy.ops.mesh.primitive_monkey_add(size=3.0)
+    obj = bpy.context.object
+    obj.name = "Head"
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = levels
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    bpy.ops.object.shade_smooth()
+    for name, (kind, where) in regions.items():
+        members = [vertex.index for vertex in obj.data.vertices if where(vertex.co)]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+        bpy.context.view_layer.objects.active = obj
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
+    bpy.context.view_layer.objects.active = obj
+
+
 def press(key: str, character: str = "", **modifiers: bool) -> None:
     """A key or button, where the mouse is; ``character`` is what a letter writes."""
     written = character or _CHARACTERS.get(key, "")
