@@ -9,9 +9,9 @@
 #include <mutex>
 
 #ifdef __SANITIZE_THREAD__
-  #include <atomic>
-  #include <exception>
-  #include <thread>
+#include <atomic>
+#include <exception>
+#include <thread>
 #endif
 
 namespace sinew {
@@ -20,8 +20,8 @@ namespace sinew {
 
 namespace {
 
-/// Stands in for oneTBB, which is compiled without the thread sanitizer: its hand-over of work would look like
-/// a race. Two threads share the calls.
+/// Stands in for oneTBB, which is compiled without the thread sanitizer: its hand-over of work would look
+/// like a race. Two threads share the calls.
 void in_two_threads(int count, const std::function<void(int)>& body)
 {
     std::atomic<int> next = 0;
