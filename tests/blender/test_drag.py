@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import placed_object
-from libraries import put_into_a_library
+from libraries import override, put_into_a_library
 from mathutils import Matrix, Vector
 from rig import (
     add_group,
@@ -325,6 +325,18 @@ def test_what_is_linked(tmp_path: Path):
     bpy.context.scene.collection.objects.link(wanted.objects[0])
     update()
     refused("linked - make a library override")
+
+
+def test_an_override_has_handles_that_can_be_dragged_and_takes_no_others(tmp_path: Path):
+    obj = grid_object(cells=12)
+    control = drag(0.5, value=(0.0, 0.0, 0.0))
+    obj = override(put_into_a_library(tmp_path / "library.blend", obj, control))
+    for collection in [each for each in bpy.context.scene.collection.children if each.library]:
+        bpy.context.scene.collection.children.unlink(collection)
+    update()
+    drag(0.5)
+    assert evaluated_points(obj)[:, 2].max() == pytest.approx(0.5, abs=1e-5)
+    refused("The mesh of Plate is linked", origin=(-0.5, 0.0, 5.0))
 
 
 def test_other_modes():

@@ -107,6 +107,10 @@ def pull():
     seen["share that moved"] = float(moved.mean())
     seen["other side moved"] = bool(moved[before[:, 0] < 0.0].any())
     seen["active"] = bpy.context.view_layer.objects.active.name
+    last = bpy.context.window_manager.operators[-1]
+    seen["last"] = last.bl_idname
+    repeated = {name: getattr(last, name) for name in ("radius", "reach", "method", "mode")}
+    repeated |= {name: tuple(getattr(last, name)) for name in ("origin", "direction", "value")}
     yield from drag(end, (end[0], end[1] - 40))
     yield from rest(3)
     again = shown_points(head())
@@ -114,7 +118,7 @@ def pull():
     seen["off the mouse again"] = (
         apart(again[region_of] - after[region_of], np.array((0.0, 0.0, -40.0)) * pixel) / pixel
     )
-    return before, after, again
+    return before, after, again, repeated
 
 
 def give_up(again: np.ndarray):
@@ -133,7 +137,7 @@ def give_up(again: np.ndarray):
 
 def journey():
     yield from prepare()
-    before, after, again = yield from pull()
+    before, after, again, repeated = yield from pull()
     yield from give_up(again)
     for name, shape in (("undone", after), ("all undone", before)):
         press("Z", ctrl=True)
@@ -142,6 +146,11 @@ def journey():
     press("Z", ctrl=True, shift=True)
     yield from rest(3)
     seen["redone"] = [left_behind(), apart(shown_points(head()), after)]
+    press("Z", ctrl=True)
+    yield from rest(3)
+    bpy.ops.sinew.drag(**repeated)
+    yield from rest(3)
+    seen["repeated"] = [left_behind(), apart(shown_points(head()), after)]
 
 
 play(journey())

@@ -51,3 +51,9 @@ def test_one_step_of_undo_per_drag(seen: dict):
     assert seen["all undone"][0] == NOTHING
     for name in ("undone", "all undone", "redone"):
         assert seen[name][1] < FLOAT32
+
+
+def test_adjust_last_operation_repeats_it(seen: dict):
+    assert seen["last"] == "SINEW_OT_drag"
+    assert seen["repeated"][0] == ONE_HANDLE
+    assert seen["repeated"][1] < FLOAT32

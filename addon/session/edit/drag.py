@@ -154,6 +154,8 @@ class Drag:
         self, obj: Object, painted: dict[str, np.ndarray], vertex: int, brush: Brush, wait: bool
     ) -> tuple[SinewDeformer, SinewHandle]:
         """A handle around a vertex, with a support if it needs one, and a deformer if there is none."""
+        if obj.data.library is not None:
+            raise SinewError(f"The mesh of {obj.name} is linked - drag one of its handles, or make it local")
         deformer = next((each for each in _in_order(obj) if _marks_regions(each)), None)
         rows = []
         if deformer is not None:
@@ -219,11 +221,10 @@ def _plan(
                 )
     here[vertex], lost[shape.not_finite] = True, True
     triangles = reach.TriangleMesh(len(points), shape.counts, shape.corners)
-    part = triangles.connected(here, lost)
+    part, larger = _parts(points, (shape.counts, shape.corners), vertex)
     whole = np.isinf(brush.reach)
     furthest = brush.radius if whole else max(brush.radius, brush.reach)
     lengths = triangles.lengths(points, here, lost, furthest)
-    larger = _in_larger_parts(points, (shape.counts, shape.corners), vertex)
     is_supported = any(row.kind == "SUPPORT" for row in rows) or not (rows or (whole and not len(larger)))
     support = part.copy() if whole else np.isfinite(lengths)
     support[larger] = True
@@ -234,17 +235,20 @@ def _plan(
     )
 
 
-def _in_larger_parts(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray], vertex: int) -> np.ndarray:
-    """One vertex of each part that is larger than the part of ``vertex``, and must not ride on it.
+def _parts(
+    points: np.ndarray, faces: tuple[np.ndarray, np.ndarray], vertex: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """The part of a vertex as a mask (n,), and one vertex (k,) of each part that is larger.
 
-    A support with such a vertex holds the rest of the part.
+    Larger parts must not ride on it. A support that has a vertex of them holds their other vertices.
     """
-    parts, first, of = np.unique(connected_parts(len(points), faces), return_index=True, return_inverse=True)
-    low, high = np.full((len(parts), 3), np.inf), np.full((len(parts), 3), -np.inf)
-    np.minimum.at(low, of, points)
-    np.maximum.at(high, of, points)
+    labels = connected_parts(len(points), faces)
+    order = np.argsort(labels, kind="stable")
+    starts = np.flatnonzero(np.diff(labels[order], prepend=-1))
+    low, high = (side.reduceat(points[order], starts) for side in (np.minimum, np.maximum))
     sizes = np.linalg.norm(high - low, axis=1)
-    return first[sizes > sizes[of[vertex]]]
+    part = labels == labels[vertex]
+    return part, order[starts[sizes > sizes[part[order[starts]]]]]
 
 
 def _in_order(obj: Object) -> list[SinewDeformer]:
@@ -294,9 +298,8 @@ def _handle_at(
 def _require_target(obj: Object) -> None:
     """Refuse an object on which no handle can be made."""
     targets.require_mesh(obj, "A handle needs the surface of a mesh: this tool drags")
-    linked = obj if obj.library is not None else obj.data if obj.data.library is not None else None
-    if linked is not None:
-        raise SinewError(f"{linked.name} is linked - make a library override first")
+    if obj.library is not None:
+        raise SinewError(f"{obj.name} is linked - make a library override first")
     if obj.mode != "OBJECT":
         mode = obj.bl_rna.properties["mode"].enum_items[obj.mode].name
         raise SinewError(f"{obj.name} is in {mode} Mode - bring it to Object Mode first")
