@@ -30,6 +30,7 @@ class Operators:
     REPAIR = "sinew.repair"
     PART_REGIONS = "sinew.part_regions"
     GRAB_REGION = "sinew.grab_region"
+    DRAG = "sinew.drag"
     BAKE = "sinew.bake"
     UNBAKE = "sinew.unbake"
     CURVE_EDIT = "sinew.curve_edit"

@@ -15,6 +15,7 @@ from ..core.errors import (
     BackendMissingError,
     CancelledError,
     ConstraintError,
+    FactorInUseError,
     MeshError,
     OptionError,
     OutOfMemoryError,
@@ -35,6 +36,7 @@ _TRANSLATION = {
     "FactorizationFailed": SolverError,
     "OutOfMemory": OutOfMemoryError,
     "Cancelled": CancelledError,
+    "ObjectInUse": FactorInUseError,
 }
 _REPAIRABLE = (MeshError, SolverError)  # if such an error names elements, Repair can mend the mesh
 

@@ -5,6 +5,7 @@ from .blocks.baked import find_cache
 from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
+from .blocks.surface import Hit, first_hit
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
@@ -13,6 +14,7 @@ from .edit.automatic import change_cage, check_cage, face_count, is_automatic
 from .edit.bind import bind, unbind
 from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, cage_seconds, flip_cage, set_rest_cage
 from .edit.deformers import add_deformer, remove_deformer
+from .edit.drag import Brush, Drag
 from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
@@ -41,8 +43,11 @@ __all__ = (
     "CAGE_METHODS",
     "CANCELLED",
     "NOTHING_FREE",
+    "Brush",
     "Cures",
+    "Drag",
     "Grab",
+    "Hit",
     "MirrorOptions",
     "Mirrored",
     "Work",
@@ -73,6 +78,7 @@ __all__ = (
     "find",
     "find_cache",
     "find_modifier",
+    "first_hit",
     "flip_cage",
     "forget_owners",
     "forget_shapes",

@@ -197,6 +197,7 @@ OPERATORS = {
     "repair": Case(lambda: run("repair"), anew, add_loose_vertex),
     "part_regions": Case(lambda: run("part_regions"), anew, let_regions_overlap, at_rest),
     "select_handle": Case(lambda: run("select_handle", index=0), unchanged),
+    "drag": Case(lambda: run("drag", origin=(0.0, 0.9, 5.0), value=(0.0, 0.0, -0.5)), at_rest),
 }
 BEFORE_THE_PRESS = {"unbake": bake_keys}  # of the pose, not of the rest shape
 
