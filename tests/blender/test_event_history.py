@@ -480,11 +480,8 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
     last = len(story.steps) - 1
     story.walk(last, 0)
     assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
-    story.walk(0, last)
-    story.walk(last, 2)
-    story.walk(2, 7)
-    story.walk(7, 5)
-    story.walk(5, last)
+    for start, end in ((0, last), (last, 2), (2, 7), (7, 5), (5, last)):
+        story.walk(start, end)
 
 
 def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
