@@ -18,14 +18,15 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 using Entry = std::pair<double, int>;
 using Front = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 
-/// A length rounded up to a multiple of an eighth of the power of two below it, so that sums are exact. The
-/// bounds lie where no regular mesh has its lengths.
+/// A length rounded to a multiple of an eighth of the power of two below it, and raised by a sixteenth, so that
+/// it is no shorter than it was. Sums of such numbers are exact, and the bounds between them lie where no regular
+/// mesh has its lengths.
 double rounded(double length)
 {
-    constexpr double bound = 0.46; // between two multiples
+    constexpr double bound = 0.46; // between two multiples; the largest is the first of the next octave
     int exponent = 0;
     const double eighths = 16 * std::frexp(length, &exponent); // from 8 to 16
-    return length > 0 ? std::ldexp(std::floor(eighths + 1 - bound) + 1, exponent - 4) : 0.0;
+    return length > 0 ? std::ldexp(17 * std::floor(eighths + 1 - bound), exponent - 8) : 0.0;
 }
 
 /// Visits nodes in the order of their distance from a seed along the edges, in rounded lengths.
