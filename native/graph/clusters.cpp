@@ -18,9 +18,9 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 using Entry = std::pair<double, int>;
 using Front = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 
-/// A length rounded to a multiple of an eighth of the power of two below it, and raised by a sixteenth, so that
-/// it is no shorter than it was. Sums of such numbers are exact, and the bounds between them lie where no regular
-/// mesh has its lengths.
+/// A length rounded to a multiple of an eighth of the power of two below it, and raised by a sixteenth, so
+/// that it is no shorter than it was. Sums of such numbers are exact, and the bounds between them lie where
+/// no regular mesh has its lengths.
 double rounded(double length)
 {
     constexpr double bound = 0.46; // between two multiples; the largest is the first of the next octave

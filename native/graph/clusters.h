@@ -12,8 +12,8 @@ namespace sinew {
 /// over the nodes that are nearer to it than to any other seed. No cluster crosses the border of a handle;
 /// idle nodes are in no cluster.
 ///
-/// Edges are measured in lengths that are rounded up to one of eight numbers per octave, so that sums of them are
-/// exact and equal distances stay equal, and equally far nodes are taken by their numbers. Thus the last
+/// Edges are measured in lengths that are rounded up to one of eight numbers per octave, so that sums of them
+/// are exact and equal distances stay equal, and equally far nodes are taken by their numbers. Thus the last
 /// bits of the rest shape do not choose the clusters, except where a length lies just beside a bound.
 struct Clusters
 {

@@ -49,8 +49,7 @@ struct Setting : graphs::BarAndSphere
 TEST(Clusters, are_as_many_as_wanted_and_reach_as_far_as_they_say)
 {
     const Setting setting;
-    const Clusters clusters(setting.graph, setting.mesh.points(), 50,
-                            graphs::own_numbers(setting.graph));
+    const Clusters clusters(setting.graph, setting.mesh.points(), 50, graphs::own_numbers(setting.graph));
     EXPECT_EQ(clusters.seeds.size(), 50u);
     for (std::size_t c = 0; c < clusters.seeds.size(); ++c)
         EXPECT_EQ(clusters.label[clusters.seeds[c]], static_cast<int>(c));
