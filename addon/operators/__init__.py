@@ -7,7 +7,7 @@ from . import entering
 from .apply import SINEW_OT_apply
 from .bake import SINEW_OT_bake, SINEW_OT_unbake
 from .bind import SINEW_OT_bind, SINEW_OT_unbind
-from .cage import SINEW_OT_cage_add, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
+from .cage import SINEW_OT_cage_add, SINEW_OT_cage_faces, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
 from .cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .control import SINEW_OT_control_new
 from .curve import SINEW_OT_curve_edit
@@ -47,6 +47,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_cage_add,
         SINEW_OT_cage_set_rest,
         SINEW_OT_cage_flip,
+        SINEW_OT_cage_faces,
         SINEW_OT_handle_add,
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,

@@ -177,10 +177,7 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
         brush = session.Brush(self.choose_method(context).id, self.radius, reach)
         drag = session.Drag(hit, context.evaluated_depsgraph_get(), brush, wait)
         if not drag.is_held:
-            self.report(
-                {"INFO"},
-                "Nothing holds this part, so all of it moves - click on it to make handles that stay",
-            )
+            self.report({"INFO"}, _NOT_HELD)
         return drag
 
     def _keep(self, context: Context, obj: Object, drag: session.Drag) -> None:

@@ -10,6 +10,7 @@ from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_m
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
+from .edit.automatic import change_cage, check_cage, face_count, is_automatic
 from .edit.bind import bind, unbind
 from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, cage_seconds, flip_cage, set_rest_cage
 from .edit.deformers import add_deformer, remove_deformer
@@ -63,6 +64,8 @@ __all__ = (
     "can_be_moved",
     "cancel",
     "carry_out_writes",
+    "change_cage",
+    "check_cage",
     "circle",
     "collect",
     "complete_undo",
@@ -71,6 +74,7 @@ __all__ = (
     "curve_node",
     "duration",
     "edit_curve",
+    "face_count",
     "find",
     "find_cache",
     "find_modifier",
@@ -82,6 +86,7 @@ __all__ = (
     "handles_of_side",
     "has_copies",
     "has_pending",
+    "is_automatic",
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
