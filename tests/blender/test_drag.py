@@ -168,6 +168,15 @@ def test_the_region_goes_along_the_surface_and_not_through_a_thin_limb():
     assert (base_points(obj)[members(obj, "Handle.001"), 2] < 0.0).all()
 
 
+def test_the_side_that_is_seen_is_taken_also_where_a_vertex_of_the_other_one_is_nearer():
+    corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+    below = [(x, y, -0.02) for x, y in (*corners, (0.0, 0.0))]
+    faces = [(0, 1, 2, 3), (8, 5, 4), (8, 6, 5), (8, 7, 6), (8, 4, 7)]
+    obj = new_object("Sheet", [(x, y, 0.0) for x, y in corners] + below, faces)
+    drag(0.1, 0.1)
+    assert set(members(obj, "Handle")) == {2}
+
+
 def test_a_placed_object_moves_by_the_numbers_of_the_world():
     """Turned, scaled without proportion, and with a parent."""
     obj = placed_object(cells=16)
@@ -194,21 +203,21 @@ def test_rotation_and_scale_about_the_place_that_was_pressed():
 def test_on_the_surface_that_modifiers_make(kind: str):
     """The place pressed is found on the mesh itself, wherever the modifiers show it."""
     obj = grid_object(cells=20)
-    add_armature_lift(obj)
+    show_beside_the_mesh(obj)
     obj.modifiers.new("Made", kind)
-    drag(0.5, 0.5)
+    drag(1.5, 0.5)
     chosen = members(obj, "Handle")
     assert np.abs(base_points(obj)[chosen, :2].mean(axis=0) - 0.5).max() < 0.06
     assert obj.sinew.active.is_bound
 
 
-def add_armature_lift(obj: bpy.types.Object) -> None:
-    """A shape key that raises the plate, so that the surface is not where the mesh is."""
+def show_beside_the_mesh(obj: bpy.types.Object) -> None:
+    """A shape key takes the plate aside."""
     obj.shape_key_add(name="Basis")
-    raised = obj.shape_key_add(name="Raised")
-    for point in raised.data:
-        point.co.z += 1.0
-    raised.value = 1.0
+    aside = obj.shape_key_add(name="Aside")
+    for point in aside.data:
+        point.co.x += 1.0
+    aside.value = 1.0
 
 
 def test_vertices_that_a_modifier_makes_anew_belong_to_no_region():
