@@ -13,7 +13,7 @@ from registry import BY_ID, METHODS, Control, options_of
 from rig import Rig, make_active, update
 from rigs import rig_for
 
-CAPTURE = "_rest_mesh"  # evaluates a copy of the object and makes a mesh of it
+CAPTURE = "_rest_meshes"  # evaluates copies of objects and makes a mesh of each
 
 
 def add_handle(rig: Rig, role: str, group: str, **options: object) -> Counter:
@@ -130,17 +130,12 @@ def heavy(method: str) -> bpy.types.Object:
 def test_the_cost_of_a_bind_decides_whether_a_thread_computes_it(
     method: str, rig: Callable[[str], bpy.types.Object], in_thread: bool, monkeypatch: pytest.MonkeyPatch
 ):
-    """As in a window; the estimates of the rows are no further from the truth than a busy machine."""
+    """As in a window, by the estimate of the row alone: the time that it takes here counts for nothing."""
     obj, binding, session = rig(method), room(BINDING), room("session")
     deformer = obj.sinew.active
-    taken = session.find(deformer.uid).bound.milliseconds / 1000.0
     monkeypatch.setattr(binding, "may_wait", lambda seconds: seconds >= binding.HEAVY)
     session.find(deformer.uid).bound = None
     session.bind(obj, deformer, wait=False)
     assert (session.job(deformer.uid) is not None) is in_thread
     assert finish()
     assert deformer.status_level == "INFO", deformer.status
-    if in_thread:
-        assert 0.1 * binding.HEAVY < taken < 10.0 * binding.HEAVY
-    else:
-        assert taken < 3.0 * binding.HEAVY
