@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import placed_object
+from inside import finish, use_threads
 from libraries import override, put_into_a_library
 from mathutils import Matrix, Vector
 from rig import (
@@ -168,6 +169,15 @@ def test_the_region_goes_along_the_surface_and_not_through_a_thin_limb():
     assert (base_points(obj)[members(obj, "Handle.001"), 2] < 0.0).all()
 
 
+def test_the_side_that_is_seen_is_taken_also_where_a_vertex_of_the_other_one_is_nearer():
+    corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+    below = [(x, y, -0.02) for x, y in (*corners, (0.0, 0.0))]
+    faces = [(0, 1, 2, 3), (8, 5, 4), (8, 6, 5), (8, 7, 6), (8, 4, 7)]
+    obj = new_object("Sheet", [(x, y, 0.0) for x, y in corners] + below, faces)
+    drag(0.1, 0.1)
+    assert set(members(obj, "Handle")) == {2}
+
+
 def test_a_placed_object_moves_by_the_numbers_of_the_world():
     """Turned, scaled without proportion, and with a parent."""
     obj = placed_object(cells=16)
@@ -194,21 +204,21 @@ def test_rotation_and_scale_about_the_place_that_was_pressed():
 def test_on_the_surface_that_modifiers_make(kind: str):
     """The place pressed is found on the mesh itself, wherever the modifiers show it."""
     obj = grid_object(cells=20)
-    add_armature_lift(obj)
+    show_beside_the_mesh(obj)
     obj.modifiers.new("Made", kind)
-    drag(0.5, 0.5)
+    drag(1.5, 0.5)
     chosen = members(obj, "Handle")
     assert np.abs(base_points(obj)[chosen, :2].mean(axis=0) - 0.5).max() < 0.06
     assert obj.sinew.active.is_bound
 
 
-def add_armature_lift(obj: bpy.types.Object) -> None:
-    """A shape key that raises the plate, so that the surface is not where the mesh is."""
+def show_beside_the_mesh(obj: bpy.types.Object) -> None:
+    """A shape key takes the plate aside."""
     obj.shape_key_add(name="Basis")
-    raised = obj.shape_key_add(name="Raised")
-    for point in raised.data:
-        point.co.z += 1.0
-    raised.value = 1.0
+    aside = obj.shape_key_add(name="Aside")
+    for point in aside.data:
+        point.co.x += 1.0
+    aside.value = 1.0
 
 
 def test_vertices_that_a_modifier_makes_anew_belong_to_no_region():
@@ -391,7 +401,7 @@ def test_what_is_displayed_as_wire_is_seen_through():
 class Finger:
     """A press on the middle of a plate that is seen from above, where a pixel is a centimetre."""
 
-    def __init__(self, room, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), reach: float = 0.5) -> None:
+    def __init__(self, room, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), wait: bool = True) -> None:
         session, dragging = room("session"), room("operators.dragging")
         typed = room("core.transform.typed_motion")
         self.obj, self.outcomes = obj, dragging.Outcome
@@ -399,7 +409,7 @@ class Finger:
         self.view = typed.View(*np.eye(3), pixel=0.01, centre=(500.0, 300.0))
         depsgraph = bpy.context.evaluated_depsgraph_get()
         hit = session.Hit(obj, np.array(place), np.array((0.0, 0.0, 1.0)))
-        self.drag = session.Drag(hit, depsgraph, session.Brush("arap", 0.25, reach))
+        self.drag = session.Drag(hit, depsgraph, session.Brush("arap", 0.25, 0.5), wait)
         motion = typed.TypedMotion(typed.Mode.TRANSLATE, self.view, np.eye(3), (self.x, self.y))
         self.tool = dragging.Dragging(self.drag, motion, np.array(place), np.eye(3))
 
@@ -451,3 +461,22 @@ def test_cancel_leaves_nothing_behind(room, key: str, before: str):
     assert close(evaluated_points(obj), shape)
     texts = [room("core.status").current(row.uid).text for row in obj.sinew.deformers]
     assert [text.split(", bound")[0] for text in texts] == [text.split(", bound")[0] for text in status]
+
+
+@pytest.mark.parametrize("key", ["LEFTMOUSE", "ESC"])
+def test_a_heavy_mesh_is_bound_by_a_thread(room, monkeypatch: pytest.MonkeyPatch, key: str):
+    use_threads(monkeypatch)
+    obj = grid_object(cells=30)
+    update()
+    rest, was = base_points(obj), everything()
+    finger = Finger(room, obj, wait=False)
+    assert finger.tool.job is not None
+    finger.move(20, 10)
+    finger.send(key, "RELEASE" if key == "LEFTMOUSE" else "PRESS")
+    if key == "ESC":
+        assert finger.tool.job is None
+        assert everything() == was
+        return
+    assert finish()
+    chosen = members(obj, "Handle")
+    assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))
