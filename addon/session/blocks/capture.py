@@ -10,8 +10,10 @@ from contextlib import ExitStack, contextmanager
 from typing import TypeVar
 
 import bpy
+import numpy as np
 from bpy.types import ID, Depsgraph, Mesh, Modifier, Object
 
+from ...compat import read_positions
 from ...core.errors import MeshError
 from ...core.point_types import MESH, point_type_with_id
 from ...ids import Datablocks, Keys
@@ -34,6 +36,7 @@ def evaluated_mesh(obj: Object, depsgraph: Depsgraph) -> Iterator[Mesh | None]:
 # So few vertex groups are all stored as attributes, in use or not. If a later bind uses other groups, only
 # weights have changed since.
 FEW_GROUPS = 8
+_PLACES = ".sinew_place"  # an attribute of temporary meshes
 
 
 _Made = TypeVar("_Made")
@@ -82,6 +85,27 @@ def mesh_after(obj: Object, last_modifier: int) -> Mesh:
     """A new mesh: the object after its first ``last_modifier`` modifiers."""
     with _stand_ins([(obj, last_modifier)]) as copies:
         return _new_meshes(copies)[0]
+
+
+def mesh_with_places(obj: Object) -> tuple[Mesh, np.ndarray | None]:
+    """A new mesh: the object after all modifiers; and where its vertices are in the mesh itself, float32
+    (m, 3), or in between. None if the modifiers make vertices anew.
+    """
+    with _stand_ins([(obj, len(obj.modifiers))]) as (copy,):
+        own = copy.data = obj.data.copy()
+        try:
+            places = own.attributes.new(_PLACES, "FLOAT_VECTOR", "POINT")
+            places.data.foreach_set("vector", read_positions(obj.data).ravel())
+            (mesh,) = _new_meshes([copy])
+        finally:
+            copy.data = obj.data
+            bpy.data.batch_remove((own,))
+    carried = mesh.attributes.get(_PLACES)
+    if carried is None or carried.domain != "POINT":
+        return mesh, None
+    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    carried.data.foreach_get("vector", flat)
+    return mesh, flat.reshape(-1, 3)
 
 
 def _new_meshes(objects: Iterable[Object]) -> list[Mesh]:
