@@ -49,7 +49,7 @@ void MovingFrames::add(const std::vector<Triangle>& triangles, const std::vector
     const int first = firsts_[firsts_.size() - 2];
     // Of few triangles the centres alone may lie on a line. With three quarters of the weight there, and the
     // rest on their corners, the sums are those over the surfaces of the triangles.
-    const bool few = corners_each * count <= 24;
+    const bool few = corners_each * count <= most_triangles;
     const int used = few ? corners_each * count : count;
     while (firsts_.back() < first + used) { // the patches before have no more triangles
         FrameSlot slot = firsts_.back() > first ? slots_[first] : FrameSlot{};

@@ -36,9 +36,9 @@ struct FrameRests
 class MovingFrames
 {
 public:
-    static constexpr int most_triangles = 16; ///< of a patch
+    static constexpr int most_triangles = 24; ///< of a patch
 
-    /// \param triangles  1 to 16 of the surface.
+    /// \param triangles  1 to 24 of the surface.
     /// \param weights    w, and
     /// \param anchors    a; each sum to 1.
     void add(const std::vector<Triangle>& triangles, const std::vector<double>& weights,

@@ -139,7 +139,11 @@ def littered(method: str) -> bpy.types.Object:
         mesh.faces.new([mesh.verts.new(at) for at in ((x, y, z), (x + 0.01, y, z), (x, y + 0.01, z))])
     mesh.to_mesh(data)
     mesh.free()
-    return rig.bind(method).obj
+    rig.bind(method)
+    session = room("session")
+    session.find(rig.deformer.uid).bound = None  # which each handle took over from the one before
+    session.bind(rig.obj, rig.deformer)
+    return rig.obj
 
 
 @pytest.mark.parametrize(
