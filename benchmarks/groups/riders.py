@@ -16,7 +16,6 @@ VERTICES_PER_SHELL = 50  # of the sheet
 VERTICES_PER_LOOSE_ONE = 5  # likewise
 MOST_BIND = 1.0  # seconds
 SIDE = 10.0
-METHODS = {"thin_shell": sinew_native.ThinShell, "arap": sinew_native.Arap}
 
 Parts = tuple[np.ndarray, np.ndarray]  # points and triangles
 
@@ -36,54 +35,45 @@ def measure(size: int, threads: list[int], loose: str) -> list[Row]:
         np.concatenate([points, more]), np.concatenate([faces, len(points) + more_faces])
     )
     poses = np.stack([STILL, np.column_stack([turn((0, 1, 0), -90), (2.0, 0.0, 5.0)])])
+    shells = {choice: sinew_native.ThinShell(mesh) for choice in ("stay", "follow")}
+    arap = sinew_native.Arap(mesh)
+    arap.set_handles(handles)
     rows: list[Row] = []
-    for name, method in METHODS.items():
-        made = {choice: method(mesh) for choice in ("stay", "follow")}
-        for count in threads:
-            binds = {choice: _bind(made[choice], handles, choice, count) for choice in made}
-            if name == "thin_shell":
-                alternate(binds, budget=6.0, most=6)
-            else:  # what parts that follow add is the same
-                for work in binds.values():
-                    work.turn()
-            frames = {
-                choice: Work(
-                    lambda one=one: one.solve(poses), lambda count=count: sinew_native.limit_threads(count)
-                )
-                for choice, one in made.items()
+    for count in threads:
+        binds = {choice: _bind(shells[choice], handles, choice, count) for choice in shells}
+        alternate(binds, budget=6.0, most=6)
+        frames = {
+            name: Work(lambda made=made: made.solve(poses), lambda: sinew_native.limit_threads(count))
+            for name, made in {**shells, "arap": arap}.items()
+        }
+        alternate(frames)
+        common = {"size": size, "threads": count, "vertices": mesh.vertex_count, "unit": "s"}
+        bind = {"work": "riders_bind", "case": loose, "ours": _added(binds), "peer": MOST_BIND}
+        rows.append({**bind, **common})
+        # They take as long with every method, and beside `Arap` the difference would be lost in its noise.
+        rows += [
+            {
+                "work": "riders_frame",
+                "case": f"{method}, {loose}",
+                "ours": _added(frames),
+                "peer": best,
+                **common,
             }
-            alternate(frames)
-            common = {"size": size, "threads": count, "vertices": mesh.vertex_count, "unit": "s"}
-            if name == "thin_shell":
-                rows.append(
-                    {"work": "riders_bind", "case": loose, **common, **_added(binds), "peer": MOST_BIND}
-                )
-            rows.append(
-                {
-                    "work": "riders_frame",
-                    "case": f"{name}, {loose}",
-                    **common,
-                    **_added(frames),
-                    "peer": frames["stay"].best,
-                }
-            )
+            for method, best in (("thin_shell", frames["stay"].best), ("arap", frames["arap"].best))
+        ]
     return rows
 
 
-def _added(works: dict[str, Work]) -> dict[str, float]:
-    return {
-        "ours": max(works["follow"].best - works["stay"].best, 1e-9),
-        "median": max(works["follow"].median - works["stay"].median, 1e-9),
-        "without": works["stay"].best,
-    }
+def _added(works: dict[str, Work]) -> float:
+    return max(works["follow"].best - works["stay"].best, 1e-9)
 
 
-def _bind(made: object, handles: list[np.ndarray], choice: str, threads: int) -> Work:
+def _bind(shell: sinew_native.ThinShell, handles: list[np.ndarray], choice: str, threads: int) -> Work:
     def prepare() -> None:
         sinew_native.limit_threads(threads)
-        made.set_handles(handles)  # so that no riders can be kept
+        shell.set_handles(handles)  # so that no riders can be kept
 
-    return Work(lambda: made.set_handles(handles, free_parts=choice), prepare, repeatable=False)
+    return Work(lambda: shell.set_handles(handles, free_parts=choice), prepare, repeatable=False)
 
 
 def _sheet(size: int) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]]:

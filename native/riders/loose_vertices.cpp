@@ -67,8 +67,8 @@ Triangle carriers_of(const HostSurface& host, const TriangleTree::Place& place, 
     const Vector3 normal = beneath.normal.normalized();
     const Corners corners = corners_of(host.part().points, own);
     const Vector3 u = (corners[1] - corners[0]).normalized(), v = normal.cross(u);
-    for (double distance = std::clamp(above, host.spacing(), farthest * host.spacing());
-         distance > 0.25 * host.spacing(); distance /= 2) {
+    double distance = std::clamp(above, host.spacing(), farthest * host.spacing());
+    for (; distance > 0.25 * host.spacing(); distance /= 2) {
         Triangle found{};
         for (int k = 0; k < 3; ++k) {
             const double angle = 2 * std::numbers::pi * k / 3;
