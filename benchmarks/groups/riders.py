@@ -43,7 +43,9 @@ def measure(size: int, threads: list[int], loose: str) -> list[Row]:
         binds = {choice: _bind(shells[choice], handles, choice, count) for choice in shells}
         alternate(binds, budget=6.0, most=6)
         frames = {
-            name: Work(lambda made=made: made.solve(poses), lambda: sinew_native.limit_threads(count))
+            name: Work(
+                lambda made=made: made.solve(poses), lambda count=count: sinew_native.limit_threads(count)
+            )
             for name, made in {**shells, "arap": arap}.items()
         }
         alternate(frames)
