@@ -28,9 +28,8 @@ class Availability:
 def wheel_name() -> str:
     """The pattern of the file name of the wheel that fits this Blender."""
     python = f"cp{sys.version_info.major}{sys.version_info.minor}"
-    return (
-        f"sinew_native-{VERSION}-{python}-{python}-*{platform.system().lower()}*{platform.machine().lower()}*"
-    )
+    system = {"Windows": "win", "Darwin": "macosx"}.get(platform.system(), platform.system().lower())
+    return f"sinew_native-{VERSION}-{python}-{python}-*{system}*{platform.machine().lower()}*"
 
 
 def load() -> Availability:

@@ -15,6 +15,7 @@ from ..core.errors import (
     BackendMissingError,
     CancelledError,
     ConstraintError,
+    FactorInUseError,
     MeshError,
     OptionError,
     OutOfMemoryError,
@@ -36,6 +37,7 @@ _TRANSLATION = {
     "FactorizationFailed": SolverError,
     "OutOfMemory": OutOfMemoryError,
     "Cancelled": CancelledError,
+    "ObjectInUse": FactorInUseError,
 }
 _REPAIRABLE = (MeshError, SolverError)  # if such an error names elements, Repair can mend the mesh
 
@@ -212,7 +214,8 @@ def automatic_cage(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
     """Make a closed mesh around a mesh.
 
-    Returns its points (c, 3), the counts and corners of its faces, and why there are more than wanted.
+    Returns its points (c, 3), the counts and corners of its faces, and what else there is to say: why there
+    are more faces than wanted, and by how much a mesh without symmetry misses it.
     ``polygons`` are the (counts, corners) of the mesh, ``options`` those of the native function. Any thread
     may call this.
     """
@@ -220,10 +223,14 @@ def automatic_cage(
     with _translated(native):
         mesh = native.SurfaceMesh(points, polygons)
         around, faces, report = native.automatic_cage(mesh, progress=progress, **options)
-    more = "" if report.reached else f"{report.faces} faces instead of {report.wanted}: {report.reason}"
+    more = [] if report.reached else [f"{report.faces} faces instead of {report.wanted}: {report.reason}"]
+    if options.get("symmetry") == "automatic" and report.mirror_axis < 0:
+        percent = 100.0 * report.asymmetry
+        more.append(f"not symmetric: the sides differ by {percent:.1f} % of the size")
+    told = "; ".join(more)
     if isinstance(faces, tuple):
-        return around, *faces, more
-    return around, np.full(len(faces), 3, dtype=np.int32), faces.ravel(), more
+        return around, *faces, told
+    return around, np.full(len(faces), 3, dtype=np.int32), faces.ravel(), told
 
 
 def connected_parts(count: int, faces: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

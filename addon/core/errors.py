@@ -68,6 +68,12 @@ class CancelledError(SinewError):
     remedy = status.Remedy.BIND
 
 
+class FactorInUseError(SinewError):
+    """A factor is asked for something within the bind that it belongs to, for which it cannot wait."""
+
+    remedy = status.Remedy.BIND
+
+
 class UnforeseenError(SinewError):
     """A thread ended with an exception that Sinew did not foresee, which is a bug in Sinew."""
 

@@ -7,15 +7,17 @@ from . import entering
 from .apply import SINEW_OT_apply
 from .bake import SINEW_OT_bake, SINEW_OT_unbake
 from .bind import SINEW_OT_bind, SINEW_OT_unbind
-from .cage import SINEW_OT_cage_add, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
+from .cage import SINEW_OT_cage_add, SINEW_OT_cage_faces, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
 from .cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .control import SINEW_OT_control_new
 from .curve import SINEW_OT_curve_edit
 from .deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
+from .drag import SINEW_OT_drag, surface_under
 from .grab_region import SINEW_OT_grab_region
 from .handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select_handle
 from .help import PAGES, SINEW_OT_help
 from .mirror import SINEW_OT_handle_mirror
+from .modal.ring import draw_line, ring
 from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
@@ -23,7 +25,19 @@ from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
 from .target import explain_no_target, target_of
 
-__all__ = ("PAGES", "entering", "explain_no_target", "preset_folder", "register", "target_of", "unregister")
+__all__ = (
+    "PAGES",
+    "SINEW_OT_drag",
+    "draw_line",
+    "entering",
+    "explain_no_target",
+    "preset_folder",
+    "register",
+    "ring",
+    "surface_under",
+    "target_of",
+    "unregister",
+)
 
 register, unregister = register_classes_factory(
     (
@@ -33,6 +47,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_cage_add,
         SINEW_OT_cage_set_rest,
         SINEW_OT_cage_flip,
+        SINEW_OT_cage_faces,
         SINEW_OT_handle_add,
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,
@@ -48,6 +63,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_unbake,
         SINEW_OT_select_problems,
         SINEW_OT_grab_region,
+        SINEW_OT_drag,
         SINEW_OT_repair,
         SINEW_OT_part_regions,
         SINEW_OT_select_distorted,

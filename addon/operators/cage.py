@@ -209,3 +209,43 @@ class SINEW_OT_cage_flip(_CageOperator, Operator):
 
     def change(self, _obj: Object, deformer: SinewDeformer) -> None:
         session.flip_cage(deformer)
+
+
+class SINEW_OT_cage_faces(_CageOperator, Operator):
+    """Make the automatic cage anew, with more faces or fewer, as long as it is neither posed nor edited"""
+
+    bl_idname = Operators.CAGE_FACES
+    bl_label = "Change Faces"
+    bl_options = {"REGISTER", "UNDO"}
+
+    faces: IntProperty(
+        name="Faces",
+        default=300,
+        min=12,
+        max=100_000,
+        soft_max=1000,
+        description="How many triangles the cage has from now on",
+    )
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        return self._ask(context)
+
+    @reports_errors
+    def _ask(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        session.check_cage(obj, obj.sinew.active)
+        if not self.properties.is_property_set("faces"):
+            self.faces = session.face_count(obj.sinew.active.cage)
+        return context.window_manager.invoke_props_dialog(self)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        options = session.check_cage(obj, deformer) | {"faces": self.faces}
+        shape = session.cage_maker(obj, deformer, **options)(None)
+        session.change_cage(obj, deformer, shape)
+        refusal = session.try_bind(obj, deformer, wait)
+        more = f", {shape[-1]}" if shape[-1] else ""
+        self.report_bind(refusal, deformer.uid, deformer.cage.name, more)
+        return {"FINISHED"}

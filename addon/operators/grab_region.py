@@ -5,48 +5,32 @@ import math
 from functools import partial
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
+from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
 from .. import session
-from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS
-from ..core.transform.motion import Mode, Motion
+from ..core.methods import BY_ID
+from ..core.transform.motion import Mode
 from ..core.transform.typed_motion import TypedMotion
 from ..ids import Operators
-from ..preferences import preferences
 from .grabbing import Grabbing
+from .modal.motion_properties import MOTION_KEYS, MotionProperties
 from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, pivot_of, typed_units, view_of
 from .reporting import reports_errors
 
-_METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
-_MODES = (
-    ("TRANSLATE", "Move", "Move the selection", "NONE", 0),
-    ("ROTATE", "Rotate", "Turn the selection about its centre", "NONE", 1),
-    ("RESIZE", "Scale", "Scale the selection about its centre", "NONE", 2),
-)
-_ORIENTATIONS = (
-    ("GLOBAL", "Global", "Along the axes of the world", "NONE", 0),
-    ("LOCAL", "Local", "Along the axes of the object", "NONE", 1),
-)
 _KEYS: Keys = (
     (("MOUSE_LMB",), "Confirm"),
     (("MOUSE_RMB",), "Cancel"),
-    (("EVENT_X", "EVENT_Y", "EVENT_Z"), "Axis"),
-    (("EVENT_SHIFT", "EVENT_X", "EVENT_Y", "EVENT_Z"), "Plane"),
-    (("EVENT_G",), "Move"),
-    (("EVENT_R",), "Rotate"),
-    (("EVENT_S",), "Scale"),
-    (("EVENT_CTRL",), "Snap"),
-    (("EVENT_SHIFT",), "Precision"),
+    *MOTION_KEYS,
     (("MOUSE_MMB_DRAG",), "Radius"),
     (("EVENT_A",), "Whole Surface"),
 )
 _CIRCLE = (1.0, 1.0, 1.0, 0.6)
 
 
-class SINEW_OT_grab_region(ViewportTool, Operator):
+class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
     """Move, rotate or scale the selected vertices; the surface around them follows by a Sinew method.
 
     It works like proportional editing, but the surface keeps its details. Use it for single poses
@@ -58,40 +42,6 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
 
     KEYS = _KEYS
 
-    mode: EnumProperty(
-        name="Mode",
-        items=_MODES,
-        default="TRANSLATE",
-        options={"SKIP_SAVE"},
-        description="Whether the selection is moved, turned or scaled at the start",
-    )
-    value: FloatVectorProperty(
-        name="Move", subtype="TRANSLATION", description="How far along each axis", options={"SKIP_SAVE"}
-    )
-    angle: FloatProperty(
-        name="Angle", subtype="ANGLE", description="The turn about the axis", options={"SKIP_SAVE"}
-    )
-    axis: FloatVectorProperty(
-        name="Axis",
-        subtype="XYZ",
-        default=(0.0, 0.0, 1.0),
-        description="What the selection turns about",
-        options={"SKIP_SAVE"},
-    )
-    scale: FloatVectorProperty(
-        name="Scale",
-        subtype="XYZ",
-        default=(1.0, 1.0, 1.0),
-        description="The factor along each axis",
-        options={"SKIP_SAVE"},
-    )
-    orientation: EnumProperty(
-        name="Orientation",
-        items=_ORIENTATIONS,
-        default="GLOBAL",
-        options={"SKIP_SAVE"},
-        description="Which axes X, Y and Z mean",
-    )
     radius: FloatProperty(
         name="Radius",
         subtype="DISTANCE",
@@ -103,13 +53,6 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
     unlimited: BoolProperty(
         name="Whole Surface",
         description="Everything that is connected to the selection follows, at any distance",
-    )
-    method: EnumProperty(
-        name="Method",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
-        default=DEFAULT_METHOD,
-        description="How the surface follows",
-        options={"SKIP_SAVE"},
     )
 
     @classmethod
@@ -124,7 +67,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
         obj = context.edit_object
         grab = self._grab(context, obj)
         grab.follow(math.inf if self.unlimited else self.radius)
-        grab.show(obj, self._motion().matrix(axes_of(obj), pivot_of(context, grab.selection)))
+        grab.show(obj, self.motion.matrix(axes_of(obj.matrix_world), pivot_of(context, grab.selection)))
         self._report_limits(obj, grab)
         return {"FINISHED"}
 
@@ -137,7 +80,7 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
     def _begin(self, context: Context, event: Event) -> set[str]:
         obj = context.edit_object
         grab = self._grab(context, obj)
-        pivot, axes = pivot_of(context, grab.selection), axes_of(obj)
+        pivot, axes = pivot_of(context, grab.selection), axes_of(obj.matrix_world)
         typed = TypedMotion(
             Mode(self.mode),
             view_of(context, pivot),
@@ -148,19 +91,13 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
         )
         tool = Grabbing(grab, typed, pivot, axes, math.inf if self.unlimited else self.radius)
         self._report_limits(obj, grab)
-        return self.begin(context, tool, partial(_draw_circle, tool))
+        return self.begin(context, tool, obj, partial(_draw_circle, tool))
 
     def draw(self, _context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        layout.prop(self, "mode")
-        if self.mode == "ROTATE":
-            layout.prop(self, "angle")
-            layout.prop(self, "axis")
-        else:
-            layout.prop(self, "value" if self.mode == "TRANSLATE" else "scale")
-        layout.prop(self, "orientation")
+        self.draw_motion(layout)
         layout.separator()
         layout.prop(self, "method")
         row = layout.row()
@@ -169,27 +106,11 @@ class SINEW_OT_grab_region(ViewportTool, Operator):
         layout.prop(self, "unlimited")
 
     def _grab(self, context: Context, obj: Object) -> session.Grab:
-        if not self.properties.is_property_set("method"):
-            preferred = BY_ID[preferences(context).method]
-            self.method = preferred.id if preferred in _METHODS else DEFAULT_METHOD
-        return session.Grab(obj, BY_ID[self.method])
+        return session.Grab(obj, self.choose_method(context))
 
-    def _motion(self) -> Motion:
-        return Motion(
-            Mode(self.mode),
-            self.orientation == "LOCAL",
-            tuple(self.value),
-            self.angle,
-            tuple(self.axis),
-            tuple(self.scale),
-        )
-
-    def store_result(self) -> None:
+    def store_result(self, _context: Context) -> None:
         tool = self.tool
-        motion = tool.typed.motion
-        self.mode, self.orientation = motion.mode.value, "LOCAL" if motion.local else "GLOBAL"
-        self.value, self.scale = motion.move, motion.scale
-        self.angle, self.axis = motion.angle, motion.axis
+        self.store_motion(tool.typed.motion)
         self.unlimited = math.isinf(tool.radius)
         if not self.unlimited:
             self.radius = tool.radius

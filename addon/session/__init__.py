@@ -5,13 +5,16 @@ from .blocks.baked import find_cache
 from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
+from .blocks.surface import Hit, first_hit
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
+from .edit.automatic import change_cage, check_cage, face_count, is_automatic
 from .edit.bind import bind, unbind
 from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, cage_seconds, flip_cage, set_rest_cage
 from .edit.deformers import add_deformer, remove_deformer
+from .edit.drag import Brush, Drag
 from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
@@ -40,8 +43,11 @@ __all__ = (
     "CAGE_METHODS",
     "CANCELLED",
     "NOTHING_FREE",
+    "Brush",
     "Cures",
+    "Drag",
     "Grab",
+    "Hit",
     "MirrorOptions",
     "Mirrored",
     "Work",
@@ -58,6 +64,8 @@ __all__ = (
     "can_be_moved",
     "cancel",
     "carry_out_writes",
+    "change_cage",
+    "check_cage",
     "circle",
     "collect",
     "complete_undo",
@@ -66,9 +74,11 @@ __all__ = (
     "curve_node",
     "duration",
     "edit_curve",
+    "face_count",
     "find",
     "find_cache",
     "find_modifier",
+    "first_hit",
     "flip_cage",
     "forget_owners",
     "forget_shapes",
@@ -76,6 +86,7 @@ __all__ = (
     "handles_of_side",
     "has_copies",
     "has_pending",
+    "is_automatic",
     "is_exported",
     "is_mesh",
     "is_moved_by_control",

@@ -52,6 +52,10 @@ void bind_automatic_cage(py::module_& module)
         .def_readonly("reason", &AutomaticCageReport::reason,
                       "Why there are more faces than wanted; empty where the number was reached.")
         .def_readonly("mirror_axis", &AutomaticCageReport::mirror_axis, "0 to 2, or -1 for none.")
+        .def_readonly(
+            "asymmetry", &AutomaticCageReport::asymmetry,
+            "The greatest distance from the mirror image of a vertex to the target, for the best axis\n"
+            "or the one asked for; 0 where no symmetry is wanted.")
         .def_readonly("wrap_faces", &AutomaticCageReport::wrap_faces,
                       "Number of triangles of the fine surface that was simplified.")
         .def_readonly("margin", &AutomaticCageReport::margin,
@@ -75,7 +79,9 @@ mesh      SurfaceMesh, with any parts, holes and crossings; loose vertices are i
 faces     number of triangles wanted, 12 to 100000; a quad counts as two. There may be more: the report says how
           many, and why.
 margin    distance from the mesh at which the cage is begun, as a share of its diagonal; 0.004 to 0.25.
-symmetry  'automatic' (along the first of x, y, z along which the vertices are mirrored), 'none', 'x', 'y' or 'z'.
+symmetry  'automatic' (along the axis along which the sides differ least, if by no more than 0.02 of the diagonal),
+          'none', 'x', 'y' or 'z'. About the object's origin if the target is symmetric about it, else about the
+          middle of its box. Vertices come in pairs, mirrored exactly about the origin, else to rounding.
 quads     join triangles into quads where the cage is good with either diagonal.
 progress  None or callable(fraction, stage); returning False cancels.
 

@@ -11,7 +11,8 @@ if(CHOLMOD_FOUND AND NOT TARGET CHOLMOD::CHOLMOD)
   set_target_properties(CHOLMOD::CHOLMOD PROPERTIES
     IMPORTED_LOCATION "${CHOLMOD_LIBRARY}"
     INTERFACE_INCLUDE_DIRECTORIES "${CHOLMOD_INCLUDE_DIR}")
-  foreach(_name suitesparseconfig amd colamd camd ccolamd openblas)
+  find_library(CHOLMOD_blas_LIBRARY NAMES openblas libopenblas blas)
+  foreach(_name suitesparseconfig amd colamd camd ccolamd blas)
     find_library(CHOLMOD_${_name}_LIBRARY NAMES ${_name} lib${_name})
     if(CHOLMOD_${_name}_LIBRARY)
       set_property(TARGET CHOLMOD::CHOLMOD APPEND PROPERTY

@@ -13,6 +13,9 @@ else()
     # Every 64-bit x86 machine that Blender 4.2 and later runs on has SSE4.2.
     target_compile_options(sinew_compiler INTERFACE -msse4.2)
   endif()
+  if(WIN32) # strict C++ hides M_PI there, which OpenSubdiv's headers use
+    target_compile_definitions(sinew_compiler INTERFACE _USE_MATH_DEFINES)
+  endif()
   # A compiler that fuses a * b + c in one place and not in another would make equal poses give unequal shapes.
   target_compile_options(sinew_compiler INTERFACE -ffp-contract=off)
 endif()

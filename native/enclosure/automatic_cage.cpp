@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/enclosure/mirror_plane.h"
 #include "native/enclosure/progressive_hull.h"
 #include "native/enclosure/quads.h"
 #include "native/enclosure/wrap.h"
@@ -28,8 +29,9 @@ namespace {
 
 using Symmetry = AutomaticCageOptions::Symmetry;
 
-constexpr double mirror_tolerance = 1e-3;
 constexpr double on_mirror = 1e-5; // vertices of the wrap that are this close to the mirror are put on it
+constexpr double mirror_tolerance =
+    0.02; // as large as the default margin, about: a symmetric cage then costs little space
 constexpr int attempts = 3;        // each with twice the margin of the one before
 
 /// From object space to a box of diagonal 1 around the origin.
@@ -102,62 +104,28 @@ TriangleSoup soup_of(const SurfaceMesh& target, const Frame& frame)
     return soup;
 }
 
-/// The target's vertices in cells of space, to find out whether they are mirror-symmetric.
-class MirrorTest
+bool is_forced(Symmetry symmetry) { return symmetry != Symmetry::automatic && symmetry != Symmetry::none; }
+
+/// The mirror plane that is asked for, or the best one, in the coordinates of the frame.
+MirrorPlane mirror_of(const TriangleSoup& soup, int vertices, const TriangleTree& tree, const Frame& frame,
+                      Symmetry symmetry)
 {
-public:
-    MirrorTest(const SurfaceMesh& target, const Frame& frame)
-    {
-        for (int v = 0; v < target.vertex_count(); ++v)
-            points_.push_back(frame.in(target.point(v)));
-        for (const Vector3& p : points_)
-            cells_[cell(p)].push_back(p);
-    }
+    if (symmetry == Symmetry::none)
+        return {};
+    const MirrorTest test(soup.points, vertices, tree);
+    const Vector3 origin = -frame.centre / frame.size;
+    const int forced = is_forced(symmetry) ? static_cast<int>(symmetry) - static_cast<int>(Symmetry::x) : -1;
+    return test.best(origin, forced, mirror_tolerance);
+}
 
-    /// Whether there is a vertex at the mirror image of each vertex.
-    bool passes(int axis) const
-    {
-        return std::ranges::all_of(points_, [&](Vector3 p) {
-            p[axis] = -p[axis];
-            return has(p);
-        });
-    }
-
-private:
-    using Cell = std::array<int, 3>;
-
-    static Cell cell(const Vector3& p)
-    {
-        const Eigen::Array3i index = (p / (2 * mirror_tolerance)).array().floor().cast<int>();
-        return {index[0], index[1], index[2]};
-    }
-
-    bool has(const Vector3& point) const
-    {
-        const auto [x, y, z] = cell(point);
-        for (int n = 0; n < 27; ++n) {
-            const auto at = cells_.find({x + n % 3 - 1, y + n / 3 % 3 - 1, z + n / 9 - 1});
-            if (at != cells_.end() && std::ranges::any_of(at->second, [&](const Vector3& p) {
-                    return (p - point).norm() < mirror_tolerance;
-                }))
-                return true;
-        }
-        return false;
-    }
-
-    std::vector<Vector3> points_;
-    std::map<Cell, std::vector<Vector3>> cells_;
-};
-
-int mirror_axis(const SurfaceMesh& target, const Frame& frame, Symmetry symmetry)
+/// Puts the mirror at coordinate 0 of the frame. A mirror through the object's origin is there exactly, so
+/// that rounding is the same on both sides.
+void put_on(const MirrorPlane& mirror, Frame& frame, TriangleSoup& soup)
 {
-    if (symmetry != Symmetry::automatic)
-        return static_cast<int>(symmetry) - static_cast<int>(Symmetry::x); // none is -1
-    const MirrorTest test(target, frame);
-    for (int axis = 0; axis < 3; ++axis)
-        if (test.passes(axis))
-            return axis;
-    return -1;
+    double& centre = frame.centre[mirror.axis];
+    centre = mirror.through_origin ? 0.0 : centre;
+    for (Vector3& p : soup.points)
+        p[mirror.axis] -= mirror.offset;
 }
 
 /// Adds the mirror image of the soup to it.
@@ -232,6 +200,48 @@ void complete(std::vector<Vector3>& points, Polygons& faces, int axis)
         for (int& v : face)
             v = image[v];
         faces.push_back(std::move(face));
+    }
+}
+
+/// What the cage must not touch: the target, and the wrap at half its distance from the target.
+TriangleTree inner_tree(const TriangleSoup& wrap, const TriangleSoup& soup, const TriangleTree& target)
+{
+    TriangleSoup inner = soup;
+    const int first = static_cast<int>(inner.points.size());
+    inner.points.resize(first + wrap.points.size());
+    parallel_for(
+        static_cast<int>(wrap.points.size()),
+        [&](int v) { inner.points[first + v] = 0.5 * (wrap.points[v] + target.closest(wrap.points[v])); },
+        64);
+    for (const auto& [a, b, c] : wrap.triangles)
+        inner.triangles.push_back({first + a, first + b, first + c});
+    return {inner.points, inner.triangles};
+}
+
+/// Simplifies in steps and tightens after each one: so what each collapse adds to the volume is taken back
+/// before the next ones add to it. Where it is stuck, it goes on boldly.
+void simplify(ProgressiveHull& hull, const TriangleTree& within, int faces, const Progress& progress)
+{
+    constexpr double ratio = 0.6; // of a step
+    constexpr int first = 2;      // times the wanted number: before that, little has been added
+    constexpr int rounds = 3, last_rounds = 16;
+    const double whole = std::log(std::max(2.0, static_cast<double>(hull.face_count()) / faces));
+    const auto done = [&](int left) {
+        return std::max(0.0, 1.0 - std::log(static_cast<double>(left) / faces) / whole);
+    };
+    bool boldly = false;
+    while (true) {
+        const int before = hull.face_count();
+        const int next = before > first * faces         ? first * faces
+                         : ratio * before < 1.3 * faces ? faces
+                                                        : static_cast<int>(ratio * before);
+        const double from = done(before), to = done(next), between = from + 0.7 * (to - from);
+        hull.collapse(next, boldly, part_of(progress, from, between));
+        const bool is_stuck = hull.face_count() == before;
+        hull.tighten(within, next == faces ? last_rounds : rounds, part_of(progress, between, to));
+        if (hull.face_count() <= faces || (is_stuck && boldly))
+            break;
+        boldly = is_stuck;
     }
 }
 
@@ -312,12 +322,17 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
     if (!(options.margin >= 0.004 && options.margin <= 0.25))
         throw InvalidOption("margin: " + std::to_string(options.margin) + " is not in 0.004 to 0.25");
 
-    const Frame frame = frame_of(target);
+    Frame frame = frame_of(target);
     const double unit = normal_unit(target.points());
     TriangleSoup soup = soup_of(target, frame);
-    const int axis = mirror_axis(target, frame, options.symmetry);
-    if (axis >= 0)
+    std::optional<TriangleTree> tree(std::in_place, soup.points, soup.triangles);
+    const MirrorPlane mirror = mirror_of(soup, target.vertex_count(), *tree, frame, options.symmetry);
+    const int axis = mirror.deviation <= mirror_tolerance || is_forced(options.symmetry) ? mirror.axis : -1;
+    if (axis >= 0) {
+        put_on(mirror, frame, soup);
         add_image(soup, axis);
+        tree.emplace(soup.points, soup.triangles);
+    }
 
     std::optional<AutomaticCage> best;
     double margin = options.margin;
@@ -331,13 +346,12 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
         if (axis >= 0)
             wrap = positive_half(wrap, axis);
         ProgressiveHull hull(wrap, 1.0, axis);
-        hull.collapse(axis >= 0 ? options.faces / 2 : options.faces, stage(0.5, 0.8));
-        hull.tighten(TriangleTree(wrap.points, wrap.triangles), stage(0.8, 0.95));
+        simplify(hull, inner_tree(wrap, soup, *tree), axis >= 0 ? options.faces / 2 : options.faces,
+                 stage(0.5, 0.95));
 
         auto [points, triangles] = hull.surface();
-        Polygons faces = options.quads ? paired(points, triangles, TriangleTree(soup.points, soup.triangles),
-                                                0.3 * margin, axis)
-                                       : polygons(triangles);
+        Polygons faces =
+            options.quads ? paired(points, triangles, *tree, 0.3 * margin, axis) : polygons(triangles);
         if (axis >= 0)
             complete(points, faces, axis);
         progress.tick(start + width * 0.95, "checking");
@@ -355,6 +369,7 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
         found.report.quads = found.report.faces - cage.face_count();
         found.report.reached = found.report.faces <= options.faces + (axis >= 0 ? 1 : 0);
         found.report.mirror_axis = axis;
+        found.report.asymmetry = mirror.deviation;
         found.report.wrap_faces = wrap_faces;
         found.report.margin = margin;
         if (!best || found.report.faces < best->report.faces)

@@ -14,9 +14,10 @@ namespace sinew {
 struct AutomaticCageOptions
 {
     enum class Symmetry {
-        automatic, ///< mirrored along the first of x, y, z along which the target's vertices are, to 1e-3
+        automatic, ///< mirrored along the axis along which the target is best, if its sides differ by 0.02 at
+                   ///< most
         none,
-        x, ///< mirrored along x about the middle of the target's box, around the target and its mirror image
+        x, ///< mirrored along x, around the target and its mirror image
         y, ///< the same along y
         z, ///< the same along z
     };
@@ -35,6 +36,8 @@ struct AutomaticCageReport
     bool reached = false; ///< whether there are no more faces than wanted; one more in a symmetric cage
     std::string reason{}; ///< why it has more faces than wanted; empty where they were reached
     int mirror_axis = -1; ///< 0 to 2, or -1 for a cage without symmetry
+    double asymmetry = 0.0; ///< the greatest distance from the mirror image of a vertex to the target, for
+                            ///< the best axis or the one asked for; 0 where no symmetry is wanted
     int wrap_faces = 0; ///< number of triangles of the fine surface that was simplified
     double margin = 0.0; ///< the margin of that surface, more than wanted where the target has many holes
     double clearance = 0.0; ///< distance from the cage to the closest vertex of the target
@@ -52,11 +55,13 @@ struct AutomaticCage
 /// Makes a coarse cage around any target. The cage is closed and does not cross itself, its faces look
 /// outward, and the whole target is inside.
 ///
-/// A wrap of the target (wrapped()) is simplified outwards and tightened (ProgressiveHull). The result is
-/// checked, not assumed: each edge has two faces that run along it in opposite directions, no two faces
-/// cross, no face of the target meets the cage, and each part lies inside. Where the check fails, or a wrap
-/// with many holes cannot become as coarse as wanted, wraps with twice and four times the margin are tried,
-/// and the result is the coarsest good cage.
+/// A wrap of the target (wrapped()) is simplified outwards and tightened (ProgressiveHull), down to half of
+/// its distance. A symmetric cage is one half and its mirror image, about the plane through the object's
+/// origin if the target is symmetric about that, else through the middle of its box (MirrorTest): exact to
+/// the last bit about the origin, else to rounding. The result is checked, not assumed: each edge has two
+/// faces that run along it in opposite directions, no two faces cross, no face of the target meets the cage,
+/// and each part lies inside. Where the check fails, or a wrap with many holes cannot become as coarse as
+/// wanted, wraps with twice and four times the margin are tried, and the result is the coarsest good cage.
 ///
 /// Open borders of the target are closed by fans first, so that the wrap does not grow into an open neck.
 /// Loose vertices are inside, too. Equal input gives equal cages. Cost: grows as (diagonal / margin)^2; 1 s

@@ -16,9 +16,14 @@ namespace sinew {
 
 namespace {
 
-constexpr double closeness = 1e-3; // weight of the distance to the edge's middle, where the planes have 1
-constexpr double least_cosine = 0.2; // between the normals before and after a collapse: 78 degrees
+constexpr double closeness = 0.03; // weight of the distance to the edge's middle, where the planes have 1
+constexpr double least_cosine[] = {0.2, -0.5}; // between the normals before and after a collapse: 78 degrees,
+                                               // or 120 where it is bold
+constexpr double least_solid_angle = 1.0; // of a vertex after a collapse, unless it is bold: no spikes
 constexpr double least_shape = 0.1; // of a triangle; an equilateral one has 1
+constexpr double good_shape =
+    0.3; // below this, a triangle may not become worse while the surface is tightened
+constexpr double springs = 0.05; // weight of the squared lengths, where the volume has 1
 constexpr double fold_cosine = -0.97; // between the normals of neighbours: 14 degrees from a fold
 constexpr double farthest = 0.25; // how far from its edge a new vertex may be, as a share of the size
 
@@ -141,10 +146,15 @@ void ProgressiveHull::renew_boxes()
         if (!alive_[f])
             continue;
         live_.push_back(f);
-        boxes_[f].setEmpty();
-        for (int v : faces_[f])
-            boxes_[f].extend(points_[v]);
+        renew_box(f);
     }
+}
+
+void ProgressiveHull::renew_box(int face)
+{
+    boxes_[face].setEmpty();
+    for (int v : faces_[face])
+        boxes_[face].extend(points_[v]);
 }
 
 /// Queues the edge (a, b) with the point that it would be collapsed to.
@@ -226,6 +236,26 @@ bool ProgressiveHull::stays_embedded(const Fan& fan, const std::vector<int>& rep
     return true;
 }
 
+/// The solid angle inside the surface at a vertex with these faces: small at the tip of a spike, negative in
+/// a pit.
+double ProgressiveHull::solid_angle(const Fan& fan, int vertex, bool on) const
+{
+    Vector3 in = Vector3::Zero();
+    for (const Corners& t : fan.corners)
+        in -= area_of(t);
+    if (on)
+        in[mirror_axis_] = 0.0; // so what the mirror cuts off has no angle of its own
+    in.normalize();
+    double sum = 0.0;
+    for (std::size_t i = 0; i < fan.corners.size(); ++i) {
+        const auto k = std::ranges::find(fan.indices[i], vertex) - fan.indices[i].begin();
+        const Corners& t = fan.corners[i];
+        const Vector3 a = (t[(k + 1) % 3] - t[k]).normalized(), b = (t[(k + 2) % 3] - t[k]).normalized();
+        sum -= 2.0 * std::atan2(in.dot(a.cross(b)), 1.0 + a.dot(b) + b.dot(in) + in.dot(a));
+    }
+    return on ? 2.0 * sum : sum;
+}
+
 /// An edge inside the half whose ends are both on the mirror would coincide with its mirror image, so there
 /// must be none.
 bool ProgressiveHull::keeps_mirror(const Fan& fan, int vertex, bool on) const
@@ -268,13 +298,16 @@ bool ProgressiveHull::may_collapse(const Candidate& edge)
                 indices[k] = edge.a;
             }
         const Vector3 n = area_of(after), old = area_of(before);
-        if (n.dot(old) < least_cosine * n.norm() * old.norm() ||
+        if (n.dot(old) < least_cosine[bold_] * n.norm() * old.norm() ||
             shape(after) < std::min(least_shape, 0.7 * shape(before)))
             return false;
         fan.corners.push_back(after);
         fan.indices.push_back(indices);
     }
-    return keeps_mirror(fan, edge.a, on_mirror(edge.a) || on_mirror(edge.b)) && stays_embedded(fan, replaced);
+    const bool on = on_mirror(edge.a) || on_mirror(edge.b);
+    const double angle = solid_angle(fan, edge.a, on);
+    return (bold_ || angle < 0.0 || angle > least_solid_angle) && keeps_mirror(fan, edge.a, on) &&
+           stays_embedded(fan, replaced);
 }
 
 /// Vertex a takes the place of both.
@@ -294,11 +327,8 @@ void ProgressiveHull::collapse(const Candidate& edge)
     }
     around_[edge.b].clear();
     points_[edge.a] = edge.point;
-    for (int f : around_[edge.a]) {
-        boxes_[f].setEmpty();
-        for (int v : faces_[f])
-            boxes_[f].extend(points_[v]);
-    }
+    for (int f : around_[edge.a])
+        renew_box(f);
     const std::vector<int> changed = ring(edge.a);
     ++stamps_[edge.a];
     for (int v : changed)
@@ -313,19 +343,28 @@ void ProgressiveHull::collapse(const Candidate& edge)
         propose(v, w);
 }
 
-void ProgressiveHull::collapse(int faces, const Progress& progress)
+void ProgressiveHull::collapse(int faces, bool boldly, const Progress& progress)
 {
+    bold_ = boldly;
     queue_ = {};
     for (int v = 0; v < static_cast<int>(points_.size()); ++v)
         for (int w : ring(v))
             if (v < w)
                 propose(v, w);
     const int first = face_count_;
+    // An edge on the mirror takes one face along, another edge two. Where one is too many, the others wait.
+    std::vector<Candidate> waiting;
     for (int done = 0; face_count_ > faces && !queue_.empty();) {
         const Candidate edge = queue_.top();
         queue_.pop();
         if (around_[edge.a].empty() || around_[edge.b].empty() ||
-            edge.stamp != stamps_[edge.a] + stamps_[edge.b] || !may_collapse(edge))
+            edge.stamp != stamps_[edge.a] + stamps_[edge.b])
+            continue;
+        if (mirror_axis_ >= 0 && face_count_ == faces + 1 && !(on_mirror(edge.a) && on_mirror(edge.b))) {
+            waiting.push_back(edge);
+            continue;
+        }
+        if (!may_collapse(edge))
             continue;
         collapse(edge);
         if (++done % 128 == 0) {
@@ -334,6 +373,11 @@ void ProgressiveHull::collapse(int faces, const Progress& progress)
             renew_boxes(); // leaves out the faces that are gone
         }
     }
+    if (face_count_ > faces)
+        if (const auto edge =
+                std::ranges::find_if(waiting, [&](const Candidate& e) { return may_collapse(e); });
+            edge != waiting.end())
+            collapse(*edge);
     renew_boxes();
 }
 
@@ -357,7 +401,7 @@ bool ProgressiveHull::may_move(int vertex, const Vector3& to, const TriangleTree
         fan.corners.push_back(fresh);
         fan.indices.push_back(faces_[f]);
     }
-    if (after < std::min(0.15, before))
+    if (after < std::min(good_shape, before))
         return false;
     // The space that the fan sweeps over is bounded by the old fan, the new fan and these triangles.
     for (int v : ring(vertex))
@@ -367,39 +411,132 @@ bool ProgressiveHull::may_move(int vertex, const Vector3& to, const TriangleTree
            stays_embedded(fan, around_[vertex]);
 }
 
-void ProgressiveHull::tighten(const TriangleTree& within, const Progress& progress)
+/// Moves a vertex to where the energy of its surroundings is least, or as far that way as it may.
+bool ProgressiveHull::relax(int v, double stiffness, const TriangleTree& within)
 {
-    constexpr int rounds = 4;
+    // The energy is volume . p + stiffness (total |p|^2 - 2 sum . p) and a constant.
+    Vector3 volume = Vector3::Zero(), sum = Vector3::Zero();
+    for (int f : around_[v]) {
+        const Triangle& t = faces_[f];
+        const int k = static_cast<int>(std::ranges::find(t, v) - t.begin());
+        volume += points_[t[(k + 1) % 3]].cross(points_[t[(k + 2) % 3]]) / 6.0;
+    }
+    double total = 0.0;
+    for (int w : ring(v)) {
+        const double weight = on_mirror(v) && on_mirror(w) ? 0.5 : 1.0; // the image has the edge, too
+        total += weight;
+        sum += weight * points_[w];
+    }
+    const Vector3 p = points_[v];
+    Vector3 way = (sum - volume / (2.0 * stiffness)) / total - p;
+    if (on_mirror(v))
+        way[mirror_axis_] = 0.0;
+    Vector3 normal = Vector3::Zero();
+    for (int f : around_[v])
+        normal += area(f);
+    normal.normalize();
+    const Vector3 across = normal * normal.dot(way), along = way - across;
+    const auto energy = [&](const Vector3& q) {
+        return volume.dot(q) + stiffness * (total * q.squaredNorm() - 2.0 * sum.dot(q));
+    };
+    const double now = energy(p), least = 1e-6 * stiffness * size_ * size_;
+    for (const Vector3& step : {way, Vector3(0.4 * way), Vector3(0.1 * way), Vector3(0.3 * across),
+                                Vector3(0.1 * across), Vector3(0.3 * along)}) {
+        Vector3 to = p + step;
+        if (on_mirror(v))
+            to[mirror_axis_] = 0.0;
+        if (energy(to) > now - least || !may_move(v, to, within))
+            continue;
+        points_[v] = to;
+        for (int f : around_[v])
+            renew_box(f);
+        return true;
+    }
+    return false;
+}
+
+/// Turns the edge between two faces the other way if that lowers the energy.
+bool ProgressiveHull::flip(int a, int b, double stiffness, const TriangleTree& within)
+{
+    std::vector<int> both;
+    for (int f : around_[a])
+        if (contains(faces_[f], b))
+            both.push_back(f);
+    if (both.size() != 2)
+        return false;
+    const auto follows = [&](const Triangle& t) {
+        return t[(std::ranges::find(t, a) - t.begin() + 1) % 3] == b;
+    };
+    if (!follows(faces_[both[0]]))
+        std::swap(both[0], both[1]);
+    const auto apex = [&](const Triangle& t) { return t[0] + t[1] + t[2] - a - b; };
+    const int c = apex(faces_[both[0]]), d = apex(faces_[both[1]]); // faces (a, b, c) and (b, a, d)
+    if (around_[a].size() < 4 || around_[b].size() < 4 || contains(ring(c), d) ||
+        (on_mirror(c) && on_mirror(d)))
+        return false;
+    const auto volume = [&](int i, int j, int k) {
+        return points_[i].dot(points_[j].cross(points_[k])) / 6.0;
+    };
+    const double change =
+        volume(a, d, c) + volume(d, b, c) - volume(a, b, c) - volume(b, a, d) +
+        stiffness * ((points_[c] - points_[d]).squaredNorm() - (points_[a] - points_[b]).squaredNorm());
+    if (change > -1e-7 * stiffness * size_ * size_)
+        return false;
+    Fan fan;
+    fan.indices = {Triangle{a, d, c}, Triangle{d, b, c}};
+    double before = 1.0, after = 1.0;
+    for (const Triangle& t : fan.indices) {
+        fan.corners.push_back(corners_of(points_, t));
+        after = std::min(after, shape(fan.corners.back()));
+    }
+    for (int f : both)
+        before = std::min(before, shape(corners_of(points_, faces_[f])));
+    if (after < std::min(good_shape, before) ||
+        std::ranges::any_of(
+            fan.corners, [&](const Corners& t) { return within.meets(t); }) ||
+        !stays_embedded(fan, both))
+        return false;
+    std::erase(around_[b], both[0]);
+    std::erase(around_[a], both[1]);
+    around_[d].push_back(both[0]);
+    around_[c].push_back(both[1]);
+    for (int k : {0, 1}) {
+        faces_[both[k]] = fan.indices[k];
+        renew_box(both[k]);
+    }
+    return true;
+}
+
+void ProgressiveHull::tighten(const TriangleTree& within, int rounds, const Progress& progress)
+{
+    restless_.assign(points_.size(), 1);
     for (int round = 0; round < rounds; ++round) {
         progress.tick(static_cast<double>(round) / rounds, "tightening");
-        for (int v = 0; v < static_cast<int>(points_.size()); ++v) {
-            if (around_[v].empty())
-                continue;
-            const Vector3 pull = within.closest(points_[v]) - points_[v];
-            const std::vector<int> neighbours = ring(v);
-            Vector3 slide = Vector3::Zero(), normal = Vector3::Zero();
-            for (int w : neighbours)
-                slide += (points_[w] - points_[v]) / static_cast<double>(neighbours.size());
-            for (int f : around_[v])
-                normal += area(f);
-            normal.normalize();
-            slide -= normal * normal.dot(slide);
-            const Vector3 steps[] = {0.6 * pull + 0.3 * slide, 0.6 * pull, 0.3 * pull, 0.1 * pull,
-                                     0.3 * slide};
-            for (Vector3 step : steps) {
-                if (on_mirror(v))
-                    step[mirror_axis_] = 0.0;
-                if (!may_move(v, points_[v] + step, within))
-                    continue;
-                points_[v] += step;
-                for (int f : around_[v]) {
-                    boxes_[f].setEmpty();
-                    for (int w : faces_[f])
-                        boxes_[f].extend(points_[w]);
+        std::vector<std::pair<int, int>> edges;
+        double length = 0.0;
+        for (int v = 0; v < static_cast<int>(points_.size()); ++v)
+            for (int w : ring(v))
+                if (v < w) {
+                    edges.emplace_back(v, w);
+                    length += (points_[v] - points_[w]).norm();
                 }
-                break;
+        const double stiffness = springs * length / static_cast<double>(edges.size());
+        const std::vector<char> asked = std::exchange(restless_, std::vector<char>(points_.size(), 0));
+        const auto disturb = [&](int v) {
+            restless_[v] = 1;
+            for (int w : ring(v))
+                restless_[w] = 1;
+        };
+        for (int v = 0; v < static_cast<int>(points_.size()); ++v)
+            if (asked[v] && !around_[v].empty() && relax(v, stiffness, within))
+                disturb(v);
+        for (const auto& [a, b] : edges)
+            if ((asked[a] || asked[b]) && flip(a, b, stiffness, within)) {
+                disturb(a);
+                disturb(b);
             }
-        }
+        if (std::ranges::find(restless_, 1) == restless_.end())
+            break;
     }
 }
 

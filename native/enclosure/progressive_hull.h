@@ -18,9 +18,10 @@ namespace sinew {
 ///
 /// P. Sander et al. "Silhouette Clipping." SIGGRAPH 2000, section 3: progressive hulls. An edge is collapsed
 /// to the point outside all planes of the faces around it that is closest to them: with areas A, planes n.p =
-/// d and the edge's middle m, it minimises sum A (n.p - d)^2 + 1e-3 sum A |p - m|^2 under n.p >= d. Departs
+/// d and the edge's middle m, it minimises sum A (n.p - d)^2 + 0.03 sum A |p - m|^2 under n.p >= d. Departs
 /// from the paper: after a collapse the surface must also be free of crossings, no normal may have turned by
-/// more than 78 degrees, and no triangle may be too thin. This keeps thin limbs apart and the cage usable.
+/// more than 78 degrees, no triangle may be too thin, and no vertex may have less than one steradian inside.
+/// This keeps thin limbs apart and the cage usable.
 ///
 /// One half of a mirror-symmetric surface may be given: its vertices on the mirror have the coordinate 0
 /// along `mirror_axis` and keep it, all others stay on the positive side, so that the half and its mirror
@@ -34,11 +35,14 @@ public:
 
     /// Collapses edges, cheapest first, until `faces` faces remain or no edge may be collapsed. Equal
     /// surfaces give equal results.
-    void collapse(int faces, const Progress& progress);
+    /// \param boldly  normals may turn by up to 120 degrees, and a vertex may be a spike
+    void collapse(int faces, bool boldly, const Progress& progress);
 
-    /// Moves the vertices in four rounds towards `within`, which the surface encloses, and spaces them
-    /// evenly, as long as the surface touches neither `within` nor itself.
-    void tighten(const TriangleTree& within, const Progress& progress);
+    /// Lowers the enclosed volume plus 0.05 L times the sum of the squared lengths of the edges, where L is
+    /// their mean length: the first keeps the surface close to `within`, which it encloses, and the second
+    /// pulls in spikes and spaces the vertices. Moves vertices and turns edges, round after round until
+    /// nothing changes, as long as the surface touches neither `within` nor itself.
+    void tighten(const TriangleTree& within, int rounds, const Progress& progress);
 
     int face_count() const { return face_count_; }
 
@@ -72,7 +76,11 @@ private:
     void collapse(const Candidate& edge);
     bool may_move(int vertex, const Vector3& to, const TriangleTree& within);
     bool stays_embedded(const Fan& fan, const std::vector<int>& replaced);
+    double solid_angle(const Fan& fan, int vertex, bool on) const;
     bool keeps_mirror(const Fan& fan, int vertex, bool on) const;
+    bool relax(int vertex, double stiffness, const TriangleTree& within);
+    bool flip(int a, int b, double stiffness, const TriangleTree& within);
+    void renew_box(int face);
     void renew_boxes();
 
     std::vector<Vector3> points_;
@@ -82,9 +90,12 @@ private:
     std::vector<Box> boxes_;
     std::vector<int> live_; ///< faces alive at the last renew_boxes()
     std::vector<int> stamps_;
+    std::vector<char>
+        restless_; ///< vertices that tightening may still move: they or their neighbours did move
     std::priority_queue<Candidate> queue_;
     double size_;
     int mirror_axis_;
+    bool bold_ = false;
     int face_count_;
 };
 

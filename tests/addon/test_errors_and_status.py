@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Typed errors, status texts, and the backend's translation of native errors."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,47 @@ def test_a_factor_solves(backend):
     poses[:, 2, 3] = 1.0
     positions, _report = build(backend).solve(poses)
     assert np.allclose(positions, PLATE + (0.0, 0.0, 1.0))
+
+
+def test_every_native_error_has_one_of_ours(backend, monkeypatch: pytest.MonkeyPatch):
+    module = backend.availability().module
+    kinds = [
+        kind for kind in vars(module).values() if isinstance(kind, type) and issubclass(kind, module.Error)
+    ]
+    found = {}
+    for kind in kinds:
+
+        def refuse(*_args: object, kind: type = kind) -> None:
+            raise kind("refused")
+
+        monkeypatch.setattr(module, "SurfaceMesh", refuse)
+        with pytest.raises(errors.SinewError, match="refused") as caught:
+            backend.connected_parts(16, (COUNTS, CORNERS))
+        found[kind.__name__] = caught.type
+    assert found.pop("Error") is errors.SinewError
+    assert len(found) > 5
+    assert errors.SinewError not in found.values(), found
+
+
+def test_a_bind_within_a_bind_of_the_same_object_is_refused(backend):
+    """In its progress callback, which cannot wait for the bind that it belongs to."""
+    factor = build(backend)
+    recipe = dataclasses.replace(
+        factor.recipe, control=backend.Handles([np.arange(4), np.arange(8, 16)], None)
+    )
+    prepared = factor.prepare_rebind(recipe)
+    refusals = []
+
+    def progress(*_state: object) -> bool:
+        with pytest.raises(errors.FactorInUseError, match="in use") as caught:
+            backend.build_factor(recipe, prepared=prepared)
+        refusals.append(caught.value.remedy)
+        return True
+
+    bound = backend.build_factor(recipe, progress, prepared)
+    assert set(refusals) == {status.Remedy.BIND}
+    poses = np.stack([np.eye(4)[:3]] * 2)
+    assert np.allclose(bound.solve(poses)[0], PLATE)
 
 
 @pytest.mark.parametrize("method_id", [row.id for row in METHODS if row.control is Control.HANDLES])

@@ -8,6 +8,7 @@ import sinew_native as sn
 
 from .meshes import grid, sphere
 
+GAPS = {60: 0.12, 100: 0.09}  # by number of faces: of a vertex of the cage, as a share of the size
 WIDE = 0.06  # a margin that makes the wrap coarse and quick
 
 
@@ -34,6 +35,67 @@ def test_cage_encloses_the_mesh_and_reports() -> None:
     assert 0.0 < report.clearance < 3 * WIDE
     assert report.margin == WIDE
     assert report.wrap_faces > 80
+
+
+def angles_around(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """The sum (n,) of the angles of the triangles at each vertex."""
+    sums = np.zeros(len(points))
+    for k in range(3):
+        at, u, v = (points[triangles[:, (k + i) % 3]] for i in range(3))
+        u, v = u - at, v - at
+        np.add.at(
+            sums,
+            triangles[:, k],
+            np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), (u * v).sum(axis=1)),
+        )
+    return sums
+
+
+def character() -> tuple[np.ndarray, np.ndarray]:
+    """A head with two large flat ears and a trunk, symmetric about x = 0 but for the division into faces."""
+    parts = (
+        ((0.0, 0.0, 0.0), (1.0, 0.9, 1.0), 0.3),
+        ((1.5, 0.2, 0.3), (0.8, 0.15, 0.7), 0.5),
+        ((-1.5, 0.2, 0.3), (0.8, 0.15, 0.7), 0.1),
+        ((0.0, -1.1, -0.6), (0.25, 0.3, 0.9), 0.2),
+    )
+    ball, faces = sphere(4)
+    points, corners = [], []
+    for middle, radii, turn in parts:
+        c, s = np.cos(turn), np.sin(turn)
+        turned = ball @ np.array(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)))
+        corners.append(faces + len(ball) * len(points))
+        points.append(turned * radii + middle)
+    return np.concatenate(points), np.concatenate(corners)
+
+
+@pytest.mark.parametrize("faces", [60, 100])
+def test_a_cage_of_few_faces_has_no_spikes_and_both_sides_alike(faces: int):
+    points, corners = character()
+    cage, triangles, report = sn.automatic_cage(sn.SurfaceMesh(points, corners), faces)
+    assert sn.diagnose_cage(sn.SurfaceMesh(cage, triangles), points).clean
+    assert report.mirror_axis == 0
+    assert report.asymmetry < 0.01
+    assert faces - 2 <= report.faces <= faces + 1
+    assert {tuple(p) for p in cage} == {(-x, y, z) for x, y, z in cage}
+    a, b, c = (cage[triangles[:, k]] for k in range(3))
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    sides = sum(((p - q) ** 2).sum(axis=1) for p, q in ((a, b), (b, c), (c, a)))
+    assert (4 * np.sqrt(3) * area / sides).min() > 0.3  # 1 for equal sides
+    assert angles_around(cage, triangles).min() > 3.3  # 2 pi where the cage is flat, 0 in a needle's tip
+    size = np.linalg.norm(np.ptp(points, axis=0))
+    gaps = np.linalg.norm(cage[:, None] - points, axis=2).min(axis=1) / size
+    assert gaps.max() < GAPS[faces]
+
+
+def test_sides_that_differ_get_no_symmetry_and_the_report_says_by_how_much() -> None:
+    points, corners = character()
+    ear = points[:, 0] < -0.9
+    points[ear, 2] += 0.5  # as far as the ear is thick at its upper edge, and above its lower one
+    size = np.linalg.norm(np.ptp(points, axis=0))
+    report = sn.automatic_cage(sn.SurfaceMesh(points, corners), 60, WIDE)[2]
+    assert report.mirror_axis == -1
+    assert 0.3 / size < report.asymmetry < 0.52 / size
 
 
 def test_quads_come_as_counts_and_indices() -> None:

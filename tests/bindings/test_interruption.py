@@ -139,7 +139,7 @@ def test_a_callback_may_use_the_module() -> None:
 
 
 PROGRAM = """
-import os, signal, sys, threading, time
+import signal, sys, threading, time
 import numpy as np
 import sinew_native as sn
 
@@ -159,7 +159,7 @@ x = points[:, 0]
 handles = [np.flatnonzero(x < 3), np.flatnonzero(x > x.max() - 3)]
 poses = np.zeros((2, 3, 4)); poses[:, :, :3] = np.eye(3); poses[1, 2, 3] = 0.3 * SIZE
 SETUP
-threading.Timer(DELAY, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+threading.Timer(DELAY, lambda: signal.raise_signal(signal.SIGINT)).start()
 begin = time.perf_counter()
 try:
     CALL

@@ -83,6 +83,11 @@ def factor_of(deformer) -> object:
     return room("session").find(deformer.uid).bound.factor
 
 
+def notes_of(deformer) -> list[str]:
+    """The lines that the panel shows below the status of a deformer, without buttons."""
+    return [line.text for line in room("core.status").notes(deformer.uid)]
+
+
 def use_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     """Binds and solves go to threads, as those of heavy meshes do in a window."""
     monkeypatch.setattr(room(BINDING), "may_wait", lambda _count: True)

@@ -362,6 +362,55 @@ def test_a_mesh_moved_in_the_world_is_an_edit_on_top_of_the_pose(posed_plate: Ha
     assert close(rig.points(), rig.at(0.5) + (0.0, 0.0, 0.1), EXACT)
 
 
+def geometry_to_origin(obj: bpy.types.Object) -> None:
+    """Moves the mesh, and neither its object nor its controls."""
+    set_origin("GEOMETRY_ORIGIN")(obj)
+
+
+def transformed(obj: bpy.types.Object) -> None:
+    """By a script that does not touch the object."""
+    obj.data.transform(Matrix.Translation((0.2, 0.0, 0.4)) @ Matrix.Rotation(0.4, 4, "X"))
+    update()
+    push("moved")
+
+
+STRAYS = [geometry_to_origin, transformed]
+
+
+@pytest.mark.parametrize("move", STRAYS, ids=lambda move: move.__name__)
+def test_a_mesh_that_was_moved_away_from_its_controls_says_so(rig: HandleRig, move: Callable):
+    """It is an edit on top of the pose, until it is undone."""
+    unlike(rig)
+    rig.start()
+    rig.lift(0.4)
+    before = world_points(rig)
+    push("posed")
+    move(rig.obj)
+    assert rig.deformer.status_level == "WARNING"
+    assert "away from its controls" in rig.deformer.status
+    assert "undo" in rig.deformer.status
+    assert not close(world_points(rig), before, 0.1)
+    bpy.ops.ed.undo()
+    settle()
+    assert rig.deformer.status_level == "INFO"
+    assert close(world_points(rig), before, EXACT)
+
+
+def unlike(rig: HandleRig) -> None:
+    """Away from the origin of its object, before it is bound."""
+    rig.obj.data.transform(Matrix.Translation((0.0, 0.0, 0.5)))
+    update()
+
+
+def test_an_edit_of_some_points_says_nothing(posed_plate: HandleRig):
+    rig = posed_plate
+    for vertex in rig.obj.data.vertices:
+        vertex.co.z += 0.1 * vertex.co.x**2
+    rig.obj.data.update()
+    update()
+    assert rig.deformer.status_level == "INFO", rig.deformer.status
+
+
 def test_an_ordinary_frame_looks_at_nothing(posed_plate: HandleRig):
     rig = posed_plate
     rig.control.keyframe_insert("location", frame=1)

@@ -15,7 +15,7 @@ from registry import BY_ID, METHODS, WITH_HANDLES, Control, options_of
 from rig import Rig, make_active, update
 from rigs import rig_for
 
-CAPTURE = "_rest_mesh"  # evaluates a copy of the object and makes a mesh of it
+CAPTURE = "_rest_meshes"  # evaluates copies of objects and makes a mesh of each
 
 
 def add_handle(rig: Rig, role: str, group: str, **options: object) -> Counter:
@@ -139,11 +139,7 @@ def littered(method: str) -> bpy.types.Object:
         mesh.faces.new([mesh.verts.new(at) for at in ((x, y, z), (x + 0.01, y, z), (x, y + 0.01, z))])
     mesh.to_mesh(data)
     mesh.free()
-    rig.bind(method)
-    session = room("session")
-    session.find(rig.deformer.uid).bound = None  # which each handle took over from the one before
-    session.bind(rig.obj, rig.deformer)
-    return rig.obj
+    return rig.bind(method).obj
 
 
 @pytest.mark.parametrize(
@@ -166,17 +162,12 @@ def test_the_cost_of_a_bind_counts_the_loose_parts_that_follow(method: str, monk
 
 
 def decides_by_cost(obj: bpy.types.Object, in_thread: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    """As in a window; the estimates of the rows are no further from the truth than a busy machine."""
+    """As in a window, by the estimate of the row alone: the time that it takes here counts for nothing."""
     binding, session = room(BINDING), room("session")
     deformer = obj.sinew.active
-    taken = session.find(deformer.uid).bound.milliseconds / 1000.0
     monkeypatch.setattr(binding, "may_wait", lambda seconds: seconds >= binding.HEAVY)
     session.find(deformer.uid).bound = None
     session.bind(obj, deformer, wait=False)
     assert (session.job(deformer.uid) is not None) is in_thread
     assert finish()
     assert deformer.status_level == "INFO", deformer.status
-    if in_thread:
-        assert 0.1 * binding.HEAVY < taken < 10.0 * binding.HEAVY
-    else:
-        assert taken < 3.0 * binding.HEAVY

@@ -285,6 +285,102 @@ def test_a_cage_with_more_faces_than_asked_for_says_so(capfd: pytest.CaptureFixt
         assert (f"faces instead of {faces}: with fewer" in told) is more, told
 
 
+def spotted() -> bpy.types.Object:
+    """A ball with an automatic cage of 80 faces, symmetric and turned; the ball is active."""
+    target = ball()
+    target.location, target.rotation_euler = (3.0, -1.0, 0.5), (0.4, 0.2, 1.1)
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(faces=80, margin=0.06) == {"FINISHED"}
+    make_active(target)
+    return target
+
+
+def test_faces_of_an_automatic_cage_can_be_changed_as_long_as_it_is_as_made():
+    target = spotted()
+    cage, rest = target.sinew.active.cage, evaluated_points(target)
+    for faces in (30, 160):
+        assert bpy.ops.sinew.cage_faces(faces=faces) == {"FINISHED"}
+        assert faces - 2 <= len(cage.data.polygons) <= faces + 1
+        assert target.sinew.active.cage == cage
+        assert np.abs(evaluated_points(target) - rest).max() < 4 * FLOAT32
+        low, high = base_points(cage).min(axis=0), base_points(cage).max(axis=0)
+        assert (low == -high).any()  # about a plane of the ball, which is turned
+    cage.location.x += 0.5
+    update()
+    moved = np.linalg.norm(evaluated_points(target) - rest, axis=1)
+    assert np.abs(moved - 0.5).max() < 1e-4  # it is bound, and takes the ball along
+
+
+def posed(cage: bpy.types.Object) -> None:
+    cage.location.x += 0.5
+
+
+def edited(cage: bpy.types.Object) -> None:
+    cage.data.vertices[0].co.x += 0.1
+    cage.data.update()
+    assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+
+
+def keyed(cage: bpy.types.Object) -> None:
+    cage.shape_key_add()
+
+
+def shared(cage: bpy.types.Object) -> None:
+    linked(bpy.data.objects.new("Twin", cage.data))
+
+
+def of_two(cage: bpy.types.Object) -> None:
+    target = bpy.context.object
+    assert surround(ball("Other"), cage).cage == cage
+    make_active(target)
+
+
+def left_in_edit_mode(cage: bpy.types.Object) -> None:
+    make_active(cage)
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (posed, "is posed"),
+        (edited, "was edited"),
+        (keyed, "was edited"),
+        (shared, "shares its mesh"),
+        (of_two, "moves Other as well"),
+        (left_in_edit_mode, "is in Edit Mode"),
+    ],
+)
+def test_faces_of_a_cage_with_work_in_it_are_not_changed(spoil: Callable, said: str):
+    target = spotted()
+    cage = target.sinew.active.cage
+    spoil(cage)
+    update()
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.sinew.cage_faces(faces=30)
+    if bpy.context.mode == "EDIT_MESH":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(cage.data.polygons) == 80
+
+
+def test_faces_of_a_mesh_that_was_chosen_as_cage_are_not_changed(caged: Caged):
+    make_active(caged[0])
+    with pytest.raises(RuntimeError, match="was not made by Add Cage"):
+        bpy.ops.sinew.cage_faces(faces=30)
+
+
+def test_an_automatic_cage_of_a_mesh_without_symmetry_says_by_how_much(capfd: pytest.CaptureFixture):
+    target = ball()
+    for vertex in target.data.vertices:  # a horn to each side, and no two are alike
+        for axis, sign, length in ((0, 1, 2.0), (1, 1, 3.0), (2, -1, 2.5)):
+            if sign * vertex.co[axis] > 0.58:
+                vertex.co[axis] *= length
+    for symmetric, told in ((True, True), (False, False)):
+        make_active(target)
+        assert bpy.ops.sinew.cage_add(faces=60, margin=0.06, symmetric=symmetric) == {"FINISHED"}
+        assert ("not symmetric: the sides differ by" in capfd.readouterr().out) is told
+
+
 @pytest.mark.parametrize("sheared", [False, True])
 def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_parent(sheared: bool):
     target = ball()

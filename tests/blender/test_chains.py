@@ -450,6 +450,25 @@ def test_rigs_that_read_no_other_are_evaluated_as_before():
     assert "reads" not in calls_of(nudge)
 
 
+def test_each_constraint_and_driver_of_an_armature_is_read_once_per_evaluation():
+    """However many handles hang on its bones."""
+    count = 24
+    rigs = [HandleRig.new(name).start("thin_shell") for name in ("One", "Two")]
+    armature = new_armature(**{f"b{i}": ((0.0, i, 0.0), (0.0, i + 1.0, 0.0)) for i in range(count)})
+    for bone in armature.pose.bones:
+        bone.constraints.new("COPY_LOCATION").target = rigs[1].control
+        variable = bone.driver_add("scale", 0).driver.variables.new()
+        variable.type = "TRANSFORMS"
+        variable.targets[0].id = rigs[1].control
+    for number in range(6):
+        handle = rigs[0].deformer.handles.add()
+        handle.control, handle.bone = armature, f"b{number * 3}"
+    update()
+    found = calls_of(lambda: rigs[1].lift(0.1))
+    rounds = found["steps"]
+    assert found["_constraint"] // count == found["_variables"] // count == 2 * rounds, found
+
+
 def test_a_single_rig_follows_no_relations(posed_plate: HandleRig):
     for action in (lambda: posed_plate.lift(0.1), lambda: bpy.context.scene.frame_set(3)):
         assert not {"steps", "reads", "evaluate"} & calls_of(action).keys()

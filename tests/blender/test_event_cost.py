@@ -111,3 +111,17 @@ def test_a_deformer_has_all_its_settings_before_a_render_reads_them(crowded, roo
 
 def test_the_functions_that_are_counted_exist():
     assert (WORK | READS | CONTROL_READS | LOOKS) - functions() == set()
+
+
+def test_looking_at_edited_meshes_evaluates_the_scene_as_often_for_many_rigs_as_for_one(plate: Rig, room):
+    plate.bind().lift(0.5)
+    found = []
+    for copies in (0, 9):
+        for _ in range(copies):
+            bpy.context.scene.collection.objects.link(plate.obj.copy())
+        update()
+        for obj in [obj for obj in bpy.data.objects if obj.sinew.deformers]:
+            obj.data.update_tag()
+        update()
+        found.append(calls_of(room("session").refresh)["on_depsgraph_update"])
+    assert found[0] == found[1] > 0, found

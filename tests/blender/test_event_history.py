@@ -40,7 +40,7 @@ def structure(plate: Rig) -> str:
     obj = plate.obj
     found = {
         "objects": sorted(other.name for other in bpy.data.objects),
-        "meshes": sorted(mesh.name for mesh in bpy.data.meshes),
+        "meshes": sorted((mesh.name, len(mesh.polygons)) for mesh in bpy.data.meshes),
         "modifiers": [modifier.name for modifier in obj.modifiers],
         "groups": [group.name for group in obj.vertex_groups],
         "drivers": len(obj.animation_data.drivers) if obj.animation_data else 0,
@@ -137,10 +137,10 @@ def add_box(plate: Rig, inside_out: bool = False) -> None:
     make_active(plate.obj)
 
 
-def cage_it(plate: Rig, inside_out: bool = False) -> None:
+def cage_it(plate: Rig, inside_out: bool = False, **automatic: float) -> None:
     """Behind the deformer with handles, which stays the active one."""
     add_box(plate, inside_out)
-    bpy.ops.sinew.cage_add(source="OBJECT", cage="Cage")
+    bpy.ops.sinew.cage_add(**(automatic or {"source": "OBJECT", "cage": "Cage"}))
     make_active(plate.obj)
     plate.obj.sinew.active_deformer = 0
 
@@ -180,6 +180,7 @@ OPERATORS = {
     "cage_add": Case(add_cage, unchanged, add_box),
     "cage_set_rest": Case(lambda: on_cage("cage_set_rest"), unchanged, cage_it),
     "cage_flip": Case(lambda: on_cage("cage_flip"), unchanged, lambda plate: cage_it(plate, True)),
+    "cage_faces": Case(lambda: on_cage("cage_faces", faces=30), unchanged, lambda of: cage_it(of, faces=60)),
     "handle_add": Case(
         lambda: run("handle_add", kind="FIXED", vertex_group="Middle"), with_a_fixed_middle, add_middle
     ),
@@ -196,6 +197,7 @@ OPERATORS = {
     "repair": Case(lambda: run("repair"), anew, add_loose_vertex),
     "part_regions": Case(lambda: run("part_regions"), anew, let_regions_overlap, at_rest),
     "select_handle": Case(lambda: run("select_handle", index=0), unchanged),
+    "drag": Case(lambda: run("drag", origin=(0.0, 0.9, 5.0), value=(0.0, 0.0, -0.5)), at_rest),
 }
 BEFORE_THE_PRESS = {"unbake": bake_keys}  # of the pose, not of the rest shape
 
@@ -478,11 +480,8 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
     last = len(story.steps) - 1
     story.walk(last, 0)
     assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
-    story.walk(0, last)
-    story.walk(last, 2)
-    story.walk(2, 7)
-    story.walk(7, 5)
-    story.walk(5, last)
+    for start, end in ((0, last), (last, 2), (2, 7), (7, 5), (5, last)):
+        story.walk(start, end)
 
 
 def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):

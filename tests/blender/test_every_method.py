@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 import pytest
 from expected import Poses
-from inside import dragging, factor_of, settle
+from inside import dragging, factor_of, notes_of, settle
 from mathutils import Matrix
 from probe import render_points
 from registry import METHODS, other_values
@@ -131,6 +131,25 @@ def test_a_painted_parameter_changes_the_shape_where_it_is_painted(rig: HandleRi
         assert close(painted, expected.now(rig.obj, rig.control), rig.exactness), parameter.id
         setattr(rig.deformer.parameters, f"{parameter.id}_group", "")
         setattr(rig.deformer.parameters, parameter.id, before)
+
+
+@pytest.mark.parametrize("rig", PAINTABLE, ids=lambda method: method.id, indirect=True)
+def test_a_painted_parameter_whose_group_was_deleted_has_its_plain_value_and_says_so(rig: HandleRig):
+    add_group(rig.obj, "Left", lambda point: point[0] < 0.0)
+    rig.bind(rig.method.id)
+    move_world(rig.control, TURN)
+    plain = rig.points()
+    for parameter in rig.method.paintable:
+        setattr(rig.deformer.parameters, f"{parameter.id}_group", "Left")
+    assert not close(rig.points(), plain, 1e-5)
+    rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Left"])
+    make_active(rig.obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert close(rig.points(), plain, rig.exactness)
+    assert rig.deformer.status_level == "INFO", rig.deformer.status
+    said = "is not painted: vertex group 'Left' is not on the mesh - pick another"
+    told = notes_of(rig.deformer)
+    assert told == [f"{parameter.label} {said}" for parameter in rig.method.paintable]
 
 
 def test_a_drag_makes_no_jump_and_settles_to_the_answer_reached_directly(rig: HandleRig, expected: Poses):

@@ -161,6 +161,26 @@ def heavy_drag(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
     return begin
 
 
+def test_a_preview_by_a_thread_is_near_the_final_shape(room, monkeypatch: pytest.MonkeyPatch):
+    """However far the control has gone since the last one, and with a single iteration."""
+    plate = Rig.plate(40).bind("arap")
+    use_threads(monkeypatch)
+    session = room("session").find(plate.deformer.uid)
+    session.step_milliseconds, session.steps = 1e9, 1
+    before = plate.points()
+    with dragging():
+        turn = Matrix.Rotation(math.radians(80.0), 4, "X")
+        move_world(plate.control, Matrix.Translation((0.0, -0.4, 0.6)) @ turn)
+        session.work.thread.join(timeout=20.0)
+        room("session").collect()
+        preview = plate.points()
+        assert room("session").unsettled()
+    monkeypatch.undo()
+    final, size = final_points(plate), np.ptp(before, axis=0).max()
+    assert np.linalg.norm(final - before, axis=1).max() > 0.5 * size
+    assert np.linalg.norm(preview - final, axis=1).max() < 0.01 * size
+
+
 @pytest.mark.parametrize("method", WITH_HANDLES)
 def test_a_drag_over_the_budget_never_waits_and_the_shape_follows(heavy_drag, room, method: str):
     plate = heavy_drag(method)

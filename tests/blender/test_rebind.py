@@ -197,9 +197,9 @@ def test_a_bind_captures_and_reads_the_mesh_once(plate: Rig):
     plate.bind("thin_shell")
     plate.lift(0.5)
     found = calls_of(lambda: bind(plate))
-    for name in ("_new_mesh", "read_rest", "group_weights"):
+    for name in ("_new_meshes", "read_rest", "group_weights"):
         assert found[name] <= 1, (name, found)
-    assert found["_new_mesh"] == 1
+    assert found["_new_meshes"] == 1
 
 
 @pytest.fixture

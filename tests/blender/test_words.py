@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from cages import ball, box, surround
-from inside import use_threads
+from inside import notes_of, use_threads
 from mathutils import Matrix
 from registry import METHODS
 from rig import (
@@ -26,11 +26,6 @@ from rig import (
     update,
 )
 from sheet import WIDE, draw, draw_panel
-
-
-def notes_of(room, deformer) -> list[str]:
-    return [line.text for line in room("core.status").notes(deformer.uid)]
-
 
 # The menu of methods, and the names of the rows
 
@@ -160,7 +155,7 @@ def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, 
     make_active(plate.obj)
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     assert plate.deformer.status_level == "INFO"
-    assert notes_of(room, plate.deformer) == [f"Side is not used: its vertex group 'Side' {said}"]
+    assert notes_of(plate.deformer) == [f"Side is not used: its vertex group 'Side' {said}"]
     assert "1 handle, 1 fixed" in plate.deformer.status
     shown = plate.points()
     assert np.abs(shown[plate.top] - plate.rest()[plate.top] - (0.0, 0.0, 0.5)).max() < 1e-5
@@ -405,7 +400,7 @@ def test_a_copy_keeps_the_names_of_its_groups(plate: Rig, room):
     assert copy.sinew.active.handles[0].vertex_group == "Handle"
     copy.sinew.active.method = "thin_shell"
     update()
-    assert not notes_of(room, copy.sinew.active)
+    assert not notes_of(copy.sinew.active)
     assert copy.sinew.active.status_level == "INFO", copy.sinew.active.status
 
 

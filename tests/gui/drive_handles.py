@@ -378,6 +378,10 @@ def heavy_drag():
         bpy.ops.sinew.deformer_add(method="arap")
         bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Right")
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Left")
+    bpy.context.view_layer.objects.active = obj  # and its control is selected, so that the panel stays
+    yield from rest()
+    properties().spaces.active.context = "MODIFIER"
+    with in_view():
         bpy.ops.ed.undo_push(message="Before the heavy drag")
     viewport().spaces.active.region_3d.view_rotation = (0.8, 0.53, 0.15, 0.24)
     before, lifts = shown(), []

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: one ear dragged by mouse and keys, while the other one follows."""
+"""Runs inside a Blender with a window: one ear dragged by mouse and keys, while the other one follows, or
+another rig.
+"""
 
 import bpy
 import numpy as np
@@ -163,6 +165,49 @@ def typed():
     screenshot("2-typed")
 
 
+def chain():
+    """A flag whose control is a child of a vertex of the ear that is dragged."""
+    deformer().use_mirror_x = False
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, location=(2.0, 0.0, 1.5))
+    flag = bpy.context.object
+    ends = {"Mast": ("FIXED", -1.0), "Tip": ("HANDLE", 1.0)}
+    for name, (kind, side) in ends.items():
+        members = [vertex.index for vertex in flag.data.vertices if vertex.co.x == side]
+        flag.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+        bpy.context.view_layer.objects.active = flag
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
+    control = flag.sinew.active.handles[1].control
+    rested = np.array(control.matrix_world.translation)
+    base = np.array([vertex.co for vertex in flag.data.vertices])[members]
+    vertex = max(head().data.vertices, key=lambda one: one.co.x).index
+    control.parent, control.parent_type, control.parent_vertices = head(), "VERTEX", (vertex, 0, 0)
+    control.location = (0.0, 0.0, 0.0)
+    choose("L")
+    yield from rest(4)
+
+    def apart_now() -> list[float]:
+        """The height of the vertex; how far from it the control is, and from that the tip of the flag."""
+        carrier = shown_points(head())[vertex]
+        place = np.array(control.matrix_world.translation)
+        tip = shown_points(flag)[members] - base - (place - rested)
+        return [float(carrier[2]), float(np.abs(place - carrier).max()), float(np.abs(tip).max())]
+
+    found = seen["ridden"] = [apart_now()]
+    x, y = middle()
+    move(x, y)
+    yield
+    press("G")
+    yield
+    for step in range(1, 5):
+        move(x + 6 * step, y - 12 * step)
+        yield from rest()
+        found.append(apart_now())
+    press("LEFTMOUSE")
+    yield from rest()
+    found.append(apart_now())
+    screenshot("3-ridden")
+
+
 def journey():
     viewport().spaces.active.show_region_hud = False
     yield from prepare()
@@ -170,6 +215,7 @@ def journey():
     yield from clear()
     yield from cancel()
     yield from typed()
+    yield from chain()
 
 
 play(journey())

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirrored posing in a real window: drags, numbers, Esc, Alt+G, undo by mouse and keys. Needs a display."""
+"""Posing that takes others along, in a real window: mirrored by drags, numbers, Esc, Alt+G, undo by mouse and
+keys; a rig that rides on another. Needs a display.
+"""
 
 import numpy as np
 import pytest
@@ -58,3 +60,10 @@ def test_typed_numbers_are_followed(seen: dict):
     left, right, uneven = seen["typed"]
     assert is_mirrored(left, right)
     assert uneven < FLOAT32
+
+
+def test_a_rig_that_rides_on_a_vertex_is_right_at_each_step_of_a_drag(seen: dict):
+    """Its control is at the vertex that is shown, and its shape at the control."""
+    heights = [height for height, _control, _tip in seen["ridden"]]
+    assert (np.diff(heights[:5]) < -0.01).all(), heights
+    assert max(max(apart) for _height, *apart in seen["ridden"]) < FLOAT32, seen["ridden"]

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <limits>
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define SINEW_COUNTS_ALLOCATIONS 1
 #else
 #define SINEW_COUNTS_ALLOCATIONS 0

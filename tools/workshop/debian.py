@@ -22,6 +22,9 @@ BUILD = (
     "libosd-dev",
     "libcgal-dev",  # only headers
 )
+WINDOWS = ("g++-mingw-w64-x86-64-posix", "mingw-w64-tools")  # compilers for Windows, and gendef
+WINE = ("wine", "wine64")  # runs Windows' programs
+GOOGLETEST = ("googletest",)  # its sources
 API = ("doxygen",)
 BENCHMARKS = ("valgrind",)  # counts instructions
 # Blender does not depend on NumPy, although its add-ons need it. Without libegl1, Workbench aborts.

@@ -2,7 +2,6 @@
 """The layers of the tests, from fast to slow. Each sets up what it needs, runs, and counts its tests."""
 
 import os
-import shutil
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,19 +15,15 @@ from .format import checks
 from .package import package, validate
 from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT, SANITIZE_TREE
 from .results import Outcome, outcome
-from .shell import jobs, must, one_at_a_time, run
+from .shell import must, one_at_a_time, run
+from .suites import OPTIONS, RESULTS, emptied, googletest, new_junit
 from .tidy import tidy
+from .windows_tests import windows
 
-RESULTS = BUILD / "results"
+PROGRAM = "tests/native/sinew_tests"  # in a tree of CMake
 TESTS = ROOT / "tests"
 INSIDE = Path(__file__).parent / "inside"
 LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
-# Processes of GoogleTest. One process per test would be slower: under sanitizers a process takes half a
-# second to start, and most tests take less.
-SHARDS = 8
-IN_SHARDS = """seq 0 $((GTEST_TOTAL_SHARDS - 1)) |
-    xargs -P "$1" -I{} env GTEST_SHARD_INDEX={} "$2" --gtest_output="xml:$3-{}.xml" """
-OPTIONS = ("-p", "no:cacheprovider", "-q")
 RANDOM_SEQUENCES = 50  # in each of four releases: 200 per run
 # The oldest and the newest release run all tests. Those between run the tests that use addon/compat, where
 # releases differ (meshes, modifier inputs, stack, animation, shape keys, bones, drawing, layout, types of
@@ -56,6 +51,7 @@ class Layer:
     timeout: float  # seconds, for the tests without their set-up
     run: Callable[[float], Outcome]
     one_process: bool = False  # its tests use one core, so that such a layer can run beside another
+    only_by_name: bool = False  # a plain tests/run leaves it out
 
 
 def lint(timeout: float) -> Outcome:
@@ -78,7 +74,7 @@ def tools(timeout: float) -> Outcome:
 
 def native(timeout: float) -> Outcome:
     build_tree("dev")
-    return _googletest("native", NATIVE_TREE, timeout) + _other_native_tests(timeout)
+    return googletest("native", [NATIVE_TREE / PROGRAM], timeout) + _other_native_tests(timeout)
 
 
 def sanitizers(timeout: float) -> Outcome:
@@ -88,7 +84,7 @@ def sanitizers(timeout: float) -> Outcome:
         "LSAN_OPTIONS": f"suppressions={LEAKS_OF_OTHERS}:print_suppressions=0",
         "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
     }
-    return _googletest("sanitizers", SANITIZE_TREE, timeout, sanitizer_options)
+    return googletest("sanitizers", [SANITIZE_TREE / PROGRAM], timeout, sanitizer_options)
 
 
 def bindings(timeout: float) -> Outcome:
@@ -113,7 +109,7 @@ def benchmarks(timeout: float) -> Outcome:
 def blender_3_4(timeout: float) -> Outcome:
     debian.install(debian.BLENDER_TESTS)
     env = install_legacy("blender-3.4")
-    junit = _junit("blender-3.4")
+    junit = new_junit("blender-3.4")
     script = TESTS / "blender" / "run_pytest.py"
     headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", script]
     status = run(
@@ -127,7 +123,7 @@ def blender_3_4(timeout: float) -> Outcome:
 def blender_module(name: str, blender: Environment, tests: tuple[str, ...], timeout: float) -> Outcome:
     """Runs ``tests``, or all, on the installed extension in a Blender that is a Python module."""
     env = install_extension(blender.make(), name)
-    junit = _junit(name)
+    junit = new_junit(name)
     script = TESTS / "blender" / "run_pytest.py"
     command = [blender.python, script, "--", *tests, *OPTIONS, f"--junitxml={junit}"]
     return outcome(junit, run(command, env=env | _conditions(name), timeout=timeout))
@@ -163,7 +159,7 @@ def blender_5(timeout: float) -> Outcome:
 def gui(timeout: float) -> Outcome:
     debian.install(debian.GUI)
     env = install_legacy("gui")
-    junit = _junit("gui")
+    junit = new_junit("gui")
     screen = ["xvfb-run", "--auto-servernum", "--server-args=-ac -screen 0 1280x800x24"]
     command = [*screen, PYTHON311, "-m", "pytest", "tests/gui", *OPTIONS, f"--junitxml={junit}"]
     return outcome(junit, run(command, env=env, timeout=timeout))
@@ -176,12 +172,12 @@ def install_legacy(name: str) -> dict[str, str | Path]:
     Returns the environment variables.
     """
     _, zip_file = package()
-    user = _emptied(BUILD / "blender-users" / name)
+    user = emptied(BUILD / "blender-users" / name)
     env = {
         "BLENDER_USER_CONFIG": user / "config",
         "BLENDER_USER_SCRIPTS": user / "scripts",
         "SINEW_ADDON_MODULE": "sinew",
-        "SINEW_TEST_OUTPUT": _emptied(RESULTS / name),
+        "SINEW_TEST_OUTPUT": emptied(RESULTS / name),
     }
     headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1"]
     must([*headless, "--python", INSIDE / "install_zip.py", "--", zip_file], env=env, timeout=120, quiet=True)
@@ -194,9 +190,9 @@ def install_extension(blender: Environment, name: str) -> dict[str, str | Path]:
     zip_file, _ = package()
     validate(zip_file, blender)
     env = {
-        "BLENDER_USER_RESOURCES": _emptied(BUILD / "blender-users" / name),
+        "BLENDER_USER_RESOURCES": emptied(BUILD / "blender-users" / name),
         "SINEW_ADDON_MODULE": "bl_ext.user_default.sinew",
-        "SINEW_TEST_OUTPUT": _emptied(RESULTS / name),
+        "SINEW_TEST_OUTPUT": emptied(RESULTS / name),
     }
     command = [blender.python, INSIDE / "install_zip.py", "--", zip_file]
     must(command, env=env, timeout=120, quiet=True)
@@ -204,7 +200,7 @@ def install_extension(blender: Environment, name: str) -> dict[str, str | Path]:
 
 
 def _pytest(name: str, timeout: float, env: Mapping[str, str | Path] | None = None) -> Outcome:
-    junit = _junit(name)
+    junit = new_junit(name)
     command = [
         environments.dev().make().python,
         "-m",
@@ -216,43 +212,13 @@ def _pytest(name: str, timeout: float, env: Mapping[str, str | Path] | None = No
     return outcome(junit, run(command, env=env, timeout=timeout))
 
 
-def _googletest(
-    name: str, tree: Path, timeout: float, env: Mapping[str, str | Path] | None = None
-) -> Outcome:
-    files = [_junit(f"{name}-{number}") for number in range(SHARDS)]
-    program = tree / "tests" / "native" / "sinew_tests"
-    status = run(
-        ["bash", "-c", IN_SHARDS, "shards", str(jobs()), program, RESULTS / name],
-        env={**(env or {}), "GTEST_TOTAL_SHARDS": str(SHARDS), "GTEST_BRIEF": "1"},
-        cwd=tree,
-        timeout=timeout,
-    )
-    found = sum((outcome(file, 0) for file in files), Outcome())
-    if status != 0 and found.failed == 0:
-        found += Outcome(failed=1, note=f"all tests passed, yet a process ended with status {status}")
-    return found
-
-
 def _other_native_tests(timeout: float) -> Outcome:
     """What ctest knows beside GoogleTest's own: the count of instructions, where there is Valgrind."""
-    junit = _junit("native")
+    junit = new_junit("native")
     command = ["ctest", "--output-on-failure", "--output-junit", junit, "--no-tests=ignore"]
     status = run([*command, "--label-exclude", "googletest"], cwd=NATIVE_TREE, timeout=timeout)
     none = junit.is_file() and "<testcase" not in junit.read_text(encoding="utf-8")
     return Outcome() if none else outcome(junit, status)
-
-
-def _junit(name: str) -> Path:
-    RESULTS.mkdir(parents=True, exist_ok=True)
-    file = RESULTS / f"{name}.xml"
-    file.unlink(missing_ok=True)
-    return file
-
-
-def _emptied(folder: Path) -> Path:
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    return folder
 
 
 LAYERS = (
@@ -268,4 +234,5 @@ LAYERS = (
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 900, blender_5, one_process=True),
     Layer("gui", 1200, gui, one_process=True),
+    Layer("windows", 900, windows, only_by_name=True),
 )

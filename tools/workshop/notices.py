@@ -1,25 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Collects the licences of the libraries inside a repaired wheel, which must be distributed with it."""
+"""Collects the licences of the libraries inside a wheel, which must be distributed with it."""
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
 
 from .environments import Environment
 
 COMPILED_IN = ("libeigen3-dev", "libcgal-dev", "libboost-dev")
+# The packages of this machine that come from the sources of what is linked into a module for Windows.
+ON_WINDOWS = ("gcc-mingw-w64-base", "libosd-dev", "libsuitesparse-dev", "libtbb-dev", "mingw-w64-x86-64-dev")
 NAME = "licenses/THIRD_PARTY.txt"
 
 
-def notices(files: dict[str, bytes], builder: Environment) -> dict[str, bytes]:
-    """The copyright files of all libraries in the wheel, as one text.
-
-    These are the Debian packages that auditwheel names, the packages of headers, and pybind11.
-    """
+def notices(files: dict[str, bytes], packages: Iterable[str], builder: Environment) -> dict[str, bytes]:
+    """The copyright files of these Debian packages, of those with headers, and of pybind11, as one text."""
     folder = next(name for name in files if name.endswith(".dist-info/RECORD")).removesuffix("RECORD")
+    return {folder + NAME: _text(set(packages), builder).encode()}
+
+
+def repaired(files: dict[str, bytes]) -> set[str]:
+    """The Debian packages whose libraries auditwheel copied into a wheel, as it names them there."""
     bill = next(content for name, content in files.items() if name.endswith("/sboms/auditwheel.cdx.json"))
     parts = json.loads(bill)["components"]
-    packages = {part["name"] for part in parts if part.get("purl", "").startswith("pkg:deb/")}
-    return {folder + NAME: _text(packages, builder).encode()}
+    return {part["name"] for part in parts if part.get("purl", "").startswith("pkg:deb/")}
 
 
 def _text(packages: set[str], builder: Environment) -> str:

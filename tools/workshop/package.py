@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the two zips that people install.
+"""Packs the two zips that people install, for Linux or for Windows.
 
-``dist/sinew-<version>.zip``         extension for Blender 4.2 and later, wheels inside
-``dist/sinew-legacy-<version>.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in ``sinew/_native``
+``dist/sinew-<version>-linux-x64.zip``         extension for Blender 4.2 and later, wheels inside
+``dist/sinew-legacy-<version>-linux-x64.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in
+``sinew/_native``
 
-Both hold the pages of ``docs/manual/`` as HTML in ``manual/``.
+For Windows they end in ``-windows-x64.zip``. All hold the pages of ``docs/manual/`` as HTML in ``manual/``.
 
 The same tree and wheels give the same bytes, whenever they are packed.
 """
@@ -16,18 +17,18 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from . import environments
+from . import environments, wheels, windows_wheels
 from .archives import read_zip, write_zip
 from .environments import Environment
 from .places import ADDON, DIST, MANUAL, ROOT, version
 from .shell import must, one_at_a_time, say
-from .wheels import build_wheels
 
 MANIFEST = "blender_manifest.toml"
 NATIVE_FOLDER = "_native"
 RENDER = Path(__file__).parent / "inside" / "render_manual.py"
 EXCLUDED_NAMES = ("__pycache__", ".DS_Store")
 EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
+BUILDERS = {"linux": wheels.build_wheels, "windows": windows_wheels.build_wheels}
 PLATFORMS = {
     "linux": "linux-x64",
     "manylinux": "linux-x64",
@@ -126,24 +127,26 @@ def validate(extension: Path, blender: Environment) -> None:
 
 @functools.cache
 @one_at_a_time()
-def package() -> tuple[Path, Path]:
-    """Packs the extension and the legacy zip, once per run."""
-    wheels, manual = build_wheels(), manual_files()
+def package(system: str = "linux") -> tuple[Path, Path]:
+    """Packs the extension and the legacy zip for a system, once per run."""
+    packed, manual = BUILDERS[system](), manual_files()
+    (platform,) = {_platform(wheel.name) for wheel in packed}
     DIST.mkdir(exist_ok=True)
-    for old in DIST.glob("sinew-*.zip"):
+    for old in DIST.glob(f"sinew-*-{platform}.zip"):
         old.unlink()
-    extension = pack(DIST / f"sinew-{version()}.zip", extension_files(wheels, manual))
+    extension = pack(DIST / f"sinew-{version()}-{platform}.zip", extension_files(packed, manual))
     validate(extension, environments.newest_blender())
-    oldest = next(wheel for wheel in wheels if "-cp311-" in wheel.name)
-    legacy = pack(DIST / f"sinew-legacy-{version()}.zip", legacy_files(oldest, manual))
+    oldest = next(wheel for wheel in packed if "-cp311-" in wheel.name)
+    legacy = pack(DIST / f"sinew-legacy-{version()}-{platform}.zip", legacy_files(oldest, manual))
     return extension, legacy
 
 
 def main() -> None:
-    argparse.ArgumentParser(
+    parser = argparse.ArgumentParser(
         prog="tools/package", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    ).parse_args()
-    package()
+    )
+    parser.add_argument("system", nargs="?", default="linux", choices=BUILDERS, help="without one, linux")
+    package(parser.parse_args().system)
 
 
 if __name__ == "__main__":

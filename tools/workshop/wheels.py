@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds self-contained wheels of sinew_native.
+"""Builds self-contained wheels of sinew_native, for Linux or for Windows (windows_wheels.py).
 
 One for Python 3.11 (Blender 3.4.1 of Debian 12 and 4.2 to 5.0) and, where a Python 3.13 exists, one for 3.13
 (Blender 5.1 and later); if wanted, also for 3.12 and 3.14. Each carries its own CHOLMOD, OpenBLAS, TBB and
@@ -12,11 +12,11 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from . import debian, environments
+from . import debian, environments, windows_wheels
 from .archives import read_zip, write_wheel
 from .environments import Environment
 from .isolation import isolated
-from .notices import notices
+from .notices import notices, repaired
 from .places import BUILD, PYTHON311, ROOT, WHEELS, version
 from .shell import Stamp, fingerprint, jobs, must, say
 
@@ -47,12 +47,12 @@ def build_wheel(builder: Environment) -> Path:
     stamp = Stamp(
         WHEELS / f"{tag}.made-from", fingerprint([ROOT / name for name in INPUTS], str(builder.interpreter))
     )
-    if stamp.is_fresh() and len(list(WHEELS.glob(f"*-{tag}-*.whl"))) == 1:
+    if stamp.is_fresh() and len(list(WHEELS.glob(f"*-{tag}-*linux*.whl"))) == 1:
         return _wheel(tag)
     say(f"Building the wheel for {tag}")
     stamp.forget()
     _require_threaded_blas()
-    for old in WHEELS.glob(f"*-{tag}-*.whl"):
+    for old in WHEELS.glob(f"*-{tag}-*linux*.whl"):
         old.unlink()
     with tempfile.TemporaryDirectory(dir=_made(BUILD)) as raw:
         path = f"{builder.bin}{os.pathsep}{os.environ['PATH']}"
@@ -71,7 +71,7 @@ def build_wheel(builder: Environment) -> Path:
         must([builder.bin / "auditwheel", "repair", "-w", _made(WHEELS), made], env=settings, quiet=True)
     wheel = _wheel(tag)
     files = isolated(read_zip(wheel), builder)
-    write_wheel(wheel, files | notices(files, builder))
+    write_wheel(wheel, files | notices(files, repaired(files), builder))
     check_wheel(wheel, builder)
     stamp.write()
     return wheel
@@ -117,7 +117,7 @@ def _tag(builder: Environment) -> str:
 
 
 def _wheel(tag: str) -> Path:
-    found = sorted(WHEELS.glob(f"sinew_native-{version()}-{tag}-*.whl"))
+    found = sorted(WHEELS.glob(f"sinew_native-{version()}-{tag}-*linux*.whl"))
     if len(found) != 1:
         raise SystemExit(f"expected one wheel of {version()} for {tag} in {WHEELS}, found {len(found)}")
     return found[0]
@@ -125,8 +125,15 @@ def _wheel(tag: str) -> Path:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/build_wheels", description=__doc__)
-    parser.add_argument("--all", action="store_true", help="also for Python 3.12 and 3.14, where these exist")
-    for wheel in build_wheels(parser.parse_args().all):
+    parser.add_argument(
+        "system", nargs="?", default="linux", choices=("linux", "windows"), help="without one, linux"
+    )
+    parser.add_argument(
+        "--all", action="store_true", help="on Linux also for Python 3.12 and 3.14, where these exist"
+    )
+    options = parser.parse_args()
+    windows = options.system == "windows"
+    for wheel in windows_wheels.build_wheels() if windows else build_wheels(options.all):
         say(str(wheel.relative_to(ROOT)))
 
 

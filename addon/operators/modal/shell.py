@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What every tool in Edit Mode needs: a timer, drawing, header, status bar, and a clean end in all cases."""
+"""What every tool needs: a timer, drawing, header, status bar, and a clean end in all cases."""
 
 from collections.abc import Callable
 from enum import Enum
@@ -29,7 +29,7 @@ class Outcome(Enum):
 
 
 class Tool(Protocol):
-    """A tool that changes the mesh. It needs no window, only events like Blender's."""
+    """A tool that changes an object. It needs no window, only events like Blender's."""
 
     pivot: np.ndarray  # (3,) in the world; motions of the mouse are measured at its depth
     notice: str  # an error that does not end the tool
@@ -42,7 +42,7 @@ class Tool(Protocol):
         """Process an event. ``view`` describes the viewport at this moment."""
 
     def restore(self, obj: Object) -> None:
-        """Restore the mesh."""
+        """Put everything back."""
 
 
 class ViewportTool:
@@ -57,16 +57,20 @@ class ViewportTool:
         """The text in the header of the viewport."""
         raise TypeError(f"{type(self).__name__} has no header")
 
-    def store_result(self) -> None:
+    def store_result(self, context: Context) -> None:
         """Store what the tool did as properties, for Adjust Last Operation and scripts.
 
         Called on confirmation.
         """
 
-    def begin(self, context: Context, tool: Tool, draw: Callable[[], None]) -> set[str]:
-        """Run until the artist confirms or cancels; ``draw`` is called in each 3D Viewport."""
+    def worked_on(self, context: Context) -> Object | None:
+        """The object that the tool changes, while it may: by default the one in Edit Mode."""
+        return context.edit_object
+
+    def begin(self, context: Context, tool: Tool, obj: Object, draw: Callable[[], None]) -> set[str]:
+        """Run on ``obj`` until the artist confirms or cancels; ``draw`` is called in each 3D Viewport."""
         self.tool = tool
-        self._name = context.edit_object.name
+        self.object_name = obj.name
         manager = context.window_manager
         self._timer = manager.event_timer_add(_TICK, window=context.window)
         self._drawing = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_PIXEL")
@@ -77,8 +81,8 @@ class ViewportTool:
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Context, event: Event) -> set[str]:
-        obj = context.edit_object
-        if obj is None or obj.name != self._name:
+        obj = self.worked_on(context)
+        if obj is None or obj.name != self.object_name:
             return self._leave(context, {"CANCELLED"})
         if context.area is None or context.area.type != "VIEW_3D":
             self._restore(obj)
@@ -93,7 +97,7 @@ class ViewportTool:
             self.report({"WARNING"}, self.tool.notice)
             self.tool.notice = ""
         if outcome is Outcome.CONFIRMED:
-            self.store_result()
+            self.store_result(context)
             return self._leave(context, {"FINISHED"})
         if outcome is Outcome.CANCELLED:
             return self._leave(context, {"CANCELLED"})
@@ -102,8 +106,8 @@ class ViewportTool:
 
     def cancel(self, context: Context) -> None:
         """Blender ends the tool, for example because its window is closed."""
-        obj = context.edit_object
-        if obj is not None and obj.name == self._name:
+        obj = self.worked_on(context)
+        if obj is not None and obj.name == self.object_name:
             self._restore(obj)
         self._leave(context, {"CANCELLED"})
 
@@ -119,7 +123,7 @@ class ViewportTool:
             context.area.header_text_set(f"Sinew is working: {job.fraction:.0%} {job.stage}   (Esc cancels)")
 
     def _restore(self, obj: Object) -> None:
-        """Restore the mesh as far as possible, after an error."""
+        """Put everything back as far as possible, after an error."""
         try:
             self.tool.restore(obj)
         except SinewError as error:

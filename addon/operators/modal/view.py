@@ -5,7 +5,8 @@ import math
 
 import bpy
 import numpy as np
-from bpy.types import Context, Object
+from bpy.types import Context
+from mathutils import Matrix
 
 from ...core.transform.typed_motion import View
 
@@ -74,10 +75,9 @@ def typed_units(settings: bpy.types.UnitSettings) -> tuple[float, float]:
     return size / settings.scale_length, turn
 
 
-def axes_of(obj: Object) -> np.ndarray:
-    """The object's axes as orthonormal columns, (3, 3)."""
-    linear = np.array(obj.matrix_world, dtype=np.float64)[:3, :3]
-    q, r = np.linalg.qr(linear)
+def axes_of(matrix: Matrix) -> np.ndarray:
+    """The axes of a frame in the world, such as that of an object, as orthonormal columns, (3, 3)."""
+    q, r = np.linalg.qr(np.array(matrix, dtype=np.float64)[:3, :3])
     return q * np.where(np.diag(r) < 0.0, -1.0, 1.0)
 
 

@@ -6,11 +6,14 @@ object is in Edit Mode, the edits are written to its mesh first, and the copy ge
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from typing import TypeVar
 
 import bpy
-from bpy.types import Depsgraph, Mesh, Modifier, Object
+import numpy as np
+from bpy.types import ID, Depsgraph, Mesh, Modifier, Object
 
+from ...compat import read_positions
 from ...core.errors import MeshError
 from ...core.point_types import MESH, point_type_with_id
 from ...ids import Datablocks, Keys
@@ -33,29 +36,39 @@ def evaluated_mesh(obj: Object, depsgraph: Depsgraph) -> Iterator[Mesh | None]:
 # So few vertex groups are all stored as attributes, in use or not. If a later bind uses other groups, only
 # weights have changed since.
 FEW_GROUPS = 8
+_PLACES = ".sinew_place"  # an attribute of temporary meshes
+
+
+_Made = TypeVar("_Made")
+Wanted = Sequence[tuple[Object, SinewDeformer]]  # of what the rest meshes are wanted
+_AT_ONCE = 64  # so many objects are evaluated together: each evaluation looks at the whole scene
 
 
 @contextmanager
-def _stand_in(obj: Object, last_modifier: int) -> Iterator[Object]:
-    """A copy of the object with its first ``last_modifier`` modifiers. It is removed at the end."""
+def _stand_ins(objects: Iterable[tuple[Object, int]]) -> Iterator[list[Object]]:
+    """A copy of each object with as many of its first modifiers. They are removed at the end."""
+    copies: list[Object] = []
+    own_data: list[ID] = []
     with sessions.suspended():
-        copy = obj.copy()
-        own_data = None
         try:
-            copy.sinew.deformers.clear()
-            _remove_drivers(copy)
-            if obj.mode == "EDIT":
-                obj.update_from_editmode()
-                own_data = copy.data = obj.data.copy()
-            for modifier in list(copy.modifiers)[last_modifier:]:
-                copy.modifiers.remove(modifier)
-            copy.hide_viewport = False
-            bpy.context.scene.collection.objects.link(copy)
-            yield copy
+            for obj, last_modifier in objects:
+                copy = obj.copy()
+                copies.append(copy)
+                copy.sinew.deformers.clear()
+                _remove_drivers(copy)
+                if obj.mode == "EDIT":
+                    obj.update_from_editmode()
+                    copy.data = obj.data.copy()
+                    own_data.append(copy.data)
+                for modifier in list(copy.modifiers)[last_modifier:]:
+                    copy.modifiers.remove(modifier)
+                copy.hide_viewport = False
+                bpy.context.scene.collection.objects.link(copy)
+            yield copies
         finally:
-            bpy.data.objects.remove(copy)
-            if own_data is not None:
-                bpy.data.batch_remove((own_data,))
+            for copy in copies:
+                bpy.data.objects.remove(copy)
+            bpy.data.batch_remove(own_data)
             bpy.context.view_layer.update()
 
 
@@ -70,25 +83,52 @@ def _remove_drivers(copy: Object) -> None:
 
 def mesh_after(obj: Object, last_modifier: int) -> Mesh:
     """A new mesh: the object after its first ``last_modifier`` modifiers."""
-    with _stand_in(obj, last_modifier) as copy:
-        return _new_mesh(copy)
+    with _stand_ins([(obj, last_modifier)]) as copies:
+        return _new_meshes(copies)[0]
 
 
-def _new_mesh(obj: Object) -> Mesh:
-    if not targets.is_mesh(obj):
-        with control_points.showing_points(obj) as points:
-            return _new_mesh(points)
-    bpy.context.view_layer.update()
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    return bpy.data.meshes.new_from_object(
-        obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
-    )
+def mesh_with_places(obj: Object) -> tuple[Mesh, np.ndarray | None]:
+    """A new mesh: the object after all modifiers; and where its vertices are in the mesh itself, float32
+    (m, 3), or in between. None if the modifiers make vertices anew.
+    """
+    with _stand_ins([(obj, len(obj.modifiers))]) as (copy,):
+        own = copy.data = obj.data.copy()
+        try:
+            places = own.attributes.new(_PLACES, "FLOAT_VECTOR", "POINT")
+            places.data.foreach_set("vector", read_positions(obj.data).ravel())
+            (mesh,) = _new_meshes([copy])
+        finally:
+            copy.data = obj.data
+            bpy.data.batch_remove((own,))
+    carried = mesh.attributes.get(_PLACES)
+    if carried is None or carried.domain != "POINT":
+        return mesh, None
+    flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    carried.data.foreach_get("vector", flat)
+    return mesh, flat.reshape(-1, 3)
+
+
+def _new_meshes(objects: Iterable[Object]) -> list[Mesh]:
+    """New meshes of what objects are now, by one evaluation."""
+    with ExitStack() as stack:
+        shown = [
+            obj if targets.is_mesh(obj) else stack.enter_context(control_points.showing_points(obj))
+            for obj in objects
+        ]
+        bpy.context.view_layer.update()
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return [
+            bpy.data.meshes.new_from_object(
+                obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
+            )
+            for obj in shown
+        ]
 
 
 def rest_mesh(obj: Object, deformer: SinewDeformer) -> Mesh:
     """A new mesh: what enters the deformer's modifier now, or would enter one at the end of the stack."""
-    with _stand_in(obj, _position(obj, deformer)) as copy:
-        return _rest_mesh(obj, deformer, copy)
+    with _stand_ins([(obj, _position(obj, deformer))]) as copies:
+        return _made(_rest_meshes([(obj, deformer)], copies)[0])
 
 
 def rest_meshes(
@@ -99,33 +139,74 @@ def rest_meshes(
     ``entered``: the rest mesh for viewports, if ``rest_mesh`` has just made it. It is returned, and stays
     the caller's if the one for renders is refused.
     """
-    position = _position(obj, deformer)
-    if entered is not None and not _differs_in_renders(obj, list(obj.modifiers)[:position]):
+    if entered is not None and not _differs_in_renders(obj, list(obj.modifiers)[: _position(obj, deformer)]):
         return entered, None
-    with _stand_in(obj, position) as copy:
-        shown = _rest_mesh(obj, deformer, copy) if entered is None else entered
-        if not _differs_in_renders(copy, copy.modifiers):
-            return shown, None
-        try:
-            with _as_rendered(copy):
-                rendered = _rest_mesh(obj, deformer, copy)
-            _refuse_other_point_type(shown, rendered)
-        except MeshError:
-            if entered is None:
-                bpy.data.meshes.remove(shown)
-            raise
-    if same_topology(shown, rendered):
+    return _made(_rest_meshes_of([(obj, deformer)], [entered])[0])
+
+
+def all_rest_meshes(wanted: Wanted) -> Iterator[tuple[Mesh, Mesh | None] | MeshError]:
+    """What ``rest_meshes`` makes, or its error, for several deformers by few evaluations of the scene.
+
+    One after the other would take two evaluations each, of all objects of the scene.
+    """
+    for first in range(0, len(wanted), _AT_ONCE):
+        some = wanted[first : first + _AT_ONCE]
+        yield from _rest_meshes_of(some, [None] * len(some))
+
+
+def _made(found: _Made | MeshError) -> _Made:
+    """What was made. Raises the error in place of it."""
+    if isinstance(found, MeshError):
+        raise found
+    return found
+
+
+def _rest_meshes_of(
+    wanted: Wanted, entered: Sequence[Mesh | None]
+) -> list[tuple[Mesh, Mesh | None] | MeshError]:
+    """For each what ``rest_meshes`` makes, or its error."""
+    with _stand_ins((obj, _position(obj, deformer)) for obj, deformer in wanted) as copies:
+        shown = [mesh for mesh in entered if mesh is not None] or _rest_meshes(wanted, copies)
+        differing = [
+            i
+            for i, copy in enumerate(copies)
+            if isinstance(shown[i], Mesh) and _differs_in_renders(copy, copy.modifiers)
+        ]
+        rendered: dict[int, Mesh | MeshError] = {}
+        if differing:
+            others = [copies[i] for i in differing]
+            with _as_rendered(others):
+                made = _rest_meshes([wanted[i] for i in differing], others)
+            rendered = dict(zip(differing, made, strict=True))
+    return [_paired(mesh, rendered.get(i), entered[i] is None) for i, mesh in enumerate(shown)]
+
+
+def _paired(
+    shown: Mesh | MeshError, rendered: Mesh | MeshError | None, is_ours: bool
+) -> tuple[Mesh, Mesh | None] | MeshError:
+    """The rest meshes for viewports and for renders. What is not needed is removed.
+
+    ``is_ours``: whether the one for viewports is to be removed, too, if the other is refused.
+    """
+    if isinstance(shown, MeshError):
+        return shown
+    if isinstance(rendered, Mesh) and not _same_point_type(shown, rendered):
         bpy.data.meshes.remove(rendered)
-        return shown, None
+        rendered = MeshError(
+            "Modifiers before Sinew make a surface in renders only, or in viewports only - let both agree"
+        )
+    if isinstance(rendered, MeshError):
+        if is_ours:
+            bpy.data.meshes.remove(shown)
+        return rendered
+    if rendered is not None and same_topology(shown, rendered):
+        bpy.data.meshes.remove(rendered)
+        rendered = None
     return shown, rendered
 
 
-def _refuse_other_point_type(shown: Mesh, rendered: Mesh) -> None:
-    if shown.get(Keys.REST_POINT_TYPE) != rendered.get(Keys.REST_POINT_TYPE):
-        bpy.data.meshes.remove(rendered)
-        raise MeshError(
-            "Modifiers before Sinew make a surface in renders only, or in viewports only - let both agree"
-        )
+def _same_point_type(shown: Mesh, rendered: Mesh) -> bool:
+    return shown.get(Keys.REST_POINT_TYPE) == rendered.get(Keys.REST_POINT_TYPE)
 
 
 def _with_levels(modifiers: Iterable[Modifier]) -> list[Modifier]:
@@ -145,18 +226,22 @@ def _differs_in_renders(obj: Object, modifiers: Sequence[Modifier]) -> bool:
 
 
 @contextmanager
-def _as_rendered(copy: Object) -> Iterator[None]:
-    """For a while, the modifiers of the copy do in viewports what they do in renders."""
+def _as_rendered(copies: Sequence[Object]) -> Iterator[None]:
+    """For a while, the modifiers of the copies do in viewports what they do in renders."""
     render = bpy.context.scene.render
-    simplify, data = render.use_simplify, copy.data
-    if targets.render_resolution(data):
-        copy.data = data.copy()
-        copy.data.resolution_u = targets.render_resolution(data)
-    for modifier in copy.modifiers:
-        modifier.show_viewport = modifier.show_render
-    for modifier in _with_levels(copy.modifiers):
-        most = render.simplify_subdivision_render if simplify else modifier.render_levels
-        modifier.levels = min(modifier.render_levels, most)
+    simplify = render.use_simplify
+    replaced: list[tuple[Object, ID]] = []
+    for copy in copies:
+        data = copy.data
+        if targets.render_resolution(data):
+            copy.data = data.copy()
+            copy.data.resolution_u = targets.render_resolution(data)
+            replaced.append((copy, data))
+        for modifier in copy.modifiers:
+            modifier.show_viewport = modifier.show_render
+        for modifier in _with_levels(copy.modifiers):
+            most = render.simplify_subdivision_render if simplify else modifier.render_levels
+            modifier.levels = min(modifier.render_levels, most)
     if simplify:
         render.use_simplify = False
     try:
@@ -164,7 +249,7 @@ def _as_rendered(copy: Object) -> Iterator[None]:
     finally:
         if simplify:
             render.use_simplify = True
-        if copy.data != data:
+        for copy, data in replaced:
             own_data, copy.data = copy.data, data
             bpy.data.batch_remove((own_data,))
 
@@ -174,29 +259,31 @@ def _position(obj: Object, deformer: SinewDeformer) -> int:
     return len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
 
 
-def _rest_mesh(obj: Object, deformer: SinewDeformer, copy: Object) -> Mesh:
+def _rest_meshes(wanted: Wanted, copies: Iterable[Object]) -> list[Mesh | MeshError]:
+    """The rest meshes that the copies show now, or why there is none."""
+    with ExitStack() as stack:
+        for (obj, deformer), copy in zip(wanted, copies, strict=True):
+            names = [group.name for group in obj.vertex_groups]
+            few = len(names) <= FEW_GROUPS
+            kept = names if few else vertex_groups.groups_in_use(deformer) & set(names)
+            painted = {weights_attribute(names.index(name)): name for name in kept}
+            stack.enter_context(vertex_groups.keeping_weights(copy, painted))
+        meshes = _new_meshes(copies)
+    return [_as_rest(mesh, obj) for mesh, (obj, _) in zip(meshes, wanted, strict=True)]
+
+
+def _as_rest(mesh: Mesh, obj: Object) -> Mesh | MeshError:
+    """A new mesh of an object, named and marked as a rest mesh; or why it can be none."""
     if not targets.is_mesh(obj):
-        mesh = _new_mesh(copy)
         mesh[Keys.REST_POINT_TYPE] = control_points.take_point_type(mesh).id
         mesh[Keys.REST_STRUCTURE] = targets.structure(obj)
-        return _as_rest(mesh, [])
-    names = [group.name for group in obj.vertex_groups]
-    wanted = names if len(names) <= FEW_GROUPS else vertex_groups.groups_in_use(deformer) & set(names)
-    painted = {weights_attribute(names.index(name)): name for name in wanted}
-    with vertex_groups.keeping_weights(copy, painted):
-        mesh = _new_mesh(copy)
-    return _as_rest(mesh, names)
-
-
-def _as_rest(mesh: Mesh, names: list[str]) -> Mesh:
-    """Name and mark a mesh as a rest mesh; ``names`` are those of the vertex groups of the object."""
     if len(mesh.vertices) == 0:
         point_type = point_type_with_id(mesh.get(Keys.REST_POINT_TYPE))
         bpy.data.meshes.remove(mesh)
         what = "mesh has no vertices" if point_type is MESH else "object has no points"
-        raise MeshError(f"The {what} - add some, or check the modifiers before Sinew")
+        return MeshError(f"The {what} - add some, or check the modifiers before Sinew")
     mesh.name = Datablocks.REST
     mesh.materials.clear()
     mesh[Keys.REST_TOKEN] = shapes.new_key()
-    mesh[Keys.REST_GROUPS] = names
+    mesh[Keys.REST_GROUPS] = [group.name for group in obj.vertex_groups]
     return mesh

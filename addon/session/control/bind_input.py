@@ -8,8 +8,8 @@ import numpy as np
 from bpy.types import PropertyGroup
 
 from ...backend import Base, Recipe
-from ...core.errors import OptionError
 from ...core.methods import METHODS, Curve, Float, Method, Parameter, Pointer, group_property
+from ...core.status import Level, Status
 from ...mesh_io import RestShape
 from ...properties import BASE, SinewDeformer
 from ..blocks import references
@@ -38,7 +38,7 @@ class BindInput:
 
     ``control`` names what moves the mesh, as the panel says it. ``handles``, ``names`` and ``indices`` are
     the keys, names and vertices of the bound handles, in their order; a cage has none. ``unused`` has a line
-    for the panel per region that holds no vertex.
+    for the panel per region that holds no vertex, ``unpainted`` one per parameter whose vertex group is gone.
     """
 
     key: tuple
@@ -50,6 +50,7 @@ class BindInput:
     names: tuple[str, ...] = ()
     indices: tuple[np.ndarray, ...] = ()
     unused: tuple[str, ...] = ()
+    unpainted: tuple[Status, ...] = ()
     after: "BindInput | None" = None  # if this is a preview: the exact bind that follows
 
 
@@ -64,7 +65,10 @@ def option_values(settings: SinewDeformer, rebinds: bool = True) -> tuple:
 
 
 def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
-    """The keywords of the native constructor. A painted parameter is an array (n,)."""
+    """The keywords of the native constructor. A painted parameter is an array (n,).
+
+    A parameter whose vertex group is gone has its plain value; ``unpainted`` says so.
+    """
     own, *bases = settings.methods
     found = _options(*own, rest)
     for method, values in bases:
@@ -78,16 +82,24 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
         if not parameter.rebinds:
             continue
         value = _value(values, parameter)
-        group = getattr(values, group_property(parameter), "")
-        if isinstance(parameter, Float) and group:
-            painted = rest.weights.get(group)
-            if painted is None:
-                raise OptionError(
-                    f"{parameter.label}: vertex group '{group}' is not on the mesh - pick another"
-                )
+        painted = rest.weights.get(getattr(values, group_property(parameter), ""))
+        if isinstance(parameter, Float) and painted is not None:
             value = np.maximum(value * painted.astype(np.float64), parameter.minimum)
         found[parameter.id] = value
     return found
+
+
+def unpainted(settings: SinewDeformer, rest: RestShape) -> tuple[Status, ...]:
+    """A line for the panel per painted parameter whose vertex group is not on the mesh."""
+    return tuple(
+        Status(
+            Level.WARNING,
+            f"{parameter.label} is not painted: vertex group '{group}' is not on the mesh - pick another",
+        )
+        for method, values in settings.methods
+        for parameter in method.paintable
+        if (group := getattr(values, group_property(parameter))) and group not in rest.weights
+    )
 
 
 def solve_options(settings: SinewDeformer) -> dict[str, Any]:

@@ -19,12 +19,10 @@ from ..control import kinds
 from ..control.cage import kind as cage_kind
 from ..live import binding
 from ..memory import sessions
-from . import hull
+from . import automatic, hull
+from .automatic import Shape
 
 CAGE_METHODS = kinds.methods_of(cage_kind)
-
-# Points (c, 3), corners per face, vertex of each corner, and why there are more faces than wanted.
-Shape = tuple[np.ndarray, np.ndarray, np.ndarray, str]
 
 
 def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
@@ -56,16 +54,15 @@ def cage_seconds(margin: float) -> float:
 def _around(
     points: np.ndarray, faces: tuple[np.ndarray, np.ndarray], options: dict, progress: Progress | None
 ) -> Shape:
-    return automatic_cage(points, faces, progress, **options)
+    around, counts, corners, more = automatic_cage(points, faces, progress, **options)
+    return around, counts, corners, options, more
 
 
 @sessions.suspended()
 def add_cage_object(obj: Object, shape: Shape) -> Object:
     """A new mesh object of this shape in the frame of ``obj``, which it follows."""
-    points, counts, corners, _more = shape
     mesh = bpy.data.meshes.new(f"{obj.name} Cage")
-    faces = [face.tolist() for face in np.split(corners, np.cumsum(counts)[:-1])]
-    mesh.from_pydata(points.tolist(), [], faces)
+    automatic.fill(mesh, shape)
     cage = bpy.data.objects.new(mesh.name, mesh)
     for collection in obj.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(cage)

@@ -24,17 +24,16 @@ _BUSY_MODES = ("EDIT", "SCULPT", "SCULPT_CURVES")  # meshes in these modes are l
 
 def refresh() -> bool:
     """Look at the meshes that were edited; returns whether one of them must be solved again."""
-    waiting, changed = [], False
+    edited, waiting = [], []
     for name in sessions.take_edited():
         obj = bpy.data.objects.get(name)
         if obj is None or obj.library is not None:
             continue
         if _is_busy(obj):
             waiting.append(name)
-            continue
-        for deformer in obj.sinew.deformers:
-            if deformer.is_bound and not deformer.bake.is_baked and not shapes.is_linked(deformer.proxy):
-                changed |= _refresh(obj, deformer)
+        else:
+            edited.append(obj)
+    changed = _look_at(edited)
     sessions.take_edited()  # Blender takes the above for edits, of every object that shares the mesh
     for name in waiting:
         sessions.note_edit(name)
@@ -49,19 +48,34 @@ def _is_busy(obj: Object) -> bool:
 
 
 @sessions.suspended()
-def _refresh(obj: Object, deformer: SinewDeformer) -> bool:
-    kind = kinds.kind_in_use(deformer)
-    if deformer.auto_rebind and kind.is_stale(deformer):
-        with suppress(SinewError):  # the panel says why
-            rest_frame.absorb(deformer)
-            kind.take_rest(obj, deformer)
-            bind.bind(obj, deformer, wait=False)
-        return True
-    vertex_groups.follow_renamed_groups(obj, deformer)
-    try:
-        meshes = capture.rest_meshes(obj, deformer)
-    except SinewError:  # no vertices: the evaluation shows the error
-        return False
+def _look_at(edited: list[Object]) -> bool:
+    """Compare what enters the deformers of objects now with what entered at bind."""
+    compared, changed = [], False
+    for obj in edited:
+        for deformer in obj.sinew.deformers:
+            if not deformer.is_bound or deformer.bake.is_baked or shapes.is_linked(deformer.proxy):
+                continue
+            kind = kinds.kind_in_use(deformer)
+            if deformer.auto_rebind and kind.is_stale(deformer):
+                with suppress(SinewError):  # the panel says why
+                    rest_frame.absorb(deformer)
+                    kind.take_rest(obj, deformer)
+                    bind.bind(obj, deformer, wait=False)
+                changed = True
+            else:
+                vertex_groups.follow_renamed_groups(obj, deformer)
+                compared.append((obj, deformer))
+    for (obj, deformer), meshes in zip(compared, capture.all_rest_meshes(compared), strict=True):
+        if not isinstance(meshes, SinewError):  # without vertices: the evaluation shows the error
+            changed |= _take(obj, deformer, meshes)
+    return changed
+
+
+def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> bool:
+    """Use the painted weights of meshes that enter now, or note their topology, if it is another one.
+
+    Returns whether there is anything to solve again. The meshes are used up.
+    """
     held = (deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER") if deformer.renders_differ else None)
     if not same_topology(held[0], meshes[0]):
         _discard(meshes)

@@ -7,7 +7,6 @@ Main thread only.
 from contextlib import suppress
 
 import bpy
-import numpy as np
 from bpy.types import Object
 
 from ...compat import read_positions
@@ -29,11 +28,8 @@ def store() -> None:
     if not found or bpy.app.is_job_running("RENDER"):
         return
     bpy.context.view_layer.update()  # a script may save right after it has moved a control
+    _solve_those_that_differ(found)
     for obj in found:
-        differing = _first_that_differs(obj)
-        if differing is not None:
-            with suppress(SinewError):  # the panel says what is wrong
-                _solve(obj, differing)
         for deformer in obj.sinew.deformers:
             for kind in kinds.every_kind():
                 kind.keep_pose(deformer, sessions.open_session(deformer.uid).poses)
@@ -76,18 +72,14 @@ def _is_ready(deformer: SinewDeformer) -> bool:
 
 
 @sessions.suspended()
-def _solve(obj: Object, first: SinewDeformer) -> None:
-    """Solve what a render would show of an object now."""
-    entered = _entering_renders(obj, first)
-    evaluate.update_renders(obj, bpy.context.evaluated_depsgraph_get(), entered)
-
-
-def _entering_renders(obj: Object, deformer: SinewDeformer) -> np.ndarray:
-    """What would enter a deformer in a render now, float32 (n, 3)."""
-    shown, rendered = capture.rest_meshes(obj, deformer)
-    try:
-        return read_positions(shown if rendered is None else rendered)
-    finally:
-        for mesh in (shown, rendered):
-            if mesh is not None:
-                bpy.data.meshes.remove(mesh)
+def _solve_those_that_differ(found: list[Object]) -> None:
+    """Solve what a render would show of objects now, where it is not what the viewport shows."""
+    differing = [(obj, first) for obj in found if (first := _first_that_differs(obj)) is not None]
+    for (obj, _), meshes in zip(differing, capture.all_rest_meshes(differing), strict=True):
+        if isinstance(meshes, SinewError):
+            continue  # the panel says what is wrong
+        shown, rendered = meshes
+        entered = read_positions(shown if rendered is None else rendered)
+        bpy.data.batch_remove([mesh for mesh in meshes if mesh is not None])
+        with suppress(SinewError):
+            evaluate.update_renders(obj, bpy.context.evaluated_depsgraph_get(), entered)

@@ -3,7 +3,8 @@
 
 They change the mesh and the frame of its object at once, so that the mesh itself stays in its place. By that
 they are recognised, by hand or by a script: some points of the mesh have moved in object space, and not in
-the world. Then the rest takes part in the change. All other edits of the mesh come on top of the pose.
+the world. Then the rest takes part in the change. All other edits of the mesh come on top of the pose. One
+that moves the mesh as a whole, as Geometry to Origin does, leaves the controls behind, which the panel says.
 """
 
 import numpy as np
@@ -27,26 +28,35 @@ _SAMPLE = 64  # points that are compared
 _ROUNDING = 4e-6  # some roundings of float32, relative to the coordinates
 _VISIBLE = 1e-3  # relative to the size of the shape
 _MOST = 1000  # meshes that undo can go back to
+_STRAYED = (
+    "The mesh was moved in its object, away from its controls - undo it, or move these to their places, then "
+    "Unbind and Bind"
+)
 
 _samples: dict[str, np.ndarray] = remember({})  # by object, in its last update
 _frames: dict[tuple, np.ndarray] = remember({})  # of the rest of a deformer, by what its mesh was then
 
 
-def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> dict[str, np.ndarray]:
+def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> dict[str, np.ndarray | None]:
     """Let the rest of an object follow if Apply has changed it, after its mesh was edited.
 
-    Returns the shapes that stay where they were in the world, float32 (n, 3) by the key of the deformer.
+    Returns the shapes that stay where they were in the world, float32 (n, 3) by the key of the deformer; None
+    where the mesh was moved as a whole, and its controls were not.
     Without a ``last`` update the mesh may be that of another step of undo. Blender stores such a step before
     the rest has followed, so the frame of the rest is what it was when this mesh was here before.
     """
     sample = targets.sample(obj, _SAMPLE)
     before, _samples[obj.name_full] = _samples.get(obj.name_full), sample
     by = None
-    if last is not None and before is not None:
+    strayed = False
+    if last is not None and before is not None and _has_moved(before, sample):
+        strayed = last.world == evaluated.matrix_world and _is_moved_as_a_whole(before, sample)
         by = _change(last.world, evaluated.matrix_world, before, sample)
     if len(_frames) > _MOST:
         _frames.clear()
-    expected: dict[str, np.ndarray] = {}
+    expected: dict[str, np.ndarray | None] = {}
+    if strayed:
+        expected.update({deformer.uid: None for deformer in obj.sinew.deformers if deformer.is_bound})
     for index, deformer in enumerate(obj.sinew.deformers):
         rest = deformer.rest_in("VIEWPORT")
         token = "" if rest is None else str(rest.get(Keys.REST_TOKEN))
@@ -67,13 +77,25 @@ def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> dict[str,
     return expected
 
 
+def _has_moved(before: np.ndarray, after: np.ndarray) -> bool:
+    return before.shape == after.shape and len(after) > 0 and not np.array_equal(before, after)
+
+
+def _is_moved_as_a_whole(before: np.ndarray, after: np.ndarray) -> bool:
+    """Whether one affine map moves all points. Of so few points that any edit is one, none is."""
+    if not (np.isfinite(before).all() and np.isfinite(after).all()):
+        return False
+    rows = np.column_stack((before - before.mean(axis=0), np.ones(len(before)))).astype(np.float64)
+    found, _residuals, rank, _values = np.linalg.lstsq(rows, after.astype(np.float64), rcond=1e-6)
+    off, largest = (float(np.abs(one).max()) for one in (rows @ found - after, (before, after)))
+    return bool(rank < len(before)) and off <= _ROUNDING * largest
+
+
 def _change(old: Matrix, new: Matrix, before: np.ndarray, after: np.ndarray) -> np.ndarray | None:
     """The affine map (4, 4) that Apply has moved the points by; None if it was no Apply.
 
     The points ``before`` were in the frame ``old``, and are ``after`` in the frame ``new``.
     """
-    if before.shape != after.shape or not len(after) or np.array_equal(before, after):
-        return None
     was, now = (np.array(matrix.copy(), dtype=np.float64) for matrix in (old, new))
     if np.array_equal(was, now):
         return None
@@ -143,10 +165,17 @@ def _copy(deformer: SinewDeformer, evaluated: SinewDeformer) -> None:
     evaluated.has_applied = deformer.has_applied
 
 
-def compare(obj: Object, expected: dict[str, np.ndarray]) -> None:
-    """Tell in the panel where a method gives another shape now, as it may after an uneven scale."""
+def report(obj: Object, expected: dict[str, np.ndarray | None]) -> None:
+    """Tell in the panel where the mesh has left its controls.
+
+    And where a method gives another shape now, as it may after an uneven scale.
+    """
     for deformer in obj.sinew.deformers:
         wanted, session = expected.get(deformer.uid), sessions.find(deformer.uid)
+        if wanted is None and deformer.uid in expected:
+            if status.current(deformer.uid).level is not Level.ERROR:
+                status.put(deformer.uid, Status(Level.WARNING, _STRAYED))
+            continue
         found = None if session is None else session.view("VIEWPORT").positions
         if wanted is None or found is None or found.shape != wanted.shape:
             continue

@@ -6,11 +6,13 @@ constraints, modifiers and drivers are followed here. Handlers and scripts may c
 so nothing is kept from one evaluation to the next.
 """
 
+import re
 from collections.abc import Iterable, Iterator
 from functools import cache
 from typing import Any, NamedTuple
 
-from bpy.types import ID, Collection, Constraint, Modifier, NodeTree, Object
+from bpy.types import ID, Collection, Constraint, Driver, Modifier, NodeTree, Object, PoseBone
+from bpy.utils import unescape_identifier
 
 from ... import compat
 from ...ids import Keys
@@ -31,6 +33,7 @@ _BY_PLACE = frozenset(
 )
 _OF_SHAPE = ("dimensions", "bound_box")  # what a driver may read of an object that depends on its shape
 _KEEPER = f'["{Keys.KEEP}"]'
+_BONE = re.compile(r'pose\.bones\["((?:[^"\\]|\\.)*)"\]')  # in the path of what is driven
 
 
 class Part(NamedTuple):
@@ -39,6 +42,9 @@ class Part(NamedTuple):
     what: str
     object: Object
     bone: str = ""
+
+
+_Drivers = list[tuple[str, list[Part]]]  # by the path of what is driven
 
 
 class Reads(NamedTuple):
@@ -54,13 +60,15 @@ class Relations:
     def __init__(self) -> None:
         self._next: dict[Part, tuple[Part, ...]] = {}
         self._reads: dict[Object, Reads] = {}
+        self._drivers: dict[ID, _Drivers] = {}
+        self._bones: dict[Object, _Bones] = {}
 
     def reads(self, rig: Object) -> Reads:
         """The rigs that a rig reads by itself."""
         found = self._reads.get(rig)
         if found is None:
-            entering = self._reached(_entering(rig))
-            found = self._reads[rig] = Reads(entering | self._reached(_controls(rig)), entering)
+            entering = self._reached(self._entering(rig))
+            found = self._reads[rig] = Reads(entering | self._reached(self._controls(rig)), entering)
         return found
 
     def below(self, rig: Object) -> frozenset[Object]:
@@ -83,11 +91,123 @@ class Relations:
                 found.add(part.object)
             following = self._next.get(part)
             if following is None:
-                following = self._next[part] = tuple(_FOLLOW[part.what](part))
+                following = self._next[part] = tuple(self._follow(part))
             new = [other for other in following if other not in known]
             known.update(new)
             waiting += new
         return frozenset(found)
+
+    def _follow(self, part: Part) -> Iterator[Part]:
+        """What a part depends on at once."""
+        if part.what == PLACE:
+            return self._place(part.object)
+        return self._pose(part) if part.what == POSE else self._shape(part.object)
+
+    def _controls(self, rig: Object) -> Iterator[Part]:
+        """What the poses of a rig depend on."""
+        yield Part(PLACE, rig)
+        for deformer in rig.sinew.deformers:
+            for link in kinds.kind_in_use(deformer).links(deformer):
+                yield Part(PLACE, link.object)
+                if link.by_shape:
+                    yield Part(SHAPE, link.object)
+                if link.bone:
+                    yield Part(POSE, link.object, link.bone)
+            for other in references.pointed(deformer):
+                yield Part(PLACE, other)
+        yield from self._driven(rig, "sinew.")
+
+    def _entering(self, rig: Object) -> Iterator[Part]:
+        """What the shape depends on that enters the last deformer of a rig."""
+        modifiers = list(rig.modifiers)
+        while modifiers and not node_group.is_ours(modifiers[-1]):
+            modifiers.pop()
+        yield from self._modifiers(rig, modifiers)
+
+    def _place(self, obj: Object) -> Iterator[Part]:
+        parent = obj.parent
+        if parent is not None:
+            yield Part(PLACE, parent)
+            kind = obj.parent_type
+            if kind in _BY_VERTEX or targets.is_path(parent):
+                yield Part(SHAPE, parent)
+            elif kind == "BONE":
+                yield Part(POSE, parent, obj.parent_bone)
+        for constraint in obj.constraints:
+            yield from _constraint(constraint)
+        yield from self._driven(obj, "", but=("sinew.", "modifiers[", "pose.", _KEEPER))
+
+    def _pose(self, part: Part) -> Iterator[Part]:
+        """Of one bone of an armature, or of all of them."""
+        armature = part.object
+        yield Part(PLACE, armature)
+        if armature.pose is None:  # its library is missing
+            return
+        bones = self._bones.get(armature)
+        if bones is None:
+            bones = self._bones[armature] = _Bones(armature, self._drivers_of(armature))
+        if not part.bone:
+            yield from bones.all()
+        elif (bone := armature.pose.bones.get(part.bone)) is not None:
+            yield from bones.of(bone)
+
+    def _shape(self, obj: Object) -> Iterator[Part]:
+        yield from self._modifiers(obj, obj.modifiers)
+        for name in ("bevel_object", "taper_object", "follow_curve"):
+            other = getattr(obj.data, name, None)
+            if other is not None:
+                yield Part(SHAPE, other)
+                yield Part(PLACE, other)
+
+    def _modifiers(self, obj: Object, modifiers: Iterable[Modifier]) -> Iterator[Part]:
+        """What the shape of an object depends on before and after these modifiers."""
+        followed = set()
+        for modifier in modifiers:
+            if modifier.type == "ARMATURE":
+                followed.add((POSE, modifier.object))
+            elif modifier.type == "NODES":
+                if not node_group.is_ours(modifier):
+                    followed.update((SHAPE, other) for other in _in_nodes(modifier))
+            else:
+                what = PLACE if modifier.type in _BY_PLACE else SHAPE
+                for name in _pointers(modifier.__class__):
+                    named = getattr(modifier, name)
+                    if isinstance(named, Collection):
+                        followed.update((what, other) for other in named.all_objects)
+                    else:
+                        followed.add((what, named))
+                bone, owner = getattr(modifier, "subtarget", ""), getattr(modifier, "object", None)
+                if bone and owner is not None and targets.has_bones(owner):
+                    yield Part(POSE, owner, bone)
+        if obj.parent is not None and obj.parent_type in (
+            "ARMATURE",
+            "LATTICE",
+        ):  # it deforms like a modifier
+            followed.add((POSE if obj.parent_type == "ARMATURE" else SHAPE, obj.parent))
+        followed = {(what, other) for what, other in followed if other is not None}
+        if followed:
+            yield Part(PLACE, obj)
+        for what, other in followed:
+            yield Part(PLACE, other)
+            yield Part(what, other)
+        yield from self._driven(obj, "modifiers[")
+        keys = getattr(obj.data, "shape_keys", None)
+        if keys is not None:
+            yield from self._driven(keys, "")
+
+    def _driven(self, datablock: ID, beginning: str, but: tuple[str, ...] = ()) -> Iterator[Part]:
+        """What the drivers follow of the paths that begin so, ``but`` for some."""
+        if datablock.animation_data is None:
+            return
+        for path, parts in self._drivers_of(datablock):
+            if path.startswith(beginning) and not (but and path.startswith(but)):
+                yield from parts
+
+    def _drivers_of(self, datablock: ID) -> _Drivers:
+        found = self._drivers.get(datablock)
+        if found is None:
+            found = self._drivers[datablock] = _drivers(datablock)
+        return found
 
 
 def circle(rig: Object) -> tuple[str, ...]:
@@ -105,119 +225,42 @@ def circle(rig: Object) -> tuple[str, ...]:
     return (f"{listed} follow each other in a circle - let one of them follow another object",)
 
 
-def _controls(rig: Object) -> Iterator[Part]:
-    """What the poses of a rig depend on."""
-    yield Part(PLACE, rig)
-    for deformer in rig.sinew.deformers:
-        for link in kinds.kind_in_use(deformer).links(deformer):
-            yield Part(PLACE, link.object)
-            if link.by_shape:
-                yield Part(SHAPE, link.object)
-            if link.bone:
-                yield Part(POSE, link.object, link.bone)
-        for other in references.pointed(deformer):
-            yield Part(PLACE, other)
-    yield from _drivers(rig, "sinew.")
+class _Bones:
+    """What the bones of an armature follow by themselves: read once, as many parts may ask for it."""
 
-
-def _entering(rig: Object) -> Iterator[Part]:
-    """What the shape depends on that enters the last deformer of a rig."""
-    modifiers = list(rig.modifiers)
-    while modifiers and not node_group.is_ours(modifiers[-1]):
-        modifiers.pop()
-    yield from _modifiers(rig, modifiers)
-
-
-def _place(part: Part) -> Iterator[Part]:
-    obj = part.object
-    parent = obj.parent
-    if parent is not None:
-        yield Part(PLACE, parent)
-        kind = obj.parent_type
-        if kind in _BY_VERTEX or targets.is_path(parent):
-            yield Part(SHAPE, parent)
-        elif kind == "BONE":
-            yield Part(POSE, parent, obj.parent_bone)
-    for constraint in obj.constraints:
-        yield from _constraint(constraint)
-    if obj.animation_data is not None:
-        yield from _drivers(obj, "", but=("sinew.", "modifiers[", "pose.", _KEEPER))
-
-
-def _pose(part: Part) -> Iterator[Part]:
-    armature = part.object
-    yield Part(PLACE, armature)
-    if armature.pose is None:  # its library is missing
-        return
-    bones = armature.pose.bones
-    if not part.bone:
-        for bone in bones:
+    def __init__(self, armature: Object, drivers: _Drivers) -> None:
+        self._followed: dict[str, list[Part]] = {}
+        self._chains: list[
+            tuple[set[str], list[Part]]
+        ] = []  # bones that a constraint further down moves, too
+        for bone in armature.pose.bones:
+            if not bone.constraints:
+                continue
+            followed = self._followed[bone.name] = []
             for constraint in bone.constraints:
-                yield from _constraint(constraint)
-        yield from _drivers(armature, "pose.")
-        return
-    upwards = []
-    bone = bones.get(part.bone)
-    while bone is not None:
-        upwards.append(bone)
-        bone = bone.parent
-    for bone in upwards:
-        for constraint in bone.constraints:
-            yield from _constraint(constraint)
-        yield from _drivers(armature, f'pose.bones["{bone.name}"]')
-    for bone in bones:
-        for constraint in bone.constraints:
-            if constraint.type in _MOVES_PARENTS:
-                moved = bone.parent_recursive[: constraint.chain_count or None]
-                if any(other in upwards for other in moved):
-                    yield from _constraint(constraint)
+                parts = list(_constraint(constraint))
+                followed += parts
+                if constraint.type in _MOVES_PARENTS:
+                    moved = bone.parent_recursive[: constraint.chain_count or None]
+                    self._chains.append(({other.name for other in moved}, parts))
+        for path, parts in drivers:
+            name = _BONE.match(path)
+            if name is not None:
+                self._followed.setdefault(unescape_identifier(name[1]), []).extend(parts)
 
+    def all(self) -> Iterator[Part]:
+        """What any of them follows."""
+        for parts in self._followed.values():
+            yield from parts
 
-def _shape(part: Part) -> Iterator[Part]:
-    obj = part.object
-    yield from _modifiers(obj, obj.modifiers)
-    for name in ("bevel_object", "taper_object", "follow_curve"):
-        other = getattr(obj.data, name, None)
-        if other is not None:
-            yield Part(SHAPE, other)
-            yield Part(PLACE, other)
-
-
-_FOLLOW = {PLACE: _place, POSE: _pose, SHAPE: _shape}
-
-
-def _modifiers(obj: Object, modifiers: Iterable[Modifier]) -> Iterator[Part]:
-    """What the shape of an object depends on before and after these modifiers."""
-    followed = set()
-    for modifier in modifiers:
-        if modifier.type == "ARMATURE":
-            followed.add((POSE, modifier.object))
-        elif modifier.type == "NODES":
-            if not node_group.is_ours(modifier):
-                followed.update((SHAPE, other) for other in _in_nodes(modifier))
-        else:
-            what = PLACE if modifier.type in _BY_PLACE else SHAPE
-            for name in _pointers(modifier.__class__):
-                named = getattr(modifier, name)
-                if isinstance(named, Collection):
-                    followed.update((what, other) for other in named.all_objects)
-                else:
-                    followed.add((what, named))
-            bone, owner = getattr(modifier, "subtarget", ""), getattr(modifier, "object", None)
-            if bone and owner is not None and targets.has_bones(owner):
-                yield Part(POSE, owner, bone)
-    if obj.parent is not None and obj.parent_type in ("ARMATURE", "LATTICE"):  # it deforms like a modifier
-        followed.add((POSE if obj.parent_type == "ARMATURE" else SHAPE, obj.parent))
-    followed = {(what, other) for what, other in followed if other is not None}
-    if followed:
-        yield Part(PLACE, obj)
-    for what, other in followed:
-        yield Part(PLACE, other)
-        yield Part(what, other)
-    yield from _drivers(obj, "modifiers[")
-    keys = getattr(obj.data, "shape_keys", None)
-    if keys is not None:
-        yield from _drivers(keys, "")
+    def of(self, bone: PoseBone) -> Iterator[Part]:
+        """What decides where a bone is."""
+        upwards = {bone.name, *(other.name for other in bone.parent_recursive)}
+        for name in upwards & self._followed.keys():
+            yield from self._followed[name]
+        for moved, parts in self._chains:
+            if not moved.isdisjoint(upwards):
+                yield from parts
 
 
 @cache
@@ -272,20 +315,23 @@ def _followed(target: Object | None, subtarget: str, on_shape: bool) -> Iterator
         yield Part(SHAPE, target)
 
 
-def _drivers(datablock: ID, beginning: str, but: tuple[str, ...] = ()) -> Iterator[Part]:
-    """What the drivers follow of the paths that begin so, ``but`` for some."""
+def _drivers(datablock: ID) -> _Drivers:
+    """The paths that drivers drive, with what each of them follows."""
     animation = datablock.animation_data
-    for curve in animation.drivers if animation is not None else ():
-        path = curve.data_path
-        if not path.startswith(beginning) or (but and path.startswith(but)):
-            continue
-        for variable in curve.driver.variables:
-            for target in variable.targets:
-                other = target.id
-                if not isinstance(other, Object):
-                    continue
-                yield Part(PLACE, other)
-                if target.bone_target and targets.has_bones(other):
-                    yield Part(POSE, other, target.bone_target)
-                elif variable.type == "SINGLE_PROP" and target.data_path.startswith(_OF_SHAPE):
-                    yield Part(SHAPE, other)
+    return [
+        (curve.data_path, list(_variables(curve.driver)))
+        for curve in (animation.drivers if animation is not None else ())
+    ]
+
+
+def _variables(driver: Driver) -> Iterator[Part]:
+    for variable in driver.variables:
+        for target in variable.targets:
+            other = target.id
+            if not isinstance(other, Object):
+                continue
+            yield Part(PLACE, other)
+            if target.bone_target and targets.has_bones(other):
+                yield Part(POSE, other, target.bone_target)
+            elif variable.type == "SINGLE_PROP" and target.data_path.startswith(_OF_SHAPE):
+                yield Part(SHAPE, other)

@@ -127,7 +127,7 @@ def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, preview: bool) -
     obj, evaluated, placed, controls, change, last = look
     layout = last.layout if last is not None and change <= Change.DRIVEN else None
     new_geometry = change is Change.GEOMETRY
-    expected = {}
+    expected: dict[str, np.ndarray | None] = {}
     in_viewport = depsgraph.mode == "VIEWPORT"
     if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
         expected = applied.follow(obj, evaluated, last)
@@ -136,7 +136,7 @@ def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, preview: bool) -
     )
     changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
     if expected:
-        applied.compare(obj, expected)
+        applied.report(obj, expected)
 
 
 def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> None:

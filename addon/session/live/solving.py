@@ -3,13 +3,14 @@
 
 A drag in a window shows previews, which take as many steps as the drag budget allows and start from the last
 shape. If a single step takes longer than the budget, a thread solves, and the shape follows the controls a
-little later. When the drag pauses, the exact shape, which depends on the poses alone, replaces the preview.
+little later. It starts from the controls alone, which takes longer and is near the final shape at once. When
+the drag pauses, the exact shape, which depends on the poses alone, replaces the preview.
 Where nothing is known of the shape, after undo for instance, the exact shape is the first to be shown.
 """
 
 import math
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,8 @@ from ..memory.evaluation import Evaluation
 from ..memory.sessions import Bound, Session, Shown
 from . import binding, drag, renders
 from .incoming import TOPOLOGY_CHANGED
+
+_START = 4  # about as many iterations take as long as a start from the controls alone
 
 
 @dataclass(frozen=True)
@@ -159,9 +162,10 @@ def _learn_price(session: Session, question: Question, seconds: float) -> None:
     session.solve_milliseconds = seconds * 1000.0
     if not question.early:
         session.step_milliseconds = session.solve_milliseconds
-    elif "start" in question.options:  # without a start, a solve takes longer than its steps alone
-        session.step_milliseconds = session.solve_milliseconds / question.options["max_iterations"]
-        session.steps = drag.affordable_steps(session.step_milliseconds)
+        return
+    steps = question.options["max_iterations"] + (0 if "start" in question.options else _START)
+    session.step_milliseconds = session.solve_milliseconds / steps
+    session.steps = drag.affordable_steps(session.step_milliseconds)
 
 
 def _may_be_late(evaluation: Evaluation, bound: Bound, question: Question) -> bool:
@@ -209,4 +213,7 @@ def _from_thread(session: Session, bound: Bound, question: Question) -> tuple[Qu
 
 
 def _ask(session: Session, bound: Bound, question: Question) -> None:
+    if question.early:
+        alone = {name: value for name, value in question.options.items() if name != "start"}
+        question = replace(question, options=alone)
     session.work = Work(lambda progress: _answer(bound, question, progress), question)

@@ -222,10 +222,12 @@ def suspended() -> Iterator[None]:
     finally:
         _suspended -= 1
         if not _suspended:
-            for name in _missed:
+            for name in list(_missed):
                 obj = bpy.data.objects.get(name)
-                if obj is not None:
+                if obj is not None and obj.sinew.deformers:
                     obj.update_tag(refresh={"OBJECT"})
+                else:  # nothing would take it
+                    _missed.discard(name)
 
 
 def note_missed(name: str) -> None:

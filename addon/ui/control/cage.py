@@ -25,6 +25,7 @@ class SINEW_MT_cage(Menu):
         for source, text in (("AUTO", "Add Automatic Cage"), ("OBJECT", "Use Selected Object as Cage")):
             layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
         layout.separator()
+        layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
         layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
         layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
 
@@ -49,6 +50,8 @@ def draw(_context: Context, layout: UILayout, _obj: Object, deformer: SinewDefor
         _draw_add(layout)
     else:
         column.prop(deformer, "cage_subdivision")
+        if session.is_automatic(deformer.cage):
+            layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
         layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
 
 

@@ -146,6 +146,54 @@ TEST(AutomaticCage, mirrors_where_the_target_does)
         hill);
 }
 
+// The surface is symmetric, its vertices are not: a ball, turned about y.
+TEST(AutomaticCage, mirrors_to_the_last_bit_where_the_sides_are_divided_differently)
+{
+    const double c = std::cos(0.3), s = std::sin(0.3);
+    Matrix3 turn;
+    turn << c, 0, s, 0, 1, 0, -s, 0, c;
+    const SurfaceMesh ball = shapes::sphere(4);
+    Points points = ball.points() * turn.transpose();
+    points.col(1) *= 1.5;
+    points.col(2) = points.col(2).array() + 0.2 * points.col(1).array().square(); // bent: y, z are no planes
+    points.col(1).array() += 0.3 * points.col(1).array().abs();
+    const SurfaceMesh target = shapes::moved(ball, points);
+    const AutomaticCage cage = automatic_cage(target, {.faces = 80, .margin = wide});
+    expect_good(cage, target);
+    ASSERT_EQ(cage.report.mirror_axis, 0);
+    EXPECT_GT(cage.report.asymmetry, 1e-5);
+    EXPECT_LT(cage.report.asymmetry, 5e-3);
+    std::set<std::array<double, 3>> all;
+    for (const auto& p : cage.points.rowwise())
+        all.insert({p[0], p[1], p[2]});
+    for (const auto& [x, y, z] : all)
+        EXPECT_TRUE(all.contains({-x, y, z}));
+}
+
+TEST(AutomaticCage, says_how_much_the_sides_differ)
+{
+    const SurfaceMesh bar = shapes::bar(8, 2);
+    const double diagonal = shapes::size(bar.points());
+    EXPECT_NEAR(automatic_cage(bar, {.faces = 60, .margin = wide}).report.asymmetry, 0.0, 1e-12);
+    // One of eight corners, moved by `depth` along each axis: its mirror image is that deep in the bar, and
+    // the image of the opposite corner is no farther from the bar than the corner has moved.
+    Eigen::Index corner = 0;
+    bar.points().rowwise().sum().maxCoeff(&corner);
+    for (double depth : {0.4, 0.7}) {
+        Points points = bar.points();
+        points.row(corner).array() -= depth;
+        const SurfaceMesh dented = shapes::moved(bar, points);
+        const AutomaticCageReport report = automatic_cage(dented, {.faces = 60, .margin = wide}).report;
+        EXPECT_EQ(report.mirror_axis, -1);
+        EXPECT_GE(report.asymmetry, depth / diagonal * 0.999);
+        EXPECT_LE(report.asymmetry, std::sqrt(3.0) * depth / diagonal * 1.001);
+        EXPECT_EQ(automatic_cage(
+                      dented, {.faces = 60, .margin = wide, .symmetry = AutomaticCageOptions::Symmetry::none})
+                      .report.asymmetry,
+                  0.0);
+    }
+}
+
 TEST(AutomaticCage, joins_triangles_into_quads_that_are_safe_along_both_diagonals)
 {
     const SurfaceMesh target = shapes::bar(8, 2);

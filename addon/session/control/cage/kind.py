@@ -27,7 +27,7 @@ from ...blocks.vertex_groups import read_weights
 from ...memory.evaluation import ControlState, Evaluation
 from ...memory.sessions import Bound
 from .. import objects, placement
-from ..bind_input import BindInput, options
+from ..bind_input import BindInput, options, unpainted
 from ..influence import Influence
 
 MISSING = "No cage yet - Add Cage takes the other selected mesh"
@@ -69,6 +69,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         rest=rest,
         on_base=len(rest.points) == base_count,
         control=f"a cage of {len(cage.points):,}",
+        unpainted=unpainted(settings, rest),
     )
 
 

@@ -14,7 +14,7 @@ from ....core.status import Remedy
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks.vertex_groups import read_weights
-from ..bind_input import BindInput, options
+from ..bind_input import BindInput, options, unpainted
 from .poses import rest_of
 
 _IMPLIED = "support"  # the key of the fixed region around a support
@@ -141,6 +141,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         handles=tuple(keys),
         names=tuple(names),
         unused=tuple(unused),
+        unpainted=unpainted(settings, rest),
         indices=tuple(indices),
     )
 

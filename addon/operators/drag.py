@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drag Surface: in Object Mode, make a handle where one presses on a mesh, or take one that is there."""
+
+import math
+from functools import partial
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.types import Context, Event, Object, Operator, SpaceView3D
+from bpy_extras import view3d_utils
+
+from .. import session
+from ..core.errors import SinewError
+from ..core.geometry import frames
+from ..core.transform.motion import Mode
+from ..core.transform.typed_motion import TypedMotion
+from ..ids import Operators
+from .dragging import Dragging
+from .handle import select_control
+from .modal.motion_properties import MOTION_KEYS, MotionProperties
+from .modal.ring import draw_line, ring
+from .modal.shell import Keys, ViewportTool
+from .modal.view import axes_of, length_text, typed_units, view_of
+from .reporting import reports_errors
+
+_KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
+_LINE = (1.0, 1.0, 1.0, 0.9)
+_NOT_HELD = "Nothing holds this part, so all of it moves - click on it to make handles that stay"
+_NOTHING = "There is no mesh at this place - press on the surface of one"
+
+
+class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
+    """Drag the surface: a handle is made where you press, or taken if there is one, and moves with the mouse.
+
+    A click alone makes a handle that stays, and holds what is around it
+    """
+
+    bl_idname = Operators.DRAG
+    bl_label = "Drag Surface"
+    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # it begins with a press
+
+    KEYS = _KEYS
+    running = False  # while the mouse drags, nothing else needs to be drawn at it
+
+    origin: FloatVectorProperty(
+        name="Origin",
+        subtype="XYZ",
+        options={"SKIP_SAVE", "HIDDEN"},
+        description="Where the line of sight begins that meets the surface",
+    )
+    direction: FloatVectorProperty(
+        name="Direction",
+        subtype="XYZ",
+        default=(0.0, 0.0, -1.0),
+        options={"SKIP_SAVE", "HIDDEN"},
+        description="The direction of the line of sight",
+    )
+    pixels: IntProperty(
+        name="Radius",
+        subtype="PIXEL",
+        default=30,
+        min=1,
+        soft_max=300,
+        options={"HIDDEN"},
+        description="How large a new handle is on the screen; vertices within it move as one piece",
+    )
+    radius: FloatProperty(
+        name="Radius",
+        subtype="DISTANCE",
+        default=0.25,
+        min=0.0,
+        soft_min=0.001,
+        options={"SKIP_SAVE"},
+        description="How far from the place, along the surface, vertices belong to a new handle",
+    )
+    reach: FloatProperty(
+        name="Reach",
+        default=3.0,
+        min=1.0,
+        soft_max=20.0,
+        description="How many radii far the surface follows a new handle, unless other regions hold it",
+    )
+    unlimited: BoolProperty(
+        name="Whole Surface",
+        description="Everything that is connected follows a new handle, except for what other regions hold",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go to Object Mode to drag the surface of a mesh")
+            return False
+        return True
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        hit = session.first_hit(
+            context.evaluated_depsgraph_get(), np.array(self.origin), np.array(self.direction), _is_shown
+        )
+        if hit is None:
+            raise SinewError(_NOTHING)
+        drag = self._drag(context, hit, wait=True)
+        try:
+            drag.move(hit.obj, self.motion.matrix(axes_of(drag.frame), hit.place))
+        except SinewError:
+            drag.restore(hit.obj)
+            raise
+        context.view_layer.update()
+        self._keep(context, hit.obj, drag)
+        return {"FINISHED"}
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        if context.area is None or context.area.type != "VIEW_3D":
+            return self.execute(context)
+        return self._begin(context, event)
+
+    @reports_errors
+    def _begin(self, context: Context, event: Event) -> set[str]:
+        self.origin, self.direction = _sight(context, event.mouse_x, event.mouse_y)
+        hit = surface_under(context, event.mouse_x, event.mouse_y)
+        if hit is None:
+            self.report({"INFO"}, _NOTHING)
+            return {"CANCELLED"}
+        view = view_of(context, hit.place)
+        if not self.properties.is_property_set("radius"):
+            self.radius = self.pixels * view.pixel
+        drag = self._drag(context, hit, wait=False)
+        axes = axes_of(drag.frame)
+        typed = TypedMotion(
+            Mode(self.mode),
+            view,
+            axes,
+            (event.mouse_x, event.mouse_y),
+            context.space_data.overlay.grid_scale,
+            *typed_units(context.scene.unit_settings),
+        )
+        tool = Dragging(drag, typed, hit.place, axes)
+        session.watch(drag.uid)
+        SINEW_OT_drag.running = True
+        shape = ring(hit.place, hit.normal, self.radius) if drag.is_new else None
+        return self.begin(context, tool, hit.obj, partial(_draw_moved, tool, shape))
+
+    def draw(self, _context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        self.draw_motion(layout)
+        layout.separator()
+        layout.prop(self, "method")
+        layout.prop(self, "radius")
+        row = layout.row()
+        row.active = not self.unlimited
+        row.prop(self, "reach")
+        layout.prop(self, "unlimited")
+
+    def worked_on(self, context: Context) -> Object | None:
+        """The object that was met, as long as it is in the scene."""
+        return context.scene.objects.get(self.object_name)
+
+    def store_result(self, context: Context) -> None:
+        self.store_motion(self.tool.typed.motion)
+        self._keep(context, self.worked_on(context), self.tool.drag)
+
+    def header(self, context: Context) -> str:
+        settings = context.scene.unit_settings
+        motion = self.tool.typed.header(lambda value: length_text(settings, value))
+        return f"{motion}   {self.tool.drag.name}"
+
+    def _leave(self, context: Context, result: set[str]) -> set[str]:
+        session.watch(self.tool.drag.uid, False)
+        SINEW_OT_drag.running = False
+        return super()._leave(context, result)
+
+    def _drag(self, context: Context, hit: session.Hit, wait: bool) -> session.Drag:
+        reach = math.inf if self.unlimited else self.reach * self.radius
+        brush = session.Brush(self.choose_method(context).id, self.radius, reach)
+        drag = session.Drag(hit, context.evaluated_depsgraph_get(), brush, wait)
+        if not drag.is_held:
+            self.report({"INFO"}, _NOT_HELD)
+        return drag
+
+    def _keep(self, context: Context, obj: Object, drag: session.Drag) -> None:
+        """Select the control. The handle is kept even if its control cannot be selected."""
+        if context.scene.tool_settings.use_keyframe_insert_auto:
+            drag.key(obj)
+        try:
+            select_control(context, obj, drag.handle_of(obj))
+        except SinewError as error:
+            self.report({"WARNING"}, str(error))
+
+
+def surface_under(context: Context, x: float, y: float) -> session.Hit | None:
+    """The surface that a 3D Viewport shows at a pixel of the window; None if there is none."""
+    origin, direction = _sight(context, x, y)
+    shows = partial(_is_shown_in, context.space_data)
+    return session.first_hit(context.evaluated_depsgraph_get(), np.array(origin), np.array(direction), shows)
+
+
+def _is_shown(obj: Object) -> bool:
+    return obj.visible_get()
+
+
+def _is_shown_in(space: SpaceView3D, obj: Object) -> bool:
+    return obj.visible_in_viewport_get(space)
+
+
+def _sight(context: Context, x: float, y: float) -> tuple[tuple, tuple]:
+    """The line of sight at a pixel of the window: its origin and its direction."""
+    region, view = context.region, context.region_data
+    pixel = (x - region.x, y - region.y)
+    direction = view3d_utils.region_2d_to_vector_3d(region, view, pixel)
+    return tuple(view3d_utils.region_2d_to_origin_3d(region, view, pixel)), tuple(direction)
+
+
+def _draw_moved(tool: Dragging, shape: np.ndarray | None) -> None:
+    """Draw the ring of a new handle where it is now, in each 3D Viewport."""
+    context = bpy.context
+    if shape is not None and context.region_data is not None:
+        draw_line(context.region, context.region_data, frames.transformed(tool.matrix, shape), _LINE)
