@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/graph/clusters.h"
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <map>
@@ -17,7 +18,18 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 using Entry = std::pair<double, int>;
 using Front = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 
-/// Visits nodes in the order of their distance from a seed along the edges.
+/// A length rounded to a multiple of an eighth of the power of two below it, and raised by a sixteenth, so
+/// that it is no shorter than it was. Sums of such numbers are exact, and the bounds between them lie where
+/// no regular mesh has its lengths.
+double rounded(double length)
+{
+    constexpr double bound = 0.46; // between two multiples; the largest is the first of the next octave
+    int exponent = 0;
+    const double eighths = 16 * std::frexp(length, &exponent); // from 8 to 16
+    return length > 0 ? std::ldexp(17 * std::floor(eighths + 1 - bound), exponent - 8) : 0.0;
+}
+
+/// Visits nodes in the order of their distance from a seed along the edges, in rounded lengths.
 /// \param distance  (nodes) the distances that `reaches` has noted.
 /// \param visit     visit(node, distance)
 /// \param reaches   reaches(node, distance) says whether the walk goes on to a node; if so, it has noted the
@@ -36,7 +48,7 @@ void grow(const GraphEdges& edges, const Points& rest, int seed, const std::vect
         visit(i, d);
         for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a) {
             const int j = edges.neighbours[a];
-            const double further = d + (rest.row(i) - rest.row(j)).norm();
+            const double further = d + rounded((rest.row(i) - rest.row(j)).norm());
             if (reaches(j, further))
                 front.emplace(further, j);
         }
@@ -45,7 +57,8 @@ void grow(const GraphEdges& edges, const Points& rest, int seed, const std::vect
 
 } // namespace
 
-Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : label(graph.size(), -1)
+Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted, const std::vector<int>& numbers)
+    : label(graph.size(), -1)
 {
     std::vector<double> distance(graph.size(), infinite);
     const auto add = [&](int seed) {
@@ -63,18 +76,20 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
                 return true;
             });
     };
-    for (int i = 0; i < graph.size(); ++i)
+    const std::vector<int> by_number = new_numbers(numbers);
+    for (int i : by_number)
         if (!graph.is_idle(i) && label[i] < 0)
             add(i); // each part of each region needs a seed
-    std::priority_queue<Entry> farthest;
-    for (int i = 0; i < graph.size(); ++i)
+    std::priority_queue<Entry> farthest; // the second is minus the number, so that the lowest comes first
+    for (int i : by_number)
         if (!graph.is_idle(i))
-            farthest.emplace(distance[i], i);
+            farthest.emplace(distance[i], -numbers[i]);
     while (static_cast<int>(seeds.size()) < wanted && !farthest.empty()) {
-        const auto [d, i] = farthest.top();
+        const auto [d, minus] = farthest.top();
+        const int i = by_number[-minus];
         farthest.pop();
         if (d > distance[i]) {
-            farthest.emplace(distance[i], i); // a seed added since then is nearer
+            farthest.emplace(distance[i], minus); // a seed added since then is nearer
             continue;
         }
         if (d <= 0)

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -104,14 +105,15 @@ private:
     std::vector<double> score_;
 };
 
-/// Cuts along the diagonal whose worse triangle is the better one; with equal triangles, along the one from
-/// corner 0.
+/// Cuts along the diagonal whose worse triangle is the better one; with triangles that are equal but for what
+/// rounding of the points can do, along the one from corner 0.
 void cut_quad(const Points& points, std::span<const int> q, std::vector<Triangle>& triangles)
 {
     const std::vector<Vector2> p = flatten(points, q);
     const double first = std::min(quality(p[0], p[1], p[2]), quality(p[0], p[2], p[3]));
     const double second = std::min(quality(p[0], p[1], p[3]), quality(p[1], p[2], p[3]));
-    if (first >= second) {
+    constexpr double equal = 1e-4; // as a share
+    if (first >= second - equal * std::abs(second)) {
         triangles.push_back({q[0], q[1], q[2]});
         triangles.push_back({q[0], q[2], q[3]});
     } else {

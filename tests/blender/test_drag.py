@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import placed_object
+from inside import finish, use_threads
 from libraries import override, put_into_a_library
 from mathutils import Matrix, Vector
 from rig import (
@@ -400,7 +401,7 @@ def test_what_is_displayed_as_wire_is_seen_through():
 class Finger:
     """A press on the middle of a plate that is seen from above, where a pixel is a centimetre."""
 
-    def __init__(self, room, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), reach: float = 0.5) -> None:
+    def __init__(self, room, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), wait: bool = True) -> None:
         session, dragging = room("session"), room("operators.dragging")
         typed = room("core.transform.typed_motion")
         self.obj, self.outcomes = obj, dragging.Outcome
@@ -408,7 +409,7 @@ class Finger:
         self.view = typed.View(*np.eye(3), pixel=0.01, centre=(500.0, 300.0))
         depsgraph = bpy.context.evaluated_depsgraph_get()
         hit = session.Hit(obj, np.array(place), np.array((0.0, 0.0, 1.0)))
-        self.drag = session.Drag(hit, depsgraph, session.Brush("arap", 0.25, reach))
+        self.drag = session.Drag(hit, depsgraph, session.Brush("arap", 0.25, 0.5), wait)
         motion = typed.TypedMotion(typed.Mode.TRANSLATE, self.view, np.eye(3), (self.x, self.y))
         self.tool = dragging.Dragging(self.drag, motion, np.array(place), np.eye(3))
 
@@ -460,3 +461,22 @@ def test_cancel_leaves_nothing_behind(room, key: str, before: str):
     assert close(evaluated_points(obj), shape)
     texts = [room("core.status").current(row.uid).text for row in obj.sinew.deformers]
     assert [text.split(", bound")[0] for text in texts] == [text.split(", bound")[0] for text in status]
+
+
+@pytest.mark.parametrize("key", ["LEFTMOUSE", "ESC"])
+def test_a_heavy_mesh_is_bound_by_a_thread(room, monkeypatch: pytest.MonkeyPatch, key: str):
+    use_threads(monkeypatch)
+    obj = grid_object(cells=30)
+    update()
+    rest, was = base_points(obj), everything()
+    finger = Finger(room, obj, wait=False)
+    assert finger.tool.job is not None
+    finger.move(20, 10)
+    finger.send(key, "RELEASE" if key == "LEFTMOUSE" else "PRESS")
+    if key == "ESC":
+        assert finger.tool.job is None
+        assert everything() == was
+        return
+    assert finish()
+    chosen = members(obj, "Handle")
+    assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))

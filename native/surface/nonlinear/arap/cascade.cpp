@@ -70,7 +70,7 @@ ArapCascade::ArapCascade(const ArapGraph& fine, const Points& rest, const Progre
     while (fine.free_count() > 0 && static_cast<int>(levels_.size()) < most_levels &&
            graph->size() / coarsening >= fewest_nodes) {
         progress.tick(0.6 + 0.4 * levels_.size() / most_levels, "clustering");
-        const Clusters clusters(graph->nodes(), *points, graph->size() / coarsening);
+        const Clusters clusters(graph->nodes(), *points, graph->size() / coarsening, graph->order());
         const auto active = std::ranges::count_if(clusters.label, [](int p) { return p >= 0; });
         if (clusters.seeds.size() > worthwhile * active)
             break;

@@ -265,6 +265,49 @@ TEST(Arap, is_near_its_minimum_after_ten_iterations)
     }
 }
 
+TEST(Arap, last_bits_of_poses_and_of_the_rest_shape_stay_small)
+{
+    // Symmetric meshes, whose clusters and diagonals are decided between equals; by poses that end within the
+    // iterations of a frame.
+    struct Case
+    {
+        SurfaceMesh mesh;
+        double depth;
+        std::vector<Poses> all;
+    };
+    const std::vector<Case> cases{
+        {shapes::bar(24, 6),
+         2,
+         {bend(60, 24),
+          {shapes::still(), shapes::turn({1, 0, 0}, 90)},
+          {shapes::still(), shapes::turn({0.3, 1, 0.2}, 70, {22, 0, 0}, {-3, 2, 4})}}},
+        {shapes::sphere(4),
+         0.2,
+         {{shapes::still(), shapes::turn({0, 0, 1}, 60, {0.9, 0, 0}, {0.3, 0.2, 0})},
+          {shapes::still(), shapes::turn({1, 0.2, 0}, 80, {0.9, 0, 0}, {0.5, 0, 0.3})}}}};
+    shapes::Random random(3);
+    for (const auto& [mesh, depth, all] : cases) {
+        const double size = shapes::size(mesh.points());
+        const auto noise = [&](auto numbers, double share) {
+            for (int i = 0; i < numbers.size(); ++i)
+                numbers.data()[i] += share * random.signed_unit();
+            return numbers;
+        };
+        const std::vector<Handle> handles = shapes::ends(mesh, depth);
+        const Arap arap = bound(mesh, {}, handles);
+        const Arap other = bound(shapes::moved(mesh, noise(mesh.points(), 3e-8 * size)), {}, handles);
+        for (Poses poses : all) {
+            const Points positions = solve(arap, poses).positions;
+            EXPECT_LT(shapes::distance(solve(other, poses).positions, positions), 1e-4 * size) << "rest";
+            for (Pose& pose : poses) {
+                pose.col(3) = noise(Vector3(pose.col(3)), 1e-7 * size);
+                pose.leftCols<3>() = noise(Matrix3(pose.leftCols<3>()), 1e-7);
+            }
+            EXPECT_LT(shapes::distance(solve(arap, poses).positions, positions), 1e-4 * size) << "poses";
+        }
+    }
+}
+
 TEST(Arap, a_warm_drag_stays_near_the_answer_from_the_poses_alone)
 {
     const SurfaceMesh mesh = shapes::bar(16, 4);
