@@ -2,7 +2,6 @@
 """Where a bake writes, and that whatever goes wrong leaves everything as it was."""
 
 import os
-import resource
 from pathlib import Path
 
 import bpy
@@ -45,14 +44,20 @@ def test_a_path_that_a_file_brings_along_is_used_only_beside_it(saved: Rig, tmp_
         saved.deformer.bake.filepath = hostile
         with pytest.raises(RuntimeError, match="outside"):
             bake(saved, "PC2")
-    (tmp_path / "elsewhere").mkdir()
-    (tmp_path / "shot" / "sinew_cache").symlink_to(tmp_path / "elsewhere")
-    saved.deformer.bake.filepath = ""
-    with pytest.raises(RuntimeError, match="outside"):
-        bake(saved, "PC2")
     assert not list(tmp_path.rglob("*.pc2"))
     bake(saved, "PC2", tmp_path / "victim.pc2")  # the user's own word
     assert (tmp_path / "victim.pc2").is_file()
+
+
+def test_a_link_does_not_lead_a_bake_away_from_the_file(saved: Rig, tmp_path: Path):
+    link = tmp_path / "shot" / "sinew_cache"
+    (tmp_path / "elsewhere").mkdir()
+    link.symlink_to(tmp_path / "elsewhere")
+    if not link.is_symlink():
+        pytest.skip("Wine shows its links to nobody")
+    with pytest.raises(RuntimeError, match="outside"):
+        bake(saved, "PC2")
+    assert not list(tmp_path.rglob("*.pc2"))
 
 
 def test_a_bake_never_replaces_a_file_of_another_kind(saved: Rig, tmp_path: Path):
@@ -119,6 +124,7 @@ def test_an_unwritable_folder_is_reported(saved: Rig, tmp_path: Path):
 
 @pytest.mark.parametrize("room_left", [0, 3000])
 def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: Rig, tmp_path: Path, room_left: int):
+    resource = pytest.importorskip("resource", reason="limits the size of files as Unix does")
     path = tmp_path / "plate.pc2"
     path.write_text("older")
     before = footprint(saved)

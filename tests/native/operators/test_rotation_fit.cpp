@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/operators/rotation_fit.h"
 
+#include "tests/native/long_doubles.h"
 #include "tests/native/shapes.h"
 
 #include <Eigen/LU>
@@ -18,6 +19,7 @@ using LongMatrix3 = Eigen::Matrix<long double, 3, 3>;
 /// The largest trace(R^T S) over rotations, from singular values in long double.
 double best_trace(const Matrix3& S)
 {
+    const LongDoubles with_all_bits;
     const Eigen::JacobiSVD<LongMatrix3> svd(S.cast<long double>(), Eigen::ComputeFullU | Eigen::ComputeFullV);
     const auto sigma = svd.singularValues();
     // The determinant of a nearly singular S is rounding; that of two rotations is not.

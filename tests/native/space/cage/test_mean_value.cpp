@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/cage/mean_value.h"
 
+#include "tests/native/long_doubles.h"
 #include "tests/native/space/cage/cages.h"
 
 #include <gtest/gtest.h>
@@ -29,6 +30,7 @@ double affine_error(const SurfaceMesh& cage, const Points& points)
 /// distance from planes, and more where lines of edges are near.
 Eigen::VectorXd on_the_sphere(const SurfaceMesh& cage, const Vector3& x)
 {
+    const LongDoubles with_all_bits;
     using Long = long double;
     using Ray = Eigen::Matrix<Long, 3, 1>;
     std::vector<Long> w(static_cast<std::size_t>(cage.vertex_count()), 0.0L);
