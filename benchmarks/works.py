@@ -74,16 +74,11 @@ WORKS = (
     ),
     Work(
         "riders_bind",
-        "binding 2,000 loose shells that follow, 20 per 1,000 vertices",
+        "binding loose parts that follow, 20 shells or 200 loose vertices per 1,000 vertices",
         "a limit of 1 s",
-        {100_000: 1.0},
+        {ANY: 1.0},
     ),
-    Work(
-        "riders_frame",
-        "what these shells add to `ThinShell.solve`",
-        "a limit of 3 ms",
-        {100_000: 1.0},
-    ),
+    Work("riders_frame", "what these loose parts add to a solve", "the solve", {ANY: 0.1}, at_most=True),
     Work(
         "arap_iteration",
         "one iteration of `Arap`, spokes and rims",

@@ -23,9 +23,10 @@ from ..core.errors import (
     SolverError,
 )
 from ..core.geometry import frames
+from ..core.methods import following
 from ..core.status import Remedy
 from .loader import Availability, load
-from .recipes import Bound, Progress, Recipe, SolveReport
+from .recipes import Bound, Handles, Progress, Recipe, SolveReport
 
 _limits: dict[str, int] = {}  # the limits that are set, by the native function that sets each
 
@@ -237,6 +238,17 @@ def connected_parts(count: int, faces: tuple[np.ndarray, np.ndarray]) -> np.ndar
     native = _module()
     with _translated(native):
         return native.SurfaceMesh(np.zeros((count, 3)), faces).components
+
+
+def bind_seconds(recipe: Recipe) -> float:
+    """About how long a bind of this recipe takes, with that of the loose parts that follow."""
+    control = recipe.control
+    if not isinstance(control, Handles) or control.free_parts == "stay":
+        return recipe.seconds
+    parts = connected_parts(len(recipe.target.points), recipe.target.faces)
+    sizes = np.bincount(parts)
+    sizes[parts[np.concatenate(control.vertices)]] = 0
+    return recipe.seconds + following(int((sizes > 1).sum()), int((sizes == 1).sum()))
 
 
 def diagnose(points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> Diagnosis:

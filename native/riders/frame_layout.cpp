@@ -12,7 +12,6 @@ namespace sinew {
 
 namespace {
 
-constexpr int most_frames = 64;
 constexpr int most_inside_samples = 256;
 
 /// Whether a part is worn by its host: whether the host's area inside the part is above half the part's own.

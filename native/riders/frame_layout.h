@@ -7,10 +7,13 @@
 
 namespace sinew {
 
+constexpr int most_frames = 64; ///< of a rider
+
 /// Where the frames of one rider sit, and what share each vertex has in them.
 ///
 /// The first frame sits at the vertex nearest the centroid, each further one at the vertex farthest from all
-/// before along the part's own edges, until every vertex is within the bend length; there are at most 64.
+/// before along the part's own edges, until every vertex is within the bend length; there are at most
+/// `most_frames`.
 /// With cover = the distance that is left, at least the bend length, the shares are
 ///
 ///     phi_k(v) = max(0, 1 - (distance_k(v) / 2 cover)^2)^2,

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <numeric>
-#include <unordered_set>
+#include <utility>
 
 namespace sinew {
 
@@ -66,13 +66,16 @@ Patch joined_to_first(const HostSurface& host, const std::vector<Contact>& conta
 {
     const double reach = radius * radius;
     double sum = 0.0;
-    std::unordered_set<int> touched; // also where triangles are so large that no centre is within reach
-    for (const Contact& contact : contacts) {
+    for (const Contact& contact : contacts)
         sum += contact.weight;
-        touched.insert(contact.triangle);
-    }
-    std::unordered_set<int> seen{contacts.front().triangle};
+    // A patch is much smaller than its host, so nothing is cleared: each patch has a number of its own.
+    thread_local std::vector<int> seen;
+    thread_local int patch_number = 0;
+    if (seen.size() < host.triangles().size())
+        seen.resize(host.triangles().size(), 0);
+    const int number = ++patch_number;
     std::vector<int> open{contacts.front().triangle};
+    seen[open.front()] = number;
     Patch patch;
     while (!open.empty()) {
         const int t = open.back();
@@ -83,13 +86,14 @@ Patch joined_to_first(const HostSurface& host, const std::vector<Contact>& conta
             if (far < reach)
                 kernel += contact.weight * (1 - far / reach) * (1 - far / reach);
         }
-        if (kernel == 0.0 && !touched.contains(t))
+        // What is beneath a contact counts also where triangles are so large that no centre is within reach.
+        if (kernel == 0.0 && std::ranges::find(contacts, t, &Contact::triangle) == contacts.end())
             continue;
         patch.triangles.push_back(t);
         patch.weights.push_back(host.areas()[t] * std::max(kernel, 1e-12 * sum));
         for (int v : host.triangles()[t])
             for (int neighbour : host.around(v))
-                if (seen.insert(neighbour).second)
+                if (std::exchange(seen[neighbour], number) != number)
                     open.push_back(neighbour);
     }
     return patch;
@@ -148,8 +152,10 @@ Patch patch_beneath(const HostSurface& host, const std::vector<Contact>& contact
             heavy.push_back(contacts[i]);
 
     Patch patch = joined_to_first(host, heavy, radius);
-    const std::unordered_set<int> kept(patch.triangles.begin(), patch.triangles.end());
-    std::erase_if(heavy, [&](const Contact& contact) { return !kept.contains(contact.triangle); });
+    std::vector<int> kept = patch.triangles;
+    std::ranges::sort(kept);
+    std::erase_if(
+        heavy, [&](const Contact& contact) { return !std::ranges::binary_search(kept, contact.triangle); });
     const std::vector<Vector3> centres = centres_of(host, patch.triangles);
     tilt(patch.weights, centres, centroid(heavy, &Contact::weight));
     if (static_cast<int>(patch.triangles.size()) <= most) {

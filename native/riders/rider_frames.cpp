@@ -18,6 +18,7 @@ namespace sinew {
 namespace {
 
 constexpr double smoothness = 0.1; // mu
+constexpr double far_away = 8.0;   // in edges of the host
 
 /// What lies beneath one frame.
 struct Footprint
@@ -73,8 +74,8 @@ Footprint footprint_of(int frame, const Seat& seat, const Part& part, const Host
         heaviest = std::max(heaviest, weight);
     }
     footprint.gap /= weights;
-    // A scan may have many loose vertices far from everything: each listens to a small patch only.
-    const double above = part.points.size() == 1 ? std::min(nearest, 8 * host.spacing()) : nearest;
+    // Debris far from everything would gather large parts of the host, each piece of it again.
+    const double above = std::min(nearest, std::max(2 * size, far_away * host.spacing()));
     footprint.radius = size / 2 + above + 1.5 * host.spacing();
     // Of contacts that are equal but for rounding, as midway between two limbs, that of the lowest vertex.
     int lowest = std::numeric_limits<int>::max();

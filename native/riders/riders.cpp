@@ -3,7 +3,10 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
 #include "native/operators/rotation_fit.h"
+#include "native/riders/loose_vertices.h"
+#include "native/riders/moving_frames.h"
 #include "native/riders/rider_frames.h"
 
 #include <algorithm>
@@ -49,44 +52,188 @@ double mean_stiffness(const std::vector<double>& stiffness, const std::vector<in
     return sum / static_cast<double>(vertices.size());
 }
 
+/// A triangle of a part as vertices of the mesh.
+Triangle of_mesh(const Triangle& t, const Part& part)
+{
+    return {part.vertices[t[0]], part.vertices[t[1]], part.vertices[t[2]]};
+}
+
 /// The corners of a patch as vertices of the mesh.
 std::vector<Triangle> corners_of(const Patch& patch, const HostSurface& host)
 {
     std::vector<Triangle> corners;
-    for (int t : patch.triangles) {
-        const auto& [a, b, c] = host.triangles()[t];
-        const std::vector<int>& vertices = host.part().vertices;
-        corners.push_back({vertices[a], vertices[b], vertices[c]});
-    }
+    for (int t : patch.triangles)
+        corners.push_back(of_mesh(host.triangles()[t], host.part()));
     return corners;
 }
 
-/// Linear and constant part of one frame's motion: v -> A v + t.
-struct Map
+/// A part; its points and frames are those of its level.
+struct Rider
 {
-    std::array<double, 12> entries; ///< A row by row, then t
+    int first_frame, frame_count;
+    int first_point;
+};
 
-    explicit Map(const FrameMotion& motion)
+/// One of four frames as a map, from where it sat to where it went.
+struct Motion
+{
+    Matrix3 rotation;
+    double scale;
+    Vector3 from, to;
+
+    Motion(const FourMotions& motions, const FourRests& rests, int lane) : scale(motions.scales[lane])
     {
-        const Matrix3 A = std::exp(motion.log_scale) * motion.rotation;
-        const Vector3 t = motion.place - A * motion.origin;
         for (int k = 0; k < 9; ++k)
-            entries[k] = A(k / 3, k % 3);
-        for (int k = 0; k < 3; ++k)
-            entries[9 + k] = t[k];
+            rotation(k / 3, k % 3) = motions.rotations[k][lane];
+        for (int k = 0; k < 3; ++k) {
+            from[k] = rests.anchors[k][lane];
+            to[k] = motions.anchors[k][lane];
+        }
     }
-    Map() = default;
+};
+
+FrameMap map_of(const Matrix3& A, const Vector3& from, const Vector3& to)
+{
+    const Vector3 t = to - A * from;
+    FrameMap map{};
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c)
+            map.columns[c][r] = A(r, c);
+        map.columns[3][r] = t[r];
+    }
+    return map;
+}
+
+/// Kept from frame to frame, so that a frame allocates nothing.
+struct Scratch
+{
+    FrameRests rests; ///< of an incoming shape
+    std::vector<FourMotions> motions;
+    AlignedVector<FrameMap> maps;
 };
 
 } // namespace
 
-/// Kept from frame to frame, so that a frame allocates nothing.
-struct Riders::Scratch
+/// Riders whose hosts are in earlier levels.
+struct Riders::Level
 {
-    std::vector<FrameMotion> motions;
-    std::vector<Map> maps;
-    std::vector<Vector3> origins;
+    MovingFrames frames;
+    FrameRests rests;
+    std::vector<Rider> riders;
+    std::vector<int> points; ///< vertices of all riders
+    LooseVertices loose;
+    // Of those with several frames:
+    std::vector<int> bending; ///< riders
+    std::vector<MatrixX> smoothing; ///< one each
+    // The shares of point p are [offsets[p], offsets[p + 1]).
+    std::vector<int> offsets{0}, share_frames;
+    std::vector<double> shares;
+
+    void add(const std::vector<int>& vertices, const MatrixX& vertex_shares, MatrixX frame_smoothing);
+    /// Where the frames of a part that bends sit.
+    void find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const;
+    /// Makes the maps of a part that bends.
+    void smooth(std::size_t number, const PointsView& base, const FrameRests& base_rests,
+                Scratch& scratch) const;
+    /// Writes the points [begin, end).
+    void carry(int begin, int end, const PointsView& base, const Scratch& scratch, Points& positions) const;
+
+    int end_point(std::size_t rider) const
+    {
+        return rider + 1 < riders.size() ? riders[rider + 1].first_point : static_cast<int>(points.size());
+    }
 };
+
+void Riders::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_shares,
+                        MatrixX frame_smoothing)
+{
+    const int frame_count = static_cast<int>(vertex_shares.rows());
+    const int first_frame = frames.size() - frame_count;
+    if (frame_count > 1) {
+        bending.push_back(static_cast<int>(riders.size()));
+        smoothing.push_back(std::move(frame_smoothing));
+    }
+    riders.push_back({first_frame, frame_count, static_cast<int>(points.size())});
+    for (std::size_t v = 0; v < vertices.size(); ++v) {
+        points.push_back(vertices[v]);
+        for (int k = 0; frame_count > 1 && k < frame_count; ++k)
+            if (const double share = vertex_shares(k, static_cast<Eigen::Index>(v)); share > 0.0) {
+                share_frames.push_back(first_frame + k);
+                shares.push_back(share);
+            }
+        offsets.push_back(static_cast<int>(shares.size()));
+    }
+}
+
+void Riders::Level::find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const
+{
+    const auto& [first_frame, frame_count, first_point] = riders[rider];
+    const Vector3 from = base.row(points[first_point]).transpose();
+    std::array<double, most_frames> sums{};
+    for (int k = 0; k < frame_count; ++k)
+        origins[k].setZero();
+    for (int p = first_point; p < end_point(rider); ++p) {
+        const Vector3 point = base.row(points[p]).transpose();
+        for (int s = offsets[p]; s < offsets[p + 1]; ++s) {
+            const int k = share_frames[s] - first_frame;
+            origins[k] += shares[s] * (point - from);
+            sums[k] += shares[s];
+        }
+    }
+    for (int k = 0; k < frame_count; ++k)
+        origins[k] = sums[k] > 0.0 ? Vector3(from + origins[k] / sums[k]) : from;
+}
+
+void Riders::Level::smooth(std::size_t number, const PointsView& base, const FrameRests& base_rests,
+                           Scratch& scratch) const
+{
+    const std::size_t part = bending[number];
+    const Rider& rider = riders[part];
+    const MatrixX& weights = smoothing[number];
+    std::array<Vector3, most_frames> origins, places;
+    std::array<Matrix3, most_frames> rotations;
+    std::array<double, most_frames> logs;
+    find_origins(part, base, origins.data());
+    for (int u = 0; u < rider.frame_count; ++u) {
+        const int frame = rider.first_frame + u;
+        const Motion motion(scratch.motions[frame / 4], base_rests.fours[frame / 4], frame % 4);
+        rotations[u] = motion.rotation;
+        logs[u] = std::log(motion.scale);
+        places[u] = motion.to + motion.scale * (motion.rotation * (origins[u] - motion.from)).eval();
+    }
+    for (int k = 0; k < rider.frame_count; ++k) {
+        Matrix3 rotation = Matrix3::Zero();
+        Vector3 origin = Vector3::Zero(), place = Vector3::Zero();
+        double log_scale = 0.0;
+        for (int u = 0; u < rider.frame_count; ++u) {
+            const double share = weights(k, u);
+            rotation += share * rotations[u];
+            log_scale += share * logs[u];
+            origin += share * origins[u];
+            place += share * places[u];
+        }
+        scratch.maps[rider.first_frame + k] =
+            map_of(std::exp(log_scale) * fit_rotation(rotation), origin, place);
+    }
+}
+
+void Riders::Level::carry(int begin, int end, const PointsView& base, const Scratch& scratch,
+                          Points& positions) const
+{
+    const FrameKernels& kernels = widest_kernels<FrameKernels>();
+    const auto after = std::ranges::upper_bound(riders, begin, {}, &Rider::first_point);
+    for (std::size_t r = after - riders.begin() - 1; begin < end; ++r) {
+        const Rider& rider = riders[r];
+        const int stop = std::min(end, end_point(r));
+        if (rider.frame_count == 1)
+            kernels.carry(scratch.maps[rider.first_frame], &points[begin], stop - begin, base.data(),
+                          positions.data());
+        else
+            kernels.bend(scratch.maps.data(), &offsets[begin], share_frames.data(), shares.data(),
+                         &points[begin], stop - begin, base.data(), positions.data());
+        begin = stop;
+    }
+}
 
 Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<bool> driven, FreeParts options,
                const Progress& progress)
@@ -111,12 +258,14 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
     const int count = static_cast<int>(seats.size());
     std::vector<char> bent(all.size(), 0);
     std::vector<FrameLayout> layouts(count);
+    const auto is_loose = [&](int i) { return all[seats[i].part].points.size() == 1; };
     parallel_for(
         count,
         [&](int i) {
             const Part& part = all[seats[i].part];
-            layouts[i] = lay_out_frames(part, *surfaces[seats[i].host], length,
-                                        mean_stiffness(options_.stiffness, part.vertices));
+            if (!is_loose(i))
+                layouts[i] = lay_out_frames(part, *surfaces[seats[i].host], length,
+                                            mean_stiffness(options_.stiffness, part.vertices));
         },
         8);
     for (int i = 0; i < count; ++i)
@@ -130,150 +279,81 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
         1);
     progress.tick(0.0, "finding the patches beneath free parts");
     std::vector<RiderFrames> made(count);
+    std::vector<Triangle> carriers(count);
     parallel_for(
         count,
         [&](int i) {
             const Seat& seat = seats[i];
-            made[i] = make_frames(seat, all[seat.part], *surfaces[seat.host], layouts[i], 1e-12 * diagonal);
+            const HostSurface& host = *surfaces[seat.host];
+            if (is_loose(i))
+                carriers[i] = carriers_of(host, seat.beneath[0], all[seat.part].points[0]);
+            else
+                made[i] = make_frames(seat, all[seat.part], host, layouts[i], 1e-12 * diagonal);
         },
         8);
 
     std::vector<int> depths(all.size(), 0); // hosts come before their riders
-    int deepest = 0;
-    for (const Seat& seat : seats)
-        deepest = std::max(deepest, depths[seat.part] = depths[seat.host] + 1);
-    rest_ = rest.points();
-    for (int depth = 1; depth <= deepest; ++depth) {
-        const int first = static_cast<int>(riders_.size());
-        for (int i = 0; i < count; ++i) {
-            const Seat& seat = seats[i];
-            if (depths[seat.part] != depth)
-                continue;
+    for (int i = 0; i < count; ++i) {
+        const Seat& seat = seats[i];
+        const Part &part = all[seat.part], &host = all[seat.host];
+        const int depth = depths[seat.part] = depths[seat.host] + 1;
+        levels_.resize(std::max<std::size_t>(levels_.size(), depth));
+        Level& level = levels_[depth - 1];
+        if (is_loose(i)) {
+            level.loose.add(part.vertices[0], of_mesh(carriers[i], host));
+        } else {
             for (const Patch& patch : made[i].patches)
-                frames_.add(corners_of(patch, *surfaces[seat.host]), patch.weights, patch.anchors);
-            add(all[seat.part].vertices, layouts[i].shares, std::move(made[i].smoothing));
-            rides_.push_back({seat.part, all[seat.part].vertices.front(),
-                              static_cast<int>(all[seat.part].vertices.size()), seat.host,
-                              layouts[i].frame_count()});
+                level.frames.add(corners_of(patch, *surfaces[seat.host]), patch.weights, patch.anchors);
+            level.add(part.vertices, layouts[i].shares, std::move(made[i].smoothing));
         }
-        levels_.push_back({first, static_cast<int>(riders_.size())});
+        rides_.push_back({seat.part, part.vertices.front(), static_cast<int>(part.vertices.size()), seat.host,
+                          is_loose(i) ? 1 : layouts[i].frame_count()});
     }
     std::ranges::sort(rides_, {}, &Ride::part);
-    std::vector<Vector3> origins(frames_.size());
-    for (const Rider& rider : riders_)
-        origins_of(rider, view(rest_), origins);
-    for (int k = 0; k < frames_.size(); ++k)
-        rests_.push_back(frames_.rest(k, view(rest_), origins[k]));
-}
-
-void Riders::add(const std::vector<int>& vertices, const MatrixX& shares, MatrixX smoothing)
-{
-    const int frame_count = static_cast<int>(shares.rows());
-    const int first_frame = frames_.size() - frame_count;
-    riders_.push_back({first_frame, frame_count, static_cast<int>(points_.size()),
-                       static_cast<int>(vertices.size()), std::move(smoothing)});
-    for (std::size_t v = 0; v < vertices.size(); ++v) {
-        points_.push_back(vertices[v]);
-        for (int k = 0; k < frame_count; ++k)
-            if (const double share = shares(k, static_cast<Eigen::Index>(v)); share > 0.0) {
-                share_frames_.push_back(first_frame + k);
-                shares_.push_back(share);
-            }
-        offsets_.push_back(static_cast<int>(shares_.size()));
+    rest_ = rest.points();
+    for (Level& level : levels_) {
+        level.loose.measure(view(rest_));
+        level.frames.resize(level.rests);
+        for (int four = 0; four < level.frames.four_count(); ++four)
+            level.frames.measure(four, view(rest_), level.rests);
     }
 }
 
-void Riders::origins_of(const Rider& rider, const PointsView& base, std::vector<Vector3>& origins) const
-{
-    const Vector3 from = base.row(points_[rider.first_point]).transpose();
-    std::array<double, 64> sums{};
-    for (int k = 0; k < rider.frame_count; ++k)
-        origins[rider.first_frame + k].setZero();
-    for (int p = rider.first_point; p < rider.first_point + rider.point_count; ++p) {
-        const Vector3 point = base.row(points_[p]).transpose();
-        for (int s = offsets_[p]; s < offsets_[p + 1]; ++s) {
-            origins[share_frames_[s]] += shares_[s] * (point - from);
-            sums[share_frames_[s] - rider.first_frame] += shares_[s];
-        }
-    }
-    for (int k = 0; k < rider.frame_count; ++k) {
-        Vector3& origin = origins[rider.first_frame + k];
-        origin = sums[k] > 0.0 ? Vector3(from + origin / sums[k]) : from;
-    }
-}
-
-void Riders::smooth(const Rider& rider, Scratch& scratch) const
-{
-    const int first = rider.first_frame;
-    for (int k = 0; k < rider.frame_count; ++k) {
-        FrameMotion sum{Matrix3::Zero(), 0.0, Vector3::Zero(), Vector3::Zero()};
-        for (int u = 0; u < rider.frame_count; ++u) {
-            const FrameMotion& motion = scratch.motions[first + u];
-            const double share = rider.smoothing(k, u);
-            sum.rotation += share * motion.rotation;
-            sum.log_scale += share * motion.log_scale;
-            sum.origin += share * motion.origin;
-            sum.place += share * motion.place;
-        }
-        sum.rotation = fit_rotation(sum.rotation);
-        scratch.maps[first + k] = Map(sum);
-    }
-}
+Riders::~Riders() = default;
 
 void Riders::move(const std::optional<PointsView>& incoming, Points& positions) const
 {
-    if (riders_.empty())
+    if (levels_.empty())
         return;
     thread_local Scratch kept;
     Scratch scratch = std::exchange(kept, {}); // while this thread waits, it may run another solve
-    scratch.motions.resize(frames_.size());
-    scratch.maps.resize(frames_.size());
-    scratch.origins.resize(incoming ? frames_.size() : 0);
     const PointsView base = incoming ? *incoming : view(rest_);
     for (const Level& level : levels_) {
-        const Rider &front = riders_[level.first_rider], &back = riders_[level.end_rider - 1];
-        const int first_frame = front.first_frame, first_point = front.first_point;
+        const MovingFrames& frames = level.frames;
+        const FrameRests& rests = incoming ? scratch.rests : level.rests;
         if (incoming)
-            parallel_for(
-                level.end_rider - level.first_rider,
-                [&](int r) { origins_of(riders_[level.first_rider + r], base, scratch.origins); }, 64);
+            frames.resize(scratch.rests);
+        scratch.motions.resize(frames.four_count());
+        scratch.maps.resize(4 * scratch.motions.size());
         const PointsView deformed = view(positions);
         parallel_for(
-            back.first_frame + back.frame_count - first_frame,
-            [&](int f) {
-                const int k = first_frame + f;
-                scratch.motions[k] =
-                    incoming ? frames_.move(k, frames_.rest(k, base, scratch.origins[k]), deformed)
-                             : frames_.move(k, rests_[k], deformed);
-            },
-            128);
-        parallel_for(
-            level.end_rider - level.first_rider,
-            [&](int r) {
-                const Rider& rider = riders_[level.first_rider + r];
-                if (rider.frame_count == 1)
-                    scratch.maps[rider.first_frame] = Map(scratch.motions[rider.first_frame]);
-                else
-                    smooth(rider, scratch);
-            },
-            64);
-        parallel_for(
-            back.first_point + back.point_count - first_point,
-            [&](int i) {
-                const int p = first_point + i;
-                const double* v = base.data() + 3 * static_cast<std::ptrdiff_t>(points_[p]);
-                double* out = positions.data() + 3 * static_cast<std::ptrdiff_t>(points_[p]);
-                double sum[3] = {0.0, 0.0, 0.0};
-                for (int s = offsets_[p]; s < offsets_[p + 1]; ++s) {
-                    const std::array<double, 12>& m = scratch.maps[share_frames_[s]].entries;
-                    for (int c = 0; c < 3; ++c)
-                        sum[c] += shares_[s] *
-                                  (m[3 * c] * v[0] + m[3 * c + 1] * v[1] + m[3 * c + 2] * v[2] + m[9 + c]);
+            frames.four_count(),
+            [&](int four) {
+                if (incoming)
+                    frames.measure(four, base, scratch.rests);
+                scratch.motions[four] = frames.fit(four, rests, deformed);
+                for (int lane = 0; lane < 4; ++lane) {
+                    const Motion motion(scratch.motions[four], rests.fours[four], lane);
+                    scratch.maps[4 * four + lane] =
+                        map_of(motion.scale * motion.rotation, motion.from, motion.to);
                 }
-                for (int c = 0; c < 3; ++c)
-                    out[c] = sum[c];
             },
-            4096);
+            32);
+        parallel_for(
+            static_cast<int>(level.bending.size()), [&](int b) { level.smooth(b, base, rests, scratch); }, 4);
+        parallel_chunks(static_cast<int>(level.points.size()), 4096,
+                        [&](int begin, int end) { level.carry(begin, end, base, scratch, positions); });
+        level.loose.move(incoming, positions);
     }
     kept = std::move(scratch);
 }

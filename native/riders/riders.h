@@ -5,7 +5,6 @@
 #include "native/core/report.h"
 #include "native/mesh/components.h"
 #include "native/mesh/surface_mesh.h"
-#include "native/riders/moving_frames.h"
 
 #include <optional>
 #include <vector>
@@ -33,13 +32,14 @@ struct FreeParts
 ///     v'  = sum_k phi_k(v) (s_k R_k (v - o_k) + x_k).
 ///
 /// Compact parts, and parts below 6 % of the diagonal of the driven ones, have one frame and move rigidly;
-/// longer ones bend. Where all driven parts make one similarity, so do the riders, to rounding. The result
-/// depends on the shapes before and after the deformation alone.
+/// longer ones bend. A single vertex needs no frame (loose_vertices.h). Where all driven parts make one
+/// similarity, so do the riders, to rounding. The result depends on the shapes before and after the
+/// deformation alone.
 ///
 ///   call          repeat it when ...                         cost
-///   constructor   the rest shape, the driven parts or the    0.4 ms per small part
+///   constructor   the rest shape, the driven parts or the    0.4 ms per small part, 10 us per loose vertex
 ///                 options changed
-///   move()        after each solve                           1 us per frame, its vertices included
+///   move()        after each solve                           0.1 us per frame, 2 ns per rigid vertex
 class Riders
 {
 public:
@@ -48,6 +48,7 @@ public:
     /// \throw Cancelled      by `progress`.
     Riders(const SurfaceMesh& rest, const Components& parts, std::vector<bool> driven, FreeParts options,
            const Progress& progress = {});
+    ~Riders();
 
     /// Whether a new object for these arguments, on the same mesh, would be the same.
     bool serves(const std::vector<bool>& driven, const FreeParts& options) const
@@ -66,35 +67,13 @@ public:
     void move(const std::optional<PointsView>& incoming, Points& positions) const;
 
 private:
-    struct Rider
-    {
-        int first_frame, frame_count;
-        int first_point, point_count;
-        MatrixX smoothing;
-    };
-    /// Riders whose hosts are in earlier levels.
-    struct Level
-    {
-        int first_rider, end_rider;
-    };
-    struct Scratch;
-
-    void add(const std::vector<int>& vertices, const MatrixX& shares, MatrixX smoothing);
-    void origins_of(const Rider& rider, const PointsView& base, std::vector<Vector3>& origins) const;
-    void smooth(const Rider& rider, Scratch& scratch) const;
+    struct Level;
 
     std::vector<bool> driven_;
     FreeParts options_;
     std::vector<Ride> rides_;
     Points rest_; ///< of the whole mesh
-    MovingFrames frames_;
-    std::vector<FrameRest> rests_; ///< of each frame, on the rest shape
-    std::vector<Rider> riders_; ///< hosts before their riders
-    std::vector<Level> levels_;
-    std::vector<int> points_; ///< vertices of all riders
-    // The shares of point p are [offsets_[p], offsets_[p + 1]).
-    std::vector<int> offsets_{0}, share_frames_;
-    std::vector<double> shares_;
+    std::vector<Level> levels_; ///< hosts before their riders
 };
 
 } // namespace sinew

@@ -5,11 +5,13 @@ from collections import Counter
 from collections.abc import Callable
 from functools import partial
 
+import bmesh
 import bpy
+import numpy as np
 import pytest
 from cages import ball, fine_box, surround
 from inside import BINDING, ask_for_factor, calls_of, catch_up, finish, room, use_threads
-from registry import BY_ID, METHODS, Control, options_of
+from registry import BY_ID, METHODS, WITH_HANDLES, Control, options_of
 from rig import Rig, make_active, update
 from rigs import rig_for
 
@@ -123,6 +125,23 @@ def heavy(method: str) -> bpy.types.Object:
     return Rig.plate(cells).bind(method).obj
 
 
+def littered(method: str) -> bpy.types.Object:
+    """A small mesh under many loose shells that follow."""
+    rig = rig_for(method)
+    data, following = rig.obj.data, room("core.methods").following
+    count = next(
+        count for count in range(500, 99_999, 500) if following(count, 0) > 1.2 * room(BINDING).HEAVY
+    )
+    places = np.random.default_rng(0).uniform((-1, -1, 0.1), (1, 1, 0.2), (count, 3)).tolist()
+    mesh = bmesh.new()
+    mesh.from_mesh(data)
+    for x, y, z in places:
+        mesh.faces.new([mesh.verts.new(at) for at in ((x, y, z), (x + 0.01, y, z), (x, y + 0.01, z))])
+    mesh.to_mesh(data)
+    mesh.free()
+    return rig.bind(method).obj
+
+
 @pytest.mark.parametrize(
     "method", [row.id for row in METHODS if row.control in (Control.HANDLES, Control.CAGE)]
 )
@@ -130,8 +149,21 @@ def heavy(method: str) -> bpy.types.Object:
 def test_the_cost_of_a_bind_decides_whether_a_thread_computes_it(
     method: str, rig: Callable[[str], bpy.types.Object], in_thread: bool, monkeypatch: pytest.MonkeyPatch
 ):
+    decides_by_cost(rig(method), in_thread, monkeypatch)
+
+
+@pytest.mark.parametrize("method", [method for method in WITH_HANDLES if not BY_ID[method].is_space])
+def test_the_cost_of_a_bind_counts_the_loose_parts_that_follow(method: str, monkeypatch: pytest.MonkeyPatch):
+    obj = littered(method)
+    decides_by_cost(obj, True, monkeypatch)
+    obj.sinew.active.loose_parts = "STAY"
+    finish()
+    decides_by_cost(obj, False, monkeypatch)
+
+
+def decides_by_cost(obj: bpy.types.Object, in_thread: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """As in a window, by the estimate of the row alone: the time that it takes here counts for nothing."""
-    obj, binding, session = rig(method), room(BINDING), room("session")
+    binding, session = room(BINDING), room("session")
     deformer = obj.sinew.active
     monkeypatch.setattr(binding, "may_wait", lambda seconds: seconds >= binding.HEAVY)
     session.find(deformer.uid).bound = None

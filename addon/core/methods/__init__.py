@@ -19,6 +19,7 @@ from .schema import (
     Moved,
     Parameter,
     Pointer,
+    following,
     group_property,
 )
 
@@ -39,6 +40,7 @@ __all__ = (
     "Moved",
     "Parameter",
     "Pointer",
+    "following",
     "group_property",
     "wrapped",
 )

@@ -9,7 +9,7 @@ from functools import partial
 
 import bpy
 
-from ...backend import Factor, PreparedBind, Progress, availability, build_factor
+from ...backend import Factor, PreparedBind, Progress, availability, bind_seconds, build_factor
 from ...core import status
 from ...core.elements import NO_ELEMENTS, Owner
 from ...core.errors import BackendMissingError, CancelledError, SinewError
@@ -98,7 +98,7 @@ def ensure(
             abandon(deformer.uid)
         session.drop_work()  # it solves with the old factor
         prepared = None if session.bound is None else session.bound.factor.prepare_rebind(request.recipe)
-        if not wait and may_wait(request.recipe.seconds):
+        if not wait and may_wait(bind_seconds(request.recipe)):
             _jobs[deformer.uid] = _begin(request, prepared)
             return None
         begin = time.perf_counter()

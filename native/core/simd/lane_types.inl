@@ -2,7 +2,7 @@
 // Vectors of four numbers, or of eight where SINEW_EIGHT_LANES is defined; one number of a vector is a lane.
 // For the .inl files of kernels, which are compiled once for each set of instructions. Everything is in an
 // unnamed namespace, so that no function compiled for wider instructions is shared with other code.
-
+#pragma once
 #ifndef __GNUC__
 #include <cmath>
 #elif defined(__SSE2__)
