@@ -25,7 +25,8 @@ constexpr double good_shape =
     0.3; // below this, a triangle may not become worse while the surface is tightened
 constexpr double springs = 0.05; // weight of the squared lengths, where the volume has 1
 constexpr double fold_cosine = -0.97; // between the normals of neighbours: 14 degrees from a fold
-constexpr double farthest = 0.25; // how far from its edge a new vertex may be, as a share of the size
+constexpr double farthest[] = {0.25, 0.45}; // how far from its edge a new vertex may be, as a share of the
+                                            // size; the second where it is bold
 
 /// The points p with normal.p >= distance.
 struct HalfSpace
@@ -198,7 +199,7 @@ void ProgressiveHull::propose(int a, int b)
         if (!minimum<3>(H, centre, spaces, Vector3::Zero(), Matrix3::Identity(), slack, p))
             return;
     }
-    if (p.norm() > farthest * size_)
+    if (p.norm() > farthest[bold_] * size_)
         return;
     const double cost = p.dot(H * p) - 2.0 * h.dot(p) + constant;
     Vector3 point = middle + p;

@@ -36,6 +36,7 @@ public:
     /// Collapses edges, cheapest first, until `faces` faces remain or no edge may be collapsed. Equal
     /// surfaces give equal results.
     /// \param boldly  normals may turn by up to 120 degrees, and a vertex may be a spike
+    ///                far from its edge
     void collapse(int faces, bool boldly, const Progress& progress);
 
     /// Lowers the enclosed volume plus 0.05 L times the sum of the squared lengths of the edges, where L is

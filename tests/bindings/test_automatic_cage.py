@@ -88,6 +88,15 @@ def test_a_cage_of_few_faces_has_no_spikes_and_both_sides_alike(faces: int):
     assert gaps.max() < GAPS[faces]
 
 
+def test_twelve_faces_are_reached_around_ears_and_trunk() -> None:
+    points, corners = character()
+    points[:, 1] *= 1.3
+    for symmetry in ("automatic", "none"):
+        cage, faces, report = sn.automatic_cage(sn.SurfaceMesh(points, corners), 12, WIDE, symmetry=symmetry)
+        assert (report.reached, report.reason) == (True, "")
+        assert sn.diagnose_cage(sn.SurfaceMesh(cage, faces), points).clean
+
+
 def test_sides_that_differ_get_no_symmetry_and_the_report_says_by_how_much() -> None:
     points, corners = character()
     ear = points[:, 0] < -0.9

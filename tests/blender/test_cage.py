@@ -276,11 +276,14 @@ def test_before_and_after_a_subdivision_of_the_mesh(caged: Caged, first: str):
 
 
 def test_a_cage_with_more_faces_than_asked_for_says_so(capfd: pytest.CaptureFixture):
-    bpy.ops.mesh.primitive_torus_add(major_radius=3.0, minor_radius=1.0)
-    ring = bpy.context.object
+    apart, edit = ball(), bmesh.new()
+    for place in ((3.0, 3.0, 3.0), (3.0, -3.0, -3.0), (-3.0, 3.0, -3.0), (-3.0, -3.0, 3.0)):  # four each
+        bmesh.ops.create_icosphere(edit, subdivisions=2, radius=1.0, matrix=Matrix.Translation(place))
+    edit.to_mesh(apart.data)
+    edit.free()
     for faces, more in ((12, True), (100, False)):
-        make_active(ring)
-        assert bpy.ops.sinew.cage_add(source="AUTO", faces=faces, margin=0.06) == {"FINISHED"}
+        make_active(apart)
+        assert bpy.ops.sinew.cage_add(source="AUTO", faces=faces, margin=0.03) == {"FINISHED"}
         told = capfd.readouterr().out
         assert (f"faces instead of {faces}: with fewer" in told) is more, told
 

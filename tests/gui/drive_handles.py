@@ -186,7 +186,9 @@ def colour_at(name: str, x: int, y: int) -> list[float]:
 
 
 def disable():
-    """With an overlay on."""
+    """With an overlay on; without the toolbar, which loses our tool."""
+    viewport().spaces.active.show_region_toolbar = False
+    yield from rest()
     yield from look("last", show_overlay=False)
     yield from look("last-regions", show_overlay=True, overlay="REGIONS")
     addon_utils.disable(MODULE)
