@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/graph/clusters.h"
 
-#include <cmath>
+#include <bit>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <map>
@@ -23,10 +24,11 @@ using Front = std::priority_queue<Entry, std::vector<Entry>, std::greater<>>;
 /// no regular mesh has its lengths.
 double rounded(double length)
 {
-    constexpr double bound = 0.46; // between two multiples; the largest is the first of the next octave
-    int exponent = 0;
-    const double eighths = 16 * std::frexp(length, &exponent); // from 8 to 16
-    return length > 0 ? std::ldexp(17 * std::floor(eighths + 1 - bound), exponent - 8) : 0.0;
+    constexpr std::uint64_t eighth = std::uint64_t{1} << 49; // of an octave, in the bits of a double
+    constexpr auto below = static_cast<std::uint64_t>(0.54 * eighth); // a bound is this far below a multiple
+    if (!(length > 0))
+        return 0.0;
+    return 1.0625 * std::bit_cast<double>((std::bit_cast<std::uint64_t>(length) + below) & ~(eighth - 1));
 }
 
 /// Visits nodes in the order of their distance from a seed along the edges, in rounded lengths.

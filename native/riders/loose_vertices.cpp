@@ -68,7 +68,7 @@ Triangle carriers_of(const HostSurface& host, const TriangleTree::Place& place, 
     const Corners corners = corners_of(host.part().points, own);
     const Vector3 u = (corners[1] - corners[0]).normalized(), v = normal.cross(u);
     double distance = std::clamp(above, host.spacing(), farthest * host.spacing());
-    for (; distance > 0.25 * host.spacing(); distance /= 2) {
+    while (distance > 0.25 * host.spacing()) {
         Triangle found{};
         for (int k = 0; k < 3; ++k) {
             const double angle = 2 * std::numbers::pi * k / 3;
@@ -81,6 +81,7 @@ Triangle carriers_of(const HostSurface& host, const TriangleTree::Place& place, 
         const Shape shape(host, found);
         if (shape.height > 0.2 * shape.longest && shape.normal.dot(normal) > 0.7 * shape.normal.norm())
             return found;
+        distance /= 2;
     }
     return own;
 }

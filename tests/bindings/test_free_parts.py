@@ -126,3 +126,41 @@ def test_a_painted_stiffness_makes_a_long_part_rigid() -> None:
         )
     assert stretched[1.0] < 1e-12
     assert stretched[0.0] > 1e-3
+
+
+def odd_parts() -> dict[str, tuple[np.ndarray, list[tuple[int, int, int]]]]:
+    """Points around the middle of the hill, and triangles of them."""
+    corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    one = [(0, 1, 2)]
+    return {
+        "twice the same": (np.concatenate([corner, corner]), [(0, 1, 2), (3, 4, 5)]),
+        "one place": (np.zeros((3, 3)), one),
+        "a line": (np.outer([0, 1, 2], [1.0, 0, 0]), one),
+        "an edge": (corner[:2], [(0, 1, 1)]),
+        "far": (corner + 1e4, one),
+        "tiny": (1e-160 * corner, one),
+        "huge": (1e5 * corner, one),
+        "debris": (
+            np.random.default_rng(0).normal(0, 100, (3000, 3)),
+            np.arange(1500).reshape(-1, 3).tolist(),
+        ),
+    }
+
+
+@METHODS
+@pytest.mark.parametrize("odd", odd_parts())
+def test_odd_parts_are_finite_and_move_with_everything(method: type, odd: str) -> None:
+    points, faces = grid(20)
+    more, triangles = odd_parts()[odd]
+    mesh = sn.SurfaceMesh(
+        np.concatenate([points, more + points.mean(0)]),
+        np.concatenate([faces, len(points) + np.array(triangles)]),
+    )
+    made = method(mesh)
+    handles = [np.flatnonzero(points[:, 0] < 2.5), np.flatnonzero(points[:, 0] > 17.5)]
+    assert made.set_handles(handles, free_parts="follow").free_parts == 0
+    assert np.isfinite(made.solve([STILL, shift(0, 0, 9)])[0]).all()
+    moved, _ = made.solve([shift(1, 2, 3)] * 2)
+    np.testing.assert_allclose(moved, mesh.points + (1, 2, 3), atol=1e-6 * np.abs(mesh.points).max())
+    incoming, _ = made.solve([STILL] * 2, incoming=2 * mesh.points)
+    np.testing.assert_allclose(incoming, 2 * mesh.points, atol=1e-6 * np.abs(mesh.points).max())
