@@ -230,9 +230,9 @@ LAYERS = (
     Layer("benchmarks", 600, benchmarks),
     Layer("addon", 120, addon, one_process=True),
     Layer("bindings", 420, bindings, one_process=True),
-    Layer("blender-3.4", 900, blender_3_4, one_process=True),
+    Layer("blender-3.4", 1000, blender_3_4, one_process=True),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
-    Layer("blender-5", 900, blender_5, one_process=True),
+    Layer("blender-5", 1000, blender_5, one_process=True),
     Layer("gui", 1200, gui, one_process=True),
     Layer("windows", 900, windows, only_by_name=True),
 )

@@ -4,7 +4,8 @@
 They change the mesh and the frame of its object at once, so that the mesh itself stays in its place. By that
 they are recognised, by hand or by a script: some points of the mesh have moved in object space, and not in
 the world. Then the rest takes part in the change. All other edits of the mesh come on top of the pose. One
-that moves the mesh as a whole, as Geometry to Origin does, leaves the controls behind, which the panel says.
+that moves the mesh as a whole, as Geometry to Origin does, leaves the controls behind, which the panel says;
+in Edit Mode, everybody sees what they move.
 """
 
 import numpy as np
@@ -34,6 +35,7 @@ _STRAYED = (
 )
 
 _samples: dict[str, np.ndarray] = remember({})  # by object, in its last update
+_in_edit_mode: set[str] = remember(set())  # the objects that were in it in their last update
 _frames: dict[tuple, np.ndarray] = remember({})  # of the rest of a deformer, by what its mesh was then
 
 
@@ -47,10 +49,16 @@ def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> dict[str,
     """
     sample = targets.sample(obj, _SAMPLE)
     before, _samples[obj.name_full] = _samples.get(obj.name_full), sample
+    by_hand = obj.name_full in _in_edit_mode or obj.mode == "EDIT"
+    _in_edit_mode.discard(obj.name_full)
+    if obj.mode == "EDIT":
+        _in_edit_mode.add(obj.name_full)
     by = None
     strayed = False
     if last is not None and before is not None and _has_moved(before, sample):
-        strayed = last.world == evaluated.matrix_world and _is_moved_as_a_whole(before, sample)
+        strayed = (
+            not by_hand and last.world == evaluated.matrix_world and _is_moved_as_a_whole(before, sample)
+        )
         by = _change(last.world, evaluated.matrix_world, before, sample)
     if len(_frames) > _MOST:
         _frames.clear()

@@ -9,7 +9,7 @@ from functools import partial
 
 import bpy
 
-from ...backend import Factor, PreparedBind, Progress, availability, bind_seconds, build_factor
+from ...backend import Factor, PreparedBind, Progress, Recipe, availability, bind_seconds, build_factor
 from ...core import status
 from ...core.elements import NO_ELEMENTS, Owner
 from ...core.errors import BackendMissingError, CancelledError, SinewError
@@ -98,7 +98,7 @@ def ensure(
             abandon(deformer.uid)
         session.drop_work()  # it solves with the old factor
         prepared = None if session.bound is None else session.bound.factor.prepare_rebind(request.recipe)
-        if not wait and may_wait(bind_seconds(request.recipe)):
+        if not wait and takes_long(request.recipe):
             _jobs[deformer.uid] = _begin(request, prepared)
             return None
         begin = time.perf_counter()
@@ -196,6 +196,14 @@ def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
         return warnings  # there is nothing to repair
     diagnosis = replace(factor.diagnosis, not_finite=request.rest.not_finite)
     return (*warnings, *mesh_notes.notes(diagnosis, request.on_base))
+
+
+def takes_long(recipe: Recipe) -> bool:
+    """Whether a thread should compute this bind.
+
+    Loose parts are only counted where the bind is quick without them, as that takes a look at all faces.
+    """
+    return may_wait(recipe.seconds) or may_wait(bind_seconds(recipe))
 
 
 def may_wait(seconds: float) -> bool:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from bpy.types import Object
 
-from ...backend import Factor, Handles, Progress, Recipe, Shape, bind_seconds, build_factor
+from ...backend import Factor, Handles, Progress, Recipe, Shape, build_factor
 from ...core.errors import ConstraintError
 from ...core.geometry import frames
 from ...core.methods import Method
@@ -83,7 +83,7 @@ class Grab:
         region = self._patch.region(radius)
         if len(region.free) == 0 or len(region.fixed) == 0:  # bound when a motion asks for it
             self._take(region, None)
-        elif wait or not binding.may_wait(bind_seconds(self._recipe(region))):
+        elif wait or not binding.takes_long(self._recipe(region)):
             self._take(region, self._bind(region, None))
         else:
             self._work = Work(lambda progress: self._bind(region, progress), region)
@@ -102,7 +102,7 @@ class Grab:
         """Whether the region has its factor, or needs none. False while a thread builds it."""
         if self._factor is not None or len(region.free) == 0:
             return True
-        if wait or not binding.may_wait(bind_seconds(self._recipe(region))):
+        if wait or not binding.takes_long(self._recipe(region)):
             self._factor = self._bind(region, None)
             return True
         if self._work is None:
