@@ -10,7 +10,9 @@ from ...core.transform.motion import Mode, Motion
 from ...preferences import preferences
 from .shell import Keys
 
-_METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
+_METHODS = tuple(
+    method for method in METHODS if session.marks_regions(method) and not method.is_space and not method.wraps
+)
 _MODES = (
     ("TRANSLATE", "Move", "Move what was grabbed", "NONE", 0),
     ("ROTATE", "Rotate", "Turn what was grabbed about its centre", "NONE", 1),
