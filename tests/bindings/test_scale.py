@@ -176,11 +176,10 @@ def test_operators_are_finite_or_refused(scale: float) -> None:
 @pytest.mark.parametrize("scale", [1e-59, 1e-30, 1.0, 1e30, 1e59])
 def test_cages_of_any_size_are_made_and_diagnosed(scale: float) -> None:
     points, faces = sphere(2)
-    points *= scale / 2
+    points *= np.array((1.0, 0.8, 0.65)) * scale / 2  # on a ball, rounding chooses between equal edges
     for quads in (False, True):
         cage, polygons, report = sn.automatic_cage(sn.SurfaceMesh(points, faces), 60, 0.06, quads=quads)
-        # A contraction takes two faces; on this symmetric ball rounding decides whether one more is made.
-        assert (report.reached, report.faces) in ((True, 60), (True, 58))
+        assert (report.reached, report.faces) == (True, 60)
         assert 0.0 < report.clearance < 0.2
         assert sn.diagnose_cage(sn.SurfaceMesh(cage, polygons), points).clean
 
