@@ -19,6 +19,7 @@ HERE = Path(__file__).resolve().parents[1]
 sys.path.append(str(HERE.parent / "tools"))
 
 from workshop import blenders, environments, shell, windows_tests, wine  # noqa: E402
+from workshop.package import package  # noqa: E402
 from workshop.places import BUILD  # noqa: E402
 from workshop.windows_libraries import TREE  # noqa: E402
 
@@ -60,7 +61,7 @@ def _library(size: int, _small: bool) -> dict[str, Callable[[], Times]]:
         return {f"windows_{what}": methods for what, methods in found.items()}
 
     windows = TREE / "wheel-check" / "cp311"
-    blenders.package()
+    package()
     return {
         "wine": lambda: times(wine.run_in_windows, wine.python(11), "Z:", windows),
         "linux": lambda: times(shell.run, here, "", BUILD / "wheel-check" / "cp311"),
