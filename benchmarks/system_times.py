@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times of binds, solves and warps on the system that runs this: ``python system_times.py FILE.json VERTICES``.
+"""Times of binds, solves and warps on this system: ``python system_times.py FILE.json VERTICES``.
 
 It needs only NumPy and sinew_native, so it runs in Windows' Python under Wine as on Linux.
 """

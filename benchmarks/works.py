@@ -206,7 +206,13 @@ WORKS = (
         {ANY: 100.0},
     ),
     Work("windows_bind", "a bind by the module for Windows, under Wine", LINUX, {ANY: 1.3}, at_most=True),
-    Work("windows_solve", "a solve or warp by the module for Windows, under Wine", LINUX, {ANY: 1.3}, at_most=True),
+    Work(
+        "windows_solve",
+        "a solve or warp by the module for Windows, under Wine",
+        LINUX,
+        {ANY: 1.3},
+        at_most=True,
+    ),
     Work("windows_frame", "a frame in Windows' Blender 4.5, under Wine", LINUX, {ANY: 1.3}, at_most=True),
     Work("two_threads", "two threads", "one thread", {ANY: 1.0}, noise=0.03),
 )

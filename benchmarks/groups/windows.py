@@ -44,7 +44,9 @@ def measure(part: str, size: int) -> list[Row]:
     rows = []
     for work, methods in rounds[0]["wine"].items():
         for method in methods:
-            ours, peer = (min(times[system][work][method] for times in rounds) for system in ("wine", "linux"))
+            ours, peer = (
+                min(times[system][work][method] for times in rounds) for system in ("wine", "linux")
+            )
             row = {"work": work, "size": vertices, "vertices": vertices, "case": method, "unit": "s"}
             rows.append({**row, "ours": ours, "peer": peer})
     return rows
@@ -57,7 +59,9 @@ def _library(size: int, _small: bool) -> dict[str, Callable[[], Times]]:
 
     def times(run: Callable, python: Path, drive: str, module: Path) -> Times:
         env = {"PYTHONPATH": f"{drive}{module}"}
-        found = _written(lambda out: run([python, script, f"{drive}{out}", str(size)], env=env, timeout=LONGEST))
+        found = _written(
+            lambda out: run([python, script, f"{drive}{out}", str(size)], env=env, timeout=LONGEST)
+        )
         return {f"windows_{what}": methods for what, methods in found.items()}
 
     windows = TREE / "wheel-check" / "cp311"
@@ -76,7 +80,9 @@ def _blender(_size: int, small: bool) -> dict[str, Callable[[], Times]]:
 
     def times(run: Callable, python: Path, drive: str, env: dict) -> Times:
         script = [python, HERE / "system_frame.py", *words, "--json"]
-        return {"windows_frame": _written(lambda out: run([*script, f"{drive}{out}"], env=env, timeout=LONGEST))}
+        return {
+            "windows_frame": _written(lambda out: run([*script, f"{drive}{out}"], env=env, timeout=LONGEST))
+        }
 
     windows = wine.python(11, f"bpy-{windows_tests.VERSION}")
     return {

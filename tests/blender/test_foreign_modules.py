@@ -57,7 +57,9 @@ def of_another_python(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    "fault", [truncated, of_another_system, without_a_library, of_another_python], ids=lambda fault: fault.__name__
+    "fault",
+    [truncated, of_another_system, without_a_library, of_another_python],
+    ids=lambda fault: fault.__name__,
 )
 def test_a_module_that_does_not_load_is_told_with_the_wheel_that_fits(
     fault, room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files that one system saved open on another, show the same shapes, and go on there.
 
-Each run leaves its files in the folder ``files`` of ``SINEW_TEST_OUTPUT``. ``SINEW_FILES_OF_ANOTHER_SYSTEM`` is
-such a folder that a Blender of another system left.
+Each run leaves its files in the folder ``files`` of ``SINEW_TEST_OUTPUT``.
+``SINEW_FILES_OF_ANOTHER_SYSTEM`` is such a folder that a Blender of another system left.
 """
 
 from __future__ import annotations

@@ -61,7 +61,10 @@ def test_a_chosen_path_beside_the_file_has_the_slashes_of_every_system(
     name = f"plate.{target.lower()}"
     for chosen in (tmp_path / "shot" / "Große Cäche" / name, f"//Große Cäche{os.sep}{name}"):
         bake(saved, target, chosen)
-        stored = {saved.deformer.bake.filepath, *(mod.filepath for mod in saved.obj.modifiers if mod.type != "NODES")}
+        stored = {
+            saved.deformer.bake.filepath,
+            *(mod.filepath for mod in saved.obj.modifiers if mod.type != "NODES"),
+        }
         assert stored == {f"//Große Cäche/{name}"}
         assert (tmp_path / "shot" / "Große Cäche" / name).is_file()
         bpy.ops.sinew.unbake()
@@ -78,7 +81,9 @@ def test_a_relative_path_as_windows_writes_it_is_found(saved: Rig) -> None:
     assert saved.deformer.status_level == "INFO", saved.deformer.status
 
 
-def test_a_path_by_another_way_to_the_folder_of_the_file_is_relative_to_it(moving: Rig, tmp_path: Path) -> None:
+def test_a_path_by_another_way_to_the_folder_of_the_file_is_relative_to_it(
+    moving: Rig, tmp_path: Path
+) -> None:
     (tmp_path / "real").mkdir()
     link = tmp_path / "link"
     link.symlink_to(tmp_path / "real", target_is_directory=True)

@@ -83,7 +83,9 @@ def chosen(names: list[str], whole: bool = False) -> list[Layer]:
 
     ``whole`` takes all tests where a layer is a core of them.
     """
-    layers = [layer for layer in LAYERS if not names or not {layer.name, first_word(layer.name)}.isdisjoint(names)]
+    layers = [
+        layer for layer in LAYERS if not names or not {layer.name, first_word(layer.name)}.isdisjoint(names)
+    ]
     return [layer.whole or layer for layer in layers] if whole else layers
 
 
@@ -94,9 +96,13 @@ def first_word(name: str) -> str:
 def main() -> None:
     names = [layer.name for layer in LAYERS]
     parser = argparse.ArgumentParser(prog="tests/run", description=__doc__)
-    parser.add_argument("layers", nargs="*", metavar="LAYER", help=f"{', '.join(names)}; or a first word of them")
+    parser.add_argument(
+        "layers", nargs="*", metavar="LAYER", help=f"{', '.join(names)}; or a first word of them"
+    )
     parser.add_argument("--list", action="store_true", help="name the layers and stop")
-    parser.add_argument("--all", action="store_true", help="all tests also on Windows, which else runs a core")
+    parser.add_argument(
+        "--all", action="store_true", help="all tests also on Windows, which else runs a core"
+    )
     options = parser.parse_args()
     if options.list:
         print(*names, sep="\n")

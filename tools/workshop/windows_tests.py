@@ -30,8 +30,8 @@ CORE_BINDINGS = (
     "test_out.py",
     "test_same_answers.py",
 )
-# Every method's bind, pose, frame, undo, save and load; cages; bakes and their paths; modules that do not load;
-# files of earlier versions and of other systems.
+# Every method's bind, pose, frame, undo, save and load; cages; bakes and their paths; modules that do not
+# load; files of earlier versions and of other systems.
 CORE_TESTS = (
     "test_bake.py",
     "test_bake_files.py",
