@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""This system gives the answers that another gave for the same input (answers.py)."""
+"""This system gives the answers that another gave for the same input (answers.py).
+
+It writes a table of the differences beside the answers of the other system.
+"""
 
 import os
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +28,13 @@ def test_answers_are_those_of_the_other_system() -> None:
     found = answers(given)
     assert found.keys() == expected.keys()
     differences = {name: abs(found[name] - expected[name]).max() for name in expected}
-    print("\n".join(f"{difference:8.1e}  {name}" for name, difference in differences.items()))
+    rows = [
+        f"| {name} | {most:.1e} | {np.count_nonzero(found[name] != expected[name])} of {expected[name].size} |\n"
+        for name, most in differences.items()
+    ]
+    head = "| answer | largest difference | numbers that differ |\n|---|---|---|\n"
+    table = Path(FILE).with_name(f"answers-3.{sys.version_info.minor}.md")
+    table.write_text(head + "".join(rows), encoding="utf-8")
     allowed = {
         name: next((most for prefix, most in LARGEST.items() if name.startswith(prefix)), 0.0)
         for name in expected
