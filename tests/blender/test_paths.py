@@ -70,17 +70,6 @@ def test_a_chosen_path_beside_the_file_has_the_slashes_of_every_system(
         bpy.ops.sinew.unbake()
 
 
-def test_a_relative_path_as_windows_writes_it_is_found(saved: Rig) -> None:
-    live = played(saved.obj)
-    bake(saved, "PC2")
-    modifier = next(each for each in saved.obj.modifiers if each.type == "MESH_CACHE")
-    modifier.filepath = "//" + modifier.filepath[2:].replace("/", "\\")
-    save(bpy.data.filepath)
-    load(bpy.data.filepath)
-    assert_same(played(saved.obj), live)
-    assert saved.deformer.status_level == "INFO", saved.deformer.status
-
-
 def test_a_path_by_another_way_to_the_folder_of_the_file_is_relative_to_it(
     moving: Rig, tmp_path: Path
 ) -> None:

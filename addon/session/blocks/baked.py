@@ -45,11 +45,6 @@ def _name(path: str) -> str:
     return os.path.basename(path.replace("\\", "/"))
 
 
-def _absolute(path: str) -> str:
-    """A path as Blender finds it: one relative to the file may have been written on Windows."""
-    return bpy.path.abspath(path.replace("\\", "/") if path.startswith("//") else path)
-
-
 def overwrites(modifier: Modifier) -> bool:
     """Whether nothing of the shape before a modifier is left after it."""
     if modifier.type != "MESH_CACHE" or modifier.deform_mode != "OVERWRITE":
@@ -71,7 +66,7 @@ def _status(obj: Object, deformer: SinewDeformer) -> Status:
     playing = find_cache(obj, deformer)
     if playing is None:
         return Status(Level.ERROR, _LOST)
-    if not os.path.isfile(_absolute(playing.filepath)):
+    if not os.path.isfile(bpy.path.abspath(playing.filepath)):
         text = f"The cache file {playing.filepath} is missing - put it there, bake again, or Unbake"
         return Status(Level.ERROR, text)
     return Status(Level.INFO, deformer.bake.summary)
