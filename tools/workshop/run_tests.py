@@ -14,9 +14,10 @@ from collections.abc import Iterable
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from itertools import groupby
 
-from .layers import LAYERS, RESULTS, Layer
+from .layers import LAYERS, Layer
 from .results import Outcome, closing_line
 from .shell import jobs, say
+from .suites import RESULTS
 
 _beside: list[Layer] = []  # the layers that run beside each other; the processes for them inherit this
 
