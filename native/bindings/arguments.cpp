@@ -219,7 +219,8 @@ void require_finite(const Points& positions)
 {
     std::atomic<bool> finite{true};
     parallel_chunks(static_cast<int>(positions.rows()), 8192, [&](int begin, int end) {
-        // Zero times a number that is not finite is not a number; Eigen adds whole registers of such products.
+        // Zero times a number that is not finite is not a number; Eigen adds whole registers of such
+        // products.
         if ((positions.middleRows(begin, end - begin).array() * 0.0).sum() != 0.0)
             finite = false;
     });
