@@ -6,18 +6,19 @@ Wine is not Windows: what it does not show stands in docs/developer/decisions/wi
 
 import os
 import re
+from functools import partial
 from pathlib import Path
 
 from . import environments, wine
-from .debian import GOOGLETEST, install
+from .cross_wheels import configure, test_program
 from .dev import build_tree
 from .package import package
 from .places import BUILD, DEV_MODULE, ROOT, WHEELS
 from .results import Outcome, outcome
-from .shell import jobs, must, one_at_a_time, say
+from .shell import must, say
 from .suites import OPTIONS, RESULTS, emptied, googletest, new_junit
-from .windows_libraries import PREFIX, TREE, build, libraries
-from .windows_wheels import build_wheels, configure
+from .windows_libraries import WINDOWS
+from .windows_wheels import TARGET, build_wheels
 
 BINDINGS = ROOT / "tests" / "bindings"
 LINALG = re.compile(r"^(?:import|from) scipy\.(?:sparse\.)?linalg", flags=re.MULTILINE)
@@ -48,21 +49,10 @@ def windows(timeout: float) -> Outcome:
 
 def native_tests(timeout: float) -> Outcome:
     wine.set_up()
-    return googletest("windows-native", ["wine", test_program()], timeout, wine.SETTINGS, drive="Z:")
-
-
-@one_at_a_time()
-def test_program() -> Path:
-    """Builds the program of GoogleTest for Windows."""
-    install(GOOGLETEST)
-    libraries()
-    if not (PREFIX / "lib" / "libgtest.a").is_file():
-        build("googletest", Path("/usr/src/googletest"), "-DBUILD_GMOCK=OFF")
-    # The tree of the wheel serves, so that the library is compiled once. CMake must not run the program.
-    settings = ("-DSINEW_BUILD_TESTS=ON", "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST")
-    tree = configure(environments.build().make(), 11, *settings)
-    must(["cmake", "--build", tree, "--target", "sinew_tests", "-j", str(jobs())], quiet=True)
-    return tree / "tests" / "native" / "sinew_tests.exe"
+    # The tree of the wheel serves, so that the library is compiled once.
+    tree_of_wheel = partial(configure, TARGET, environments.build().make(), 11)
+    program = test_program(WINDOWS, tree_of_wheel).with_suffix(".exe")
+    return googletest("windows-native", ["wine", program], timeout, wine.SETTINGS, drive="Z:")
 
 
 def bindings(minor: int, timeout: float) -> Outcome:
@@ -76,7 +66,7 @@ def bindings(minor: int, timeout: float) -> Outcome:
     if minor == 13:  # Wine 8 lacks a function that SciPy's linalg calls there when it is imported
         files = [file for file in files if not LINALG.search(file.read_text(encoding="utf-8"))]
     junit = new_junit(f"windows-bindings-3.{minor}")
-    unpacked = TREE / "wheel-check" / f"cp3{minor}"
+    unpacked = WINDOWS.tree / "wheel-check" / f"cp3{minor}"
     status = wine.run_in_windows(
         [python, "-m", "pytest", *files, *OPTIONS, f"--junitxml=Z:{junit}"],
         env={"PYTHONPATH": f"Z:{unpacked}", "SINEW_ANSWERS": f"Z:{here}"},
