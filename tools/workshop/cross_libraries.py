@@ -24,6 +24,12 @@ NO_OPENSUBDIV = (
     "EXAMPLES TUTORIALS REGRESSION DOC OMP TBB CUDA OPENCL OPENGL CLEW DX GLEW GLFW METAL PTEX TESTS GLTESTS "
     "MACOS_FRAMEWORK"
 )
+NO_TBB = ("BUILD_SHARED_LIBS", "TBB_TEST", "TBB_EXAMPLES", "TBB_STRICT", "TBBMALLOC_BUILD")
+SETTINGS = {
+    "onetbb": (*(f"-D{name}=OFF" for name in NO_TBB), "-DTBB_DISABLE_HWLOC_AUTOMATIC_SEARCH=ON"),
+    "opensubdiv": (*(f"-DNO_{name}=ON" for name in NO_OPENSUBDIV.split()), "-DBUILD_SHARED_LIBS=OFF"),
+}
+ALL = ("onetbb", "opensubdiv", "suitesparse", "blas")
 
 
 @dataclass(frozen=True)
@@ -79,25 +85,22 @@ def pinned(file: Path) -> list[Source]:
 
 
 @one_at_a_time()
-def libraries(system: System) -> Path:
-    """The folder with the libraries and their headers, which are built again only if something changed."""
+def libraries(system: System, names: tuple[str, ...] = ALL) -> Path:
+    """The folder with these libraries and their headers, which are built again only if something changed."""
     debian.install(debian.BUILD)
     system.make_compiler()
     inputs = [LIBRARIES, system.files / "toolchain.cmake", Path(__file__), *system.inputs]
-    stamp = Stamp(system.prefix / "made-from", fingerprint(inputs, *system.settings))
+    stamp = Stamp(system.prefix / "made-from", fingerprint(inputs, *system.settings, *names))
     if stamp.is_fresh():
         return system.prefix
     stamp.forget()
     shutil.rmtree(system.prefix, ignore_errors=True)
     fetch_from_debian()
-    off = ("BUILD_SHARED_LIBS", "TBB_TEST", "TBB_EXAMPLES", "TBB_STRICT", "TBBMALLOC_BUILD")
-    tbb = (*(f"-D{name}=OFF" for name in off), "-DTBB_DISABLE_HWLOC_AUTOMATIC_SEARCH=ON")
-    build(system, "onetbb", unpacked(system, "onetbb"), *tbb)
-    subdivision = (*(f"-DNO_{name}=ON" for name in NO_OPENSUBDIV.split()), "-DBUILD_SHARED_LIBS=OFF")
-    build(system, "opensubdiv", unpacked(system, "opensubdiv"), *subdivision)
-    suitesparse = f"-DSUITESPARSE_SOURCE={unpacked(system, 'suitesparse')}"
-    build(system, "suitesparse", LIBRARIES / "suitesparse", suitesparse)
-    build(system, "blas", LIBRARIES / "blas")
+    sources = {name: unpacked(system, name) for name in names if name != "blas"}
+    for name in names:
+        own = LIBRARIES / name  # our CMake file, for those that have none which serves
+        found = [f"-DSINEW_SOURCE={sources[name]}"] if own.is_dir() and name in sources else []
+        build(system, name, own if own.is_dir() else sources[name], *SETTINGS.get(name, ()), *found)
     # The whole folder of the system would bring the headers of Linux's C library along.
     for name in ("CGAL", "boost"):
         (system.prefix / "include" / name).symlink_to(Path("/usr/include") / name)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds wheels of sinew_native for systems that this machine is not, each with one statically linked module."""
+"""Builds wheels of sinew_native for systems that this machine is not, each with one static module."""
 
 import re
 import shutil
@@ -11,8 +11,7 @@ from pathlib import Path
 
 from . import environments
 from .archives import write_wheel
-from .cross_libraries import System, build, libraries
-from .debian import GOOGLETEST, install
+from .cross_libraries import System, libraries
 from .environments import Environment
 from .notices import notices
 from .places import ROOT, WHEELS, version
@@ -87,8 +86,11 @@ def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
 
 def configure(target: Target, builder: Environment, minor: int, *further: str) -> Path:
     """Configures the tree that compiles for Python 3.``minor`` of a system."""
+    prefix = libraries(target.system)
     include = python_headers(target.system, builder, minor)
     module = (
+        f"-DCGAL_INCLUDE_DIR={prefix / 'include'}",
+        "-DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON",  # CHOLMOD is built without it
         f"-Dpybind11_DIR={builder.site_packages / 'pybind11' / 'share' / 'cmake' / 'pybind11'}",
         f"-DPython_EXECUTABLE={builder.python}",
         f"-DPython_INCLUDE_DIR={include}",
@@ -97,18 +99,8 @@ def configure(target: Target, builder: Environment, minor: int, *further: str) -
         "-DPYTHON_IS_DEBUG=OFF",
         *target.python(minor),
     )
-    return configure_library(target.system, f"cp3{minor}", *module, *further)
-
-
-def configure_library(system: System, name: str, *settings: str) -> Path:
-    """Configures a tree that compiles Sinew for a system."""
-    prefix = libraries(system)
-    tree = system.tree / name
-    common = (
-        f"-DCGAL_INCLUDE_DIR={prefix / 'include'}",
-        "-DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON",  # CHOLMOD is built without it
-    )
-    must(["cmake", "-S", ROOT, "-B", tree, *system.configuration(), *common, *settings], quiet=True)
+    tree = target.system.tree / f"cp3{minor}"
+    must(["cmake", "-S", ROOT, "-B", tree, *target.system.configuration(), *module, *further], quiet=True)
     return tree
 
 
@@ -123,20 +115,6 @@ def python_headers(system: System, builder: Environment, minor: int) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(asked.stdout.strip(), folder)
     return Path(shutil.copytree(system.files / "python", folder, dirs_exist_ok=True))
-
-
-@one_at_a_time()
-def test_program(system: System, configured: Callable[..., Path]) -> Path:
-    """Builds the program of GoogleTest for a system, in the tree that ``configured`` makes with settings."""
-    install(GOOGLETEST)
-    libraries(system)
-    if not (system.prefix / "lib" / "libgtest.a").is_file():
-        build(system, "googletest", Path("/usr/src/googletest"), "-DBUILD_GMOCK=OFF")
-    # CMake must not run the program.
-    settings = ("-DSINEW_BUILD_TESTS=ON", "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST")
-    tree = configured(*settings)
-    must(["cmake", "--build", tree, "--target", "sinew_tests", "-j", str(jobs())], quiet=True)
-    return tree / "tests" / "native" / "sinew_tests"
 
 
 def _suffix(target: Target, minor: int) -> str:

@@ -6,16 +6,17 @@ Wine is not Windows: what it does not show stands in docs/developer/decisions/wi
 
 import os
 import re
-from functools import partial
 from pathlib import Path
 
 from . import environments, wine
-from .cross_wheels import configure, test_program
+from .cross_libraries import build, libraries
+from .cross_wheels import configure
+from .debian import GOOGLETEST, install
 from .dev import build_tree
 from .package import package
 from .places import BUILD, DEV_MODULE, ROOT, WHEELS
 from .results import Outcome, outcome
-from .shell import must, say
+from .shell import jobs, must, one_at_a_time, say
 from .suites import OPTIONS, RESULTS, emptied, googletest, new_junit
 from .windows_libraries import WINDOWS
 from .windows_wheels import TARGET, build_wheels
@@ -49,10 +50,21 @@ def windows(timeout: float) -> Outcome:
 
 def native_tests(timeout: float) -> Outcome:
     wine.set_up()
-    # The tree of the wheel serves, so that the library is compiled once.
-    tree_of_wheel = partial(configure, TARGET, environments.build().make(), 11)
-    program = test_program(WINDOWS, tree_of_wheel).with_suffix(".exe")
-    return googletest("windows-native", ["wine", program], timeout, wine.SETTINGS, drive="Z:")
+    return googletest("windows-native", ["wine", test_program()], timeout, wine.SETTINGS, drive="Z:")
+
+
+@one_at_a_time()
+def test_program() -> Path:
+    """Builds the program of GoogleTest for Windows."""
+    install(GOOGLETEST)
+    libraries(WINDOWS)
+    if not (WINDOWS.prefix / "lib" / "libgtest.a").is_file():
+        build(WINDOWS, "googletest", Path("/usr/src/googletest"), "-DBUILD_GMOCK=OFF")
+    # The tree of the wheel serves, so that the library is compiled once. CMake must not run the program.
+    settings = ("-DSINEW_BUILD_TESTS=ON", "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST")
+    tree = configure(TARGET, environments.build().make(), 11, *settings)
+    must(["cmake", "--build", tree, "--target", "sinew_tests", "-j", str(jobs())], quiet=True)
+    return tree / "tests" / "native" / "sinew_tests.exe"
 
 
 def bindings(minor: int, timeout: float) -> Outcome:
