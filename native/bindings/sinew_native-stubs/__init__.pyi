@@ -12,3 +12,4 @@ from ._subdivision import *
 from ._surface import *
 
 __version__: str
+instructions: str

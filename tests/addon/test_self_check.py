@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The check of an installation: it asks every method, and shows a module that gives wrong answers."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sinew.core.methods import METHODS, Choice
+
+LONGEST = 10.0  # seconds, where one takes two: the button waits for it
+
+
+def checked(backend) -> tuple[object, str]:
+    """What a check found, and its report."""
+    report = io.StringIO()
+    found = backend.check_installation(report, "a test", "report.txt")
+    assert backend.last_check() == found
+    return found, report.getvalue()
+
+
+def parts(text: str) -> dict[str, list[str]]:
+    """The lines of the answers by their heading, the method and its options."""
+    blocks = [block.splitlines() for block in text.split("\n\n")]
+    return {lines[0]: lines[1:] for lines in blocks if lines[1:] and lines[1].startswith("  ")}
+
+
+def break_methods(backend, monkeypatch: pytest.MonkeyPatch, wrong) -> None:
+    """``wrong`` makes another shape of each that the native module returns."""
+    module = backend.availability().module
+
+    def broken(original):
+        def call(self, *args: object, **options: object) -> object:
+            found = original(self, *args, **options)
+            return (wrong(found[0]), found[1]) if isinstance(found, tuple) else wrong(found)
+
+        return call
+
+    for base, name in (("SurfaceMethod", "solve"), ("SpaceMethod", "warp")):
+        monkeypatch.setattr(getattr(module, base), name, broken(getattr(getattr(module, base), name)))
+
+
+def test_every_answer_of_every_method_is_right(backend):
+    found, text = checked(backend)
+    assert found.is_right, text
+    assert found.summary == f"All {found.asked} known answers are right"
+    assert text.count("  right  ") == found.asked
+    assert "WRONG" not in text
+    asked = parts(text)
+    for method in METHODS:
+        mine = {heading: lines for heading, lines in asked.items() if heading.startswith(f"{method.id},")}
+        answers = "\n".join(line for lines in mine.values() for line in lines)
+        assert "binds" in answers
+        assert "rest " in answers
+        for kind in ("translations", method.reproduces.value):
+            assert kind in answers
+        for parameter in (one for one in method.parameters if isinstance(one, Choice)):
+            asked_values = [v for v, *_words in parameter.items if any(f"{parameter.id}={v}," in m for m in mine)]
+            assert asked_values, f"{method.id}: no {parameter.id} but {parameter.default} was asked"
+    assert "automatic cage" in asked
+
+
+def test_the_report_says_where_it_was_made_but_not_whose_machine_it_is(backend):
+    _found, text = checked(backend)
+    for word in ("system ", "processor ", "Blender    a test", "Python     3.", f"NumPy      {np.__version__}"):
+        assert word in text
+    assert backend.availability().module.__version__ in text
+    assert str(Path.home()) not in text
+
+
+@pytest.mark.parametrize("wrong", [lambda shape: shape + 1e-3, lambda shape: shape * np.nan])
+def test_wrong_answers_are_shown_for_every_method(backend, monkeypatch: pytest.MonkeyPatch, wrong):
+    break_methods(backend, monkeypatch, wrong)
+    found, text = checked(backend)
+    assert not found.is_right
+    assert found.summary == f"{found.wrong} of {found.asked} known answers are wrong"
+    for heading, lines in parts(text).items():
+        assert heading == "automatic cage" or sum("WRONG" in line for line in lines) >= 1, text
+
+
+def test_a_method_that_fails_stops_no_other(backend, monkeypatch: pytest.MonkeyPatch):
+    module, first = backend.availability().module, METHODS[0]
+
+    def refuse(*_args: object, **_options: object) -> None:
+        raise RuntimeError("vector::_M_range_check")
+
+    monkeypatch.setattr(module, first.native, refuse)
+    found, text = checked(backend)
+    assert "RuntimeError: vector::_M_range_check" in text
+    assert "Traceback" in text
+    assert str(Path.home()) not in text
+    for heading, lines in parts(text).items():
+        failed = heading.startswith(f"{first.id},")
+        assert any("WRONG" in line for line in lines) == failed
+    assert 0 < found.wrong < found.asked
+
+
+def test_without_a_module_the_report_says_why(backend, monkeypatch: pytest.MonkeyPatch):
+    missing = backend.Availability(None, "Install a wheel", "Traceback: no such file")
+    monkeypatch.setattr(backend.self_check, "availability", lambda: missing)
+    found, text = checked(backend)
+    assert not found.is_right
+    assert "Install a wheel." in text
+    assert "no such file" in text
+    assert found.summary in text
