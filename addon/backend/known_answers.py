@@ -15,12 +15,12 @@ import numpy as np
 from ..core.methods import Bool, Choice, Control, Curve, Method, Parameter, Pointer, Reproduced, wrapped
 from .recipes import Base, Cage, HandlePoints, Handles, Recipe, Shape
 
-# Shares of a shape 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves of
-# up to 6 units.
+# Lengths, on shapes 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves
+# of up to 6 units.
 _EXACT = 1e-5
-# The middle between two handles: an iteration stops when its energy falls by less than 1e-5, before the shape
-# is at rest to half of its digits.
-_SYMMETRIC, _ITERATED = 1e-5, 2e-3
+# Of an iterative method: it stops when the energy falls by less than 1e-5, and the energy is flat around its
+# minimum, so the shape is known to half of these digits.
+_ITERATED = 2e-3
 _SIXTH = 5e-3  # weights by 1,024 rays, or by the coarsest boundary elements
 _LONGEST = 5.0  # seconds of a bind that nobody waits for here: it is meant for references
 
@@ -131,7 +131,7 @@ def _with_handles(method: Method, options: dict[str, object], solve: dict[str, o
             "the middle between two handles",
             apart,
             lambda shape: shape[middle, 0] - 0.5 * _APART,
-            _ITERATED if method.iterative else _SYMMETRIC,
+            _ITERATED if method.iterative else _EXACT,
         ),
     ]
     if not method.is_space:

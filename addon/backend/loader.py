@@ -41,6 +41,10 @@ def wheel_name() -> str:
     return f"sinew_native-{VERSION}-{python}-{python}-*{system}*{platform.machine().lower()}*"
 
 
+def _fitting_zip() -> str:
+    return f"the Sinew zip for this Blender, which holds {wheel_name()}"
+
+
 def load() -> Availability:
     """Import the module. It raises nothing; ``remedy`` holds the reason if there is no module."""
     name = f"{_ROOT}._native.sinew_native" if _UNPACKED.is_dir() else "sinew_native"
@@ -51,8 +55,8 @@ def load() -> Availability:
     except (ImportError, OSError) as error:
         return Availability(
             None,
-            f"The native module does not load ({error}). Restart Blender; if this stays, let your virus scanner "
-            f"allow it, or install the Sinew zip for this Blender, which holds {wheel_name()}",
+            f"The native module does not load ({error}). Restart Blender; if this stays, let your virus "
+            f"scanner allow it, or install {_fitting_zip()}",
             traceback.format_exc(),
         )
     found = getattr(module, "__version__", "unknown")
@@ -73,9 +77,7 @@ def _missing() -> str:
             "Close Blender, and install the zip again"
         )
     held = f": the installed zip holds {' and '.join(packed)}" if packed else ""
-    return (
-        f"The native module is missing{held}. Install the Sinew zip for this Blender, which holds {wheel_name()}"
-    )
+    return f"The native module is missing{held}. Install {_fitting_zip()}"
 
 
 def _packed() -> list[str]:

@@ -12,7 +12,7 @@ from ..ids import Operators
 
 
 def write_report(file: TextIO) -> Check:
-    """Compute all known answers and write the report into an open file. Nothing in the open .blend changes."""
+    """Compute all known answers and write the report into an open file. The scene stays as it is."""
     kind = "in the background" if bpy.app.background else "with a window"
     built = bpy.app.build_hash.decode("ascii", "replace")
     return check_installation(file, f"{bpy.app.version_string} ({built}), {kind}", file.name)

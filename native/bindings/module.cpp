@@ -21,7 +21,8 @@ PYBIND11_MODULE(sinew_native, module)
 {
     const std::string lacking = sinew::lacking_instructions();
     if (!lacking.empty())
-        throw pybind11::import_error("the processor of this computer lacks " + lacking + ", which Sinew needs");
+        throw pybind11::import_error("the processor of this computer lacks " + lacking +
+                                     ", which Sinew needs");
     module.doc() = "Shape deformation: NumPy in, NumPy out. Points are (n, 3) float64, angles radians, "
                    "Laplacians positive semi-definite and weak.";
     module.attr("__version__") = SINEW_VERSION;

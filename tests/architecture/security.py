@@ -32,7 +32,7 @@ OPERATORS = {"script", "console", "text", "preferences", "extensions"}  # of bpy
 # What may be there, and why.
 ALLOWED = {
     ("backend/loader.py", "import_module"): "the native module, by a name of our own",
-    ("operators/check.py", "NamedTemporaryFile"): "the report of a check: a new file, whose path is made here",
+    ("operators/check.py", "NamedTemporaryFile"): "the report of a check, a new file",
     ("session/blocks/shapes.py", "unlink"): "an object from a collection; no file is removed by it",
     ("core/methods/__init__.py", "import_module"): "the modules of its own folder, which are the registry",
 }

@@ -152,8 +152,8 @@ class Method:
     the cage (0 without one) and the options; its constants are measured. ``wraps``: the families of the
     methods that this method can be put around. Its native constructor gets such a method as ``base``. It is
     empty for a method that works alone. ``handle_parameters``: every handle has its own value of these. The
-    native ``set_handles`` takes one keyword per parameter, with one value per handle. ``reproduces``: the most
-    that the method promises with its default parameters, on any shape.
+    native ``set_handles`` takes one keyword per parameter, with one value per handle. ``reproduces``: the
+    most that the method promises, on any shape.
     """
 
     id: str
