@@ -174,11 +174,14 @@ def _motions(
     method: Method, points: np.ndarray, pose: Callable[[np.ndarray], np.ndarray]
 ) -> Iterator[KnownAnswer]:
     """Rest, and all the maps that the method reproduces. ``pose`` moves its control by a map (3, 4)."""
-    yield KnownAnswer("rest", pose(_STILL), lambda shape: shape - points)
+
+    def away_from(expected: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+        return lambda shape: shape - expected
+
+    yield KnownAnswer("rest", pose(_STILL), away_from(points))
     kinds = list(Reproduced)
     for kind in kinds[: kinds.index(method.reproduces) + 1]:
-        moved = _moved(_MAPS[kind], points)
-        yield KnownAnswer(kind.value, pose(_MAPS[kind]), lambda shape, moved=moved: shape - moved)
+        yield KnownAnswer(kind.value, pose(_MAPS[kind]), away_from(_moved(_MAPS[kind], points)))
 
 
 def _moved(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:

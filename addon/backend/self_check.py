@@ -9,6 +9,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -127,6 +128,9 @@ def _results(rig: Rig) -> Iterator[_Result]:
     def shape(answer: KnownAnswer) -> np.ndarray:
         return bound[0].solve(answer.pose, **rig.solve)[0]
 
+    def difference(answer: KnownAnswer) -> float:
+        return _largest(answer.difference(shape(answer)))
+
     def again() -> float:
         before = shape(rig.answers[-1])
         shape(rig.answers[0])
@@ -136,7 +140,7 @@ def _results(rig: Rig) -> Iterator[_Result]:
     if not bound:
         return
     for answer in rig.answers:
-        yield _timed(answer.claim, answer.allowed, lambda a=answer: _largest(a.difference(shape(a))))
+        yield _timed(answer.claim, answer.allowed, partial(difference, answer))
     yield _timed("the same pose again, to the last bit", 0.0, again)
 
 
