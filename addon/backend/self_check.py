@@ -24,8 +24,10 @@ from .native import Factor, automatic_cage, availability, build_factor, limits
 from .recipes import Cage, Recipe, Shape
 
 # Whatever a module throws that was built for something else, or broken on its way.
-_FAILURES = (SinewError, ArithmeticError, AttributeError, LookupError, MemoryError, OSError, RuntimeError)
-_FAILURES += (TypeError, ValueError)
+_FAILURES = (
+    *(SinewError, ArithmeticError, AttributeError, LookupError, MemoryError, OSError),
+    *(RuntimeError, TypeError, ValueError),
+)
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def _questions() -> Iterator[tuple[str, Iterator[_Result]]]:
     for method in METHODS:
         for words, rig in known_answers.rigs(method):
             about = f"{method.id}, {words}" if words else method.id
-            yield f"{about}, {len(rig.recipe.target.points)} points", _results(rig)
+            yield f"{about}: {rig.scene}", _results(rig)
     yield "automatic cage", _cage_results(BY_ID[DEFAULT_CAGE_METHOD])
 
 
@@ -185,8 +187,8 @@ def _surroundings(blender: str) -> Iterator[str]:
     if found.module is None:
         yield f"module     none\n\n{found.remedy}.\n\n{_without_home(found.details)}"
     else:
-        instructions = getattr(found.module, "instructions", "unknown instructions")
-        yield f"module     {found.module.__version__}, {instructions}, {_without_home(found.module.__file__)}"
+        module, place = found.module, _without_home(str(found.module.__file__))
+        yield f"module     {module.__version__}, {module.instructions()}, {place}"
 
 
 def _processor() -> str:

@@ -26,7 +26,6 @@ PYBIND11_MODULE(sinew_native, module)
     module.doc() = "Shape deformation: NumPy in, NumPy out. Points are (n, 3) float64, angles radians, "
                    "Laplacians positive semi-definite and weak.";
     module.attr("__version__") = SINEW_VERSION;
-    module.attr("instructions") = sinew::widest_instructions();
     using namespace sinew::bindings;
     bind_core(module);
     bind_mesh(module);

@@ -69,12 +69,12 @@ def test_the_button_writes_a_report_and_leaves_the_file_alone(
     text = report.read_text(encoding="utf-8")
     assert bpy.app.version_string in text
     for method in METHODS:
-        assert f"\n{method.id}, " in text
+        assert f"\n{method.id}: " in text
     assert "known answers are right" in text
     assert "WRONG" not in text
     sheet = page(addon_name)
     assert icon_of(sheet, "known answers are right") == "CHECKMARK"
-    assert {name: settings for name, settings in sheet.operators()}["wm.path_open"].filepath == str(report)
+    assert dict(sheet.operators())["wm.path_open"].filepath == str(report)
 
 
 def test_wrong_answers_of_the_module_are_shown(

@@ -12,4 +12,3 @@ from ._subdivision import *
 from ._surface import *
 
 __version__: str
-instructions: str
