@@ -383,6 +383,7 @@ def test_locked_channels_stay(hands: Rig):
 @pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE"])
 def test_a_locked_rotation_stays_in_other_modes_of_rotation(hands: Rig, mode: str):
     right(hands).rotation_mode, right(hands).lock_rotation = mode, (True, True, True)
+    right(hands).lock_rotation_w = True
     before = tuple(getattr(right(hands), f"rotation_{mode.lower()}"))
     pose(left(hands), **POSED)
     assert tuple(getattr(right(hands), f"rotation_{mode.lower()}")) == before
