@@ -15,7 +15,6 @@ from .reporting import reports_errors
 from .target import has_deformer, has_target, object_mode, show_control, target_of
 from .waiting import BindingOperator
 
-
 _FACES = {
     "name": "Faces",
     "default": 300,

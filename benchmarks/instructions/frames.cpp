@@ -196,9 +196,9 @@ int main(int count, char** words)
         request.tolerance = 0.0;
         frame([&] { arap.solve(request, out); });
     } else {
-        std::fprintf(stderr,
-                     "frames about | thin_shell | affine_basis | riders | riders_incoming | "
-                     "arap SMOOTHNESS ITERATIONS | thin_shell_bind | arap_bind | mean_value | green | mean_value_bind | green_bind\n");
+        std::fprintf(stderr, "frames about | thin_shell | affine_basis | riders | riders_incoming | "
+                             "arap SMOOTHNESS ITERATIONS | thin_shell_bind | arap_bind | mean_value | green "
+                             "| mean_value_bind | green_bind\n");
         return 2;
     }
     return 0;

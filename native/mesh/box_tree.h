@@ -23,7 +23,8 @@ public:
     /// Visits the boxes whose bound is below a limit, by rising bound, and of equal ones by rising index.
     /// Cost: a bound for each box that contains one of these, and for its two halves.
     /// \param end    only boxes of lower indices count.
-    /// \param bound  bound(box, is_single) is a number, at most as high for a box around several as for each of
+    /// \param bound  bound(box, is_single) is a number, at most as high for a box around several as for each
+    /// of
     ///   these.
     /// \param visit  visit(index) returns the limit from then on.
     template <class Bound, class Visit>

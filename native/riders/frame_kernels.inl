@@ -316,6 +316,5 @@ void ride(const LooseSlot* slots, int count, const double* from, double* to)
 
 } // namespace
 
-const sinew::FrameKernels sinew::FrameKernels::SINEW_INSTRUCTIONS{::measure,   ::fit,  ::carry,
-                                                                  ::carry_row, ::bend, ::place,
-                                                                  ::ride};
+const sinew::FrameKernels sinew::FrameKernels::SINEW_INSTRUCTIONS{::measure, ::fit,   ::carry, ::carry_row,
+                                                                  ::bend,    ::place, ::ride};

@@ -154,7 +154,8 @@ void Riders::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_
         bending.push_back(static_cast<int>(riders.size()));
         smoothing.push_back(std::move(frame_smoothing));
     }
-    const bool is_row = vertices.back() - vertices.front() + 1 == static_cast<int>(vertices.size()); // they rise
+    const bool is_row =
+        vertices.back() - vertices.front() + 1 == static_cast<int>(vertices.size()); // they rise
     riders.push_back({first_frame, frame_count, static_cast<int>(points.size()), is_row});
     for (std::size_t v = 0; v < vertices.size(); ++v) {
         points.push_back(vertices[v]);

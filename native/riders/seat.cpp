@@ -140,7 +140,8 @@ private:
     }
 
     /// Seats a part on the larger one whose median distance is the least, if that is below `half`. Lower
-    /// bounds are the median distance from its box, and the distance of the part's box from one around several.
+    /// bounds are the median distance from its box, and the distance of the part's box from one around
+    /// several.
     void move_to_larger(int i, double half)
     {
         Seat& seat = seats_[i];

@@ -26,8 +26,8 @@ using HostSurfaces = std::vector<std::unique_ptr<HostSurface>>;
 /// Seats all parts that are not driven, hosts before their riders. A part rides on the driven part that one
 /// of its samples is nearest to, unless the median distance of its samples from a larger part is below half
 /// that from the driven ones: then on the nearest such part. So an iris rides on the eye, not on the lid it
-/// touches. Empty where no driven part has an area. Cost: up to 400 closest points per part, 96 for each larger
-/// part that may be nearer than the host, and O(log n) looks at boxes around these.
+/// touches. Empty where no driven part has an area. Cost: up to 400 closest points per part, 96 for each
+/// larger part that may be nearer than the host, and O(log n) looks at boxes around these.
 /// \param driven    one per part.
 /// \param length    parts of at most this extent get at most 100 samples.
 /// \param surfaces  gets the surfaces that the seats use.

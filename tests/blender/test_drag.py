@@ -272,7 +272,7 @@ MOTIONS = {
 
 
 def channels_of(mover, kind: str) -> np.ndarray:
-    """The numbers of which some are locked: those of the mode of rotation, or the angles that stand for them."""
+    """The numbers of which some are locked: those of the mode of rotation, or angles in their place."""
     if kind != "rotation":
         return np.array(getattr(mover, kind))
     if mover.rotation_mode in ("QUATERNION", "AXIS_ANGLE") and not mover.lock_rotations_4d:

@@ -76,7 +76,8 @@ def change_faces():
         if key == "cancelled":
             press("ESC")
         yield from until(lambda: not works())
-        yield from until(lambda: key == "cancelled" or face_count() != found["before"], 10.0)
+        if key == "changed":
+            yield from until(lambda: face_count() != found["before"], 10.0)
         yield from rest(4)
         found[key] = face_count()
         found[f"{key} is well"] = is_well()

@@ -39,7 +39,7 @@ MOTION_KEYS: Keys = (
 class MotionProperties:
     """Mixin for an operator whose modal tool is a ``Moving``.
 
-    ``LENGTHS`` are its properties that say how far the surface follows; Whole Surface switches the last one off.
+    ``LENGTHS`` are its properties that say how far the surface follows; Whole Surface switches off the last.
     """
 
     LENGTHS: tuple[str, ...] = ()
@@ -116,7 +116,7 @@ class MotionProperties:
         self.angle, self.axis = motion.angle, motion.axis
 
     def typed_motion(self, context: Context, event: Event, view: View, axes: np.ndarray) -> TypedMotion:
-        """The motion at its start, by the settings of the scene; ``axes`` (3, 3) are local axes as columns."""
+        """The motion at its start, by the scene's settings; ``axes`` (3, 3) are local axes as columns."""
         return TypedMotion(
             Mode(self.mode),
             view,

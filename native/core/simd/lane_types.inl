@@ -71,8 +71,8 @@ inline void load_columns(const double* a, const double* b, const double* c, cons
 {
     typedef double Pair __attribute__((vector_size(16), aligned(8)));
     const auto pairs = [](const double* p, const double* q) {
-        return __builtin_shufflevector(*reinterpret_cast<const Pair*>(p), *reinterpret_cast<const Pair*>(q), 0,
-                                       1, 2, 3);
+        return __builtin_shufflevector(*reinterpret_cast<const Pair*>(p), *reinterpret_cast<const Pair*>(q),
+                                       0, 1, 2, 3);
     };
     const FourLanes ac = pairs(a, c), bd = pairs(b, d), ac_end = pairs(a + 1, c + 1),
                     bd_end = pairs(b + 1, d + 1);
