@@ -71,6 +71,10 @@ public:
     /// same rest shape, and only options differ that the method can update.
     bool can_reuse(const SurfaceMethod& former) const;
 
+    /// Names of what differs from `former` and changes the result of a bind, beside the handles: "method",
+    /// "rest shape", or options; empty for nothing. A method around another one asks its base.
+    std::vector<std::string> differences(const SurfaceMethod& former) const;
+
     /// \param[out] positions  (n, 3) deformed points; before set_handles(), the incoming shape.
     /// \throw InvalidConstraint  see Targets::check; or `start` has another size or is not finite.
     /// \throw InvalidOption      max_iterations < 0 or tolerance < 0.
