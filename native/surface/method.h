@@ -100,10 +100,12 @@ protected:
     /// Factorises for these regions and completes the report. Must leave the object as it was if it throws.
     /// The element of a FactorizationFailed is a vertex.
     virtual void bind(const Regions& regions, BindReport& report, const Progress& progress) = 0;
-    /// Computes the deformed points after bind().
+    /// Computes the deformed points after bind(); those of idle parts may be left out where they ride.
     /// \param targets  the targets of the request, which have been checked.
     virtual SolveReport deform(const SolveRequest& request, const Targets& targets,
                                Points& positions) const = 0;
+    /// Whether the vertices of parts that no handle touches get their places after deform().
+    bool idle_parts_ride() const { return !riders_->rides().empty(); }
     /// Names of the options that change the result of bind() and differ from those of `former`, an object of
     /// the same class.
     virtual std::vector<std::string> changed_options(const SurfaceMethod& former) const = 0;
