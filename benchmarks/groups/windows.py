@@ -21,7 +21,7 @@ sys.path.append(str(HERE.parent / "tools"))
 from workshop import blenders, environments, shell, windows_tests, wine  # noqa: E402
 from workshop.package import package  # noqa: E402
 from workshop.places import BUILD  # noqa: E402
-from workshop.windows_libraries import TREE  # noqa: E402
+from workshop.windows_libraries import WINDOWS  # noqa: E402
 
 ROUNDS = 3
 LONGEST = 300.0  # seconds, for one process
@@ -64,7 +64,7 @@ def _library(size: int, _small: bool) -> dict[str, Callable[[], Times]]:
         )
         return {f"windows_{what}": methods for what, methods in found.items()}
 
-    windows = TREE / "wheel-check" / "cp311"
+    windows = WINDOWS.tree / "wheel-check" / "cp311"
     package()
     return {
         "wine": lambda: times(wine.run_in_windows, wine.python(11), "Z:", windows),

@@ -121,6 +121,12 @@ bool SurfaceMethod::can_reuse(const SurfaceMethod& former) const
     return compare(former).reusable;
 }
 
+std::vector<std::string> SurfaceMethod::differences(const SurfaceMethod& former) const
+{
+    const AccessLock both(AccessLock::reading, access_, former.access_);
+    return compare(former).changed;
+}
+
 BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
                                  const Progress& progress, const FreeParts& free_parts)
 {

@@ -49,6 +49,16 @@ class HandleRig(Rig):
     def new(cls, name: str = "Plate") -> HandleRig:
         return cls(grid_object(name))
 
+    @classmethod
+    def large(cls) -> HandleRig:
+        """One whose bind needs 0.11 MB or more: a thousand times that where handles are many points."""
+        return cls(grid_object(cells=60))
+
+    @property
+    def control_size(self) -> int:
+        """The size of the control of a space method, as the registry counts it."""
+        return len(self.top) + len(self.base)
+
     @staticmethod
     def control_of(obj: bpy.types.Object) -> bpy.types.Object:
         """The control of the first deformer of any object."""
@@ -138,6 +148,10 @@ class HandleRig(Rig):
         """Nothing is posed."""
         self.bind(method)
 
+    def attach(self, method: str) -> None:
+        """Nothing is posed, and a refusal of the bind is in the status."""
+        self.bind_at_rest(method)
+
     def relax(self) -> None:
         """Make the control as it was when it was made, for a bind that starts from there."""
 
@@ -180,6 +194,14 @@ class CageRig(HandleRig):
     def new(cls, name: str = "Ball") -> CageRig:
         return cls(ball(name, 2))
 
+    @classmethod
+    def large(cls) -> CageRig:
+        return cls(ball(levels=6))
+
+    @property
+    def control_size(self) -> int:
+        return sum(len(face.vertices) - 2 for face in self.control.data.polygons)
+
     @staticmethod
     def control_of(obj: bpy.types.Object) -> bpy.types.Object:
         return obj.sinew.deformers[0].cage
@@ -216,6 +238,9 @@ class CageRig(HandleRig):
 
     def bind_at_rest(self, method: str) -> None:
         point_objects.bind(self.obj, method)
+
+    def attach(self, method: str) -> None:
+        point_objects.attach(self.obj, method)
 
     def bind_alone(self, method: str) -> None:
         self.bind(method)

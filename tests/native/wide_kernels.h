@@ -3,9 +3,22 @@
 
 #include "native/core/simd/kernel_set.h"
 
+#include <bit>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace sinew {
+
+/// A number that no other bits of these values are likely to have. Kernels add, multiply, divide and take roots,
+/// and fuse nothing, so it is the same on every processor and with every compiler.
+inline std::uint64_t digest(std::span<const double> values)
+{
+    std::uint64_t sum = 0;
+    for (const double value : values)
+        sum = (sum ^ std::bit_cast<std::uint64_t>(value)) * 0x9e3779b97f4a7c15ULL + (sum >> 29);
+    return sum;
+}
 
 /// The sets of kernels wider than the baseline that this processor runs.
 template <class Kernels>

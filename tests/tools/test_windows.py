@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import re
 from pathlib import Path
 
 import pytest
-from workshop import windows_libraries, windows_wheels
+from workshop import windows_wheels
 
 ALIGNED = """
  3c: \tvmovaps %ymm6,0x20(%rsp)
@@ -15,23 +14,6 @@ UNALIGNED = """
  44: \tvmovaps %ymm1,%ymm2
  48: \tvmovapd 0x1000(%rip),%ymm2
 """
-
-
-def test_every_source_is_pinned_by_its_digest() -> None:
-    rows = [row for origin in ("debian", "pip") for row in windows_libraries.sources(origin)]
-    text = (windows_libraries.FILES / "sources.txt").read_text(encoding="utf-8")
-    assert len(rows) == sum(not line.startswith("#") for line in text.splitlines())
-    assert all(re.fullmatch("[0-9a-f]{64}", row.digest) for row in rows)
-
-
-def test_another_file_than_the_pinned_one_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(windows_libraries, "SOURCES", tmp_path)
-    source = windows_libraries.sources("debian")[0]
-    with pytest.raises(SystemExit, match="no longer brings"):
-        windows_libraries.check(source)
-    source.path.write_bytes(b"other")
-    with pytest.raises(SystemExit, match=source.digest):
-        windows_libraries.check(source)
 
 
 @pytest.mark.parametrize(

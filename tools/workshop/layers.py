@@ -31,6 +31,7 @@ CORE_TESTS = (
     "test_event_stack.py",
     "test_every_method.py",
     "test_handles.py",
+    "test_installation.py",
     "test_interface.py",
     "test_methods.py",
     "test_missing_libraries.py",
@@ -46,6 +47,7 @@ class Layer:
     timeout: float  # seconds, for the tests without their set-up
     run: Callable[[float], Outcome]
     one_process: bool = False  # its tests use one core, so that such a layer can run beside another
+    only_by_name: bool = False  # a plain tests/run leaves it out
     whole: "Layer | None" = None  # what runs instead by --all, where this is a core of all tests
 
 
@@ -161,8 +163,8 @@ def _other_native_tests(timeout: float) -> Outcome:
 
 def windows_layer(name: str, tests: Callable[[bool, float], Outcome]) -> Layer:
     """A layer of a core of these tests; by --all, of all of them."""
-    whole = Layer(f"windows-{name}", 5400, partial(tests, True), True)
-    return Layer(f"windows-{name}", 700, partial(tests, False), True, whole)
+    whole = Layer(f"windows-{name}", 5400, partial(tests, True), True, True)
+    return Layer(f"windows-{name}", 700, partial(tests, False), True, True, whole)
 
 
 LAYERS = (
@@ -171,7 +173,7 @@ LAYERS = (
     Layer("tools", 120, tools),
     Layer("native", 300, native),
     Layer("sanitizers", 1500, sanitizers),
-    Layer("windows-native", 420, windows_tests.native),
+    Layer("windows-native", 420, windows_tests.native, only_by_name=True),
     Layer("benchmarks", 600, benchmarks),
     Layer("addon", 120, addon, one_process=True),
     Layer("bindings", 420, bindings, one_process=True),

@@ -2,21 +2,25 @@
 """Collects the licences of the libraries inside a wheel, which must be distributed with it."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from .environments import Environment
 
 COMPILED_IN = ("libeigen3-dev", "libcgal-dev", "libboost-dev")
-# The packages of this machine that come from the sources of what is linked into a module for Windows.
-ON_WINDOWS = ("gcc-mingw-w64-base", "libosd-dev", "libsuitesparse-dev", "libtbb-dev", "mingw-w64-x86-64-dev")
 NAME = "licenses/THIRD_PARTY.txt"
 
 
-def notices(files: dict[str, bytes], packages: Iterable[str], builder: Environment) -> dict[str, bytes]:
-    """The copyright files of these Debian packages, of those with headers, and of pybind11, as one text."""
+def notices(files: dict[str, bytes], licences: Mapping[str, Path], builder: Environment) -> dict[str, bytes]:
+    """These licences, those of the packages with headers, and that of pybind11, as one text."""
     folder = next(name for name in files if name.endswith(".dist-info/RECORD")).removesuffix("RECORD")
-    return {folder + NAME: _text(set(packages), builder).encode()}
+    pybind11 = next(builder.site_packages.glob("pybind11-*.dist-info/**/LICENSE"))
+    return {folder + NAME: _text({**licences, **of_packages(COMPILED_IN), "pybind11": pybind11}).encode()}
+
+
+def of_packages(names: Iterable[str]) -> dict[str, Path]:
+    """The licences of Debian packages by their names."""
+    return {name: Path("/usr/share/doc") / name / "copyright" for name in names}
 
 
 def repaired(files: dict[str, bytes]) -> set[str]:
@@ -26,10 +30,8 @@ def repaired(files: dict[str, bytes]) -> set[str]:
     return {part["name"] for part in parts if part.get("purl", "").startswith("pkg:deb/")}
 
 
-def _text(packages: set[str], builder: Environment) -> str:
+def _text(files: dict[str, Path]) -> str:
     """Each licence once, with the names of all libraries that it covers."""
-    files = {name: Path("/usr/share/doc") / name / "copyright" for name in (*packages, *COMPILED_IN)}
-    files["pybind11"] = next(builder.site_packages.glob("pybind11-*.dist-info/**/LICENSE"))
     covers: dict[str, list[str]] = {}
     for name in sorted(files):
         if not files[name].is_file():

@@ -17,7 +17,7 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from . import environments, wheels, windows_wheels
+from . import environments, wheels
 from .archives import read_zip, write_zip
 from .environments import Environment
 from .places import ADDON, DIST, MANUAL, ROOT, version
@@ -28,7 +28,7 @@ NATIVE_FOLDER = "_native"
 RENDER = Path(__file__).parent / "inside" / "render_manual.py"
 EXCLUDED_NAMES = ("__pycache__", ".DS_Store")
 EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
-BUILDERS = {"linux": wheels.build_wheels, "windows": windows_wheels.build_wheels}
+BUILDERS = {"linux": wheels.build_wheels} | wheels.OTHERS
 PLATFORMS = {
     "linux": "linux-x64",
     "manylinux": "linux-x64",

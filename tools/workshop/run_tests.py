@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs all layers of the tests, or those that are named, and prints a summary.
+"""Runs all layers of the tests but those of Windows, or those that are named, and prints a summary.
 
 Layers that use one core run beside each other, and print when they have ended. A layer that fails does not
 stop the next one. The last line counts all tests; the status is 1 if any failed.
@@ -80,12 +80,16 @@ def run_layers(layers: Iterable[Layer]) -> int:
 
 
 def chosen(names: list[str], whole: bool = False) -> list[Layer]:
-    """The layers of these names, or whose names begin with such a word; without a name, all.
+    """The layers of these names, or whose names begin with such a word.
 
-    ``whole`` takes all tests where a layer is a core of them.
+    Without a name, all but those that only run when they are named. ``whole`` takes all tests where a layer
+    is a core of them.
     """
     layers = [
-        layer for layer in LAYERS if not names or not {layer.name, first_word(layer.name)}.isdisjoint(names)
+        layer
+        for layer in LAYERS
+        if not {layer.name, first_word(layer.name)}.isdisjoint(names)
+        or (not names and not layer.only_by_name)
     ]
     return [layer.whole or layer for layer in layers] if whole else layers
 

@@ -16,7 +16,7 @@ from . import debian, environments, windows_wheels
 from .archives import read_zip, write_wheel
 from .environments import Environment
 from .isolation import isolated
-from .notices import notices, repaired
+from .notices import notices, of_packages, repaired
 from .places import BUILD, PYTHON311, ROOT, WHEELS, version
 from .shell import Stamp, fingerprint, jobs, must, say
 
@@ -29,6 +29,7 @@ INPUTS = (
     "tools/requirements/build.txt",
     *(f"tools/workshop/{name}.py" for name in ("archives", "isolation", "notices", "wheels")),
 )
+OTHERS = {"windows": windows_wheels.build_wheels}
 CHECK = Path(__file__).parent / "inside" / "check_module.py"
 WITHOUT_BLENDER = (12, 14)  # the second numbers of Pythons that no Blender of blender.org comes with
 EPOCH = "315532800"  # 1 January 1980, the first date that a zip can store
@@ -71,7 +72,7 @@ def build_wheel(builder: Environment) -> Path:
         must([builder.bin / "auditwheel", "repair", "-w", _made(WHEELS), made], env=settings, quiet=True)
     wheel = _wheel(tag)
     files = isolated(read_zip(wheel), builder)
-    write_wheel(wheel, files | notices(files, repaired(files), builder))
+    write_wheel(wheel, files | notices(files, of_packages(repaired(files)), builder))
     check_wheel(wheel, builder)
     stamp.write()
     return wheel
@@ -126,14 +127,14 @@ def _wheel(tag: str) -> Path:
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/build_wheels", description=__doc__)
     parser.add_argument(
-        "system", nargs="?", default="linux", choices=("linux", "windows"), help="without one, linux"
+        "system", nargs="?", default="linux", choices=("linux", *OTHERS), help="without one, linux"
     )
     parser.add_argument(
         "--all", action="store_true", help="on Linux also for Python 3.12 and 3.14, where these exist"
     )
     options = parser.parse_args()
-    windows = options.system == "windows"
-    for wheel in windows_wheels.build_wheels() if windows else build_wheels(options.all):
+    other = OTHERS.get(options.system)
+    for wheel in other() if other else build_wheels(options.all):
         say(str(wheel.relative_to(ROOT)))
 
 

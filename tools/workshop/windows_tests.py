@@ -10,6 +10,8 @@ from pathlib import Path
 
 from . import environments, wine
 from .blenders import INSIDE, RUN_PYTEST, blender_module, conditions
+from .cross_libraries import build, libraries
+from .cross_wheels import configure
 from .debian import GOOGLETEST, install
 from .dev import build_tree
 from .package import package
@@ -17,8 +19,8 @@ from .places import BUILD, DEV_MODULE, ROOT, WHEELS
 from .results import Outcome, outcome
 from .shell import jobs, must, one_at_a_time
 from .suites import OPTIONS, RESULTS, emptied, googletest, new_junit
-from .windows_libraries import PREFIX, TREE, build, libraries
-from .windows_wheels import build_wheels, configure
+from .windows_libraries import WINDOWS
+from .windows_wheels import TARGET, build_wheels
 
 BINDINGS = ROOT / "tests" / "bindings"
 LINALG = re.compile(r"^(?:import|from) scipy\.(?:sparse\.)?linalg", flags=re.MULTILINE)
@@ -60,12 +62,12 @@ def native(timeout: float) -> Outcome:
 def test_program() -> Path:
     """Builds the program of GoogleTest for Windows."""
     install(GOOGLETEST)
-    libraries()
-    if not (PREFIX / "lib" / "libgtest.a").is_file():
-        build("googletest", Path("/usr/src/googletest"), "-DBUILD_GMOCK=OFF")
+    libraries(WINDOWS)
+    if not (WINDOWS.prefix / "lib" / "libgtest.a").is_file():
+        build(WINDOWS, "googletest", Path("/usr/src/googletest"), "-DBUILD_GMOCK=OFF")
     # The tree of the wheel serves, so that the library is compiled once. CMake must not run the program.
     settings = ("-DSINEW_BUILD_TESTS=ON", "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST")
-    tree = configure(environments.build().make(), 11, *settings)
+    tree = configure(TARGET, environments.build().make(), 11, *settings)
     must(["cmake", "--build", tree, "--target", "sinew_tests", "-j", str(jobs())], quiet=True)
     return tree / "tests" / "native" / "sinew_tests.exe"
 
@@ -89,7 +91,7 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
     files = [file for file in sorted(BINDINGS.glob("test_*.py")) if not names or file.name in names]
     left_out = [file for file in files if minor == 13 and LINALG.search(file.read_text(encoding="utf-8"))]
     junit = new_junit(f"windows-bindings-3.{minor}")
-    unpacked = TREE / "wheel-check" / f"cp3{minor}"
+    unpacked = WINDOWS.tree / "wheel-check" / f"cp3{minor}"
     status = wine.run_in_windows(
         [
             *(python, "-m", "pytest", *(file for file in files if file not in left_out)),

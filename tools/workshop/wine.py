@@ -9,7 +9,7 @@ from pathlib import Path
 from . import debian, environments
 from .places import BUILD
 from .shell import Stamp, environment, fingerprint, must, one_at_a_time, run, say
-from .windows_libraries import FILES, TREE, windows_python
+from .windows_libraries import PYTHONS, WINDOWS, windows_python
 
 PREFIX = BUILD / "wine"
 # The Python of Windows dies where a standard stream is a file, so both of its outputs are a pipe.
@@ -65,10 +65,8 @@ def python(minor: int, name: str = "") -> Path:
     """
     embedded = windows_python(minor)
     requirements = [environments.REQUIREMENTS / f"windows-{name or f'3.{minor}'}.txt"]
-    folder = TREE / f"environment-{name or f'3.{minor}'}"
-    stamp = Stamp(
-        folder / "made-from", fingerprint([*environments.included(requirements), FILES / "sources.txt"])
-    )
+    folder = WINDOWS.tree / f"environment-{name or f'3.{minor}'}"
+    stamp = Stamp(folder / "made-from", fingerprint([*environments.included(requirements), PYTHONS]))
     if not stamp.is_fresh():
         say(f"Making {folder.relative_to(BUILD.parent)}")
         shutil.rmtree(folder, ignore_errors=True)

@@ -2,11 +2,13 @@
 #include "native/core/simd/lane_math.inl"
 
 #include "tests/native/shapes.h"
+#include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace sinew {
 
@@ -53,6 +55,21 @@ TEST(LaneMath, each_lane_is_on_its_own)
         EXPECT_EQ(angle_between(y, x)[k], angle_between(constant(y[k]), constant(x[k]))[0]);
     EXPECT_EQ(signed_as(constant(2.0), constant(-1.0))[1], -2.0);
     EXPECT_EQ(mask_bits(above(y, x)), 0b0101);
+}
+
+TEST(LaneMath, gives_the_same_bits_on_every_processor)
+{
+    shapes::Random random(3);
+    std::vector<double> all;
+    for (int k = 0; k < 1000; ++k) {
+        const Lanes<double> y{random.unit(), random.unit(), random.unit(), random.unit()};
+        const Lanes<double> x{random.signed_unit(), random.signed_unit(), random.unit(), -random.unit()};
+        for (const Lanes<double> result : {angle_between(y, x), angle_over_sine(y, x),
+                                           log_of_ratio(y, magnitude(x)), root(y), signed_as(y, x)})
+            for (int lane = 0; lane < 4; ++lane)
+                all.push_back(result[lane]);
+    }
+    EXPECT_EQ(digest(all), 8726351490413920598ULL);
 }
 
 } // namespace sinew

@@ -86,6 +86,21 @@ TEST(CageKernels, agree_to_the_last_bit)
     }
 }
 
+TEST(CageKernels, give_the_same_bits_on_every_processor)
+{
+    const CageGeometry geometry{Cage(shapes::u_prism())};
+    Points points(8, 3);
+    for (int k = 0; k < 8; ++k)
+        points.row(k) << 0.3 + 0.31 * k, 0.4 + 0.07 * k, 0.45 - 0.02 * k;
+    for (const CageKernels* kernels : every_kernels<CageKernels>()) {
+        const Results all = of(*kernels, geometry, points);
+        EXPECT_EQ(all.touching, 0);
+        EXPECT_EQ(digest(all.weights), 8844051726367627966ULL);
+        EXPECT_EQ(digest(all.phi), 725038488493450765ULL);
+        EXPECT_EQ(digest(all.psi), 3140023966079445290ULL);
+    }
+}
+
 TEST(CageKernels, arcs_agree_and_are_right)
 {
     constexpr int blocks = 3, width = most_cage_lanes;

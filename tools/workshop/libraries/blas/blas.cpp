@@ -10,9 +10,12 @@ namespace {
 
 const Routines& routines()
 {
-    static const Routines& chosen =
-        __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? blas_haswell : blas_baseline;
-    return chosen;
+#ifdef SINEW_HAVE_HASWELL
+    static const bool haswell = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    if (haswell)
+        return blas_haswell;
+#endif
+    return blas_baseline;
 }
 
 } // namespace

@@ -1,0 +1,14 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# The files of kernels, each with the sets of instructions for which it is compiled beside the baseline.
+set(SINEW_KERNELS
+  native/core/simd/product_of_eight avx2
+  native/riders/frame_kernels avx2
+  native/solvers/dense/kernels avx2 avx512
+  native/solvers/descent/kernels avx2
+  native/solvers/supernodal/kernels avx2
+  native/space/cage/closed_forms/cage_kernels avx2 avx512
+  native/space/cage/harmonic/layers avx2 avx512
+  native/space/weights/products avx2
+  native/subdivision/stencil_kernels avx2
+  native/surface/nonlinear/arap/kernels avx2
+)

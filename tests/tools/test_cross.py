@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the wheels for all systems that this machine is not are built from."""
+
+import re
+from pathlib import Path
+
+import pytest
+from workshop import cross_libraries, windows_libraries
+
+SOURCES = cross_libraries.LIBRARIES / "sources.txt"
+
+
+@pytest.mark.parametrize("file", [SOURCES, windows_libraries.PYTHONS])
+def test_every_source_is_pinned_by_its_digest(file: Path) -> None:
+    rows = cross_libraries.pinned(file)
+    assert len(rows) >= 2
+    assert all(re.fullmatch("[0-9a-f]{64}", row.digest) for row in rows)
+
+
+def test_another_file_than_the_pinned_one_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cross_libraries, "SOURCES", tmp_path)
+    source = cross_libraries.pinned(SOURCES)[0]
+    with pytest.raises(SystemExit, match="no longer brings"):
+        cross_libraries.check(source)
+    source.path.write_bytes(b"other")
+    with pytest.raises(SystemExit, match=source.digest):
+        cross_libraries.check(source)
+
+
+def test_each_system_has_its_own_tree_and_its_toolchain() -> None:
+    system = windows_libraries.WINDOWS
+    assert (system.files / "toolchain.cmake").is_file()
+    assert system.prefix.is_relative_to(cross_libraries.BUILD / system.name)
+    assert f"-DCMAKE_PREFIX_PATH={system.prefix}" in system.configuration()

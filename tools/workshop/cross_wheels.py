@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds wheels of sinew_native for systems that this machine is not, each with one static module."""
+
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from . import environments
+from .archives import write_wheel
+from .cross_libraries import System, libraries
+from .environments import Environment
+from .notices import notices
+from .places import ROOT, WHEELS, version
+from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, say
+
+INPUTS = (
+    "native",
+    "CMakeLists.txt",
+    "pyproject.toml",
+    "README.md",
+    "LICENSE",
+    "tools/requirements/build.txt",
+    "tools/workshop/libraries",
+    *(f"tools/workshop/{name}.py" for name in ("archives", "cross_libraries", "cross_wheels", "notices")),
+)
+METADATA = (
+    "import sys; from scikit_build_core.build import prepare_metadata_for_build_wheel as prepare; "
+    "prepare(sys.argv[1])"
+)
+
+
+@dataclass(frozen=True)
+class Target:
+    """What the wheels for one system are, beside what all have in common."""
+
+    system: System
+    platform: str  # as in the names of wheels
+    suffix: str  # of the module's file, with {minor} for that of Python
+    inputs: tuple[str, ...]
+    licences: Callable[[], dict[str, Path]]  # of what is linked into the module, by its name
+    python: Callable[[int], list[str]]  # further settings of CMake for Python 3.minor
+    check_module: Callable[[Path, int], None]  # ends the tool if the system could not load the module
+    check_wheel: Callable[[Path, int], None]
+
+
+def build_wheels(target: Target) -> list[Path]:
+    """A wheel for Python 3.11 and, where this machine has the headers of a Python 3.13, one for 3.13."""
+    builders = {11: environments.build(), 13: environments.build313()}
+    return [build_wheel(target, builder.make(), minor) for minor, builder in builders.items() if builder]
+
+
+@one_at_a_time()
+def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
+    """The wheel for one Python; it is built again only if inputs changed."""
+    tag = f"cp3{minor}"
+    wheel = WHEELS / f"sinew_native-{version()}-{tag}-{tag}-{target.platform}.whl"
+    inputs = [ROOT / name for name in (*INPUTS, *target.inputs)]
+    stamp = Stamp(
+        WHEELS / f"{tag}-{target.platform}.made-from", fingerprint(inputs, str(builder.interpreter))
+    )
+    if stamp.is_fresh() and wheel.is_file():
+        return wheel
+    say(f"Building the wheel for {tag} on {target.system.title}")
+    stamp.forget()
+    for old in WHEELS.glob(f"*-{tag}-{target.platform}.whl"):
+        old.unlink()
+    tree = configure(target, builder, minor)
+    must(["cmake", "--build", tree, "--target", "sinew_native", "-j", str(jobs())], quiet=True)
+    with tempfile.TemporaryDirectory(dir=target.system.tree) as folder:
+        must(["cmake", "--install", tree, "--prefix", folder], quiet=True)
+        target.check_module(next(Path(folder).glob(f"*{_suffix(target, minor)}")), minor)
+        must([builder.python, "-c", METADATA, folder], quiet=True)
+        files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in _files(Path(folder))}
+    about = next(name for name in files if name.endswith(".dist-info/WHEEL"))
+    files[about] = re.sub(rb"(?m)^Tag: .*$", f"Tag: {tag}-{tag}-{target.platform}".encode(), files[about])
+    files[about.replace("WHEEL", "RECORD")] = b""
+    write_wheel(wheel, files | notices(files, target.licences(), builder))
+    target.check_wheel(wheel, minor)
+    stamp.write()
+    return wheel
+
+
+def configure(target: Target, builder: Environment, minor: int, *further: str) -> Path:
+    """Configures the tree that compiles for Python 3.``minor`` of a system."""
+    prefix = libraries(target.system)
+    include = python_headers(target.system, builder, minor)
+    module = (
+        f"-DCGAL_INCLUDE_DIR={prefix / 'include'}",
+        "-DCMAKE_DISABLE_FIND_PACKAGE_OpenMP=ON",  # CHOLMOD is built without it
+        f"-Dpybind11_DIR={builder.site_packages / 'pybind11' / 'share' / 'cmake' / 'pybind11'}",
+        f"-DPython_EXECUTABLE={builder.python}",
+        f"-DPython_INCLUDE_DIR={include}",
+        f"-DPYTHON_MODULE_EXTENSION={_suffix(target, minor)}",
+        "-DPYTHON_MODULE_DEBUG_POSTFIX=",
+        "-DPYTHON_IS_DEBUG=OFF",
+        *target.python(minor),
+    )
+    tree = target.system.tree / f"cp3{minor}"
+    must(["cmake", "-S", ROOT, "-B", tree, *target.system.configuration(), *module, *further], quiet=True)
+    return tree
+
+
+def python_headers(system: System, builder: Environment, minor: int) -> Path:
+    """The headers of this machine's Python 3.``minor`` with the pyconfig.h of the system.
+
+    Python.h looks for pyconfig.h in its own folder first, so the headers are copied and this one is replaced.
+    """
+    question = "import sysconfig; print(sysconfig.get_path('include'))"
+    asked = subprocess.run([builder.interpreter, "-c", question], capture_output=True, text=True, check=True)
+    folder = system.tree / f"python3{minor}-headers"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(asked.stdout.strip(), folder)
+    return Path(shutil.copytree(system.files / "python", folder, dirs_exist_ok=True))
+
+
+def _suffix(target: Target, minor: int) -> str:
+    return target.suffix.format(minor=minor)
+
+
+def _files(folder: Path) -> list[Path]:
+    return sorted(path for path in folder.rglob("*") if path.is_file())
