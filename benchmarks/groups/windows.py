@@ -75,7 +75,10 @@ def _library(size: int, _small: bool) -> dict[str, Callable[[], Times]]:
 def _blender(_size: int, small: bool) -> dict[str, Callable[[], Times]]:
     """Both in the same release of Blender, by the extension."""
     here = environments.blender(windows_tests.VERSION).make()
-    installed = windows_tests.install_extension(), blenders.install_extension(here, "benchmarks-system")
+    installed = (
+        windows_tests.install_extension(windows_tests.VERSION),
+        blenders.install_extension(here, "benchmarks-system"),
+    )
     words = ["--small"] if small else []
 
     def times(run: Callable, python: Path, drive: str, env: dict) -> Times:

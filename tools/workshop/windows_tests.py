@@ -6,6 +6,7 @@ Wine is not Windows: what it does not show stands in docs/developer/decisions/wi
 
 import os
 import re
+import shutil
 from pathlib import Path
 
 from . import environments, wine
@@ -48,6 +49,7 @@ CORE_TESTS = (
     "test_paths.py",
 )
 VERSION = "4.5.15"
+NEWEST = "5.2.3"
 OF_ANOTHER_SYSTEM = "SINEW_FILES_OF_ANOTHER_SYSTEM"
 USER = "Jürgen Müller 日本語"  # a folder of a user, as Windows names it after him
 
@@ -118,34 +120,60 @@ def answers_of_this_machine() -> Path:
 
 
 def blender(whole: bool, timeout: float) -> Outcome:
-    """A core of the tests, or all, on the installed extension in a Blender for Windows, a Python 3.11 module.
+    """A core of the tests in a Blender for Windows, or all, and the core in the newest Blender.
 
     The same release on this machine leaves files for it, and opens those that it leaves.
     """
     here, exchange = environments.blender(VERSION), ("test_other_systems.py",)
     total = blender_module("exchange", here, exchange, timeout)
-    env = install_extension()
-    junit = new_junit("windows-blender")
-    command = [wine.python(11, f"bpy-{VERSION}"), RUN_PYTEST, "--", *(() if whole else CORE_TESTS), *OPTIONS]
-    further = {OF_ANOTHER_SYSTEM: f"Z:{RESULTS / 'exchange' / 'files'}"}
-    env |= conditions("windows-blender") | further
-    status = wine.run_in_windows([*command, f"--junitxml=Z:{junit}"], env=env, timeout=timeout)
-    total += outcome(junit, status)
-    left = {OF_ANOTHER_SYSTEM: RESULTS / "windows-blender" / "files"}
-    return total + blender_module("exchange-back", here, exchange, timeout, left)
+    for_it = {OF_ANOTHER_SYSTEM: f"Z:{RESULTS / 'exchange' / 'files'}"}
+    total += in_blender(VERSION, () if whole else CORE_TESTS, timeout, for_it)
+    left = {OF_ANOTHER_SYSTEM: RESULTS / f"windows-blender-{VERSION}" / "files"}
+    total += blender_module("exchange-back", here, exchange, timeout, left)
+    if whole and environments.python313():
+        total += in_blender(NEWEST, CORE_TESTS, timeout, {})
+    return total
+
+
+def in_blender(version: str, tests: tuple[str, ...], timeout: float, further: dict[str, str]) -> Outcome:
+    """Runs these tests, or all, on the installed extension in a Blender that is a module of Windows' Python."""
+    name = f"windows-blender-{version}"
+    env = install_extension(version) | conditions(name) | further
+    junit = new_junit(name)
+    command = [python_with_blender(version), RUN_PYTEST, "--", *tests, *OPTIONS, f"--junitxml=Z:{junit}"]
+    return outcome(junit, wine.run_in_windows(command, env=env, timeout=timeout))
 
 
 @one_at_a_time()
-def install_extension() -> dict[str, str]:
+def install_extension(version: str) -> dict[str, str]:
     """Installs the extension in that Blender, in a new user folder, and returns the environment variables."""
     zip_file, _ = package("windows")
     env = {
-        "BLENDER_USER_RESOURCES": f"Z:{emptied(BUILD / 'blender-users' / USER)}",
+        "BLENDER_USER_RESOURCES": f"Z:{emptied(BUILD / 'blender-users' / f'{USER} {version}')}",
         "SINEW_ADDON_MODULE": "bl_ext.user_default.sinew",
-        "SINEW_TEST_OUTPUT": f"Z:{emptied(RESULTS / 'windows-blender')}",
+        "SINEW_TEST_OUTPUT": f"Z:{emptied(RESULTS / f'windows-blender-{version}')}",
     }
-    python = wine.python(11, f"bpy-{VERSION}")
-    said = wine.said_in_windows([python, INSIDE / "install_zip.py", "--", f"Z:{zip_file}"], env, timeout=300)
+    command = [python_with_blender(version), INSIDE / "install_zip.py", "--", f"Z:{zip_file}"]
+    said = wine.said_in_windows(command, env, timeout=300)
     if "native module works" not in said:
-        raise SystemExit(f"{zip_file.name} could not be installed in Windows' Blender {VERSION}:\n{said}")
+        raise SystemExit(f"{zip_file.name} could not be installed in Windows' Blender {version}:\n{said}")
     return env
+
+
+@one_at_a_time()
+def python_with_blender(version: str) -> Path:
+    """The Python for Windows that holds a Blender.
+
+    Blender 5.2 asks for a NumPy that Wine 8 cannot import; that of the tests of the bindings takes its place.
+    """
+    if version != NEWEST:
+        return wine.python(11, f"bpy-{version}")
+    python = wine.python(13, f"bpy-{version}")
+    theirs, own = (each.parent / "Lib" / "site-packages" for each in (wine.python(13), python))
+    about = next(theirs.glob("numpy-*.dist-info"))  # its name has the version
+    if not (own / about.name).is_dir():
+        for newer in own.glob("numpy*"):
+            shutil.rmtree(newer)
+        for older in theirs.glob("numpy*"):
+            shutil.copytree(older, own / older.name)
+    return python
