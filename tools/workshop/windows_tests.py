@@ -136,7 +136,7 @@ def blender(whole: bool, timeout: float) -> Outcome:
 
 
 def in_blender(version: str, tests: tuple[str, ...], timeout: float, further: dict[str, str]) -> Outcome:
-    """Runs these tests, or all, on the installed extension in a Blender that is a module of Windows' Python."""
+    """Runs these tests, or all, on the installed extension in a Blender for Windows, a Python module."""
     name = f"windows-blender-{version}"
     env = install_extension(version) | conditions(name) | further
     junit = new_junit(name)
@@ -172,8 +172,8 @@ def python_with_blender(version: str) -> Path:
     theirs, own = (each.parent / "Lib" / "site-packages" for each in (wine.python(13), python))
     about = next(theirs.glob("numpy-*.dist-info"))  # its name has the version
     if not (own / about.name).is_dir():
-        for newer in own.glob("numpy*"):
+        for newer in own.glob("numpy*/"):
             shutil.rmtree(newer)
-        for older in theirs.glob("numpy*"):
+        for older in theirs.glob("numpy*/"):
             shutil.copytree(older, own / older.name)
     return python
