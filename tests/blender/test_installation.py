@@ -86,6 +86,7 @@ def test_wrong_answers_of_the_module_are_shown(
 
 
 def test_no_place_for_the_report(reports: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(tempfile, "tempdir", str(reports / "nowhere"))
-    with pytest.raises(RuntimeError, match="cannot be written"):
-        bpy.ops.sinew.check_installation()
+    with monkeypatch.context() as patch:
+        patch.setattr(tempfile, "tempdir", str(reports / "nowhere"))
+        with pytest.raises(RuntimeError, match="cannot be written"):
+            bpy.ops.sinew.check_installation()
