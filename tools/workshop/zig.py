@@ -32,6 +32,7 @@ def system(name: str, title: str, target: str) -> System:
         # What a module shows of its templates, another library in the process may replace.
         "-DCMAKE_CXX_VISIBILITY_PRESET=hidden",
         "-DCMAKE_VISIBILITY_INLINES_HIDDEN=ON",
+        "-DCMAKE_POLICY_DEFAULT_CMP0063=NEW",  # in static libraries, too
         "-DTBB_ENABLE_IPO=OFF",  # objects of LLVM's own, which zig's linker for macOS does not read
     )
     return System(name, title, partial(make_tools, folder, target), settings, (REQUIREMENTS, Path(__file__)))
