@@ -65,11 +65,12 @@ class Handles:
     ``free_parts`` says what the parts do that no region touches: 'stay' or 'follow'.
     """
 
+    size: ClassVar[int] = 0  # for the registry: a surface method pays for its surface alone
+
     vertices: Sequence[np.ndarray]
     weights: Sequence[object]
     options: dict[str, Sequence[object]] = field(default_factory=dict)
     free_parts: str = "stay"
-    triangle_count: ClassVar[int] = 0  # of a cage
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without handles."""
@@ -101,7 +102,11 @@ class ControlPoints:
     """The points (c, 3) float64 of a control at rest, in the frame of the target, for a space method."""
 
     points: np.ndarray
-    triangle_count: ClassVar[int] = 0  # of a cage
+
+    @property
+    def size(self) -> int:
+        """How many points there are."""
+        return len(self.points)
 
     def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
         """The native method, still without bound points."""
@@ -169,7 +174,7 @@ class Cage(Shape):
     """The rest cage around a target, in the frame of the target."""
 
     @property
-    def triangle_count(self) -> int:
+    def size(self) -> int:
         """How many triangles the faces of the cage are cut into."""
         counts, corners = self.faces
         return len(corners) - 2 * len(counts)
@@ -222,10 +227,10 @@ def _naming_cage(native, cage: Any) -> Iterator[None]:
         raise CageError(str(error), elements, remedy) from error
 
 
-def _seconds(method: Method, points: int, faces: int, options: dict[str, object]) -> float:
+def _seconds(method: Method, points: int, size: int, options: dict[str, object]) -> float:
     bases = [value for value in options.values() if isinstance(value, Base)]
-    return method.bind_seconds(points, faces, options) + sum(
-        _seconds(base.method, points, faces, base.options) for base in bases
+    return method.bind_seconds(points, size, options) + sum(
+        _seconds(base.method, points, size, base.options) for base in bases
     )
 
 
@@ -244,7 +249,7 @@ class Recipe:
     @property
     def seconds(self) -> float:
         """About how long the bind takes, by the registry's rows; with that of a base method."""
-        return _seconds(self.method, len(self.target.points), self.control.triangle_count, self.options)
+        return _seconds(self.method, len(self.target.points), self.control.size, self.options)
 
     def native_class(self, native) -> type:
         """The class of the method in the native module."""

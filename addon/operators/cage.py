@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add a cage, set its rest shape, and turn its faces."""
 
+from collections.abc import Callable
+
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Object, Operator
 
@@ -8,20 +10,95 @@ from .. import session
 from ..core.errors import SinewError
 from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
-from ..properties import SinewDeformer
+from ..properties import SinewDeformer, deformers_of
 from .reporting import reports_errors
 from .target import has_deformer, has_target, object_mode, show_control, target_of
 from .waiting import BindingOperator
 
-_CANCELLED = "No cage was made"
+_FACES = {
+    "name": "Faces",
+    "default": 300,
+    "min": 12,
+    "max": 100_000,
+    "soft_max": 1000,
+    "description": "How many triangles the automatic cage has; fewer are easier to pose, more follow closer",
+}
 
 
-class SINEW_OT_cage_add(BindingOperator, Operator):
+class _MakesCage(BindingOperator):
+    """Base of operators that make an automatic cage. In a window, a thread makes it if that takes long.
+
+    ``run`` gets the shape that the thread has made, else it makes one.
+    """
+
+    CANCELLED = ""  # what is said after Esc
+
+    _work: session.Work | None = None
+    _target = ("", "")  # what the thread works for; another object or deformer may be active by now
+
+    def carry_out(self, context: Context, margin: float) -> set[str]:
+        """Make the cage, with this margin, while Blender stays responsive."""
+        if not session.may_wait(session.cage_seconds(margin)):
+            return self.watched(context, self.run(context, wait=False))
+        return self._begin(context)
+
+    @reports_errors
+    def _begin(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        active = obj.sinew.active
+        self._target = obj.name, "" if active is None else active.uid
+        self._work = session.Work(self.maker(obj, active))
+        self.begin(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: Context, event: Event) -> set[str]:
+        work = self._work
+        if work is None:
+            return super().modal(context, event)
+        if event.type == "ESC" and event.value == "PRESS":
+            self.cancel(context)
+            self.report({"WARNING"}, self.CANCELLED)
+            return {"CANCELLED"}
+        if not work.done:
+            context.workspace.status_text_set(
+                f"Sinew is making a cage: {work.fraction:.0%} {work.stage}   (Esc cancels)"
+            )
+            return {"PASS_THROUGH"}
+        self._work = None
+        self.end(context)
+        if work.error is not None:
+            self.report({"ERROR"}, str(work.error))
+            return {"CANCELLED"}
+        return self.watched(context, self.run(context, wait=False, shape=work.result))
+
+    def cancel(self, context: Context) -> None:
+        """Stop the thread: by Esc, or because Blender ends the operator."""
+        if self._work is not None:
+            self._work.cancel()
+            self._work = None
+            self.end(context)
+
+    def subject(self, context: Context) -> tuple[Object, SinewDeformer | None]:
+        """The object that gets the cage, and its deformer that was active when this began."""
+        (name, uid), self._target = self._target, ("", "")
+        if not name:
+            obj = target_of(context)
+            return obj, obj.sinew.active
+        obj = context.scene.objects.get(name)
+        rows = [] if obj is None else [row for row in deformers_of(obj) if row.uid == uid]
+        if obj is None or (uid and not rows):
+            raise SinewError(f"{name} or its deformer is gone - {self.CANCELLED.lower()}")
+        return obj, rows[0] if rows else None
+
+
+class SINEW_OT_cage_add(_MakesCage, Operator):
     """Let a closed mesh around this one move it. Edit, pose or animate the cage like any other mesh"""
 
     bl_idname = Operators.CAGE_ADD
     bl_label = "Add Cage"
     bl_options = {"REGISTER", "UNDO"}
+
+    CANCELLED = "No cage was made"
 
     source: EnumProperty(
         name="Source",
@@ -43,14 +120,7 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
         default=DEFAULT_CAGE_METHOD,
         description="How points follow the cage. It can be changed later, and the cage stays",
     )
-    faces: IntProperty(
-        name="Faces",
-        default=300,
-        min=12,
-        max=100_000,
-        soft_max=1000,
-        description="How many triangles the automatic cage has; fewer are easier to pose, more follow closer",
-    )
+    faces: IntProperty(**_FACES)
     margin: FloatProperty(
         name="Margin",
         default=1.0 / 60.0,
@@ -80,58 +150,30 @@ class SINEW_OT_cage_add(BindingOperator, Operator):
         return has_target(cls, context)
 
     def invoke(self, context: Context, event: Event) -> set[str]:
-        self._work = None
-        if self.source != "AUTO" or not session.may_wait(session.cage_seconds(self.margin)):
-            return super().invoke(context, event)
-        return self._begin(context)
-
-    @reports_errors
-    def _begin(self, context: Context) -> set[str]:
-        self._work = session.Work(self._maker(target_of(context)))
-        self.begin(context)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context: Context, event: Event) -> set[str]:
-        work = self._work
-        if work is None:
-            return super().modal(context, event)
-        if event.type == "ESC" and event.value == "PRESS":
-            work.cancel()
-            self.report({"WARNING"}, _CANCELLED)
-            self.end(context)
-            return {"CANCELLED"}
-        if not work.done:
-            context.workspace.status_text_set(
-                f"Sinew is making a cage: {work.fraction:.0%} {work.stage}   (Esc cancels)"
-            )
-            return {"PASS_THROUGH"}
-        self._work = None
-        self.end(context)
-        if work.error is not None:
-            self.report({"ERROR"}, str(work.error))
-            return {"CANCELLED"}
-        return self.watched(context, self.run(context, wait=False, shape=work.result))
+        return (
+            self.carry_out(context, self.margin) if self.source == "AUTO" else super().invoke(context, event)
+        )
 
     @reports_errors
     def run(self, context: Context, wait: bool, shape: tuple | None = None) -> set[str]:
-        """``shape`` is that of an automatic cage if a thread has made it already."""
-        obj = target_of(context)
+        obj, active = self.subject(context)
         more = ""
         with object_mode(context, obj):
             if self.source == "OBJECT":
                 cage = self._chosen(context, obj)
             else:
-                shape = shape or self._maker(obj)(None)
+                shape = shape or self.maker(obj, active)(None)
                 cage = session.add_cage_object(obj, shape)
                 more = shape[-1] and f", {shape[-1]}"
             deformer, refusal = session.rig_control(
                 obj, cage, self.method, owned=self.source == "AUTO", wait=wait
             )
-            _show(context, obj, cage)
+            if obj == target_of(context):
+                _show(context, obj, cage)
         self.report_bind(refusal, deformer.uid, cage.name, more)
         return {"FINISHED"}
 
-    def _maker(self, obj: Object):
+    def maker(self, obj: Object, _active: SinewDeformer | None) -> Callable:
         symmetry = "automatic" if self.symmetric else "none"
         return session.cage_maker(
             obj,
@@ -164,17 +206,22 @@ def _show(context: Context, obj: Object, cage: Object) -> None:
     show_control(context, obj, cage)
 
 
+def _has_cage(operator: type, context: Context) -> bool:
+    """For ``poll``: whether the active deformer has a cage."""
+    if not has_deformer(operator, context):
+        return False
+    if target_of(context).sinew.active.cage is None:
+        operator.poll_message_set("Add a cage first")
+        return False
+    return True
+
+
 class _CageOperator(BindingOperator):
     """Base of operators that change the cage of the active deformer and bind again."""
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
-        if target_of(context).sinew.active.cage is None:
-            cls.poll_message_set("Add a cage first")
-            return False
-        return True
+        return _has_cage(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -211,21 +258,22 @@ class SINEW_OT_cage_flip(_CageOperator, Operator):
         session.flip_cage(deformer)
 
 
-class SINEW_OT_cage_faces(_CageOperator, Operator):
+class SINEW_OT_cage_faces(_MakesCage, Operator):
     """Make the automatic cage anew, with more faces or fewer, as long as it is neither posed nor edited"""
 
     bl_idname = Operators.CAGE_FACES
     bl_label = "Change Faces"
     bl_options = {"REGISTER", "UNDO"}
 
-    faces: IntProperty(
-        name="Faces",
-        default=300,
-        min=12,
-        max=100_000,
-        soft_max=1000,
-        description="How many triangles the cage has from now on",
-    )
+    CANCELLED = "The cage stays as it was"
+
+    faces: IntProperty(**_FACES)
+
+    _is_confirmed = False  # whether the dialog was shown, which calls ``execute``
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return _has_cage(cls, context)
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         return self._ask(context)
@@ -236,16 +284,28 @@ class SINEW_OT_cage_faces(_CageOperator, Operator):
         session.check_cage(obj, obj.sinew.active)
         if not self.properties.is_property_set("faces"):
             self.faces = session.face_count(obj.sinew.active.cage)
+        self._is_confirmed = True
         return context.window_manager.invoke_props_dialog(self)
 
     @reports_errors
-    def run(self, context: Context, wait: bool) -> set[str]:
+    def execute(self, context: Context) -> set[str]:
+        if not self._is_confirmed:
+            return super().execute(context)
+        self._is_confirmed = False
         obj = target_of(context)
-        deformer = obj.sinew.active
-        options = session.check_cage(obj, deformer) | {"faces": self.faces}
-        shape = session.cage_maker(obj, deformer, **options)(None)
+        return self.carry_out(context, session.check_cage(obj, obj.sinew.active)["margin"])
+
+    @reports_errors
+    def run(self, context: Context, wait: bool, shape: tuple | None = None) -> set[str]:
+        obj, deformer = self.subject(context)
+        session.check_cage(obj, deformer)  # it may have been posed or edited meanwhile
+        shape = shape or self.maker(obj, deformer)(None)
         session.change_cage(obj, deformer, shape)
         refusal = session.try_bind(obj, deformer, wait)
         more = f", {shape[-1]}" if shape[-1] else ""
         self.report_bind(refusal, deformer.uid, deformer.cage.name, more)
         return {"FINISHED"}
+
+    def maker(self, obj: Object, deformer: SinewDeformer) -> Callable:
+        options = session.check_cage(obj, deformer) | {"faces": self.faces}
+        return session.cage_maker(obj, deformer, **options)

@@ -6,22 +6,20 @@ from functools import partial
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.props import FloatProperty, FloatVectorProperty, IntProperty
 from bpy.types import Context, Event, Object, Operator, SpaceView3D
 from bpy_extras import view3d_utils
 
 from .. import session
 from ..core.errors import SinewError
 from ..core.geometry import frames
-from ..core.transform.motion import Mode
-from ..core.transform.typed_motion import TypedMotion
 from ..ids import Operators
 from .dragging import Dragging
 from .handle import select_control
 from .modal.motion_properties import MOTION_KEYS, MotionProperties
 from .modal.ring import draw_line, ring
 from .modal.shell import Keys, ViewportTool
-from .modal.view import axes_of, length_text, typed_units, view_of
+from .modal.view import axes_of, length_text, view_of
 from .reporting import reports_errors
 
 _KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
@@ -41,6 +39,7 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # it begins with a press
 
     KEYS = _KEYS
+    LENGTHS = ("radius", "reach")
     running = False  # while the mouse drags, nothing else needs to be drawn at it
 
     origin: FloatVectorProperty(
@@ -81,10 +80,6 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
         soft_max=20.0,
         description="How many radii far the surface follows a new handle, unless other regions hold it",
     )
-    unlimited: BoolProperty(
-        name="Whole Surface",
-        description="Everything that is connected follows a new handle, except for what other regions hold",
-    )
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -110,13 +105,7 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
         self._keep(context, hit.obj, drag)
         return {"FINISHED"}
 
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        if context.area is None or context.area.type != "VIEW_3D":
-            return self.execute(context)
-        return self._begin(context, event)
-
-    @reports_errors
-    def _begin(self, context: Context, event: Event) -> set[str]:
+    def start(self, context: Context, event: Event) -> set[str]:
         self.origin, self.direction = _sight(context, event.mouse_x, event.mouse_y)
         hit = surface_under(context, event.mouse_x, event.mouse_y)
         if hit is None:
@@ -127,32 +116,12 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
             self.radius = self.pixels * view.pixel
         drag = self._drag(context, hit, wait=False)
         axes = axes_of(drag.frame)
-        typed = TypedMotion(
-            Mode(self.mode),
-            view,
-            axes,
-            (event.mouse_x, event.mouse_y),
-            context.space_data.overlay.grid_scale,
-            *typed_units(context.scene.unit_settings),
-        )
+        typed = self.typed_motion(context, event, view, axes)
         tool = Dragging(drag, typed, hit.place, axes)
         session.watch(drag.uid)
         SINEW_OT_drag.running = True
         shape = ring(hit.place, hit.normal, self.radius) if drag.is_new else None
         return self.begin(context, tool, hit.obj, partial(_draw_moved, tool, shape))
-
-    def draw(self, _context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        self.draw_motion(layout)
-        layout.separator()
-        layout.prop(self, "method")
-        layout.prop(self, "radius")
-        row = layout.row()
-        row.active = not self.unlimited
-        row.prop(self, "reach")
-        layout.prop(self, "unlimited")
 
     def worked_on(self, context: Context) -> Object | None:
         """The object that was met, as long as it is in the scene."""

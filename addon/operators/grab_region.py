@@ -5,19 +5,17 @@ import math
 from functools import partial
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty
+from bpy.props import FloatProperty
 from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
 from .. import session
 from ..core.methods import BY_ID
-from ..core.transform.motion import Mode
-from ..core.transform.typed_motion import TypedMotion
 from ..ids import Operators
 from .grabbing import Grabbing
 from .modal.motion_properties import MOTION_KEYS, MotionProperties
 from .modal.shell import Keys, ViewportTool
-from .modal.view import axes_of, length_text, pivot_of, typed_units, view_of
+from .modal.view import axes_of, length_text, pivot_of, view_of
 from .reporting import reports_errors
 
 _KEYS: Keys = (
@@ -41,6 +39,7 @@ class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
 
     KEYS = _KEYS
+    LENGTHS = ("radius",)
 
     radius: FloatProperty(
         name="Radius",
@@ -49,10 +48,6 @@ class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
         min=0.0,
         soft_min=0.001,
         description="How far from the selection, along the surface, vertices follow; the others stay",
-    )
-    unlimited: BoolProperty(
-        name="Whole Surface",
-        description="Everything that is connected to the selection follows, at any distance",
     )
 
     @classmethod
@@ -71,39 +66,14 @@ class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
         self._report_limits(obj, grab)
         return {"FINISHED"}
 
-    def invoke(self, context: Context, event: Event) -> set[str]:
-        if context.area is None or context.area.type != "VIEW_3D":
-            return self.execute(context)
-        return self._begin(context, event)
-
-    @reports_errors
-    def _begin(self, context: Context, event: Event) -> set[str]:
+    def start(self, context: Context, event: Event) -> set[str]:
         obj = context.edit_object
         grab = self._grab(context, obj)
         pivot, axes = pivot_of(context, grab.selection), axes_of(obj.matrix_world)
-        typed = TypedMotion(
-            Mode(self.mode),
-            view_of(context, pivot),
-            axes,
-            (event.mouse_x, event.mouse_y),
-            context.space_data.overlay.grid_scale,
-            *typed_units(context.scene.unit_settings),
-        )
+        typed = self.typed_motion(context, event, view_of(context, pivot), axes)
         tool = Grabbing(grab, typed, pivot, axes, math.inf if self.unlimited else self.radius)
         self._report_limits(obj, grab)
         return self.begin(context, tool, obj, partial(_draw_circle, tool))
-
-    def draw(self, _context: Context) -> None:
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        self.draw_motion(layout)
-        layout.separator()
-        layout.prop(self, "method")
-        row = layout.row()
-        row.active = not self.unlimited
-        row.prop(self, "radius")
-        layout.prop(self, "unlimited")
 
     def _grab(self, context: Context, obj: Object) -> session.Grab:
         return session.Grab(obj, self.choose_method(context))

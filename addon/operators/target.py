@@ -112,8 +112,8 @@ def handle_index(deformer: SinewDeformer, index: int) -> int:
 def object_mode(context: Context, obj: Object) -> Iterator[None]:
     """Leave Edit Mode, since objects can be changed in Object Mode only, and return to it afterwards."""
     mode = obj.mode
-    if mode != "EDIT":
-        yield
+    if mode != "EDIT" or context.object is None or context.object.mode != mode:
+        yield  # in Edit Mode beside an active object that is not: this would leave that of the other one
         return
     active, noted = context.view_layer.objects.active, entering.take(obj)
     bpy.ops.object.mode_set(mode="OBJECT")

@@ -78,7 +78,8 @@ class BindingOperator(WaitsForBind):
 
     def watched(self, context: Context, result: set[str]) -> set[str]:
         """Continue while a thread binds the active deformer; else return ``result``."""
-        deformer = target_of(context).sinew.active
+        obj = target_of(context)
+        deformer = None if obj is None else obj.sinew.active
         return result if deformer is None else self.wait_for(context, deformer.uid, result)
 
     def report_bind(self, refusal: SinewError | None, uid: str, subject: str, more: str = "") -> None:

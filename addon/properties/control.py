@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """An object that moves a deformer. Handles are not among them: they are regions and have their own list."""
 
+import bpy
 from bpy.props import BoolProperty, PointerProperty, StringProperty
 from bpy.types import Context, Mesh, Object, PropertyGroup
 
@@ -11,6 +12,12 @@ def _object_changed(control: "SinewControl", context: Context) -> None:
     """Forget the rest shape, since another object was chosen. The next bind stores its rest shape."""
     control.rest = None
     evaluate_again(control, context)
+
+
+def _is_missing(control: "SinewControl | StoredCage") -> bool:
+    """Whether the object was deleted, or removed from all scenes."""
+    obj = control.object
+    return obj is None or not any(obj.name in scene.objects for scene in bpy.data.scenes)
 
 
 class SinewControl(PropertyGroup):
@@ -33,6 +40,7 @@ class SinewControl(PropertyGroup):
     owned: record(
         BoolProperty, description="Whether the object was made for this deformer, and is removed with it"
     )
+    missing = property(_is_missing)
 
 
 class StoredCage:
@@ -51,6 +59,7 @@ class StoredCage:
     owned = property(
         lambda row: row.deformer.owns_cage, lambda row, owned: setattr(row.deformer, "owns_cage", owned)
     )
+    missing = property(_is_missing)
 
     def __init__(self, deformer: PropertyGroup) -> None:
         self.deformer = deformer

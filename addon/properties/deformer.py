@@ -3,7 +3,6 @@
 
 from collections.abc import Sequence
 
-import bpy
 from bpy.props import (
     BoolProperty,
     EnumProperty,
@@ -257,8 +256,7 @@ class SinewDeformer(PropertyGroup):
     @property
     def cage_missing(self) -> bool:
         """Whether the cage was deleted, or removed from all scenes."""
-        cage = self.cage
-        return cage is None or not any(cage.name in scene.objects for scene in bpy.data.scenes)
+        return StoredCage(self).missing
 
     @property
     def renders_differ(self) -> bool:

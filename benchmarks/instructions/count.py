@@ -28,6 +28,8 @@ SKIPPED = 77
 LOOPS = {
     "ThinShell.solve": ((("thin_shell",),), 1),
     "AffineBasis.solve, 4 handles": ((("affine_basis",),), 1),
+    "Riders.move, 196 parts": ((("riders",),), 1),
+    "Riders.move, 196 parts, incoming pose": ((("riders_incoming",),), 1),
     "Arap iteration": ((("arap", "5e-4", "12"), ("arap", "5e-4", "2")), 10),
     "Arap iteration, smoothness 0": ((("arap", "0", "12"), ("arap", "0", "2")), 10),
     "MeanValue.warp, 296 vertices": ((("mean_value",),), 1),
@@ -112,10 +114,10 @@ def compare(counts: dict[str, int], stored: dict[str, int]) -> tuple[list[str], 
     lines, grown = [], []
     for loop, now in counts.items():
         if loop not in stored:
-            lines.append(f"{loop:32}{now:>16,}  new")
+            lines.append(f"{loop:40}{now:>16,}  new")
             continue
         change = 100.0 * (now / stored[loop] - 1.0)
-        lines.append(f"{loop:32}{now:>16,}{change:>+9.2f} %")
+        lines.append(f"{loop:40}{now:>16,}{change:>+9.2f} %")
         if change > MOST_GROWTH and loop not in BINDS:
             grown.append(loop)
     return lines, grown

@@ -2,6 +2,7 @@
 // frames LOOP: runs one frame or bind of a method on a sheet of 10,000 vertices, within frame(). count.py
 // counts the instructions there. It uses one thread, so that every run gives the same count.
 #include "native/core/parallel.h"
+#include "native/riders/riders.h"
 #include "native/space/cage/green.h"
 #include "native/space/cage/mean_value.h"
 #include "native/surface/linear/responses/affine_basis.h"
@@ -98,6 +99,28 @@ SurfaceMesh box(int cells)
             std::vector<int>(corners.size() / 3, 3), corners};
 }
 
+/// The sheet with 14 x 14 small boxes of 26 vertices above it.
+SurfaceMesh sheet_with_boxes(const SurfaceMesh& under)
+{
+    constexpr int rows = 14;
+    const SurfaceMesh one = box(2);
+    const int n = under.vertex_count(), each = one.vertex_count();
+    Points points(n + rows * rows * each, 3);
+    points.topRows(n) = under.points();
+    std::vector<int> corners;
+    const auto add = [&](const SurfaceMesh& part, int first) {
+        for (const Triangle& t : part.triangles())
+            corners.insert(corners.end(), {first + t[0], first + t[1], first + t[2]});
+    };
+    add(under, 0);
+    for (int k = 0; k < rows * rows; ++k) {
+        const Eigen::RowVector3d place((k / rows + 0.5) / rows, (k % rows + 0.5) / rows, 0.06);
+        points.middleRows(n + each * k, each) = (0.03 * one.points()).rowwise() + place;
+        add(one, n + each * k);
+    }
+    return {points, std::vector<int>(corners.size() / 3, 3), corners};
+}
+
 /// Only the second call is counted, since the first starts oneTBB and allocates memory.
 void twice(const std::function<void()>& work)
 {
@@ -127,6 +150,20 @@ int main(int count, char** words)
         ThinShell shell(mesh);
         shell.set_handles({two[0], two[1], border(1, false), border(1, true)});
         twice([&] { shell.affine_basis()->solve(turned(4), out); });
+    } else if (!std::strncmp(loop, "riders", 6)) {
+        const SurfaceMesh dressed = sheet_with_boxes(mesh);
+        const Components parts = connected_components(dressed);
+        std::vector<bool> driven(parts.count, false);
+        driven[0] = true;
+        const Riders riders(dressed, parts, driven, {.follow = true});
+        Points incoming = dressed.points();
+        incoming.col(2).array() += 0.1 * incoming.col(0).array().square();
+        out = incoming;
+        out.col(0).array() += 0.2 * incoming.col(1).array().square();
+        if (std::strstr(loop, "_incoming"))
+            twice([&] { riders.move(view(incoming), out); });
+        else
+            twice([&] { riders.move({}, out); });
     } else if (!std::strncmp(loop, "mean_value", 10) || !std::strncmp(loop, "green", 5)) {
         const SurfaceMesh cage = box(7); // 296 vertices
         const Points pose = 1.1 * cage.points();
@@ -159,9 +196,9 @@ int main(int count, char** words)
         request.tolerance = 0.0;
         frame([&] { arap.solve(request, out); });
     } else {
-        std::fprintf(stderr,
-                     "frames about | thin_shell | affine_basis | arap SMOOTHNESS ITERATIONS | "
-                     "thin_shell_bind | arap_bind | mean_value | green | mean_value_bind | green_bind\n");
+        std::fprintf(stderr, "frames about | thin_shell | affine_basis | riders | riders_incoming | "
+                             "arap SMOOTHNESS ITERATIONS | thin_shell_bind | arap_bind | mean_value | green "
+                             "| mean_value_bind | green_bind\n");
         return 2;
     }
     return 0;

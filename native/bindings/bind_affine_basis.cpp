@@ -14,7 +14,8 @@ void bind_affine_basis(py::module_& module)
         .def(py::init([](const ThinShell& shell) {
                  const AccessLock shared = shell.reading();
                  const Points& rest = shell.rest().points();
-                 return AffineBasis(rest, shell.respond(AffineBasis::columns(rest, shell.regions())));
+                 const Regions& regions = shell.regions();
+                 return AffineBasis(rest, shell.respond(AffineBasis::columns(rest, regions)), regions);
              }),
              py::arg("thin_shell"), py::call_guard<py::gil_scoped_release>(),
              "thin_shell  a ThinShell with handles. Cost: one solve of 4k columns.")

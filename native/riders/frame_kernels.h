@@ -3,6 +3,8 @@
 
 namespace sinew {
 
+constexpr int most_slots = 24; ///< of a patch
+
 /// A triangle of each of four patches; one number of four belongs to each patch.
 struct FrameSlot
 {
@@ -50,7 +52,7 @@ struct LooseSlot
 /// order and fuses none, so results agree to the last bit. Points are (n, 3) numbers, row by row.
 struct FrameKernels
 {
-    /// Measures four patches at rest, of `count` slots each. \param[out] C  (9, 4) C_rest, row by row.
+    /// Measures four patches at rest, of 1 to 24 slots each. \param[out] C  (9, 4) C_rest, row by row.
     /// \return bit k: whether C_rest of patch k is far enough from singular for the inverse in `rests`.
     int (*measure)(const FrameSlot* slots, int count, const double* points, FrameArms* arms, FourRests& rests,
                    double* C);
@@ -60,6 +62,8 @@ struct FrameKernels
                const double* points, FourMotions& motions, double* C);
     /// Maps some vertices.
     void (*carry)(const FrameMap& map, const int* vertices, int count, const double* from, double* to);
+    /// Maps points one after the other.
+    void (*carry_row)(const FrameMap& map, int count, const double* from, double* to);
     /// Maps some vertices by sums of maps. Those of vertex i are [offsets[i], offsets[i + 1]).
     void (*bend)(const FrameMap* maps, const int* offsets, const int* frames, const double* shares,
                  const int* vertices, int count, const double* from, double* to);

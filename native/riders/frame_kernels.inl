@@ -40,11 +40,10 @@ inline void set_rows(double (&to)[3][4], const Three& a)
 /// Points of four patches.
 inline Three gather(const double* points, const int* vertices)
 {
-    const double* const a = points + 3 * static_cast<std::ptrdiff_t>(vertices[0]);
-    const double* const b = points + 3 * static_cast<std::ptrdiff_t>(vertices[1]);
-    const double* const c = points + 3 * static_cast<std::ptrdiff_t>(vertices[2]);
-    const double* const d = points + 3 * static_cast<std::ptrdiff_t>(vertices[3]);
-    return {L{a[0], b[0], c[0], d[0]}, L{a[1], b[1], c[1], d[1]}, L{a[2], b[2], c[2], d[2]}};
+    const auto row = [&](int k) { return points + 3 * static_cast<std::ptrdiff_t>(vertices[k]); };
+    Three three;
+    load_columns(row(0), row(1), row(2), row(3), three.x, three.y, three.z);
+    return three;
 }
 
 /// 1 / sqrt(2 A) from (2 A)^2, and 0 without an area.
@@ -81,22 +80,26 @@ inline void add_product(L* C, const Three& a, const Three& b)
     }
 }
 
-/// C and the anchors of four patches.
-inline Three gather_products(const FrameSlot* slots, const FrameArms* arms, int count, const double* points,
-                             L* C)
+/// C and the anchors of four patches, the latter less a point.
+struct Sums
 {
-    const Three from = gather(points, slots[0].corners[0]);
-    for (int k = 0; k < 9; ++k)
-        C[k] = constant(0.0);
-    Three anchor = from - from;
-    for (int i = 0; i < count; ++i) {
-        const Measure t(slots[i], points, from);
-        anchor = anchor + t.centre * load(slots[i].anchors);
-        add_product(C, t.centre, rows_of(arms[i].arms));
-        add_product(C, t.normal * inverse_root(t.square), rows_of(arms[i].normals));
+    L C[9];
+    Three anchor{constant(0.0), constant(0.0), constant(0.0)};
+
+    Sums()
+    {
+        for (L& entry : C)
+            entry = constant(0.0);
     }
-    return from + anchor;
-}
+    /// \param normal  of the length sqrt(2 A).
+    void add(const FrameSlot& slot, const Three& centre, const Three& normal, const Three& arm,
+             const Three& rest_normal)
+    {
+        anchor = anchor + centre * load(slot.anchors);
+        add_product(C, centre, arm);
+        add_product(C, normal, rest_normal);
+    }
+};
 
 inline L determinant(const L* m, Three& first_cofactors)
 {
@@ -109,26 +112,30 @@ int measure(const FrameSlot* slots, int count, const double* points, FrameArms* 
 {
     const Three from = gather(points, slots[0].corners[0]);
     const L zero = constant(0.0), one = constant(1.0);
-    Three mean{zero, zero, zero};
+    Three mean{zero, zero, zero}, centres[sinew::most_slots], normals[sinew::most_slots];
     for (int i = 0; i < count; ++i) {
         const Measure t(slots[i], points, from);
         const L w = load(slots[i].weights), narrow = inverse_root(t.square);
         mean = mean + t.centre * w;
-        set_rows(arms[i].arms, t.centre);
+        centres[i] = t.centre;
+        normals[i] = t.normal * narrow;
         set_rows(arms[i].normals, t.normal * (constant(0.5) * w * (narrow * narrow) * narrow));
     }
     L spread = zero;
     for (int i = 0; i < count; ++i) {
-        const Three arm = rows_of(arms[i].arms) - mean;
+        const Three arm = centres[i] - mean;
         set_rows(arms[i].arms, arm);
         spread = spread + load(slots[i].weights) * dot(arm, arm);
     }
     const L share = choose(above(spread, constant(no_area)), one / larger(spread, constant(no_area)), zero);
-    for (int i = 0; i < count; ++i)
-        set_rows(arms[i].arms, rows_of(arms[i].arms) * (load(slots[i].weights) * share));
-
-    L c[9];
-    set_rows(rests.anchors, gather_products(slots, arms, count, points, c));
+    Sums sums;
+    for (int i = 0; i < count; ++i) {
+        const Three arm = rows_of(arms[i].arms) * (load(slots[i].weights) * share);
+        set_rows(arms[i].arms, arm);
+        sums.add(slots[i], centres[i], normals[i], arm, rows_of(arms[i].normals));
+    }
+    set_rows(rests.anchors, from + sums.anchor);
+    const L* const c = sums.C;
     Three first;
     const L det = determinant(c, first), trace = c[0] + c[4] + c[8];
     const auto safe = above(det, constant(1e-4) * trace * trace * trace) & above(trace, constant(0.1));
@@ -186,8 +193,16 @@ inline L scale_of(const L* G)
 int fit(const FrameSlot* slots, const FrameArms* arms, int count, const FourRests& rests,
         const double* points, FourMotions& motions, double* C)
 {
-    L c[9], other[9];
-    set_rows(motions.anchors, gather_products(slots, arms, count, points, c));
+    const Three from = gather(points, slots[0].corners[0]);
+    Sums sums;
+    for (int i = 0; i < count; ++i) {
+        const Measure t(slots[i], points, from);
+        sums.add(slots[i], t.centre, t.normal * inverse_root(t.square), rows_of(arms[i].arms),
+                 rows_of(arms[i].normals));
+    }
+    set_rows(motions.anchors, from + sums.anchor);
+    const L* const c = sums.C;
+    L other[9];
     for (int r = 0; r < 3; ++r)
         for (int k = 0; k < 3; ++k)
             other[3 * r + k] = c[3 * r] * load(rests.inverse[k]) + c[3 * r + 1] * load(rests.inverse[3 + k]) +
@@ -228,6 +243,16 @@ void carry(const FrameMap& map, const int* vertices, int count, const double* fr
         const std::ptrdiff_t at = 3 * static_cast<std::ptrdiff_t>(vertices[i]);
         store_point(to + at, carried(columns, from + at));
     }
+}
+
+void carry_row(const FrameMap& map, int count, const double* from, double* to)
+{
+    const L columns[4] = {load(map.columns[0]), load(map.columns[1]), load(map.columns[2]),
+                          load(map.columns[3])};
+    for (; count > 1; --count, from += 3, to += 3)
+        store(to, carried(columns, from)); // the fourth number gives way to the next point
+    if (count > 0)
+        store_point(to, carried(columns, from));
 }
 
 void bend(const FrameMap* maps, const int* offsets, const int* frames, const double* shares,
@@ -291,5 +316,5 @@ void ride(const LooseSlot* slots, int count, const double* from, double* to)
 
 } // namespace
 
-const sinew::FrameKernels sinew::FrameKernels::SINEW_INSTRUCTIONS{::measure, ::fit,   ::carry,
+const sinew::FrameKernels sinew::FrameKernels::SINEW_INSTRUCTIONS{::measure, ::fit,   ::carry, ::carry_row,
                                                                   ::bend,    ::place, ::ride};

@@ -6,6 +6,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <array>
+
 namespace sinew {
 
 namespace {
@@ -80,23 +82,41 @@ void MovingFrames::resize(FrameRests& rests) const
 
 void MovingFrames::measure(int four, const PointsView& points, FrameRests& rests) const
 {
+    measure(four, points, &rests.arms[firsts_[four]], rests.fours[four]);
+}
+
+void MovingFrames::measure(int four, const PointsView& points, FrameArms* arms, FourRests& rests) const
+{
     const int first = firsts_[four];
     double C[36];
-    const int safe = widest_kernels<FrameKernels>().measure(
-        &slots_[first], firsts_[four + 1] - first, points.data(), &rests.arms[first], rests.fours[four], C);
+    const int safe = widest_kernels<FrameKernels>().measure(&slots_[first], firsts_[four + 1] - first,
+                                                            points.data(), arms, rests, C);
     for (int lane = 0; lane < 4; ++lane)
         if (!(safe >> lane & 1))
-            set_matrix(rests.fours[four].inverse, lane, inverse_of(matrix_of(C, lane)));
+            set_matrix(rests.inverse, lane, inverse_of(matrix_of(C, lane)));
 }
 
 FourMotions MovingFrames::fit(int four, const FrameRests& rests, const PointsView& points) const
 {
+    return fit(four, &rests.arms[firsts_[four]], rests.fours[four], points);
+}
+
+FourMotions MovingFrames::fit(int four, const PointsView& before, const PointsView& after,
+                              FourRests& rests) const
+{
+    std::array<FrameArms, most_slots> arms;
+    measure(four, before, arms.data(), rests);
+    return fit(four, arms.data(), rests, after);
+}
+
+FourMotions MovingFrames::fit(int four, const FrameArms* arms, const FourRests& rests,
+                              const PointsView& points) const
+{
     const int first = firsts_[four];
     FourMotions motions;
     double C[36];
-    const int safe =
-        widest_kernels<FrameKernels>().fit(&slots_[first], &rests.arms[first], firsts_[four + 1] - first,
-                                           rests.fours[four], points.data(), motions, C);
+    const int safe = widest_kernels<FrameKernels>().fit(&slots_[first], arms, firsts_[four + 1] - first,
+                                                        rests, points.data(), motions, C);
     for (int lane = 0; lane < 4; ++lane)
         if (!(safe >> lane & 1))
             set_matrix(motions.rotations, lane, fit_rotation_svd(matrix_of(C, lane)));

@@ -36,7 +36,7 @@ struct FrameRests
 class MovingFrames
 {
 public:
-    static constexpr int most_triangles = 24; ///< of a patch
+    static constexpr int most_triangles = most_slots; ///< of a patch
 
     /// \param triangles  1 to 24 of the surface.
     /// \param weights    w, and
@@ -53,8 +53,13 @@ public:
     void measure(int four, const PointsView& points, FrameRests& rests) const;
     /// Fits four frames to these points.
     FourMotions fit(int four, const FrameRests& rests, const PointsView& points) const;
+    /// Both at once: from the points `before` to those `after`.
+    FourMotions fit(int four, const PointsView& before, const PointsView& after, FourRests& rests) const;
 
 private:
+    void measure(int four, const PointsView& points, FrameArms* arms, FourRests& rests) const;
+    FourMotions fit(int four, const FrameArms* arms, const FourRests& rests, const PointsView& points) const;
+
     int size_ = 0;
     AlignedVector<FrameSlot> slots_;
     std::vector<int> firsts_{0}; ///< slots of each four, and the number of all

@@ -72,6 +72,7 @@ struct Rider
 {
     int first_frame, frame_count;
     int first_point;
+    bool is_row; ///< its vertices are numbered one after the other
 };
 
 /// One of four frames as a map, from where it sat to where it went.
@@ -107,7 +108,7 @@ FrameMap map_of(const Matrix3& A, const Vector3& from, const Vector3& to)
 /// Kept from frame to frame, so that a frame allocates nothing.
 struct Scratch
 {
-    FrameRests rests; ///< of an incoming shape
+    AlignedVector<FourRests> rests; ///< of an incoming shape
     std::vector<FourMotions> motions;
     AlignedVector<FrameMap> maps;
 };
@@ -133,7 +134,7 @@ struct Riders::Level
     /// Where the frames of a part that bends sit.
     void find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const;
     /// Makes the maps of a part that bends.
-    void smooth(std::size_t number, const PointsView& base, const FrameRests& base_rests,
+    void smooth(std::size_t number, const PointsView& base, const AlignedVector<FourRests>& base_rests,
                 Scratch& scratch) const;
     /// Writes the points [begin, end).
     void carry(int begin, int end, const PointsView& base, const Scratch& scratch, Points& positions) const;
@@ -153,7 +154,9 @@ void Riders::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_
         bending.push_back(static_cast<int>(riders.size()));
         smoothing.push_back(std::move(frame_smoothing));
     }
-    riders.push_back({first_frame, frame_count, static_cast<int>(points.size())});
+    const bool is_row =
+        vertices.back() - vertices.front() + 1 == static_cast<int>(vertices.size()); // they rise
+    riders.push_back({first_frame, frame_count, static_cast<int>(points.size()), is_row});
     for (std::size_t v = 0; v < vertices.size(); ++v) {
         points.push_back(vertices[v]);
         for (int k = 0; frame_count > 1 && k < frame_count; ++k)
@@ -167,7 +170,7 @@ void Riders::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_
 
 void Riders::Level::find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const
 {
-    const auto& [first_frame, frame_count, first_point] = riders[rider];
+    const auto& [first_frame, frame_count, first_point, is_row] = riders[rider];
     const Vector3 from = base.row(points[first_point]).transpose();
     std::array<double, most_frames> sums{};
     for (int k = 0; k < frame_count; ++k)
@@ -184,8 +187,8 @@ void Riders::Level::find_origins(std::size_t rider, const PointsView& base, Vect
         origins[k] = sums[k] > 0.0 ? Vector3(from + origins[k] / sums[k]) : from;
 }
 
-void Riders::Level::smooth(std::size_t number, const PointsView& base, const FrameRests& base_rests,
-                           Scratch& scratch) const
+void Riders::Level::smooth(std::size_t number, const PointsView& base,
+                           const AlignedVector<FourRests>& base_rests, Scratch& scratch) const
 {
     const std::size_t part = bending[number];
     const Rider& rider = riders[part];
@@ -196,7 +199,7 @@ void Riders::Level::smooth(std::size_t number, const PointsView& base, const Fra
     find_origins(part, base, origins.data());
     for (int u = 0; u < rider.frame_count; ++u) {
         const int frame = rider.first_frame + u;
-        const Motion motion(scratch.motions[frame / 4], base_rests.fours[frame / 4], frame % 4);
+        const Motion motion(scratch.motions[frame / 4], base_rests[frame / 4], frame % 4);
         rotations[u] = motion.rotation;
         logs[u] = std::log(motion.scale);
         places[u] = motion.to + motion.scale * (motion.rotation * (origins[u] - motion.from)).eval();
@@ -225,7 +228,11 @@ void Riders::Level::carry(int begin, int end, const PointsView& base, const Scra
     for (std::size_t r = after - riders.begin() - 1; begin < end; ++r) {
         const Rider& rider = riders[r];
         const int stop = std::min(end, end_point(r));
-        if (rider.frame_count == 1)
+        const std::ptrdiff_t first = 3 * static_cast<std::ptrdiff_t>(points[begin]);
+        if (rider.frame_count == 1 && rider.is_row)
+            kernels.carry_row(scratch.maps[rider.first_frame], stop - begin, base.data() + first,
+                              positions.data() + first);
+        else if (rider.frame_count == 1)
             kernels.carry(scratch.maps[rider.first_frame], &points[begin], stop - begin, base.data(),
                           positions.data());
         else
@@ -330,20 +337,19 @@ void Riders::move(const std::optional<PointsView>& incoming, Points& positions) 
     const PointsView base = incoming ? *incoming : view(rest_);
     for (const Level& level : levels_) {
         const MovingFrames& frames = level.frames;
-        const FrameRests& rests = incoming ? scratch.rests : level.rests;
+        const AlignedVector<FourRests>& rests = incoming ? scratch.rests : level.rests.fours;
         if (incoming)
-            frames.resize(scratch.rests);
+            scratch.rests.resize(frames.four_count());
         scratch.motions.resize(frames.four_count());
         scratch.maps.resize(4 * scratch.motions.size());
         const PointsView deformed = view(positions);
         parallel_for(
             frames.four_count(),
             [&](int four) {
-                if (incoming)
-                    frames.measure(four, base, scratch.rests);
-                scratch.motions[four] = frames.fit(four, rests, deformed);
+                scratch.motions[four] = incoming ? frames.fit(four, base, deformed, scratch.rests[four])
+                                                 : frames.fit(four, level.rests, deformed);
                 for (int lane = 0; lane < 4; ++lane) {
-                    const Motion motion(scratch.motions[four], rests.fours[four], lane);
+                    const Motion motion(scratch.motions[four], rests[four], lane);
                     scratch.maps[4 * four + lane] =
                         map_of(motion.scale * motion.rotation, motion.from, motion.to);
                 }

@@ -2,11 +2,16 @@
 #include "native/riders/seat.h"
 
 #include "native/core/parallel.h"
+#include "native/mesh/box_tree.h"
 #include "native/riders/sampling.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <mutex>
+#include <optional>
+#include <span>
 
 namespace sinew {
 
@@ -15,7 +20,8 @@ namespace {
 constexpr int judging_samples = 96;
 constexpr int samples_of_small = 100, samples_of_large = 400;
 
-double median(std::vector<double> values)
+/// \param values  are put into another order.
+double median(std::span<double> values)
 {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::ranges::nth_element(values, middle);
@@ -53,33 +59,22 @@ struct DrivenSurface
     }
 };
 
-/// How far a sample is from what lies beneath it.
-double gap(const Part& part, const Seat& seat, std::size_t sample)
-{
-    return (part.points[seat.samples[sample]] - seat.beneath[sample].point).norm();
-}
-
-/// A part near a rider that is larger, and a lower bound of its median distance.
-struct Candidate
-{
-    double least;
-    int part;
-};
-
 class Seating
 {
 public:
     Seating(const std::vector<Part>& parts, const std::vector<bool>& driven, double length,
             HostSurfaces& surfaces)
-        : parts_(parts), driven_(driven), length_(length), surfaces_(surfaces)
+        : parts_(parts), driven_(driven), length_(length), surfaces_(surfaces), made_(parts.size())
     {
         for (int p = 0; p < static_cast<int>(parts.size()); ++p)
             if (!driven[p])
-                seats_.push_back({p, -1, {}, {}});
+                seats_.push_back({p, -1, 0, {}, {}});
         std::ranges::stable_sort(seats_, std::ranges::greater(),
                                  [&](const Seat& seat) { return parts[seat.part].area; });
-        halves_.resize(seats_.size());
-        candidates_.resize(seats_.size());
+        std::vector<BoxTree::Box> boxes;
+        for (const Seat& seat : seats_)
+            boxes.push_back(parts[seat.part].box);
+        boxes_.emplace(boxes);
     }
 
     std::vector<Seat> run(const Progress& progress)
@@ -88,22 +83,15 @@ public:
         if (ground.hosts.empty() || ground.tree->empty())
             return {};
         progress.tick(0.0, "finding what lies beneath free parts");
-        each([&](int i) { put_on(ground, i); });
+        std::vector<double> halves(seats_.size());
+        each([&](int i) { halves[i] = put_on(ground, i); });
         progress.tick(0.0, "finding what free parts ride on");
-        each([&](int i) { list_candidates(i); });
-        prepare([&](int i, std::vector<char>& needed) {
-            for (const Candidate& candidate : candidates_[i])
-                needed[candidate.part] = 1;
-        });
-        each([&](int i) { move_to_candidate(i); });
-        prepare(
-            [&](int i, std::vector<char>& needed) { needed[seats_[i].host] |= seats_[i].beneath.empty(); });
         each([&](int i) {
+            move_to_larger(i, halves[i]);
             Seat& seat = seats_[i];
             if (seat.beneath.empty())
                 for (int v : seat.samples)
-                    seat.beneath.push_back(
-                        surfaces_[seat.host]->tree().closest_place(parts_[seat.part].points[v]));
+                    seat.beneath.push_back(tree_of(seat.host).closest_place(parts_[seat.part].points[v]));
         });
         return std::move(seats_);
     }
@@ -115,27 +103,18 @@ private:
         parallel_for(static_cast<int>(seats_.size()), body, 8);
     }
 
-    /// Makes the trees of the parts that `mark(seat, needed)` marks.
-    template <class Mark>
-    void prepare(Mark&& mark)
+    const TriangleTree& tree_of(int part)
     {
-        std::vector<char> needed(parts_.size(), 0);
-        for (int i = 0; i < static_cast<int>(seats_.size()); ++i)
-            mark(i, needed);
-        parallel_for(
-            static_cast<int>(parts_.size()),
-            [&](int p) {
-                if (!needed[p])
-                    return;
-                if (!surfaces_[p])
-                    surfaces_[p] = std::make_unique<HostSurface>(parts_[p]);
-                surfaces_[p]->prepare_tree();
-            },
-            1);
+        std::call_once(made_[part], [&] {
+            if (!surfaces_[part])
+                surfaces_[part] = std::make_unique<HostSurface>(parts_[part]);
+            surfaces_[part]->prepare_tree();
+        });
+        return surfaces_[part]->tree();
     }
 
-    /// Seats a part on the driven one that is nearest.
-    void put_on(const DrivenSurface& ground, int i)
+    /// Seats a part on the driven one that is nearest. \return half the median distance from the driven ones.
+    double put_on(const DrivenSurface& ground, int i)
     {
         Seat& seat = seats_[i];
         const Part& part = parts_[seat.part];
@@ -143,13 +122,13 @@ private:
             part.points, part.extent() > length_ ? samples_of_large : samples_of_small, part.centre());
         for (int v : seat.samples)
             seat.beneath.push_back(ground.tree->closest_place(part.points[v]));
-        std::vector<double> gaps;
-        for (std::size_t s = 0; s < std::min<std::size_t>(seat.samples.size(), judging_samples); ++s)
-            gaps.push_back(gap(part, seat, s));
-        const auto nearest = std::ranges::min_element(gaps) - gaps.begin();
+        std::array<double, judging_samples> gaps;
+        const std::span<double> judged = gaps_of(i, gaps, [&](std::size_t s, const Vector3& point) {
+            return (point - seat.beneath[s].point).norm();
+        });
+        const auto nearest = std::ranges::min_element(judged) - judged.begin();
         const std::size_t owner = ground.owner(seat.beneath[nearest].triangle);
         seat.host = ground.hosts[owner];
-        halves_[i] = median(gaps) / 2;
         for (TriangleTree::Place& place : seat.beneath) {
             if (ground.owner(place.triangle) != owner) {
                 seat.beneath.clear(); // another driven part was nearer there: to be asked again
@@ -157,61 +136,66 @@ private:
             }
             place.triangle -= ground.firsts[owner];
         }
+        return median(judged) / 2;
     }
 
-    void list_candidates(int i)
-    {
-        const Part& part = parts_[seats_[i].part];
-        Eigen::AlignedBox3d around = part.box;
-        around.min().array() -= halves_[i];
-        around.max().array() += halves_[i];
-        for (const Seat& other : seats_) { // by falling area
-            const Part& larger = parts_[other.part];
-            if (larger.area <= 1.0001 * part.area || larger.area == 0.0)
-                break;
-            if (!larger.box.intersects(around))
-                continue;
-            std::vector<double> gaps;
-            for (std::size_t s = 0; s < judged(i); ++s)
-                gaps.push_back(larger.box.exteriorDistance(part.points[seats_[i].samples[s]]));
-            if (const double least = median(gaps); least < halves_[i])
-                candidates_[i].push_back({least, other.part});
-        }
-        std::ranges::stable_sort(candidates_[i], {}, &Candidate::least);
-    }
-
-    void move_to_candidate(int i)
+    /// Seats a part on the larger one whose median distance is the least, if that is below `half`. Lower
+    /// bounds are the median distance from its box, and the distance of the part's box from one around
+    /// several.
+    void move_to_larger(int i, double half)
     {
         Seat& seat = seats_[i];
-        double best = halves_[i];
-        for (const Candidate& candidate : candidates_[i]) {
-            if (candidate.least >= best)
-                break;
-            std::vector<double> gaps;
-            for (std::size_t s = 0; s < judged(i); ++s) {
-                const Vector3& point = parts_[seat.part].points[seat.samples[s]];
-                gaps.push_back((surfaces_[candidate.part]->tree().closest(point) - point).norm());
-            }
-            if (const double found = median(gaps); found < best) {
+        const Part& part = parts_[seat.part];
+        BoxTree::Box around = part.box;
+        around.min().array() -= half;
+        around.max().array() += half;
+        const auto end = std::ranges::partition_point(seats_, [&](const Seat& other) { // by falling area
+            const double area = parts_[other.part].area;
+            return area > 1.0001 * part.area && area > 0.0;
+        });
+        double best = half;
+        std::array<double, judging_samples> gaps;
+        const auto bound = [&](const BoxTree::Box& box, bool is_single) {
+            ++seat.looks;
+            if (!is_single)
+                return box.exteriorDistance(part.box);
+            if (!box.intersects(around))
+                return std::numeric_limits<double>::infinity();
+            return median(gaps_of(
+                i, gaps, [&](std::size_t, const Vector3& point) { return box.exteriorDistance(point); }));
+        };
+        boxes_->visit_by_bound(static_cast<int>(end - seats_.begin()), half, bound, [&](int other) {
+            const int larger = seats_[other].part;
+            const double found = median(gaps_of(i, gaps, [&](std::size_t, const Vector3& point) {
+                return (tree_of(larger).closest(point) - point).norm();
+            }));
+            if (found < best) {
                 best = found;
-                seat.host = candidate.part;
+                seat.host = larger;
                 seat.beneath.clear();
             }
-        }
+            return best;
+        });
     }
 
-    std::size_t judged(int i) const
+    /// What gap(sample, point) says of the samples by which a part is judged.
+    template <class Gap>
+    std::span<double> gaps_of(int i, std::array<double, judging_samples>& gaps, Gap&& gap) const
     {
-        return std::min<std::size_t>(seats_[i].samples.size(), judging_samples);
+        const Seat& seat = seats_[i];
+        const std::size_t count = std::min<std::size_t>(seat.samples.size(), judging_samples);
+        for (std::size_t s = 0; s < count; ++s)
+            gaps[s] = gap(s, parts_[seat.part].points[seat.samples[s]]);
+        return {gaps.data(), count};
     }
 
     const std::vector<Part>& parts_;
     const std::vector<bool>& driven_;
     double length_;
     HostSurfaces& surfaces_;
+    std::vector<std::once_flag> made_; ///< the trees of the parts
     std::vector<Seat> seats_;
-    std::vector<double> halves_; ///< half the median distance from the driven parts
-    std::vector<std::vector<Candidate>> candidates_;
+    std::optional<BoxTree> boxes_; ///< one per seat
 };
 
 } // namespace

@@ -15,6 +15,7 @@ struct Seat
 {
     int part;
     int host;
+    int looks; ///< how many parts, or boxes around several, were looked at for it
     std::vector<int> samples; ///< some vertices of the part, the first ones farthest from each other
     std::vector<TriangleTree::Place> beneath; ///< the closest point of each; triangles of the HostSurface
 };
@@ -25,8 +26,8 @@ using HostSurfaces = std::vector<std::unique_ptr<HostSurface>>;
 /// Seats all parts that are not driven, hosts before their riders. A part rides on the driven part that one
 /// of its samples is nearest to, unless the median distance of its samples from a larger part is below half
 /// that from the driven ones: then on the nearest such part. So an iris rides on the eye, not on the lid it
-/// touches. Empty where no driven part has an area. Cost: up to 400 closest points per part, and 96 for each
-/// larger part near it.
+/// touches. Empty where no driven part has an area. Cost: up to 400 closest points per part, 96 for each
+/// larger part that may be nearer than the host, and O(log n) looks at boxes around these.
 /// \param driven    one per part.
 /// \param length    parts of at most this extent get at most 100 samples.
 /// \param surfaces  gets the surfaces that the seats use.

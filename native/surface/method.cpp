@@ -2,6 +2,7 @@
 #include "native/surface/method.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 
 #include <algorithm>
 #include <chrono>
@@ -121,6 +122,12 @@ bool SurfaceMethod::can_reuse(const SurfaceMethod& former) const
     return compare(former).reusable;
 }
 
+std::vector<std::string> SurfaceMethod::differences(const SurfaceMethod& former) const
+{
+    const AccessLock both(AccessLock::reading, access_, former.access_);
+    return compare(former).changed;
+}
+
 BindReport SurfaceMethod::rebind(SurfaceMethod& former, const std::vector<Handle>& handles,
                                  const Progress& progress, const FreeParts& free_parts)
 {
@@ -194,7 +201,7 @@ void SurfaceMethod::require_same_size(const PointsView& points, const char* name
     if (points.rows() != rest_->vertex_count())
         throw InvalidConstraint(std::string(name) + ": " + std::to_string(points.rows()) +
                                 " points given for a rest shape of " + std::to_string(rest_->vertex_count()));
-    if (!points.allFinite())
+    if (!all_finite(points))
         throw InvalidConstraint(std::string(name) + ": NaN or infinite coordinates");
 }
 

@@ -71,6 +71,10 @@ public:
     /// same rest shape, and only options differ that the method can update.
     bool can_reuse(const SurfaceMethod& former) const;
 
+    /// Names of what differs from `former` and changes the result of a bind, beside the handles: "method",
+    /// "rest shape", or options; empty for nothing. A method around another one asks its base.
+    std::vector<std::string> differences(const SurfaceMethod& former) const;
+
     /// \param[out] positions  (n, 3) deformed points; before set_handles(), the incoming shape.
     /// \throw InvalidConstraint  see Targets::check; or `start` has another size or is not finite.
     /// \throw InvalidOption      max_iterations < 0 or tolerance < 0.
@@ -96,10 +100,12 @@ protected:
     /// Factorises for these regions and completes the report. Must leave the object as it was if it throws.
     /// The element of a FactorizationFailed is a vertex.
     virtual void bind(const Regions& regions, BindReport& report, const Progress& progress) = 0;
-    /// Computes the deformed points after bind().
+    /// Computes the deformed points after bind(); those of idle parts may be left out where they ride.
     /// \param targets  the targets of the request, which have been checked.
     virtual SolveReport deform(const SolveRequest& request, const Targets& targets,
                                Points& positions) const = 0;
+    /// Whether the vertices of parts that no handle touches get their places after deform().
+    bool idle_parts_ride() const { return !riders_->rides().empty(); }
     /// Names of the options that change the result of bind() and differ from those of `former`, an object of
     /// the same class.
     virtual std::vector<std::string> changed_options(const SurfaceMethod& former) const = 0;

@@ -5,10 +5,11 @@ import dataclasses
 
 import numpy as np
 import pytest
+from rows import ON_SURFACE, base_option
 
 from sinew.core import errors, memory, status
 from sinew.core.elements import Elements, Owner
-from sinew.core.methods import BY_ID, METHODS, Control
+from sinew.core.methods import BY_ID
 from sinew.core.status import Level, Status
 
 
@@ -61,7 +62,7 @@ def build(backend, method_id: str = "thin_shell", **changes):
     recipe = backend.Recipe(
         BY_ID[method_id],
         backend.Shape(arguments["points"], arguments["faces"]),
-        arguments["options"],
+        base_option(backend, BY_ID[method_id]) | arguments["options"],
         backend.Handles(arguments["handles"], arguments["weights"]),
     )
     return backend.build_factor(recipe, arguments.get("progress"))
@@ -115,7 +116,7 @@ def test_a_bind_within_a_bind_of_the_same_object_is_refused(backend):
     assert np.allclose(bound.solve(poses)[0], PLATE)
 
 
-@pytest.mark.parametrize("method_id", [row.id for row in METHODS if row.control is Control.HANDLES])
+@pytest.mark.parametrize("method_id", ON_SURFACE)
 def test_native_refusals_become_ours(backend, method_id: str):
     with pytest.raises(errors.ConstraintError):
         build(backend, method_id, handles=[np.arange(4), np.array([99])])

@@ -5,7 +5,9 @@ import ast
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
+from rows import default_options
 
 from sinew.core import methods
 from sinew.core.methods import (
@@ -95,10 +97,12 @@ def test_a_bind_costs_more_where_there_is_more_to_bind(method: methods.Method):
         options = {**plain, **({name: value} if name in plain else {})}
         small, large = (method.bind_seconds(points, 50, options) for points in (1000, 50_000))
         assert 0.0 < small < large
+        by_control = [method.bind_seconds(50_000, size, options) for size in (50, 500, 5000)]
+        assert by_control == sorted(by_control)
         if method.control is Control.CAGE:
-            assert (
-                large < method.bind_seconds(50_000, 500, options) < method.bind_seconds(50_000, 5000, options)
-            )
+            assert len(set(by_control)) == 3
+        if not method.is_space:
+            assert len(set(by_control)) == 1, "it has no such control"
 
 
 def test_painted_parameters_rebind():
@@ -106,34 +110,36 @@ def test_painted_parameters_rebind():
     assert all(parameter.rebinds for method in METHODS for parameter in method.paintable)
 
 
-def of_control(control: Control) -> pytest.MarkDecorator:
-    rows = [method for method in METHODS if method.control is control]
+def level(is_space: bool) -> pytest.MarkDecorator:
+    rows = [method for method in METHODS if method.is_space is is_space]
     return pytest.mark.parametrize("method", rows, ids=lambda method: method.id)
 
 
-@of_control(Control.CAGE)
-def test_the_native_class_of_a_cage_takes_the_parameters(method: methods.Method):
+@level(is_space=True)
+def test_the_native_class_of_a_space_method_takes_the_parameters(method: methods.Method):
     native = pytest.importorskip("sinew_native")
-    np = pytest.importorskip("numpy")
     corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float)
     cage = native.SurfaceMesh(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
-    options = {parameter.id: parameter.default for parameter in method.parameters if parameter.rebinds}
+    options = default_options(method)
     assert len(options) == len(method.parameters)
-    coordinates = getattr(native, method.native)(cage, **options)
+    control = cage if method.control is Control.CAGE else corners
+    made = getattr(native, method.native)(control, **options)
     points = np.array([(0.2, 0.3, 0.1), (0.25, 0.25, 0.25)])
-    coordinates.bind(points)
-    assert np.abs(coordinates.warp(corners) - points).max() < 1e-6
+    made.bind(points)
+    assert np.abs(made.warp(corners) - points).max() < 1e-6
 
 
-@of_control(Control.HANDLES)
-def test_the_native_class_takes_the_parameters(method: methods.Method):
+@level(is_space=False)
+def test_the_native_class_of_a_surface_method_takes_the_parameters(method: methods.Method):
     native = pytest.importorskip("sinew_native")
-    np = pytest.importorskip("numpy")
     points = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)])
     mesh = native.SurfaceMesh(points, np.array([[0, 1, 2, 3]]))
-    options = {parameter.id: parameter.default for parameter in method.parameters if parameter.rebinds}
+    options = default_options(method)
     for parameter in method.paintable:
         options[parameter.id] = np.full(len(points), max(parameter.default, parameter.minimum, 0.1))
+    if method.wraps:
+        base = methods.wrapped(method)[0]
+        options["base"] = getattr(native, base.native)(mesh, **default_options(base))
     solver = getattr(native, method.native)(mesh, **options)
     boundary = {parameter.id: [parameter.default] for parameter in method.handle_parameters}
     solver.set_handles([np.array([0, 1])], weights=None, **boundary)

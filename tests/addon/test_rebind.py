@@ -7,9 +7,10 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from rows import ON_SURFACE, WITH_HANDLES, base_option, default_options, other_options
 
 from sinew.core import errors
-from sinew.core.methods import BY_ID, Control
+from sinew.core.methods import BY_ID
 
 SIDE = 8
 POINTS = np.array(
@@ -20,17 +21,8 @@ CORNERS = np.array(
     dtype=np.int32,
 )
 FACES = (np.full(len(CORNERS) // 4, 4, dtype=np.int32), CORNERS)
-WITH_HANDLES = [method.id for method in BY_ID.values() if method.control is Control.HANDLES]
 ENDS = (np.arange(SIDE), np.arange(SIDE * (SIDE - 1), SIDE * SIDE))
 MIDDLE = np.array([3 * SIDE + 3, 3 * SIDE + 4])
-OPTIONS = {
-    "thin_shell": {"stretching": 0.0, "bending": 1.0, "variation": 0.0, "laplacian": "cotan"},
-    "arap": {"rigidity": 1.0},
-}
-NEEDS_NEW = {  # options that no factor is updated to
-    "thin_shell": {"laplacian": "uniform"},
-    "arap": {"rigidity": np.linspace(0.5, 1.0, len(POINTS))},
-}
 
 
 @pytest.fixture
@@ -40,16 +32,17 @@ def calls(backend, count_native) -> Counter:
 
 
 def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **options):
-    return backend.Recipe(
-        BY_ID[method],
-        backend.Shape(points.copy(), faces),
-        OPTIONS[method] | options,
-        backend.Handles(
+    row = BY_ID[method]
+    if row.is_space:
+        control = backend.HandlePoints(points[np.concatenate(handles)], tuple(map(len, handles)))
+    else:
+        control = backend.Handles(
             tuple(members.copy() for members in handles),
             (None,) * len(handles),
-            {row.id: (row.default,) * len(handles) for row in BY_ID[method].handle_parameters},
-        ),
-    )
+            {parameter.id: (parameter.default,) * len(handles) for parameter in row.handle_parameters},
+        )
+    given = default_options(row) | base_option(backend, row) | options
+    return backend.Recipe(row, backend.Shape(points.copy(), faces), given, control)
 
 
 def rebuilt(backend, factor, wanted, progress=None):
@@ -70,7 +63,7 @@ def same_as_new(backend, factor, wanted) -> None:
     assert factor.report.free_parts == new.report.free_parts
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", ON_SURFACE)
 def test_a_handle_more_or_less_is_one_native_call(backend, calls: Counter, method: str):
     factor = backend.build_factor(recipe(backend, method))
     for handles in ((*ENDS, MIDDLE), ENDS):
@@ -123,17 +116,48 @@ def test_what_needs_a_new_solver_leaves_the_factor_as_it_is(backend, method: str
     factor = backend.build_factor(recipe(backend, method))
     before = solved(factor, 2)
     other = next(name for name in WITH_HANDLES if name != method)
-    needs_new = NEEDS_NEW[method]
     for wanted in (
         recipe(backend, other),
         recipe(backend, method, points=POINTS + 1e-9),
         recipe(backend, method, faces=(FACES[0][1:], FACES[1][4:])),
-        recipe(backend, method, (*ENDS, MIDDLE), **needs_new),
-        recipe(backend, method, **needs_new),
     ):
         assert factor.prepare_rebind(wanted) is None
         assert not factor.is_released
     np.testing.assert_array_equal(solved(factor, 2), before)
+
+
+@pytest.mark.parametrize(
+    ("method", "option"),
+    [(method, option) for method in WITH_HANDLES for option in other_options(BY_ID[method], len(POINTS))],
+)
+def test_another_option_updates_the_factor_or_leaves_it_as_it_is(backend, method: str, option: tuple):
+    """The native method decides which; what it only says, it would have computed anew."""
+    factor, (name, value) = backend.build_factor(recipe(backend, method)), option
+    before = solved(factor, 2)
+    wanted = recipe(backend, method, **{name: value})
+    prepared = factor.prepare_rebind(wanted)
+    if prepared is None:
+        assert factor.prepare_rebind(recipe(backend, method, (*ENDS, MIDDLE), **{name: value})) is None
+        assert not factor.is_released
+        np.testing.assert_array_equal(solved(factor, 2), before)
+    else:
+        updated = backend.build_factor(wanted, None, prepared)
+        assert factor.is_released
+        assert (updated.report.reuse, updated.report.changed) == ("updated", name)
+        same_as_new(backend, updated, wanted)
+
+
+@pytest.mark.parametrize(
+    ("method", "name", "value", "updates"),
+    [
+        ("thin_shell", "bending", np.linspace(0.5, 1.0, len(POINTS)), True),
+        ("thin_shell", "laplacian", "uniform", False),
+        ("arap", "rigidity", np.linspace(0.5, 1.0, len(POINTS)), False),
+    ],
+)
+def test_which_options_update_a_factor(backend, method: str, name: str, value: object, updates: bool):
+    factor = backend.build_factor(recipe(backend, method))
+    assert (factor.prepare_rebind(recipe(backend, method, **{name: value})) is not None) is updates
 
 
 def test_nobody_takes_a_factor_from_under_a_solve(backend):
@@ -162,7 +186,7 @@ def test_a_spent_factor_answers_nobody(backend):
         solved(factor, 2)
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", ON_SURFACE)
 def test_refusals_are_those_of_a_new_solver(backend, method: str):
     handles = (*ENDS, np.array([len(POINTS)]))
     with pytest.raises(errors.ConstraintError) as new:

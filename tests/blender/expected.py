@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from inside import native
 from mathutils import Matrix
-from registry import BY_ID, METHODS, options_of
+from registry import BY_ID, base_of, options_of
 from rig import Rig, apply_matrix, base_points, update
 
 Warp = Callable[[np.ndarray], np.ndarray]
@@ -48,9 +48,9 @@ def in_frame(obj: bpy.types.Object, control: bpy.types.Object) -> np.ndarray:
 
 
 def new_native(row: object, target: object, options: dict[str, object]) -> object:
-    """The native object of a row; one around another gets the first that it can be put around."""
-    if row.wraps:
-        base = next(other for other in METHODS if other.family in row.wraps and not other.wraps)
+    """The native object of a row; one around another gets its first base, unless the options have one."""
+    base = base_of(row)
+    if base is not None and "base" not in options:
         options = options | {"base": new_native(base, target, options_of(base, {})[0])}
     return getattr(native(), row.native)(target, **options)
 

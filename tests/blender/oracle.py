@@ -19,7 +19,7 @@ import bpy
 import numpy as np
 from expected import new_native
 from registry import BY_ID
-from rig import base_points, coordinates
+from rig import apply_matrix, base_points, coordinates
 
 IDENTITY = np.eye(4)[:3]
 EPSILON32 = 2.0**-23
@@ -118,7 +118,7 @@ class Oracle:
             faces = triangles(deformer.rest)
             part = parts(len(rest), faces)
             regions = regions_of(deformer, weights, part)
-            options = options_of(deformer, weights)
+            options = options_of(deformer, BY_ID[deformer.method], weights)
             poses, flags = self._poses(obj, deformer, regions, depsgraph)
             before = rest if displaces else incoming.astype(np.float64)
             by_native = partial(self._solve_natively, BY_ID[deformer.method], deformer.loose_parts.lower())
@@ -177,13 +177,22 @@ class Oracle:
         self, row, free_parts, rest, faces, options, regions, poses, flags, before
     ) -> tuple[np.ndarray, float]:
         """Solve with a new native object, which has no history."""
-        steps = {
-            parameter.id: options.pop(parameter.id) for parameter in row.parameters if not parameter.rebinds
-        }
-        solver = new_native(row, self.native.SurfaceMesh(rest, faces), options)
-        members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
-        solver.set_handles(members, weights=strengths, free_parts=free_parts)
         incoming = None if np.array_equal(before, rest) else before
+        members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
+        if row.is_space:
+            points = [rest[rows] for rows in members]
+            posed = [apply_matrix(pose, rows) for pose, rows in zip(poses, points, strict=True)]
+            solver = new_native(row, np.concatenate(points), options)
+            solver.bind(rest)
+            return solver.warp(np.concatenate(posed), incoming=incoming), 0.0
+        mesh = self.native.SurfaceMesh(rest, faces)
+        steps = steps_of(row, options)
+        if row.wraps:
+            base, given = options["base"]
+            steps = steps_of(base, given) | steps
+            options["base"] = new_native(base, mesh, given)
+        solver = new_native(row, mesh, options)
+        solver.set_handles(members, weights=strengths, free_parts=free_parts)
         moved, _report = solver.solve(poses, incoming=incoming, from_rest=flags, **steps)
         # Where a pose or an incoming shape differs in its last digit, the steps may stop one earlier.
         exact = incoming is None and not any(r.handle is not None and is_missing(r.handle) for r in regions)
@@ -291,7 +300,7 @@ def regions_of(deformer, weights: Weights, part: np.ndarray) -> list[Region]:
         for members in [np.flatnonzero(painted[handle.uid])]
     ]
     free = ~np.any([painted[handle.uid] > 0.0 for handle in handles], axis=0)
-    if deformer.loose_parts == "FOLLOW":
+    if deformer.loose_parts == "FOLLOW" and not BY_ID[deformer.method].is_space:
         free &= np.isin(part, part[~free])
     if supports and free.any():
         border = min(handle.continuity for handle in supports)
@@ -301,10 +310,21 @@ def regions_of(deformer, weights: Weights, part: np.ndarray) -> list[Region]:
     return found
 
 
-def options_of(deformer, weights: Weights) -> dict[str, object]:
-    """The parameters of the row; one with a vertex group is an array (n,), not below its minimum."""
-    row, values = BY_ID[deformer.method], getattr(deformer, deformer.method)
+def steps_of(row, options: dict[str, object]) -> dict[str, object]:
+    """The keywords of ``solve``, which it takes out of the options."""
+    return {parameter.id: options.pop(parameter.id) for parameter in row.parameters if not parameter.rebinds}
+
+
+def options_of(deformer, row, weights: Weights) -> dict[str, object]:
+    """The parameters of the row; one with a vertex group is an array (n,), not below its minimum.
+
+    Of a row around another, ``base`` is that row with its parameters.
+    """
+    values = getattr(deformer, row.id)
     options = {parameter.id: getattr(values, parameter.id) for parameter in row.parameters}
+    if row.wraps:
+        base = BY_ID[values.base]
+        options["base"] = base, options_of(deformer, base, weights)
     for parameter in row.paintable:
         group = getattr(values, f"{parameter.id}_group")
         share = weights(group) if group else None

@@ -199,12 +199,18 @@ def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object
     return new_object("Cage", middle + reach * np.array(CORNERS), faces)
 
 
-def bind(obj: bpy.types.Object, method: str = "mean_value", cage: bpy.types.Object | None = None):
-    """The object and its cage, bound."""
+def attach(obj: bpy.types.Object, method: str, cage: bpy.types.Object | None = None) -> bpy.types.Object:
+    """Add a cage; a refusal of the bind is in the status."""
     update()
     cage = cage or cage_around(obj)
     make_active(obj)
     assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method) == {"FINISHED"}
+    return cage
+
+
+def bind(obj: bpy.types.Object, method: str = "mean_value", cage: bpy.types.Object | None = None):
+    """The object and its cage, bound."""
+    cage = attach(obj, method, cage)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     return obj, cage
 

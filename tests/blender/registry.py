@@ -22,6 +22,14 @@ def with_control(control: object) -> tuple[str, ...]:
 
 WITH_HANDLES = with_control(Control.HANDLES)
 WITH_CAGE = with_control(Control.CAGE)
+ON_SURFACE = tuple(method for method in WITH_HANDLES if not BY_ID[method].is_space)
+ON_HANDLE_POINTS = tuple(method for method in WITH_HANDLES if BY_ID[method].is_space)
+GRABBING = tuple(method for method in ON_SURFACE if not BY_ID[method].wraps)  # those of Grab Region
+
+
+def base_of(row: object) -> object | None:
+    """The row of the method that this one is put around, until an artist picks another; None if alone."""
+    return _methods.wrapped(row)[0] if row.wraps else None
 
 
 def options_of(row: object, others: dict[str, object]) -> tuple[dict[str, object], dict[str, object]]:

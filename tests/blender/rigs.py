@@ -43,11 +43,22 @@ class HandleRig(Rig):
     )
     counts_in_no_scene = True  # a control that is in no scene moves the shape; else the last one stays
     hidden_meshes = 4  # what entered at bind, and in renders; two shapes
+    point_arrays = 0  # how many arrays Blender has the points of the control in, where these count
     carries = Matrix.Translation((0.3, -0.2, 0.7))
 
     @classmethod
     def new(cls, name: str = "Plate") -> HandleRig:
         return cls(grid_object(name))
+
+    @classmethod
+    def large(cls) -> HandleRig:
+        """One whose bind needs 0.11 MB or more: a thousand times that where handles are many points."""
+        return cls(grid_object(cells=60))
+
+    @property
+    def control_size(self) -> int:
+        """The size of the control of a space method, as the registry counts it."""
+        return len(self.top) + len(self.base)
 
     @staticmethod
     def control_of(obj: bpy.types.Object) -> bpy.types.Object:
@@ -138,6 +149,10 @@ class HandleRig(Rig):
         """Nothing is posed."""
         self.bind(method)
 
+    def attach(self, method: str) -> None:
+        """Nothing is posed, and a refusal of the bind is in the status."""
+        self.bind_at_rest(method)
+
     def relax(self) -> None:
         """Make the control as it was when it was made, for a bind that starts from there."""
 
@@ -167,6 +182,7 @@ class CageRig(HandleRig):
     goes_on = False
     counts_in_no_scene = False
     hidden_meshes = 5  # the cage at rest, too
+    point_arrays = 1
     carries = (
         Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
     )
@@ -179,6 +195,14 @@ class CageRig(HandleRig):
     @classmethod
     def new(cls, name: str = "Ball") -> CageRig:
         return cls(ball(name, 2))
+
+    @classmethod
+    def large(cls) -> CageRig:
+        return cls(ball(levels=6))
+
+    @property
+    def control_size(self) -> int:
+        return sum(len(face.vertices) - 2 for face in self.control.data.polygons)
 
     @staticmethod
     def control_of(obj: bpy.types.Object) -> bpy.types.Object:
@@ -216,6 +240,9 @@ class CageRig(HandleRig):
 
     def bind_at_rest(self, method: str) -> None:
         point_objects.bind(self.obj, method)
+
+    def attach(self, method: str) -> None:
+        point_objects.attach(self.obj, method)
 
     def bind_alone(self, method: str) -> None:
         self.bind(method)

@@ -13,7 +13,7 @@ from events import duplicate
 from inside import calls_of, settle
 from mathutils import Matrix
 from probe import render_points
-from registry import WITH_CAGE, WITH_HANDLES
+from registry import METHODS
 from rig import (
     add_armature,
     apply_matrix,
@@ -25,7 +25,7 @@ from rig import (
     reopen,
     update,
 )
-from rigs import RIGS, HandleRig
+from rigs import HandleRig, rig_for
 
 EXACT = 3e-5  # matrices and coordinates of a few units, rounded by Blender to float32 several times
 PLACE = Matrix.Translation((0.7, -0.4, 1.1)) @ Matrix.Rotation(0.8, 4, (0.5, 0.3, 0.8)) @ Matrix.Scale(1.5, 4)
@@ -173,13 +173,10 @@ def test_undo_and_redo(placed: HandleRig, way: str):
     assert_lives_on(placed)
 
 
-@pytest.mark.parametrize(
-    ("kind", "method"),
-    [("handles", method) for method in WITH_HANDLES] + [("cage", method) for method in WITH_CAGE],
-)
-def test_every_method(kind: str, method: str):
-    rig = RIGS[kind].new().start(method)
-    rig.exactness = 2e-3 if method == "arap" else EXACT
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_every_method(method):
+    rig = rig_for(method.id).start(method.id)
+    rig.exactness = 2e-3 if method.iterative else EXACT
     place(rig)
     rig.lift(0.3)
     before = world_points(rig)

@@ -9,11 +9,10 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from cages import ball, fine_box, surround
 from inside import BINDING, ask_for_factor, calls_of, catch_up, finish, room, use_threads
-from registry import BY_ID, METHODS, WITH_HANDLES, Control, options_of
+from registry import BY_ID, ON_SURFACE, base_of, options_of
 from rig import Rig, make_active, update
-from rigs import rig_for
+from rigs import HandleRig, rig_for
 
 CAPTURE = "_rest_meshes"  # evaluates copies of objects and makes a mesh of each
 
@@ -93,9 +92,12 @@ def refuse(*_arguments: object, **_options: object) -> None:
     raise room("core.errors").SinewError("Refused")
 
 
-def estimate(method: str, points: int, triangles: int) -> float:
-    """Seconds that the row of a method names, with its defaults."""
-    return BY_ID[method].bind_seconds(points, triangles, options_of(BY_ID[method], {})[0])
+def estimate(rig: HandleRig) -> float:
+    """Seconds that the rows name for the bind of a rig, with their defaults."""
+    row, count = rig.deformer.definition, len(rig.unmoved(rig.obj))
+    size = rig.control_size if row.is_space else 0
+    rows = (row, base_of(row)) if row.wraps else (row,)
+    return sum(each.bind_seconds(count, size, options_of(each, {})[0]) for each in rows)
 
 
 def light(method: str) -> bpy.types.Object:
@@ -110,19 +112,6 @@ def light(method: str) -> bpy.types.Object:
             setattr(rig.deformer.parameters, parameter.id, options[parameter.id])
     update()
     return rig.obj
-
-
-def heavy(method: str) -> bpy.types.Object:
-    """A large mesh for handles; a small one in a cage with so many faces that they alone take long."""
-    wanted = 1.2 * room(BINDING).HEAVY
-    if BY_ID[method].control is Control.CAGE:
-        target = ball(levels=4)
-        count = len(target.data.vertices)
-        cuts = next(cuts for cuts in range(99) if estimate(method, count, 12 * (cuts + 1) ** 2) > wanted)
-        surround(target, fine_box(cuts), method)
-        return target
-    cells = next(cells for cells in range(20, 999, 5) if estimate(method, (cells + 1) ** 2, 0) > wanted)
-    return Rig.plate(cells).bind(method).obj
 
 
 def littered(method: str) -> bpy.types.Object:
@@ -142,17 +131,24 @@ def littered(method: str) -> bpy.types.Object:
     return rig.bind(method).obj
 
 
-@pytest.mark.parametrize(
-    "method", [row.id for row in METHODS if row.control in (Control.HANDLES, Control.CAGE)]
-)
-@pytest.mark.parametrize(("rig", "in_thread"), [(light, False), (heavy, True)])
+@pytest.mark.parametrize("method", BY_ID)
+def test_a_bind_that_costs_little_is_computed_at_once(method: str, monkeypatch: pytest.MonkeyPatch):
+    decides_by_cost(light(method), False, monkeypatch)
+
+
+@pytest.mark.parametrize("method", BY_ID)
+@pytest.mark.parametrize(("heavy_from", "in_thread"), [(1.001, False), (0.999, True)])
 def test_the_cost_of_a_bind_decides_whether_a_thread_computes_it(
-    method: str, rig: Callable[[str], bpy.types.Object], in_thread: bool, monkeypatch: pytest.MonkeyPatch
+    method: str, heavy_from: float, in_thread: bool, monkeypatch: pytest.MonkeyPatch
 ):
-    decides_by_cost(rig(method), in_thread, monkeypatch)
+    """What counts as heavy lies just above the estimate, or just below it."""
+    rig = rig_for(method)
+    rig.bind(method)
+    monkeypatch.setattr(room(BINDING), "HEAVY", heavy_from * estimate(rig))
+    decides_by_cost(rig.obj, in_thread, monkeypatch)
 
 
-@pytest.mark.parametrize("method", [method for method in WITH_HANDLES if not BY_ID[method].is_space])
+@pytest.mark.parametrize("method", ON_SURFACE)
 def test_the_cost_of_a_bind_counts_the_loose_parts_that_follow(method: str, monkeypatch: pytest.MonkeyPatch):
     obj = littered(method)
     decides_by_cost(obj, True, monkeypatch)

@@ -21,7 +21,7 @@ def test_every_kind_answers_every_question(room) -> None:
     assert len(questions) > 15
     for kind in kinds.every_kind():
         missing = {name for name in questions if not hasattr(kind, name)}
-        assert not missing, (kind.__name__, missing)
+        assert not missing, (kind, missing)
 
 
 def test_every_kind_draws_itself(room) -> None:

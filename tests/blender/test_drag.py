@@ -255,18 +255,82 @@ def test_a_loose_part_that_is_pressed_moves_alone():
 
 def test_a_bone_that_moves_the_region_is_dragged():
     obj = grid_object(cells=20)
-    add_group(obj, "Tip", lambda point: point[0] > 0.7)
-    add_group(obj, "Base", lambda point: point[0] < -0.7)
-    armature = new_armature(Bone=((0.8, 0.0, 0.0), (1.0, 0.0, 0.0)))
-    make_active(obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
-    make_active(obj)
-    bpy.ops.sinew.handle_add(vertex_group="Tip", control_object=armature.name, bone="Bone")
+    tip_of(obj)
     make_active(obj)
     rest = base_points(obj)
     drag(0.9)
     tip = members(obj, "Tip")
     assert close(evaluated_points(obj)[tip], rest[tip] + LIFT, 1e-5)
+
+
+CHANNELS = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+MOTIONS = {
+    "location": {"value": (0.1, 0.2, 0.3)},
+    "rotation": {"mode": "ROTATE", "angle": 0.7, "axis": (1.0, 2.0, 3.0)},
+    "scale": {"mode": "RESIZE", "scale": (1.2, 1.3, 1.4)},
+}
+
+
+def channels_of(mover, kind: str) -> np.ndarray:
+    """The numbers of which some are locked: those of the mode of rotation, or angles in their place."""
+    if kind != "rotation":
+        return np.array(getattr(mover, kind))
+    if mover.rotation_mode in ("QUATERNION", "AXIS_ANGLE") and not mover.lock_rotations_4d:
+        return np.array(mover.matrix_basis.to_euler())
+    names = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+    return np.array(getattr(mover, names.get(mover.rotation_mode, "rotation_euler")))
+
+
+def dragged_on(obj: bpy.types.Object, mover, kind: str) -> np.ndarray:
+    """The channels after one more drag at the right end, which is then taken back."""
+    before = {name: tuple(getattr(mover, name)) for name in CHANNELS}
+    make_active(obj)
+    drag(0.9, **MOTIONS[kind])
+    found = channels_of(mover, kind)
+    for name, values in before.items():
+        setattr(mover, name, values)
+    update()
+    return found
+
+
+@pytest.mark.parametrize("of_bone", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "mode", "by_number"),
+    [
+        ("location", "XYZ", False),
+        ("rotation", "ZXY", False),
+        ("rotation", "QUATERNION", False),
+        ("rotation", "AXIS_ANGLE", False),
+        ("rotation", "QUATERNION", True),
+        ("rotation", "AXIS_ANGLE", True),
+        ("scale", "XYZ", False),
+    ],
+)
+def test_locked_channels_of_a_control_stay(of_bone: bool, kind: str, mode: str, by_number: bool):
+    obj = grid_object(cells=8)
+    mover = tip_of(obj) if of_bone else drag(0.9, value=(0.0, 0.0, 0.0))
+    mover.rotation_mode, mover.lock_rotations_4d = mode, by_number
+    update()
+    was, free = channels_of(mover, kind), dragged_on(obj, mover, kind)
+    for axis in (0, 2):
+        getattr(mover, f"lock_{kind}")[axis] = True
+    held = dragged_on(obj, mover, kind)
+    locked = np.array((False, True, False, True) if by_number else (True, False, True))
+    assert (np.abs(free - was) > 1e-3).all()
+    assert close(held[locked], was[locked], 1e-6)
+    assert close(held[~locked], free[~locked], 1e-6)
+
+
+def tip_of(obj: bpy.types.Object) -> bpy.types.PoseBone:
+    """A bone that moves the right end, while the left one stays."""
+    add_group(obj, "Tip", lambda point: point[0] > 0.7)
+    add_group(obj, "Base", lambda point: point[0] < -0.7)
+    armature = new_armature(Bone=((0.8, 0.0, 0.0), (1.0, 0.1, 0.2)))
+    make_active(obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    make_active(obj)
+    bpy.ops.sinew.handle_add(vertex_group="Tip", control_object=armature.name, bone="Bone")
+    return armature.pose.bones["Bone"]
 
 
 def test_undo_takes_back_a_drag_in_one_step_and_redo_makes_it_again():

@@ -13,7 +13,7 @@ from events import ALL, MESHES, REGIONS, Event, Table, every
 from expected import Expected
 from inside import bind_in_thread, evaluated_by, finish, room
 from mathutils import Matrix
-from registry import METHODS
+from registry import BY_ID, METHODS
 from rig import (
     Rig,
     add_group,
@@ -558,7 +558,7 @@ def frame_changed(rig: HandleRig) -> np.ndarray:
 
 def switched_forth_and_back(rig: HandleRig) -> np.ndarray:
     method = rig.deformer.method
-    rig.deformer.method = next(other for other in rig.methods if other != method)
+    rig.deformer.method = next(other for other in (*rig.methods, *BY_ID) if other != method)
     update()
     rig.deformer.method = method
     return rig.at(0.5)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from editing import centre, edit, edited, grab, placed_object, selection
 from inside import use_threads
-from registry import WITH_HANDLES
+from registry import GRABBING
 from rig import grid_object
 
 
@@ -88,7 +88,7 @@ def test_axis_and_number_by_keys(hand: Hand, before: np.ndarray):
     assert np.allclose(lifted(hand), (0.0, 0.0, -0.5), atol=1e-6)
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", GRABBING)
 @pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
 def test_cancel_restores_every_bit_and_the_selection(room, key: str, method: str):
     obj = placed_object()
@@ -112,7 +112,7 @@ def test_cancel_restores_every_bit_and_the_selection(room, key: str, method: str
     assert selection(obj) == chosen
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", GRABBING)
 def test_what_was_confirmed_is_what_the_properties_repeat(room, method: str):
     obj = grid_object(cells=20)
     edit(obj, centre)

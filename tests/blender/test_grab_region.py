@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from editing import centre, edit, edited, grab, placed_object, select
 from mathutils import Matrix
-from registry import WITH_HANDLES
+from registry import GRABBING
 from rig import add_group, apply_matrix, grid_object, make_active, new_object, push
 
 
@@ -21,7 +21,12 @@ def in_world(obj: bpy.types.Object) -> np.ndarray:
     return apply_matrix(obj.matrix_world, edited(obj).astype(float))
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+def test_the_surface_methods_that_work_alone_are_offered():
+    offered = bpy.ops.sinew.grab_region.get_rna_type().properties["method"].enum_items
+    assert {item.identifier for item in offered} == set(GRABBING)
+
+
+@pytest.mark.parametrize("method", GRABBING)
 def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
     obj = grid_object(cells=20)
     chosen = edit(obj, centre)
@@ -37,7 +42,7 @@ def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
     assert 0.0 < after[list(near), 2].mean() < 1.0
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", GRABBING)
 @pytest.mark.parametrize("make", [grid_object, placed_object], ids=["at the origin", "placed and scaled"])
 @pytest.mark.parametrize(
     "motion",
@@ -87,7 +92,7 @@ def test_thin_shell_solves_the_clamped_plate_equation():
     assert np.abs(after[:, :2] - before[:, :2]).max() < 1e-6
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", GRABBING)
 def test_only_the_part_within_reach_changes_the_answer(method: str):
     """Far from the radius there may be anything: the same shape with and without another 5,000 vertices."""
     results = []
@@ -207,7 +212,7 @@ def test_loose_vertices_just_move(chosen: tuple[int, ...], capfd: pytest.Capture
     assert "only the selection moves" in capfd.readouterr().out
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", GRABBING)
 @pytest.mark.parametrize(
     "hostile",
     [
@@ -227,7 +232,7 @@ def test_motions_beyond_numbers_are_refused_and_change_nothing(method: str, host
     assert np.array_equal(edited(obj), before)
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", GRABBING)
 @pytest.mark.parametrize(
     "odd",
     [
@@ -270,7 +275,7 @@ def test_an_object_without_volume_is_refused():
         bpy.ops.sinew.grab_region(value=(0.0, 0.0, 1.0))
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", GRABBING)
 def test_vertices_without_a_place_stay_and_are_counted(method: str, capfd: pytest.CaptureFixture):
     obj = grid_object(cells=20)
     wrong = 10 * 21 + 14  # within the radius
@@ -288,7 +293,7 @@ def test_vertices_without_a_place_stay_and_are_counted(method: str, capfd: pytes
         bpy.ops.sinew.grab_region(value=(0.0, 0.0, 0.5))
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", GRABBING)
 def test_messy_meshes_still_work(method: str):
     """N-gons, a face of no area, an edge of three faces, a wire, all within reach."""
     bm = bmesh.new()

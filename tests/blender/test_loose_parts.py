@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from editing import edited, grab
 from mathutils import Matrix
-from registry import BY_ID, WITH_HANDLES
+from registry import ON_HANDLE_POINTS, ON_SURFACE
 from rig import (
     Rig,
     add_armature,
@@ -29,7 +29,6 @@ from rig import (
     update,
 )
 
-SURFACE_METHODS = [method for method in WITH_HANDLES if not BY_ID[method].is_space]
 HEAD, EYES = 463, 44  # vertices of Suzanne: the head comes first, then two eyes
 BEND = Matrix.Rotation(math.radians(40.0), 4, "Y") @ Matrix.Translation((0.3, 0.0, 0.4))
 
@@ -94,7 +93,7 @@ def notes(plate: Rig, room) -> list[str]:
     return [line.text for line in room("core.status").notes(plate.deformer.uid)]
 
 
-@pytest.mark.parametrize("method", SURFACE_METHODS)
+@pytest.mark.parametrize("method", ON_SURFACE)
 def test_eyes_follow_the_head(suzanne: Suzanne, room, method: str):
     rest = suzanne.rest()
     suzanne.bind(method)
@@ -108,7 +107,7 @@ def test_eyes_follow_the_head(suzanne: Suzanne, room, method: str):
     assert close(suzanne.points(), rest)
 
 
-@pytest.mark.parametrize("method", SURFACE_METHODS)
+@pytest.mark.parametrize("method", ON_SURFACE)
 def test_with_stay_they_stay(suzanne: Suzanne, room, method: str):
     rest = suzanne.rest()
     suzanne.bind(method)
@@ -218,10 +217,9 @@ def test_letters_follow_the_letter_that_a_handle_moves():
 
 
 def test_a_space_method_moves_all_parts_anyway(suzanne: Suzanne, room):
-    space = [method for method in WITH_HANDLES if BY_ID[method].is_space]
-    if not space:
+    if not ON_HANDLE_POINTS:
         pytest.skip("no method of this kind yet")
-    suzanne.bind(space[0])
+    suzanne.bind(ON_HANDLE_POINTS[0])
     assert not any("loose" in line for line in notes(suzanne, room))
 
 

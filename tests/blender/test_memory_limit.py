@@ -7,25 +7,12 @@ import re
 
 import bpy
 import pytest
-from cages import assert_goes_on, assert_rests, ball, box, fine_box, motion_of, set_rest, surround
-from registry import METHODS, Control
-from rig import Rig, make_active
+from cages import assert_goes_on, assert_rests, ball, box, motion_of, set_rest, surround
+from registry import METHODS
+from rig import make_active
+from rigs import BY_CONTROL
 
 LIMIT = 0.0001  # gigabytes; shown as 0.1 MB
-
-
-def bind(method) -> bpy.types.Object:
-    """A mesh with a bind of more than that: 1,681 vertices between handles, or 162 by 296 weights."""
-    if method.control is Control.HANDLES:
-        return Rig.plate(cells=40).bind(method.id).obj
-    target = ball()
-    surround(target, fine_box(6), method.id)
-    return target
-
-
-def lift(obj: bpy.types.Object) -> None:
-    deformer = obj.sinew.active
-    (deformer.cage or deformer.handles[0].control).location.z += 0.5
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
@@ -33,7 +20,9 @@ def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(pref
     """A limit that is lowered afterwards leaves what is bound alone."""
     status = room("core.status")
     preferences.memory_limit = LIMIT
-    obj = bind(method)
+    rig = BY_CONTROL[method.control].large()
+    rig.attach(method.id)
+    obj = rig.obj
     make_active(obj)
     with pytest.raises(RuntimeError, match=r"needs [\d.]+ MB, the memory limit is 0\.1 MB"):
         bpy.ops.sinew.bind()
@@ -41,14 +30,14 @@ def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(pref
     assert (said.level, said.remedy) == (status.Level.ERROR, status.Remedy.PREFERENCES)
     (needed,) = re.findall(r"needs ([\d.]+) MB, the memory limit is 0\.1 MB: raise the limit", said.text)
     assert float(needed) > 0.1
-    lift(obj)
+    rig.lift(0.5)
     assert_rests(obj)
     preferences.memory_limit = 1.0
     make_active(obj)
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     assert motion_of(obj)[:, 2].max() == pytest.approx(0.5, abs=1e-6)
     preferences.memory_limit = LIMIT
-    lift(obj)
+    rig.lift(0.5)
     assert motion_of(obj)[:, 2].max() == pytest.approx(1.0, abs=1e-6)
 
 

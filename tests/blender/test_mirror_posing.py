@@ -380,6 +380,16 @@ def test_locked_channels_stay(hands: Rig):
     assert is_at(right(hands), {"location": (-0.1, 0.2, 0.0), "rotation_euler": (0.0, -0.5, 0.2)})
 
 
+@pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE"])
+def test_a_locked_rotation_stays_in_other_modes_of_rotation(hands: Rig, mode: str):
+    right(hands).rotation_mode, right(hands).lock_rotation = mode, (True, True, True)
+    right(hands).lock_rotation_w = True
+    before = tuple(getattr(right(hands), f"rotation_{mode.lower()}"))
+    pose(left(hands), **POSED)
+    assert tuple(getattr(right(hands), f"rotation_{mode.lower()}")) == before
+    assert is_at(right(hands), {"location": (-0.1, 0.2, POSED["location"][2])})
+
+
 def test_what_cannot_be_mirrored_stays_quietly(hands: Rig):
     """Scaled to zero, not a number, deleted, given to another object, renamed: no traceback."""
     pose(left(hands), **POSED)

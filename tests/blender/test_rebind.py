@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from inside import ask_for_factor, calls_of, catch_up, settle, use_threads
-from registry import WITH_HANDLES
+from registry import ON_SURFACE, WITH_HANDLES
 from rig import Rig, add_group, make_active, update
 
 
@@ -59,7 +59,7 @@ def same_as_anew(plate: Rig, room) -> None:
 NEW = {"SurfaceMesh": 1, "diagnose": 1, "set_handles": 1}
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("method", ON_SURFACE)
 def test_another_region_is_one_native_call(plate: Rig, room, native: Counter, method: str):
     plate.bind(method)
     plate.lift(0.5)

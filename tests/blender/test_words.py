@@ -12,7 +12,7 @@ import pytest
 from cages import ball, box, surround
 from inside import notes_of, use_threads
 from mathutils import Matrix
-from registry import METHODS
+from registry import METHODS, other_values
 from rig import (
     Rig,
     add_armature,
@@ -416,10 +416,13 @@ def test_a_preset_brings_the_parameters_back(plate: Rig, room, method: str):
     assert bpy.ops.sinew.preset_add(name="First") == {"FINISHED"}
     (folder,) = bpy.utils.preset_paths(f"sinew/{method}")
     path = Path(folder) / "First.py"
-    for row in definition.parameters:
-        if hasattr(row, "soft_maximum"):
-            setattr(values, row.id, row.soft_maximum)
-    assert defaults != {row.id: getattr(values, row.id) for row in definition.parameters}
+    others = {row.id: other_values(row) for row in definition.parameters}
+    for name, different in others.items():
+        for value in different:
+            if value != defaults[name]:
+                setattr(values, name, value)
+    changed = {name for name in others if getattr(values, name) != defaults[name]}
+    assert changed == {name for name in others if others[name]}
     assert bpy.ops.sinew.preset_apply(filepath=str(path)) == {"FINISHED"}
     assert defaults == {row.id: getattr(values, row.id) for row in definition.parameters}
     assert bpy.ops.sinew.preset_add(name="First", remove_name=True) == {"FINISHED"}

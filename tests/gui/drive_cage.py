@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender with a window: an automatic cage, posed in Edit Mode by keys, its weights drawn."""
 
+import threading
+
 import bpy
 import numpy as np
 from driving import (
@@ -49,6 +51,41 @@ def moved(before: np.ndarray) -> float:
     return apart(shown_points(head()), before)
 
 
+def works() -> bool:
+    """Whether a thread of Sinew is at work."""
+    return any(thread.name == "sinew" for thread in threading.enumerate())
+
+
+def face_count() -> int:
+    return len(head().sinew.active.cage.data.polygons)
+
+
+def change_faces():
+    """By the dialog: once with Esc while a thread makes the cage, once to the end, and back by one undo."""
+    found = seen["faces"] = {"before": face_count()}
+    for key in ("cancelled", "changed"):
+        move(*middle())
+        yield
+        with in_view():
+            bpy.ops.sinew.cage_faces("INVOKE_DEFAULT", faces=120)
+        yield from rest()
+        screenshot(f"2-dialog-{key}")
+        press("RET")
+        yield from until(works, 10.0)
+        found[f"{key} in a thread"] = works()
+        if key == "cancelled":
+            press("ESC")
+        yield from until(lambda: not works())
+        if key == "changed":
+            yield from until(lambda: face_count() != found["before"], 10.0)
+        yield from rest(4)
+        found[key] = face_count()
+        found[f"{key} is well"] = is_well()
+    press("Z", ctrl=True)
+    yield from rest(4)
+    found["undone"] = face_count()
+
+
 def steps():
     prepare()
     yield from rest()
@@ -71,6 +108,8 @@ def steps():
     at_rest = shown_points(head())
     yield from rest()
     screenshot("2-cage")
+    yield from change_faces()
+    cage = bpy.data.objects[name]
 
     move(*middle())
     yield

@@ -22,6 +22,16 @@ def test_the_cage_is_made_and_waits_to_be_edited(seen: dict):
     assert cage["level"] == "INFO", cage["status"]
 
 
+def test_faces_are_changed_in_a_thread_that_esc_cancels_and_one_undo_takes_back(seen: dict):
+    found = seen["faces"]
+    assert found["cancelled in a thread"]
+    assert found["changed in a thread"]
+    assert found["cancelled"] == found["undone"] == found["before"]
+    assert 118 <= found["changed"] <= 121
+    assert found["cancelled is well"]
+    assert found["changed is well"]
+
+
 def test_the_mesh_follows_edits_of_the_cage_while_they_happen(seen: dict):
     assert seen["while moving"] == pytest.approx(0.5, abs=0.2)
     assert seen["posed"] == pytest.approx(seen["while moving"], abs=FLOAT32)

@@ -38,6 +38,7 @@ CORE_TESTS = (
     "test_event_stack.py",
     "test_every_method.py",
     "test_handles.py",
+    "test_installation.py",
     "test_interface.py",
     "test_methods.py",
     "test_missing_libraries.py",

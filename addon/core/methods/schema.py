@@ -35,6 +35,15 @@ class Moved(Enum):
     POINTS = "curves, text, hair and point clouds"
 
 
+class Reproduced(Enum):
+    """The maps of space that a method reproduces if all its controls move by one; each holds those before."""
+
+    TRANSLATIONS = "translations"
+    RIGID_MOTIONS = "rigid motions"
+    SIMILARITIES = "similarities"
+    AFFINE_MAPS = "affine maps"
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A value that the artist may set.
@@ -121,12 +130,12 @@ BindSeconds = Callable[[int, int, Mapping[str, Any]], float]
 
 def factorising(seconds: float) -> BindSeconds:
     """The cost of a sparse factor: ``seconds`` for 10,000 points, and a little more than in proportion."""
-    return lambda points, _faces, _options: seconds * (points / 1e4) ** 1.3
+    return lambda points, _size, _options: seconds * (points / 1e4) ** 1.3
 
 
 def per_pair(seconds: float) -> BindSeconds:
-    """The cost of a closed form for each point and each triangle of the cage: ``seconds`` for one of each."""
-    return lambda points, faces, _options: seconds * points * faces
+    """The cost of a closed form for each point and each part of its control: ``seconds`` for one of each."""
+    return lambda points, size, _options: seconds * points * size
 
 
 def following(shells: int, vertices: int) -> float:
@@ -139,11 +148,13 @@ class Method:
     """One row of the registry. Files store ``number``, so never reuse or change it.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
-    ``bind_seconds``: about how long a bind takes on two cores, from the number of points, the triangles of
-    the cage (0 without one) and the options; its constants are measured. ``wraps``: the families of the
-    methods that this method can be put around. Its native constructor gets such a method as ``base``. It is
-    empty for a method that works alone. ``handle_parameters``: every handle has its own value of these. The
-    native ``set_handles`` takes one keyword per parameter, with one value per handle.
+    ``bind_seconds``: about how long a bind takes on two cores, without that of a base method, from the number
+    of points, the size of the control and the options; its constants are measured. The size is that of a
+    space method's control: the triangles of a cage, or the points of any other; 0 for a surface method.
+    ``wraps``: the families of the methods that this method can be put around. Its native constructor gets
+    such a method as ``base``. It is empty for a method that works alone. ``handle_parameters``: every handle
+    has its own value of these. The native ``set_handles`` takes one keyword per parameter, with one value per
+    handle. ``reproduces``: the most that the method promises, on any shape.
     """
 
     id: str
@@ -158,6 +169,7 @@ class Method:
     iterative: bool
     moves: frozenset[Moved]
     bind_seconds: BindSeconds
+    reproduces: Reproduced = Reproduced.TRANSLATIONS
     wraps: tuple[Family, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()

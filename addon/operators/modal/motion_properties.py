@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The properties of operators that move something: the motion, and how the surface follows."""
 
-from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty
-from bpy.types import Context, UILayout
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
+from bpy.types import Context, Event
 
 from ... import session
 from ...core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
 from ...core.transform.motion import Mode, Motion
+from ...core.transform.typed_motion import TypedMotion, View
 from ...preferences import preferences
 from .shell import Keys
+from .view import typed_units
 
 _METHODS = tuple(
     method for method in METHODS if session.marks_regions(method) and not method.is_space and not method.wraps
@@ -34,7 +37,12 @@ MOTION_KEYS: Keys = (
 
 
 class MotionProperties:
-    """Mixin for an operator whose modal tool is a ``Moving``."""
+    """Mixin for an operator whose modal tool is a ``Moving``.
+
+    ``LENGTHS`` are its properties that say how far the surface follows; Whole Surface switches off the last.
+    """
+
+    LENGTHS: tuple[str, ...] = ()
 
     mode: EnumProperty(
         name="Mode",
@@ -77,6 +85,10 @@ class MotionProperties:
         description="How the surface follows",
         options={"SKIP_SAVE"},
     )
+    unlimited: BoolProperty(
+        name="Whole Surface",
+        description="Everything that is connected follows, at any distance, unless a region holds it",
+    )
 
     def choose_method(self, context: Context) -> Method:
         """The method that was asked for, or else the one of the preferences."""
@@ -103,8 +115,22 @@ class MotionProperties:
         self.value, self.scale = motion.move, motion.scale
         self.angle, self.axis = motion.angle, motion.axis
 
-    def draw_motion(self, layout: UILayout) -> None:
-        """Draw the properties of the motion that count."""
+    def typed_motion(self, context: Context, event: Event, view: View, axes: np.ndarray) -> TypedMotion:
+        """The motion at its start, by the scene's settings; ``axes`` (3, 3) are local axes as columns."""
+        return TypedMotion(
+            Mode(self.mode),
+            view,
+            axes,
+            (event.mouse_x, event.mouse_y),
+            context.space_data.overlay.grid_scale,
+            *typed_units(context.scene.unit_settings),
+        )
+
+    def draw(self, _context: Context) -> None:
+        """Draw the properties of the motion that count, and those of the surface."""
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
         layout.prop(self, "mode")
         if self.mode == "ROTATE":
             layout.prop(self, "angle")
@@ -112,3 +138,10 @@ class MotionProperties:
         else:
             layout.prop(self, "value" if self.mode == "TRANSLATE" else "scale")
         layout.prop(self, "orientation")
+        layout.separator()
+        layout.prop(self, "method")
+        for name in self.LENGTHS:
+            row = layout.row()
+            row.active = name != self.LENGTHS[-1] or not self.unlimited
+            row.prop(self, name)
+        layout.prop(self, "unlimited")

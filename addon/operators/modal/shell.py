@@ -12,6 +12,7 @@ from bpy.types import Context, Event, Object, UILayout
 from ...core.errors import SinewError
 from ...core.transform.typed_motion import View
 from ...session import Work
+from ..reporting import reports_errors
 from .view import view_of
 
 _TICK = 0.05  # seconds between two looks at threads and previews
@@ -48,10 +49,24 @@ class Tool(Protocol):
 class ViewportTool:
     """Mixin for an operator.
 
-    Its ``invoke`` ends with ``return self.begin(...)``; a ``Tool`` gets the events.
+    Its ``start`` ends with ``return self.begin(...)``; a ``Tool`` gets the events.
     """
 
     KEYS: Keys = ()
+
+    def invoke(self, context: Context, event: Event) -> set[str]:
+        """Run by events in a 3D Viewport, elsewhere by the properties alone."""
+        if context.area is None or context.area.type != "VIEW_3D":
+            return self.execute(context)
+        return self._start(context, event)
+
+    @reports_errors
+    def _start(self, context: Context, event: Event) -> set[str]:
+        return self.start(context, event)
+
+    def start(self, context: Context, event: Event) -> set[str]:
+        """Prepare the tool. A ``SinewError`` is reported and cancels it."""
+        raise TypeError(f"{type(self).__name__} does not start")
 
     def header(self, context: Context) -> str:
         """The text in the header of the viewport."""

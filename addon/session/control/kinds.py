@@ -24,7 +24,7 @@ from .influence import Influence
 
 
 class ControlKind(Protocol):
-    """What the module ``kind`` in the folder of each kind of control implements.
+    """What the module ``kind`` in the folder of each kind of control implements, or its ``KIND``.
 
     Only ``set_rest``, ``take_rest``, ``forget_rest`` and ``release`` make or remove datablocks. So operators,
     scripts and timers may call them, and handlers may not.
@@ -105,8 +105,13 @@ class ControlKind(Protocol):
         """How far each point of the target follows the selected vertices; None if the kind has no weights."""
 
 
+def _kind(control: Control) -> ControlKind:
+    module = import_module(f".{control.name.lower()}.kind", __package__)
+    return cast(ControlKind, getattr(module, "KIND", module))
+
+
 _KINDS: dict[Control, ControlKind] = {
-    control: cast(ControlKind, import_module(f".{control.name.lower()}.kind", __package__))
+    control: _kind(control)
     for control in Control
     if (Path(__file__).parent / control.name.lower() / "kind.py").is_file()
 }

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reads where controls are."""
 
+from collections.abc import Callable
+
 import numpy as np
 from bpy.types import Depsgraph, Object
 from mathutils import Matrix
@@ -10,23 +12,25 @@ from ..blocks.capture import evaluated_mesh
 from ..blocks.libraries import is_lost
 from ..memory.evaluation import NO_VERTICES, Place
 
+ReadPoints = Callable[[Object, Depsgraph], np.ndarray]
+
 
 def read_place(
-    control: Object | None, depsgraph: Depsgraph, bone: str = "", by_shape: bool = False
+    control: Object | None, depsgraph: Depsgraph, bone: str = "", read_points: ReadPoints | None = None
 ) -> Place | None:
-    """Where an object, or its bone, is; None if it is not there. ``by_shape``: its vertices count too.
+    """Where an object, or its bone, is; None if it is not there, as an object of a missing library.
 
-    An object of a missing library is not there, and where vertices count, no object without them is.
+    ``read_points`` reads its points (c, 3) float32, where these count too.
     """
-    if control is None or (by_shape and control.type != "MESH"):
+    if control is None:
         return None
     data = control.data
     if (control.library is not None or (data is not None and data.library is not None)) and is_lost(control):
         return None
     evaluated = control.evaluated_get(depsgraph)
     world = evaluated.matrix_world.copy().freeze()
-    if by_shape:
-        vertices = read_vertices(control, depsgraph)
+    if read_points is not None:
+        vertices = read_points(control, depsgraph)
         return Place((hash(world), hash(vertices.tobytes())), (world,), vertices)
     if not bone:
         return Place((hash(world),), (world,))

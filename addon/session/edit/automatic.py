@@ -15,8 +15,7 @@ from ...core.geometry import frames
 from ...ids import Keys
 from ...properties import SinewDeformer, deformers_of
 from ..blocks import libraries, rest_frame
-from ..control import placement
-from ..control.cage import kind as cage_kind
+from ..control.cage.kind import KIND as CAGE
 from ..memory import sessions
 
 # Points (c, 3), corners per face, vertex of each corner, the options, and what else there is to say.
@@ -85,7 +84,7 @@ def change_cage(obj: Object, deformer: SinewDeformer, shape: Shape) -> None:
     if not _are_alike(placed, points):  # else the rounding would spoil the symmetry
         points = placed
     fill(cage.data, (points, *shape[1:]))
-    cage_kind.forget_rest(deformer)
+    CAGE.forget_rest(deformer)
     bpy.context.view_layer.update()
 
 
@@ -93,7 +92,7 @@ def _is_unposed(obj: Object, deformer: SinewDeformer) -> bool:
     """Whether the cage is where it rests."""
     if not isinstance(deformer.cage_rest, Mesh):
         return True
-    place = placement.read_place(deformer.cage, bpy.context.evaluated_depsgraph_get(), by_shape=True)
+    place = CAGE.place(deformer, bpy.context.evaluated_depsgraph_get())
     rest = rest_frame.read(deformer, deformer.cage_rest).points
     if place is None or len(place.vertices) != len(rest):
         return False

@@ -16,13 +16,13 @@ from ...mesh_io import read_rest
 from ...properties import SinewDeformer
 from ..blocks import capture, rest_frame, shapes, targets
 from ..control import kinds
-from ..control.cage import kind as cage_kind
+from ..control.cage.kind import KIND as CAGE
 from ..live import binding
 from ..memory import sessions
 from . import automatic, hull
 from .automatic import Shape
 
-CAGE_METHODS = kinds.methods_of(cage_kind)
+CAGE_METHODS = kinds.methods_of(CAGE)
 
 
 def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
@@ -102,7 +102,7 @@ def _parent(cage: Object, obj: Object) -> None:
 def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
     """Let the cage rest as it is now, so that the mesh is at rest too. ``bind`` must follow."""
     rest_frame.absorb(deformer)
-    cage_kind.take_rest(obj, deformer)
+    CAGE.take_rest(obj, deformer)
     binding.abandon(deformer.uid)
 
 
@@ -121,5 +121,5 @@ def flip_cage(deformer: SinewDeformer) -> None:
     else:
         edit.to_mesh(cage.data)
         edit.free()
-    cage_kind.forget_rest(deformer)
+    CAGE.forget_rest(deformer)
     bpy.context.view_layer.update()

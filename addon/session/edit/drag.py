@@ -22,7 +22,7 @@ from ...mesh_io import group_weights, read_rest
 from ...properties import SinewDeformer, SinewHandle, deformers_of
 from ..blocks import shapes, surface, targets
 from ..blocks.surface import Hit
-from ..control import kinds
+from ..control import kinds, locks
 from ..live import binding
 from ..memory.background import Work
 from ..memory.evaluation import is_shown
@@ -102,7 +102,7 @@ class Drag:
             deformer.active_handle = list(deformer.handles).index(handle)
         self.uid, self._handle, self.name = deformer.uid, handle.uid, handle.name
         mover = _mover(handle)
-        self._channels = [tuple(getattr(mover, name)) for name in _CHANNELS]
+        self._channels = {name: tuple(getattr(mover, name)) for name in _CHANNELS}
         carrier = handle.control.matrix_world
         self.frame = np.array(carrier @ mover.matrix if handle.bone else carrier, dtype=np.float64)
 
@@ -120,7 +120,10 @@ class Drag:
         raise SinewError("The handle was removed meanwhile - drag again")
 
     def move(self, obj: Object, motion: np.ndarray) -> None:
-        """Move the control by a motion (4, 4) of the world, from where it was at the start."""
+        """Move the control by a motion (4, 4) of the world, from where it was at the start.
+
+        Locked channels stay.
+        """
         if not np.isfinite(motion).all():
             raise ConstraintError("The motion is not a finite number - type another one")
         handle = self.handle_of(obj)
@@ -129,11 +132,12 @@ class Drag:
             mover.matrix = handle.control.matrix_world.inverted_safe() @ place
         else:
             mover.matrix_world = place
+        locks.hold_locked(mover, self._channels)
 
     def key(self, obj: Object) -> None:
         """Insert keyframes for what has moved, as Auto Keying does when Blender's own tools end."""
         mover = _mover(self.handle_of(obj))
-        for name, values in zip(_CHANNELS, self._channels, strict=True):
+        for name, values in self._channels.items():
             if tuple(getattr(mover, name)) != values:
                 mover.keyframe_insert(name)
 
@@ -143,7 +147,7 @@ class Drag:
             self._remove(obj)
         else:
             mover = _mover(self.handle_of(obj))
-            for name, values in zip(_CHANNELS, self._channels, strict=True):
+            for name, values in self._channels.items():
                 setattr(mover, name, values)
         self._settings.restore(obj)
 

@@ -24,6 +24,7 @@ from ...core.geometry import frames
 from ...core.memory import remember
 from ...properties import SinewHandle
 from ..blocks.owners import owners
+from ..control import locks
 from ..control.handles import poses
 from ..control.handles.sides import control_pairs, mirrored
 from ..memory import sessions
@@ -172,11 +173,7 @@ def _set_basis(control: Object, basis: Matrix) -> None:
         new = getattr(control, rotation).copy()
         new.make_compatible(turned)
         setattr(control, rotation, new)
-    for name, lock in (("location", "lock_location"), (rotation, "lock_rotation"), ("scale", "lock_scale")):
-        if len(before[name]) == 3:
-            for axis, is_locked in enumerate(getattr(control, lock)):
-                if is_locked:
-                    getattr(control, name)[axis] = before[name][axis]
+    locks.hold_locked(control, before)
 
 
 def _rotation(control: Object) -> str:

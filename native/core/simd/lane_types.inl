@@ -64,6 +64,23 @@ inline bool all(Mask mask)
     return mask[0] && mask[1] && mask[2] && mask[3];
 }
 #endif
+#ifndef SINEW_EIGHT_LANES
+/// Lane k of x, y and z becomes the first, second and third number of the k-th row.
+inline void load_columns(const double* a, const double* b, const double* c, const double* d, Lanes<double>& x,
+                         Lanes<double>& y, Lanes<double>& z)
+{
+    typedef double Pair __attribute__((vector_size(16), aligned(8)));
+    const auto pairs = [](const double* p, const double* q) {
+        return __builtin_shufflevector(*reinterpret_cast<const Pair*>(p), *reinterpret_cast<const Pair*>(q),
+                                       0, 1, 2, 3);
+    };
+    const FourLanes ac = pairs(a, c), bd = pairs(b, d), ac_end = pairs(a + 1, c + 1),
+                    bd_end = pairs(b + 1, d + 1);
+    x = __builtin_shufflevector(ac, bd, 0, 4, 2, 6);
+    y = __builtin_shufflevector(ac, bd, 1, 5, 3, 7);
+    z = __builtin_shufflevector(ac_end, bd_end, 1, 5, 3, 7);
+}
+#endif
 /// Lane k of the n-th vector becomes lane n of the k-th.
 inline void transpose(FourLanes& a, FourLanes& b, FourLanes& c, FourLanes& d)
 {
@@ -200,6 +217,13 @@ template <class T>
 inline Lanes<T> turned(const Lanes<T>& a)
 {
     return {{a[1], a[2], a[0], a[3]}};
+}
+inline void load_columns(const double* a, const double* b, const double* c, const double* d, Lanes<double>& x,
+                         Lanes<double>& y, Lanes<double>& z)
+{
+    x = {{a[0], b[0], c[0], d[0]}};
+    y = {{a[1], b[1], c[1], d[1]}};
+    z = {{a[2], b[2], c[2], d[2]}};
 }
 inline void transpose(Lanes<double>& a, Lanes<double>& b, Lanes<double>& c, Lanes<double>& d)
 {

@@ -227,8 +227,8 @@ struct ThinShell::Impl
             progress.tick(0.7, "computing the basis");
             if (options.affine_basis && regions.handle_count() <= most_basis_handles) {
                 const MatrixX columns = AffineBasis::columns(rest.points(), regions);
-                next.basis =
-                    std::make_unique<AffineBasis>(rest.points(), next.respond(rest.vertex_count(), columns));
+                next.basis = std::make_unique<AffineBasis>(
+                    rest.points(), next.respond(rest.vertex_count(), columns), regions);
             }
             progress.tick(1.0, "bound");
         } catch (const std::exception&) {
@@ -317,7 +317,7 @@ SolveReport ThinShell::deform(const SolveRequest& request, const Targets& target
 {
     const Binding& bound = impl_->bound;
     if (bound.basis && !request.incoming)
-        return bound.basis->solve(request.poses, positions);
+        return bound.basis->solve(request.poses, positions, !idle_parts_ride());
 
     const PointsView base = targets.base();
     const int n = rest().vertex_count();

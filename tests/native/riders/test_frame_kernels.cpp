@@ -49,6 +49,11 @@ TEST(FrameKernels, give_the_same_bits_with_every_set_of_instructions)
         kernels.bend(&map, offsets.data(), frames.data(), shares.data(), vertices.data(), 2,
                      mesh.points().data(), bent.data());
         EXPECT_LT(shapes::distance(carried, bent), 1e-14);
+        const std::array<int, 3> middle{1, 2, 3};
+        Points one_by_one = after, in_a_row = after;
+        kernels.carry(map, middle.data(), 3, mesh.points().data(), one_by_one.data());
+        kernels.carry_row(map, 3, mesh.points().data() + 3, in_a_row.data() + 3);
+        EXPECT_EQ(in_a_row, one_by_one) << "and nothing behind the row is written";
         LooseSlot slot = loose;
         kernels.place(&slot, 1, mesh.points().data());
         kernels.ride(&slot, 1, nullptr, ridden.data());

@@ -5,9 +5,43 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 namespace sinew {
 
 namespace {
+
+double median(std::vector<double> values)
+{
+    std::ranges::sort(values);
+    const std::size_t middle = values.size() / 2;
+    return values.size() % 2 ? values[middle] : (values[middle] + values[middle - 1]) / 2;
+}
+
+/// Median distance of the samples that count from a part.
+double distance(const Seat& seat, const std::vector<Part>& parts, const TriangleTree& from)
+{
+    std::vector<double> gaps;
+    for (std::size_t s = 0; s < std::min<std::size_t>(seat.samples.size(), 96); ++s) {
+        const Vector3& point = parts[seat.part].points[seat.samples[s]];
+        gaps.push_back((from.closest(point) - point).norm());
+    }
+    return median(gaps);
+}
+
+/// A plate, large balls on it, and many small ones around them, of many sizes.
+scenes::Scene cloud(int count)
+{
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> uniform;
+    scenes::Scene scene{scenes::plate(11, 11)};
+    for (int i = 0; i < count; ++i) {
+        const Vector3 at(10 * uniform(random), 10 * uniform(random), .1 + 4 * uniform(random));
+        scene.add(scenes::ball(i % 10 ? .02 + .05 * uniform(random) : .4 + .3 * uniform(random), at, 5, 3));
+    }
+    return scene;
+}
 
 std::vector<Seat> seats_of(const scenes::Scene& scene, std::vector<int> driven)
 {
@@ -63,6 +97,45 @@ TEST(Seats, there_are_none_where_no_driven_part_has_an_area)
 {
     const scenes::Piece point{{Vector3(0, 0, 0)}, {}};
     EXPECT_TRUE(seats_of({point, scenes::ball(1, {3, 0, 0})}, {0}).empty());
+}
+
+TEST(Seats, are_those_that_a_look_at_every_larger_part_finds)
+{
+    const scenes::Scene scene = cloud(150);
+    const SurfaceMesh mesh = scene.mesh();
+    const std::vector<Part> parts = parts_of(mesh, connected_components(mesh));
+    std::vector<TriangleTree> trees;
+    for (const Part& part : parts)
+        trees.emplace_back(part.points, part.triangles);
+    int moved = 0;
+    for (const Seat& seat : seats_of(scene, {0})) {
+        double best = distance(seat, parts, trees[0]) / 2;
+        int host = 0;
+        for (int other = 1; other < static_cast<int>(parts.size()); ++other)
+            if (parts[other].area > 1.0001 * parts[seat.part].area)
+                if (const double found = distance(seat, parts, trees[other]); found < best) {
+                    best = found;
+                    host = other;
+                }
+        EXPECT_EQ(seat.host, host) << seat.part;
+        moved += host > 0;
+    }
+    EXPECT_GT(moved, 50);
+}
+
+TEST(Seats, of_many_parts_are_found_without_a_look_at_all_pairs)
+{
+    double before = 0.0;
+    for (int count : {250, 500, 1000}) {
+        double looks = 0.0;
+        for (const Seat& seat : seats_of(cloud(count), {0}))
+            looks += seat.looks;
+        EXPECT_LT(looks, 100.0 * count) << count;
+        if (before > 0) {
+            EXPECT_LT(looks, 3 * before) << count << ": four times as many pairs";
+        }
+        before = looks;
+    }
 }
 
 } // namespace sinew

@@ -30,7 +30,7 @@ struct SpaceTraits
     std::vector<SpaceVariant> variants;
     Points control; ///< (c, 3) at rest
     Points points;  ///< (n, 3) that can be bound, n >= 200
-    double translation = 1e-12;
+    std::optional<double> translation = 1e-12; ///< translations of the control; none: not reproduced
     std::optional<double> similarity{}; ///< similarities of the control; none: not reproduced
     std::optional<double> affine{};     ///< affine maps
     double follow = 1.5;                ///< no point goes farther in a step than this times the control

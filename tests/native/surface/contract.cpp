@@ -304,7 +304,7 @@ TEST_P(SurfaceContract, solves_on_messy_meshes)
         const Method method = variant.make(messy);
         const BindReport report = method->set_handles({{{0, 1, 9, 10}, {}}, {{79, 80, 70, 71}, {}}});
         EXPECT_EQ(report.free_parts, 2); // the triangle of its own, the loose vertex
-        EXPECT_EQ(report.degenerate_faces, 3);
+        EXPECT_EQ(report.degenerate_faces, traits().degenerate_faces);
         const std::vector<Poses> lifted{{shapes::still(), shapes::shift(1, 2, 3)},
                                         {shapes::still(), shapes::turn({0, 0, 1}, 40, {8, 8, 0}, {1, 2, 3})}};
         for (const Poses& poses : lifted) {

@@ -51,6 +51,7 @@ struct SurfaceTraits
     double scaled = 1e-7; ///< at another size
     double apart = 1e-9; ///< what a part without handles changes in the others
     double messy = 20.0; ///< how far points of shapes::messy() go
+    int degenerate_faces = 3; ///< of shapes::messy(), as reported; 0 for a method that needs no areas
     double folded = 1e-9; ///< what faces of one corner repeated change
     double soft = 1e-4; ///< gap at a handle of weight 1 - 1e-6
     double all_soft = 1e9; ///< gap where all handles have the weight 0.7

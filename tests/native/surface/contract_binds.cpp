@@ -85,6 +85,7 @@ TEST_P(SurfaceContract, rebind_keeps_what_is_the_same)
         const Method former = bound(variant, mesh(), ends()), next = variant.make(mesh());
         const Points before = solve(*former, traits().bent);
         EXPECT_TRUE(next->can_reuse(*former));
+        EXPECT_EQ(next->differences(*former), std::vector<std::string>{});
         EXPECT_THROW(next->rebind(*former, ends(), never), Cancelled);
         EXPECT_THROW(next->rebind(*former, {{{}, {}}}), InvalidConstraint);
         EXPECT_EQ(solve(*former, traits().bent), before);
@@ -122,6 +123,7 @@ TEST_P(SurfaceContract, rebind_says_what_differs_and_leaves_alone_what_serves_no
     const Points before = solve(*former, traits().bent);
     const auto anew = [&](const Method& next, const std::string& changed) {
         EXPECT_FALSE(next->can_reuse(*former));
+        EXPECT_EQ(next->differences(*former), std::vector{changed});
         const BindReport report = next->rebind(*former, ends());
         EXPECT_EQ(report.reuse, Reuse::anew);
         EXPECT_EQ(report.changed, changed);
@@ -138,6 +140,7 @@ TEST_P(SurfaceContract, rebind_says_what_differs_and_leaves_alone_what_serves_no
     }
     if (traits().updated) {
         const Method next = traits().updated(mesh()), fresh = traits().updated(mesh());
+        EXPECT_EQ(next->differences(*former), std::vector{traits().updates});
         const BindReport report = next->rebind(*former, ends());
         EXPECT_EQ(report.reuse, Reuse::updated);
         EXPECT_EQ(report.changed, traits().updates);

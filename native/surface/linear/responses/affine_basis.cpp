@@ -36,31 +36,34 @@ MatrixX AffineBasis::columns(const Points& rest, const Regions& regions)
     return columns;
 }
 
-AffineBasis::AffineBasis(const Points& rest, const LinearResponse& response)
+AffineBasis::AffineBasis(const Points& rest, const LinearResponse& response, const Regions& regions)
     : vertex_count_(static_cast<int>(rest.rows())), columns_(static_cast<int>(response.displacement.cols())),
       energy_(response.energy), residual_(response.residual), load_(response.load)
 {
-    const int rows = 3 + columns_;
-    blocks_.resize(static_cast<std::size_t>((vertex_count_ + eight - 1) / eight) * eight * rows);
-    parallel_for(vertex_count_, [&](int i) {
+    for (int v = 0; v < vertex_count_; ++v)
+        (regions.is_idle(v) ? idle_ : moved_).push_back(v);
+    idle_rest_ = rest(idle_, Eigen::all);
+    const int rows = 3 + columns_, count = static_cast<int>(moved_.size());
+    blocks_.resize(static_cast<std::size_t>((count + eight - 1) / eight) * eight * rows);
+    parallel_for(count, [&](int i) {
         double* own = blocks_.data() + static_cast<std::size_t>(i / eight) * eight * rows + i % eight;
         for (int c = 0; c < rows; ++c)
-            own[eight * c] = c < 3 ? rest(i, c) : response.displacement(i, c - 3);
+            own[eight * c] = c < 3 ? rest(moved_[i], c) : response.displacement(moved_[i], c - 3);
     });
 }
 
 RowMatrix AffineBasis::matrix() const
 {
-    RowMatrix B(vertex_count_, columns_);
+    RowMatrix B = RowMatrix::Zero(vertex_count_, columns_);
     const int rows = 3 + columns_;
-    for (int i = 0; i < vertex_count_; ++i)
+    for (int i = 0; i < static_cast<int>(moved_.size()); ++i)
         for (int c = 0; c < columns_; ++c)
-            B(i, c) =
+            B(moved_[i], c) =
                 blocks_[static_cast<std::size_t>(i / eight) * eight * rows + eight * (3 + c) + i % eight];
     return B;
 }
 
-SolveReport AffineBasis::solve(const Poses& poses, Points& positions) const
+SolveReport AffineBasis::solve(const Poses& poses, Points& positions, bool idle_too) const
 {
     const int handles = columns_ / 4;
     Targets{poses, PointsView(nullptr, vertex_count_, 3), {}, nullptr}.check(handles);
@@ -72,20 +75,25 @@ SolveReport AffineBasis::solve(const Poses& poses, Points& positions) const
     }
     positions.resize(vertex_count_, 3);
     const ProductOfEight& kernels = widest_kernels<ProductOfEight>();
-    const int block_count = (vertex_count_ + eight - 1) / eight;
+    const int moved_count = static_cast<int>(moved_.size());
+    const int block_count = (moved_count + eight - 1) / eight;
     parallel_for(
         block_count,
         [&](int block) {
             std::array<double, 3 * eight> sums;
             kernels.multiply(blocks_.data() + static_cast<std::size_t>(block) * eight * (3 + columns_),
                              columns_, P.data(), sums.data());
-            const int begin = eight * block, count = std::min(eight, vertex_count_ - begin);
-            double* point = positions.data() + 3 * static_cast<std::size_t>(begin);
-            for (int i = 0; i < count; ++i, point += 3)
+            const int begin = eight * block, count = std::min(eight, moved_count - begin);
+            for (int i = 0; i < count; ++i) {
+                double* const point = positions.data() + 3 * static_cast<std::size_t>(moved_[begin + i]);
                 for (int axis = 0; axis < 3; ++axis)
                     point[axis] = sums[eight * axis + i];
+            }
         },
         512);
+    if (idle_too)
+        for (std::size_t i = 0; i < idle_.size(); ++i)
+            positions.row(idle_[i]) = idle_rest_.row(static_cast<Eigen::Index>(i));
 
     SolveReport report;
     report.iterations = 1;

@@ -44,19 +44,22 @@ public:
 
     /// \param rest      (n, 3)
     /// \param response  the response of the surface to columns().
-    AffineBasis(const Points& rest, const LinearResponse& response);
+    AffineBasis(const Points& rest, const LinearResponse& response, const Regions& regions);
 
     /// (n, 4k) B, with four columns per handle, for x, y, z and 1. Every call assembles it again.
     RowMatrix matrix() const;
 
     /// The same shape and report as the method's solve() from rest.
+    /// \param idle_too  whether to write the vertices of parts that no handle touches, which rest.
     /// \throw InvalidConstraint  the number of poses is not k, or one is not finite.
-    SolveReport solve(const Poses& poses, Points& positions) const;
+    SolveReport solve(const Poses& poses, Points& positions, bool idle_too = true) const;
 
 private:
     int vertex_count_;
     int columns_; ///< 4k
-    /// One block per eight vertices, as ProductOfEight reads it: their rest points, then their rows of B.
+    std::vector<int> moved_, idle_; ///< vertices of parts that a handle touches, and the others
+    Points idle_rest_;
+    /// One block per eight of the first, as ProductOfEight reads it: their rest points, then their rows of B.
     std::vector<double> blocks_;
     MatrixX energy_, residual_, load_; ///< (4k, 4k), see LinearResponse
 };

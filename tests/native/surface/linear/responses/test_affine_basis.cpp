@@ -120,6 +120,24 @@ TEST(AffineBasis, is_zero_in_parts_without_a_handle)
     EXPECT_EQ(pair.with.affine_basis()->matrix().bottomRows(8).cwiseAbs().maxCoeff(), 0.0);
 }
 
+TEST(AffineBasis, leaves_parts_without_a_handle_alone_where_others_place_them)
+{
+    const SurfaceMesh first = shapes::hill(6, 6);
+    const SurfaceMesh mesh = shapes::joined(shapes::cube(), first, {30, 0, 0}); // the cube comes first
+    std::vector<Handle> handles = shapes::ends(first, 1.5);
+    for (Handle& handle : handles)
+        for (int& vertex : handle.vertices)
+            vertex += 8;
+    const Pair pair = bind(mesh, {}, handles);
+    const Poses poses = random_poses(2, 5);
+    Points all, moved = Points::Constant(mesh.vertex_count(), 3, 7.0);
+    pair.with.affine_basis()->solve(poses, all);
+    pair.with.affine_basis()->solve(poses, moved, false);
+    EXPECT_EQ(all.topRows(8), mesh.points().topRows(8));
+    EXPECT_EQ(moved.topRows(8), Points::Constant(8, 3, 7.0));
+    EXPECT_EQ(moved.bottomRows(first.vertex_count()), all.bottomRows(first.vertex_count()));
+}
+
 TEST(AffineBasis, is_left_out_where_handles_are_many)
 {
     const SurfaceMesh mesh = shapes::hill(8, 8);
@@ -134,7 +152,7 @@ TEST(AffineBasis, is_left_out_where_handles_are_many)
     Points a, b;
     pair.without.solve({poses}, b);
     const MatrixX columns = AffineBasis::columns(mesh.points(), pair.with.regions());
-    AffineBasis(mesh.points(), pair.with.respond(columns)).solve(poses, a);
+    AffineBasis(mesh.points(), pair.with.respond(columns), pair.with.regions()).solve(poses, a);
     EXPECT_LT(shapes::distance(a, b), 1e-10 * shapes::size(b));
 }
 
