@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the headers of CPython ask for on macOS, in place of the answers for the system that they came from. The sizes
-// that depend on the processor stand in their own pymacconfig.h.
+// What the headers of CPython ask for on macOS, in place of the answers for the system that they came from.
+// The sizes that depend on the processor stand in their own pymacconfig.h.
 #pragma once
 #define _DARWIN_C_SOURCE 1
 #define WITH_DOC_STRINGS 1
