@@ -31,7 +31,7 @@ class SINEW_OT_check_installation(Operator):
     def execute(self, _context: Context) -> set[str]:
         try:
             with NamedTemporaryFile(
-                "w", prefix="sinew-check-", suffix=".txt", encoding="utf-8", delete=False
+                "w", prefix="sinew-check-", suffix=".txt", encoding="utf-8", errors="replace", delete=False
             ) as file:
                 found = write_report(file)
         except OSError as error:
