@@ -26,6 +26,7 @@ class SINEW_OT_check_installation(Operator):
 
     bl_idname = Operators.CHECK_INSTALLATION
     bl_label = "Check This Installation"
+    bl_options = {"INTERNAL"}  # its button is in the preferences, and Blender searches menus
 
     def execute(self, _context: Context) -> set[str]:
         try:
