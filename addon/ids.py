@@ -35,6 +35,7 @@ class Operators:
     UNBAKE = "sinew.unbake"
     CURVE_EDIT = "sinew.curve_edit"
     HELP = "sinew.help"
+    CHECK_INSTALLATION = "sinew.check_installation"
     PRESET_ADD = "sinew.preset_add"
     PRESET_APPLY = "sinew.preset_apply"
 

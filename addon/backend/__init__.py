@@ -16,12 +16,14 @@ from .native import (
     limit_threads,
 )
 from .recipes import Base, Cage, CageReport, ControlPoints, HandlePoints, Handles, Progress, Recipe, Shape
+from .self_check import Check, check_installation, last_check
 
 __all__ = (
     "Availability",
     "Base",
     "Cage",
     "CageReport",
+    "Check",
     "ControlPoints",
     "Diagnosis",
     "Factor",
@@ -35,8 +37,10 @@ __all__ = (
     "availability",
     "bind_seconds",
     "build_factor",
+    "check_installation",
     "connected_parts",
     "diagnose",
+    "last_check",
     "limit_memory",
     "limit_threads",
 )

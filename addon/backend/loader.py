@@ -5,9 +5,11 @@ The zip for Blender before 4.2 holds the unpacked wheel in the folder ``_native`
 extension, Blender installs the wheel, which can then be imported by its name.
 """
 
+import fnmatch
 import importlib
 import platform
 import sys
+import traceback
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -15,14 +17,21 @@ from types import ModuleType
 from ..ids import VERSION
 
 _ROOT = __package__.rpartition(".")[0]
+_ADDON = Path(__file__).parent.parent
+_UNPACKED, _WHEELS = _ADDON / "_native", _ADDON / "wheels"
+_MODULES = {".so", ".pyd"}
 
 
 @dataclass(frozen=True)
 class Availability:
-    """The native module; or, in ``remedy``, why it cannot be used and what to do."""
+    """The native module; or, in ``remedy``, why it cannot be used and what to do.
+
+    ``details`` is the traceback, for a report.
+    """
 
     module: ModuleType | None
     remedy: str = ""
+    details: str = ""
 
 
 def wheel_name() -> str:
@@ -32,18 +41,28 @@ def wheel_name() -> str:
     return f"sinew_native-{VERSION}-{python}-{python}-*{system}*{platform.machine().lower()}*"
 
 
+def _readable(text: str) -> str:
+    """Paths in the messages of the system may be no text in the language that Python assumes there."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
+def _fitting_zip() -> str:
+    return f"the Sinew zip for this Blender, which holds {wheel_name()}"
+
+
 def load() -> Availability:
     """Import the module. It raises nothing; ``remedy`` holds the reason if there is no module."""
-    bundled = (Path(__file__).parent.parent / "_native").is_dir()
-    name = f"{_ROOT}._native.sinew_native" if bundled else "sinew_native"
+    name = f"{_ROOT}._native.sinew_native" if _UNPACKED.is_dir() else "sinew_native"
     try:
         module = importlib.import_module(name)
-    except ImportError as error:
-        reason = "is missing" if isinstance(error, ModuleNotFoundError) else f"does not load ({error})"
-        return Availability(
-            None,
-            f"The native module {reason}. Install the Sinew zip for this Blender, which holds {wheel_name()}",
+    except ModuleNotFoundError:
+        return Availability(None, _missing(), _readable(traceback.format_exc()))
+    except (ImportError, OSError) as error:
+        remedy = (
+            f"The native module does not load ({error}). Restart Blender; if this stays, let your virus "
+            f"scanner allow it, or install {_fitting_zip()}"
         )
+        return Availability(None, _readable(remedy), _readable(traceback.format_exc()))
     found = getattr(module, "__version__", "unknown")
     if found != VERSION:
         return Availability(
@@ -52,3 +71,21 @@ def load() -> Availability:
             "Restart Blender; if this stays, install the zip again",
         )
     return Availability(module)
+
+
+def _missing() -> str:
+    packed = _packed()
+    if any(fnmatch.fnmatchcase(name.lower(), wheel_name()) for name in packed):
+        return (
+            f"The native module is missing: Blender has not installed {wheel_name()}, which the zip holds. "
+            "Close Blender, and install the zip again"
+        )
+    held = f": the installed zip holds {' and '.join(packed)}" if packed else ""
+    return f"The native module is missing{held}. Install {_fitting_zip()}"
+
+
+def _packed() -> list[str]:
+    """The names of the wheels, or of the modules of an unpacked wheel, that came with the zip."""
+    if _UNPACKED.is_dir():
+        return sorted(path.name for path in _UNPACKED.iterdir() if path.suffix in _MODULES)
+    return sorted(path.name for path in _WHEELS.glob("*.whl"))

@@ -67,6 +67,11 @@ def limit_memory(size: int) -> None:
     _limit("limit_memory", size)
 
 
+def limits() -> dict[str, int]:
+    """The limits that are set, by the native function that sets each."""
+    return dict(_limits)
+
+
 def _limit(function: str, value: int) -> None:
     _limits[function] = value
     if availability.cache_info().currsize:

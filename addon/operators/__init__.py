@@ -9,6 +9,7 @@ from .bake import SINEW_OT_bake, SINEW_OT_unbake
 from .bind import SINEW_OT_bind, SINEW_OT_unbind
 from .cage import SINEW_OT_cage_add, SINEW_OT_cage_faces, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
 from .cancel import SINEW_OT_cancel, SINEW_OT_watch
+from .check import SINEW_OT_check_installation
 from .control import SINEW_OT_control_new
 from .curve import SINEW_OT_curve_edit
 from .deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
@@ -69,6 +70,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_select_distorted,
         SINEW_OT_curve_edit,
         SINEW_OT_help,
+        SINEW_OT_check_installation,
         SINEW_OT_preset_add,
         SINEW_OT_preset_apply,
     )

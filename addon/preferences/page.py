@@ -8,8 +8,9 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from bpy.types import AddonPreferences, Context, UILayout
 
 from .. import compat
-from ..backend import availability, limit_memory, limit_threads
+from ..backend import availability, last_check, limit_memory, limit_threads
 from ..core.methods import DEFAULT_METHOD, METHODS
+from ..ids import Operators
 from .shortcuts import find_items
 
 PACKAGE = __package__.rpartition(".")[0]
@@ -128,6 +129,7 @@ class SinewPreferences(AddonPreferences):
     def draw(self, context: Context) -> None:
         layout = self.layout
         _draw_native(layout)
+        _draw_check(layout)
         layout.row().prop(self, "section", expand=True)
         {"GENERAL": self._draw_general, "OVERLAYS": self._draw_overlays, "KEYMAP": self._draw_keymap}[
             self.section
@@ -164,10 +166,26 @@ class SinewPreferences(AddonPreferences):
 def _draw_native(layout: UILayout) -> None:
     found = availability()
     if found.module is None:
-        for number, line in enumerate(textwrap.wrap(found.remedy, 90)):
-            layout.label(text=line, icon="BLANK1" if number else "ERROR")
+        _draw_lines(layout, found.remedy, "ERROR")
     else:
         layout.label(text=f"Native module {found.module.__version__} is ready", icon="CHECKMARK")
+
+
+def _draw_check(layout: UILayout) -> None:
+    """The button, and what the last check of this process found."""
+    row = layout.row()
+    row.operator(Operators.CHECK_INSTALLATION, icon="VIEWZOOM")
+    last = last_check()
+    if not last.report:
+        return
+    row.operator("wm.path_open", text="Open the Report", icon="TEXT").filepath = last.report
+    layout.label(text=last.summary, icon="CHECKMARK" if last.is_right else "ERROR")
+    _draw_lines(layout, last.report, "BLANK1")
+
+
+def _draw_lines(layout: UILayout, text: str, icon: str) -> None:
+    for number, line in enumerate(textwrap.wrap(text, 90)):
+        layout.label(text=line, icon="BLANK1" if number else icon)
 
 
 def preferences(context: Context) -> "SinewPreferences | SimpleNamespace":

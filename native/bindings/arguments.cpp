@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 
+#include "native/core/finite.h"
 #include "native/core/parallel.h"
 
 #include <algorithm>
@@ -219,9 +220,7 @@ void require_finite(const Points& positions)
 {
     std::atomic<bool> finite{true};
     parallel_chunks(static_cast<int>(positions.rows()), 8192, [&](int begin, int end) {
-        // Zero times a number that is not finite is not a number; Eigen adds whole registers of such
-        // products.
-        if ((positions.middleRows(begin, end - begin).array() * 0.0).sum() != 0.0)
+        if (!all_finite(positions.middleRows(begin, end - begin)))
             finite = false;
     });
     if (!finite)

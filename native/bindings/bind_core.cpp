@@ -5,6 +5,7 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/report.h"
+#include "native/core/simd/kernel_set.h"
 
 #include <pybind11/stl.h>
 
@@ -168,6 +169,8 @@ void bind_core(py::module_& module)
                    std::to_string(r.energy) + (r.converged ? ", converged>" : ", budget spent>");
         });
 
+    module.def("instructions", &widest_instructions,
+               "The widest instructions of this processor that the library uses, for example 'AVX2'.");
     module.def("limit_threads", &limit_threads, py::arg("count"),
                "At most `count` threads in the library's own loops; 0 lifts the limit.");
     module.def("limit_memory", &limit_memory, py::arg("size"),

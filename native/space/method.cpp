@@ -2,6 +2,7 @@
 #include "native/space/method.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 
 #include <chrono>
 #include <cstring>
@@ -104,7 +105,7 @@ void SpaceMethod::warp(PointsView control, const std::optional<PointsView>& inco
         if (incoming->rows() != points_.rows())
             throw InvalidConstraint("incoming: " + std::to_string(incoming->rows()) + " points given for " +
                                     std::to_string(points_.rows()) + " bound ones");
-        if (!incoming->allFinite()) {
+        if (!all_finite(*incoming)) {
             const std::vector<int> bad = not_finite(*incoming);
             throw InvalidConstraint("incoming: NaN or infinite coordinates at vertices " + list_some(bad),
                                     Error::Element::vertex, bad);

@@ -2,6 +2,7 @@
 #include "native/surface/method.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 
 #include <algorithm>
 #include <chrono>
@@ -200,7 +201,7 @@ void SurfaceMethod::require_same_size(const PointsView& points, const char* name
     if (points.rows() != rest_->vertex_count())
         throw InvalidConstraint(std::string(name) + ": " + std::to_string(points.rows()) +
                                 " points given for a rest shape of " + std::to_string(rest_->vertex_count()));
-    if (!points.allFinite())
+    if (!all_finite(points))
         throw InvalidConstraint(std::string(name) + ": NaN or infinite coordinates");
 }
 

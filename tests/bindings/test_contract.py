@@ -3,6 +3,7 @@
 
 import ast
 import inspect
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -145,6 +146,15 @@ def test_every_error_says_when_it_is_raised(name: str) -> None:
 
 def test_version_is_three_numbers() -> None:
     assert re.fullmatch(r"\d+\.\d+\.\d+", sn.__version__)
+
+
+def test_instructions_are_those_of_the_processor() -> None:
+    assert sn.instructions() in ("SSE4.2", "AVX2", "AVX-512", "NEON")
+    if os.path.exists("/proc/cpuinfo") and sn.instructions() != "NEON":
+        with open("/proc/cpuinfo", encoding="utf-8") as info:
+            flags = next(line for line in info if line.startswith("flags")).split()
+        wide = "avx512dq" in flags and "avx512vl" in flags
+        assert sn.instructions() == ("AVX-512" if wide else "AVX2" if "avx2" in flags else "SSE4.2")
 
 
 @EVERY_CLASS

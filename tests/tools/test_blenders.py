@@ -49,11 +49,12 @@ def test_no_two_layers_share_a_user_folder() -> None:
     }
 
 
-def test_a_layer_that_runs_only_by_its_name_is_no_part_of_a_plain_run() -> None:
+@pytest.mark.parametrize("name", ["neon", "windows"])
+def test_a_layer_that_runs_only_by_its_name_is_no_part_of_a_plain_run(name: str) -> None:
     plain = [layer.name for layer in run_tests.chosen([])]
     assert "gui" in plain
-    assert "windows" not in plain
-    assert [layer.name for layer in run_tests.chosen(["windows"])] == ["windows"]
+    assert name not in plain
+    assert [layer.name for layer in run_tests.chosen([name])] == [name]
 
 
 def test_what_the_releases_between_run_is_there() -> None:

@@ -12,6 +12,7 @@ from . import debian, environments
 from .dev import BENCHMARK_TARGETS, build_tree
 from .environments import Environment
 from .format import checks
+from .neon_tests import neon
 from .package import package, validate
 from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT, SANITIZE_TREE
 from .results import Outcome, outcome
@@ -37,6 +38,7 @@ CORE_TESTS = (
     "test_event_stack.py",
     "test_every_method.py",
     "test_handles.py",
+    "test_installation.py",
     "test_interface.py",
     "test_methods.py",
     "test_missing_libraries.py",
@@ -234,5 +236,6 @@ LAYERS = (
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 1000, blender_5, one_process=True),
     Layer("gui", 1200, gui, one_process=True),
+    Layer("neon", 600, neon, only_by_name=True),
     Layer("windows", 900, windows, only_by_name=True),
 )

@@ -19,6 +19,7 @@ from .schema import (
     Moved,
     Parameter,
     Pointer,
+    Reproduced,
     following,
     group_property,
 )
@@ -40,6 +41,7 @@ __all__ = (
     "Moved",
     "Parameter",
     "Pointer",
+    "Reproduced",
     "following",
     "group_property",
     "wrapped",

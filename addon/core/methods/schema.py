@@ -35,6 +35,15 @@ class Moved(Enum):
     POINTS = "curves, text, hair and point clouds"
 
 
+class Reproduced(Enum):
+    """The maps of space that a method reproduces if all its controls move by one; each holds those before."""
+
+    TRANSLATIONS = "translations"
+    RIGID_MOTIONS = "rigid motions"
+    SIMILARITIES = "similarities"
+    AFFINE_MAPS = "affine maps"
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A value that the artist may set.
@@ -145,7 +154,7 @@ class Method:
     ``wraps``: the families of the methods that this method can be put around. Its native constructor gets
     such a method as ``base``. It is empty for a method that works alone. ``handle_parameters``: every handle
     has its own value of these. The native ``set_handles`` takes one keyword per parameter, with one value per
-    handle.
+    handle. ``reproduces``: the most that the method promises, on any shape.
     """
 
     id: str
@@ -160,6 +169,7 @@ class Method:
     iterative: bool
     moves: frozenset[Moved]
     bind_seconds: BindSeconds
+    reproduces: Reproduced = Reproduced.TRANSLATIONS
     wraps: tuple[Family, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()

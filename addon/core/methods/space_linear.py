@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Bool, Choice, Control, Family, Float, Int, Method, Moved, per_pair
+from .schema import Bool, Choice, Control, Family, Float, Int, Method, Moved, Reproduced, per_pair
 
 PRECISIONS = (
     (
@@ -102,6 +102,7 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         bind_seconds=per_pair(1e-8),
+        reproduces=Reproduced.AFFINE_MAPS,
         parameters=CAGE_PARAMETERS,
     ),
     Method(
@@ -117,6 +118,7 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         bind_seconds=_positive_seconds,
+        reproduces=Reproduced.AFFINE_MAPS,
         parameters=(
             Bool(
                 "exact",
@@ -154,6 +156,7 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         bind_seconds=_harmonic_seconds,
+        reproduces=Reproduced.AFFINE_MAPS,
         parameters=(
             Choice(
                 "quality",
@@ -180,6 +183,7 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         bind_seconds=per_pair(1.4e-8),
+        reproduces=Reproduced.SIMILARITIES,
         parameters=(
             Choice(
                 "outside",

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nonlinear surface methods: they minimise an energy, step by step, from a start."""
 
-from .schema import Choice, Control, Family, Float, Int, Method, Moved, factorising
+from .schema import Choice, Control, Family, Float, Int, Method, Moved, Reproduced, factorising
 
 CELLS = (
     ("spokes", "Spokes", "Each vertex keeps the edges that meet it rigid"),
@@ -27,6 +27,7 @@ ROWS = (
         iterative=True,
         moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.12),
+        reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Float(
                 "smoothness",

@@ -8,6 +8,14 @@ namespace sinew {
 /// each set that the build makes: `baseline`, `avx2` and, where eight lanes are faster than four, `avx512`.
 enum class Instructions { baseline, avx2, avx512 };
 
+#ifdef SINEW_HAVE_WIDE_KERNELS
+inline bool runs_avx512()
+{
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+           __builtin_cpu_supports("avx512dq");
+}
+#endif
+
 /// The kernels compiled with these instructions; null where the processor lacks the instructions, or the
 /// build made no such kernels.
 template <class Kernels>
@@ -17,11 +25,34 @@ const Kernels* kernels_with(Instructions instructions)
     if (instructions == Instructions::avx2 && __builtin_cpu_supports("avx2"))
         return &Kernels::avx2;
     if constexpr (requires { Kernels::avx512; })
-        if (instructions == Instructions::avx512 && __builtin_cpu_supports("avx512f") &&
-            __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq"))
+        if (instructions == Instructions::avx512 && runs_avx512())
             return &Kernels::avx512;
 #endif
     return instructions == Instructions::baseline ? &Kernels::baseline : nullptr;
+}
+
+/// The widest instructions that kernels use on this processor, in the words of its maker.
+inline const char* widest_instructions()
+{
+#if defined(SINEW_HAVE_WIDE_KERNELS)
+    if (runs_avx512())
+        return "AVX-512";
+    return __builtin_cpu_supports("avx2") ? "AVX2" : "SSE4.2";
+#elif defined(__ARM_NEON)
+    return "NEON";
+#else
+    return "those of every processor";
+#endif
+}
+
+/// What this processor lacks of the instructions that all code is compiled with; empty for nothing.
+inline const char* lacking_instructions()
+{
+#ifdef __SSE4_2__
+    if (!__builtin_cpu_supports("sse4.2"))
+        return "SSE4.2";
+#endif
+    return "";
 }
 
 /// The kernels with the widest instructions that this processor runs.

@@ -2,6 +2,7 @@
 #include "native/space/weights/linear_method.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 #include "native/core/parallel.h"
 
 #include <algorithm>
@@ -40,7 +41,7 @@ void LinearSpaceMethod::compute(PointsView given, SpaceReport& report, const Pro
                                    3);
             evaluate(first + from, chunk, rows, out);
             for (int i = from; i < to; ++i)
-                if (!rows.row(i - from).allFinite()) {
+                if (!all_finite(rows.row(i - from))) {
                     lost[static_cast<std::size_t>(first + i)] = 1;
                     rows.row(i - from).setZero();
                 }

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A native module that cannot be loaded: each reason has its remedy, and nothing is raised."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from sinew.backend import loader
+
+THIS = f"cp{sys.version_info.major}{sys.version_info.minor}"
+
+
+def refused(monkeypatch: pytest.MonkeyPatch, error: Exception) -> loader.Availability:
+    def refuse(_name: str) -> None:
+        raise error
+
+    monkeypatch.setattr(loader.importlib, "import_module", refuse)
+    found = loader.load()
+    assert found.module is None
+    assert type(error).__name__ in found.details
+    return found
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        ImportError("DLL load failed while importing sinew_native: The specified module could not be found."),
+        ImportError("DLL load failed: An Application Control policy has blocked this file."),
+        ImportError("the processor of this computer lacks SSE4.2, which Sinew needs"),
+        PermissionError(13, "Permission denied", "sinew_native.so"),
+        ImportError("/Übung/sinew_native.so: file too short".encode().decode("ascii", "surrogateescape")),
+        OSError("[WinError 225] the file contains a virus or potentially unwanted software"),
+    ],
+    ids=lambda error: str(error)[-14:],
+)
+def test_a_module_that_does_not_load_names_the_reason_and_what_to_do(monkeypatch, error: Exception):
+    remedy = refused(monkeypatch, error).remedy
+    assert str(error).encode("utf-8", "surrogateescape").decode() in remedy
+    for word in ("does not load", "Restart Blender", "virus scanner", loader.wheel_name()):
+        assert word in remedy
+
+
+@pytest.mark.parametrize("folder", ["_UNPACKED", "_WHEELS"])
+def test_a_zip_for_another_system_is_named(monkeypatch, tmp_path: Path, folder: str):
+    monkeypatch.setattr(loader, "_UNPACKED", tmp_path / "_native")
+    monkeypatch.setattr(loader, "_WHEELS", tmp_path / "wheels")
+    name = {
+        "_UNPACKED": "sinew_native.cp399-win_amd64.pyd",
+        "_WHEELS": "sinew_native-0.1.0-cp399-cp399-win_amd64.whl",
+    }[folder]
+    getattr(loader, folder).mkdir()
+    (getattr(loader, folder) / name).touch()
+    remedy = refused(monkeypatch, ModuleNotFoundError("sinew_native")).remedy
+    assert f"the installed zip holds {name}." in remedy
+    assert remedy.endswith(f"Install the Sinew zip for this Blender, which holds {loader.wheel_name()}")
+
+
+def test_a_wheel_that_blender_did_not_install_is_named(monkeypatch, tmp_path: Path):
+    monkeypatch.setattr(loader, "_WHEELS", tmp_path)
+    fitting = loader.wheel_name().replace("*", "x")
+    (tmp_path / f"{fitting}.whl").touch()
+    (tmp_path / "sinew_native-0.1.0-cp399-cp399-win_amd64.whl").touch()
+    remedy = refused(monkeypatch, ModuleNotFoundError("sinew_native")).remedy
+    assert "has not installed" in remedy
+    assert "install the zip again" in remedy
+    assert THIS in remedy
