@@ -2,8 +2,8 @@
 """Shapes that are known without computing them, for every method of the registry.
 
 They follow from what a method promises (rest gives rest, a motion of all controls moves the whole shape, a
-handle is held) and from the symmetry of an octahedron. A new row is asked what it promises; a new kind of
-control needs a function in ``_RIGS``.
+handle is held) and from the symmetry of an octahedron. A new row is asked what it promises. A new kind of
+control gives points; one of which more is known has a function in ``_RIGS``.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..core.methods import Bool, Choice, Control, Curve, Method, Parameter, Pointer, Reproduced, wrapped
-from .recipes import Base, Cage, HandlePoints, Handles, Recipe, Shape
+from .recipes import Base, Cage, ControlPoints, HandlePoints, Handles, Recipe, Shape
 
 # Lengths, on shapes 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves
 # of up to 6 units.
@@ -63,9 +63,7 @@ def rigs(method: Method) -> Iterator[tuple[str, Rig]]:
 
     Beside each stands what differs from the defaults, in words.
     """
-    make = _RIGS.get(method.control)
-    if make is None:
-        return
+    make = _RIGS.get(method.control, _among_points)
     for words, changed in _variants(method):
         for rig in make(method, values(method, True, changed), values(method, False, changed)):
             if rig.recipe.seconds < _LONGEST and (not words or rig.every_option):
@@ -167,6 +165,15 @@ def _in_cage(method: Method, options: dict[str, object], solve: dict[str, object
     )
     recipe = Recipe(method, target, options, Cage(2.0 * corners, corner_faces))
     yield Rig("points in an octahedron", recipe, solve, (sixth,), every_option=False)
+
+
+def _among_points(method: Method, options: dict[str, object], solve: dict[str, object]) -> Iterator[Rig]:
+    """A ball among six points that move it, such as those of a lattice."""
+    points, faces = ball(2)
+    control = 2.0 * ball(0)[0]
+    motions = _motions(method, points, lambda matrix: _moved(matrix, control))
+    recipe = Recipe(method, Shape(points, faces), options, ControlPoints(control))
+    yield Rig("a ball among six points", recipe, solve, tuple(motions))
 
 
 _RIGS: dict[Control, Callable[[Method, dict[str, object], dict[str, object]], Iterator[Rig]]] = {

@@ -41,6 +41,11 @@ def wheel_name() -> str:
     return f"sinew_native-{VERSION}-{python}-{python}-*{system}*{platform.machine().lower()}*"
 
 
+def _readable(text: str) -> str:
+    """Paths in the messages of the system may be no text in the language that Python assumes there."""
+    return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+
+
 def _fitting_zip() -> str:
     return f"the Sinew zip for this Blender, which holds {wheel_name()}"
 
@@ -51,14 +56,13 @@ def load() -> Availability:
     try:
         module = importlib.import_module(name)
     except ModuleNotFoundError:
-        return Availability(None, _missing(), traceback.format_exc())
+        return Availability(None, _missing(), _readable(traceback.format_exc()))
     except (ImportError, OSError) as error:
-        return Availability(
-            None,
+        remedy = (
             f"The native module does not load ({error}). Restart Blender; if this stays, let your virus "
-            f"scanner allow it, or install {_fitting_zip()}",
-            traceback.format_exc(),
+            f"scanner allow it, or install {_fitting_zip()}"
         )
+        return Availability(None, _readable(remedy), _readable(traceback.format_exc()))
     found = getattr(module, "__version__", "unknown")
     if found != VERSION:
         return Availability(

@@ -26,11 +26,12 @@ class SINEW_OT_check_installation(Operator):
 
     bl_idname = Operators.CHECK_INSTALLATION
     bl_label = "Check This Installation"
+    bl_options = {"INTERNAL"}  # its button is in the preferences, and Blender searches menus
 
     def execute(self, _context: Context) -> set[str]:
         try:
             with NamedTemporaryFile(
-                "w", prefix="sinew-check-", suffix=".txt", encoding="utf-8", delete=False
+                "w", prefix="sinew-check-", suffix=".txt", encoding="utf-8", errors="replace", delete=False
             ) as file:
                 found = write_report(file)
         except OSError as error:

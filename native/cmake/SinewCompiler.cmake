@@ -71,7 +71,11 @@ function(sinew_compile_with_cgal target names)
   list(FILTER sources INCLUDE REGEX "${names}")
   set_source_files_properties(${sources} PROPERTIES
     COMPILE_DEFINITIONS CGAL_DISABLE_GMP=1 SKIP_PRECOMPILE_HEADERS ON)
-  if(NOT MSVC)
+  if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    # CGAL leaves out a header that libstdc++ brings along, and has templates that nobody calls and Clang would refuse.
+    set_source_files_properties(${sources} PROPERTIES
+      COMPILE_OPTIONS "-frounding-math;-fdelayed-template-parsing;-include;cfloat")
+  elseif(NOT MSVC)
     set_source_files_properties(${sources} PROPERTIES COMPILE_OPTIONS -frounding-math)
   endif()
 endfunction()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The check of an installation: it asks every method, and shows a module that gives wrong answers."""
 
+import dataclasses
 import io
 import re
 from pathlib import Path
@@ -8,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sinew.core.methods import METHODS, Choice
+from sinew.core.methods import BY_ID, METHODS, Choice, Control, Reproduced
 
 
 def checked(backend) -> tuple[object, str]:
@@ -74,20 +75,34 @@ def test_wrong_answers_are_shown_for_every_method(backend, monkeypatch: pytest.M
 
 
 def test_a_method_that_fails_stops_no_other(backend, monkeypatch: pytest.MonkeyPatch):
-    module, first = backend.availability().module, METHODS[0]
+    module, last = backend.availability().module, METHODS[-1]  # no other method is put around it
 
     def refuse(*_args: object, **_options: object) -> None:
         raise RuntimeError("vector::_M_range_check")
 
-    monkeypatch.setattr(module, first.native, refuse)
+    monkeypatch.setattr(module, last.native, refuse)
     found, text = checked(backend)
     assert "RuntimeError: vector::_M_range_check" in text
     assert "Traceback" in text
     assert str(Path.home()) not in text
     for heading, lines in parts(text).items():
-        failed = re.match(rf"{first.id}[,:]", heading) is not None
+        failed = re.match(rf"{last.id}[,:]", heading) is not None
         assert any("WRONG" in line for line in lines) == failed
     assert 0 < found.wrong < found.asked
+
+
+def test_a_kind_of_control_of_points_is_asked_what_its_method_promises(backend):
+    row = dataclasses.replace(BY_ID["mean_value"], control=Control.POINTS, reproduces=Reproduced.SIMILARITIES)
+    rigs = list(backend.known_answers.rigs(row))
+    assert {words for words, _rig in rigs} == {"", "precision=double"}
+    for _words, rig in rigs:
+        assert len(rig.recipe.control.points) == 6
+        assert [answer.claim for answer in rig.answers] == [
+            "rest",
+            "translations",
+            "rigid motions",
+            "similarities",
+        ]
 
 
 def test_without_a_module_the_report_says_why(backend, monkeypatch: pytest.MonkeyPatch):

@@ -54,7 +54,7 @@ def angles_around(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 def character() -> tuple[np.ndarray, np.ndarray]:
     """A head with two large flat ears and a trunk, symmetric about x = 0 but for the division into faces.
 
-    It is rounded, since sines and products differ in their last bits from system to system, and so would cages.
+    It is rounded: sines and products differ in their last bits from system to system, and so would cages.
     """
     parts = (
         ((0.0, 0.0, 0.0), (1.0, 0.9, 1.0), 0.3),

@@ -43,6 +43,7 @@ class HandleRig(Rig):
     )
     counts_in_no_scene = True  # a control that is in no scene moves the shape; else the last one stays
     hidden_meshes = 4  # what entered at bind, and in renders; two shapes
+    point_arrays = 0  # how many arrays Blender has the points of the control in, where these count
     carries = Matrix.Translation((0.3, -0.2, 0.7))
 
     @classmethod
@@ -181,6 +182,7 @@ class CageRig(HandleRig):
     goes_on = False
     counts_in_no_scene = False
     hidden_meshes = 5  # the cage at rest, too
+    point_arrays = 1
     carries = (
         Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
     )

@@ -249,7 +249,7 @@ def test_every_operator_has_its_undo_tested():
     if not any(row.references for row in METHODS):
         names, with_undo = names - {"curve_edit"}, with_undo - {"curve_edit"}  # no row has a curve yet
     assert with_undo == set(OPERATORS) | set(IN_EDIT_MODE) | {"control_new", "preset_apply"}  # in test_words
-    assert names - with_undo <= {"cancel", "help", "preset_add", "watch"}
+    assert names - with_undo <= {"cancel", "check_installation", "help", "preset_add", "watch"}
 
 
 IN_EDIT_MODE = {

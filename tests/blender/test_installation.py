@@ -1,19 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The button in the preferences that checks the installation."""
+"""The installation: the button that checks it, the script that does, and what is wrong with a broken one."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 from inside import native
 from registry import METHODS
+from rig import close, save
 from rigs import HandleRig
+from second_blender import another_blender, is_executable
 from sheet import Sheet
+
+SELF_CHECK = Path(__file__).parents[2] / "tools" / "self_check"
+ODD = "Übung – 日本 a b"  # as the folder of a user may be called
 
 
 def page(addon_name: str) -> Sheet:
@@ -90,3 +99,156 @@ def test_no_place_for_the_report(reports: Path, monkeypatch: pytest.MonkeyPatch)
         patch.setattr(tempfile, "tempdir", str(reports / "nowhere"))
         with pytest.raises(RuntimeError, match="cannot be written"):
             bpy.ops.sinew.check_installation()
+
+
+# Installations in other places, and broken ones
+
+
+@pytest.fixture
+def copied(addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
+    """The installed add-on and its native module, copied to a folder whose name has spaces and other letters.
+
+    A second Blender finds them there.
+    """
+    here, home = Path(addon.__file__).parent, tmp_path / ODD
+    for name in ("TMPDIR", "TEMP"):
+        monkeypatch.setenv(name, str(tmp_path))
+    if not (here / "_native").is_dir():
+        pytest.skip("an extension has its module elsewhere, where this has not been run")
+    place = home / "scripts" / "addons" / "sinew"
+    monkeypatch.setenv("BLENDER_USER_SCRIPTS", str(home / "scripts"))
+    monkeypatch.setenv("BLENDER_USER_CONFIG", str(home / "config"))
+    shutil.copytree(here, place, ignore=shutil.ignore_patterns("__pycache__"))
+    return place, place / Path(native().__file__).relative_to(here)
+
+
+BROKEN = """
+import shutil, sys
+from pathlib import Path
+from types import SimpleNamespace
+sys.path.insert(0, here)
+from sheet import Sheet
+module, addon_folder = Path(module), Path(addon_folder)
+kept = module.with_name("kept")
+
+def look(fault):
+    assert addon_utils.enable(addon, default_set=True) is not None
+    bpy.ops.wm.open_mainfile(filepath=file)
+    obj = bpy.data.objects[target]
+    bpy.context.scene.frame_set(7)
+    values, sheet = bpy.context.preferences.addons[addon].preferences, Sheet()
+    stand_in = SimpleNamespace(layout=sheet, section="GENERAL", _draw_general=lambda *_: None)
+    stand_in._draw_overlays = stand_in._draw_keymap = None
+    type(values).draw(stand_in, bpy.context)
+    said = {"points": evaluated_points(obj).tolist(), "page": sheet.texts()}
+    said["status"] = obj.sinew.deformers[0].status
+    try:
+        bpy.ops.sinew.check_installation()
+        said["check"] = "right"
+    except RuntimeError as refusal:
+        said["check"] = str(refusal)
+    seen[fault] = said
+    if fault == "none":
+        return
+    addon_utils.disable(addon)
+    for loaded in [loaded for loaded in sys.modules if loaded.startswith(addon)]:
+        del sys.modules[loaded]
+
+shutil.move(module, kept)
+look("missing")
+(addon_folder / "_native" / "sinew_native.cp399-win_amd64.pyd").touch()
+look("of another system")
+module.write_bytes(bytes([127]) + b"ELF" + bytes(60))
+look("damaged")
+shutil.move(kept, module)
+libraries = [path for path in module.parent.glob("sinew_native.libs")]
+if libraries:
+    libraries[0].rename(libraries[0].with_name("elsewhere"))
+    look("without its libraries")
+    libraries[0].with_name("elsewhere").rename(libraries[0])
+look("none")
+"""
+
+
+def test_a_broken_installation_says_what_to_do(
+    posed_plate: HandleRig, copied: tuple[Path, Path], addon_name: str, tmp_path: Path
+):
+    """The add-on registers, files open and show the last solution, and the preferences name the remedy.
+
+    In the end nothing is broken any more, and all is right in a folder with an odd name.
+    """
+    shown = posed_plate.points()
+    save(tmp_path / "rig.blend")
+    addon_folder, module = copied
+    given = {
+        "here": str(Path(__file__).parent),
+        "module": str(module),
+        "addon_folder": str(addon_folder),
+        "addon": addon_name,
+        "file": str(tmp_path / "rig.blend"),
+        "target": posed_plate.obj.name,
+    }
+    lines = "\n".join(f"{name} = {value!r}" for name, value in given.items())
+    found = another_blender(f"{lines}\n{BROKEN}", tmp_path)
+    words = {
+        "missing": "is missing",
+        "of another system": "the installed zip holds ",
+        "damaged": "does not load",
+        "without its libraries": "does not load",
+    }
+    for fault, word in words.items():
+        said = found.get(fault)
+        if said is None:
+            assert fault == "without its libraries"  # in a build for developers
+            continue
+        assert close(np.array(said["points"]), shown, posed_plate.tolerance), fault
+        for text in (said["page"], said["status"]):
+            assert word in text, fault
+            assert f"cp{sys.version_info.major}{sys.version_info.minor}" in text
+        assert "Nothing could be computed" in said["check"]
+    assert "cp399" in found["of another system"]["page"]
+    assert close(np.array(found["none"]["points"]), shown, posed_plate.tolerance)
+    assert "is ready" in found["none"]["page"]
+    assert found["none"]["check"] == "right"
+
+
+def run_self_check(report: Path) -> subprocess.CompletedProcess:
+    """``tools/self_check`` in a new Blender, by a user who may not write where files say so."""
+    command = [str(SELF_CHECK)]
+    if is_executable():
+        python = ["--python-use-system-env"] if "PYTHONPATH" in os.environ else []
+        command = [bpy.app.binary_path, "--background", *python, "--python", *command, "--"]
+    else:
+        command = [sys.executable, *command]
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        command = ["setpriv", "--bounding-set=-dac_override", *command]
+    return subprocess.run([*command, str(report)], capture_output=True, timeout=120.0, check=False)
+
+
+def test_the_script_checks_a_read_only_installation(copied: tuple[Path, Path], tmp_path: Path):
+    addon_folder, module = copied
+    for path in (addon_folder, *addon_folder.rglob("*")):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+    report = tmp_path / f"{ODD}.txt"
+    try:
+        ended = run_self_check(report)
+        said = (ended.stdout + ended.stderr).decode("utf-8", "replace")
+        assert ended.returncode == 0, said
+        assert "Traceback" not in said
+        text = report.read_text(encoding="utf-8")
+        assert "known answers are right" in text
+        assert module.name in text
+    finally:
+        for path in (addon_folder, *addon_folder.rglob("*")):
+            path.chmod(0o755 if path.is_dir() else 0o644)
+
+
+def test_the_script_reports_a_module_that_does_not_load(copied: tuple[Path, Path], tmp_path: Path):
+    _addon_folder, module = copied
+    module.write_bytes(b"\x7fELF" + bytes(60))
+    report = tmp_path / "report.txt"
+    ended = run_self_check(report)
+    assert ended.returncode == 1, ended.stdout + ended.stderr
+    text = report.read_text(encoding="utf-8")
+    assert "does not load" in text
+    assert "Nothing could be computed" in text

@@ -10,8 +10,8 @@
 
 namespace sinew {
 
-/// A number that no other bits of these values are likely to have. Kernels add, multiply, divide and take roots,
-/// and fuse nothing, so it is the same on every processor and with every compiler.
+/// A number that no other bits of these values are likely to have. Kernels add, multiply, divide and take
+/// roots, and fuse nothing, so it is the same on every processor and with every compiler.
 inline std::uint64_t digest(std::span<const double> values)
 {
     std::uint64_t sum = 0;

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from workshop import cross_libraries, windows_libraries
+from workshop import cross_libraries, macos_wheels, neon_tests, windows_libraries
 
 SOURCES = cross_libraries.LIBRARIES / "sources.txt"
 
@@ -27,8 +27,19 @@ def test_another_file_than_the_pinned_one_is_refused(tmp_path: Path, monkeypatch
         cross_libraries.check(source)
 
 
-def test_each_system_has_its_own_tree_and_its_toolchain() -> None:
-    system = windows_libraries.WINDOWS
+@pytest.mark.parametrize(
+    "system",
+    [windows_libraries.WINDOWS, macos_wheels.SYSTEM, neon_tests.SYSTEM],
+    ids=lambda system: system.name,
+)
+def test_each_system_has_its_own_tree_and_its_toolchain(system: cross_libraries.System) -> None:
     assert (system.files / "toolchain.cmake").is_file()
     assert system.prefix.is_relative_to(cross_libraries.BUILD / system.name)
     assert f"-DCMAKE_PREFIX_PATH={system.prefix}" in system.configuration()
+
+
+def test_the_tests_of_all_kernels_run_on_arm() -> None:
+    root = Path(__file__).resolve().parents[2] / "tests" / "native"
+    named = [path for path in root.rglob("*.cpp") if "kernels<" in path.read_text(encoding="utf-8")]
+    assert len(named) >= 10
+    assert [path for path in named if not re.search(neon_tests.KERNELS, path.as_posix())] == []

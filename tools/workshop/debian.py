@@ -24,6 +24,7 @@ BUILD = (
 )
 WINDOWS = ("g++-mingw-w64-x86-64-posix", "mingw-w64-tools")  # compilers for Windows, and gendef
 WINE = ("wine", "wine64")  # runs Windows' programs
+QEMU = ("qemu-user-static",)  # runs Linux's programs for other processors
 GOOGLETEST = ("googletest",)  # its sources
 API = ("doxygen",)
 BENCHMARKS = ("valgrind",)  # counts instructions

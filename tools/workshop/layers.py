@@ -10,6 +10,7 @@ from . import debian, environments, windows_tests
 from .blenders import RUN_PYTEST, blender_module, conditions, install_legacy
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
+from .neon_tests import neon
 from .package import package
 from .places import DEV_MODULE, NATIVE_TREE, PYTHON311, SANITIZE_TREE
 from .results import Outcome, outcome
@@ -183,4 +184,5 @@ LAYERS = (
     Layer("gui", 1200, gui, one_process=True),
     windows_layer("bindings", windows_tests.bindings),
     windows_layer("blender", windows_tests.blender),
+    Layer("neon", 600, neon, only_by_name=True),
 )

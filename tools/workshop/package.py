@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the two zips that people install, for Linux or for Windows.
+"""Packs the two zips that people install, for Linux, Windows or macOS.
 
 ``dist/sinew-<version>-linux-x64.zip``         extension for Blender 4.2 and later, wheels inside
 ``dist/sinew-legacy-<version>-linux-x64.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in
 ``sinew/_native``
 
-For Windows they end in ``-windows-x64.zip``. All hold the pages of ``docs/manual/`` as HTML in ``manual/``.
+For Windows they end in ``-windows-x64.zip``, for macOS in ``-macos-arm64.zip``. All hold the pages of
+``docs/manual/`` as HTML in ``manual/``.
 
 The same tree and wheels give the same bytes, whenever they are packed.
 """
@@ -33,7 +34,7 @@ PLATFORMS = {
     "linux": "linux-x64",
     "manylinux": "linux-x64",
     "win_amd64": "windows-x64",
-    "macosx": "macos-arm64",
+    "macosx_11_0_arm64": "macos-arm64",
 }
 
 

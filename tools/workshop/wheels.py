@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds self-contained wheels of sinew_native, for Linux or for Windows (windows_wheels.py).
+"""Builds self-contained wheels of sinew_native, for Linux, or for Windows or macOS (cross_wheels.py).
 
 One for Python 3.11 (Blender 3.4.1 of Debian 12 and 4.2 to 5.0) and, where a Python 3.13 exists, one for 3.13
 (Blender 5.1 and later); if wanted, also for 3.12 and 3.14. Each carries its own CHOLMOD, OpenBLAS, TBB and
@@ -12,7 +12,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from . import debian, environments, windows_wheels
+from . import debian, environments, macos_wheels, windows_wheels
 from .archives import read_zip, write_wheel
 from .environments import Environment
 from .isolation import isolated
@@ -29,7 +29,7 @@ INPUTS = (
     "tools/requirements/build.txt",
     *(f"tools/workshop/{name}.py" for name in ("archives", "isolation", "notices", "wheels")),
 )
-OTHERS = {"windows": windows_wheels.build_wheels}
+OTHERS = {"macos": macos_wheels.build_wheels, "windows": windows_wheels.build_wheels}
 CHECK = Path(__file__).parent / "inside" / "check_module.py"
 WITHOUT_BLENDER = (12, 14)  # the second numbers of Pythons that no Blender of blender.org comes with
 EPOCH = "315532800"  # 1 January 1980, the first date that a zip can store

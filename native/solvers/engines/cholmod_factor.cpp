@@ -19,8 +19,8 @@
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
-#ifdef __GNUC__
-// These exist only if the BLAS is OpenBLAS.
+#ifdef __ELF__
+// These exist only if the BLAS is OpenBLAS. Other formats of binaries have no references that may stay open.
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
 extern "C" int openblas_get_parallel() __attribute__((weak));
 #endif
@@ -46,7 +46,7 @@ enum class Blas { unknown, serial, pthread, openmp };
 
 Blas blas()
 {
-#ifdef __GNUC__
+#ifdef __ELF__
     if (openblas_get_parallel)
         return std::array{Blas::serial, Blas::pthread, Blas::openmp}[openblas_get_parallel() % 3];
 #endif
@@ -70,7 +70,7 @@ public:
         if (blas() != Blas::openmp)
             omp_set_max_active_levels(0);
 #endif
-#ifdef __GNUC__
+#ifdef __ELF__
         if (openblas_set_num_threads)
             openblas_set_num_threads(1);
 #endif

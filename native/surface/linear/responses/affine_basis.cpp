@@ -84,11 +84,18 @@ SolveReport AffineBasis::solve(const Poses& poses, Points& positions, bool idle_
             kernels.multiply(blocks_.data() + static_cast<std::size_t>(block) * eight * (3 + columns_),
                              columns_, P.data(), sums.data());
             const int begin = eight * block, count = std::min(eight, moved_count - begin);
-            for (int i = 0; i < count; ++i) {
-                double* const point = positions.data() + 3 * static_cast<std::size_t>(moved_[begin + i]);
-                for (int axis = 0; axis < 3; ++axis)
-                    point[axis] = sums[eight * axis + i];
+            const int* const vertices = moved_.data() + begin;
+            double* const points = positions.data();
+            if (vertices[count - 1] - vertices[0] == count - 1) { // in a row, as almost all are
+                double* point = points + 3 * static_cast<std::size_t>(vertices[0]);
+                for (int i = 0; i < count; ++i, point += 3)
+                    for (int axis = 0; axis < 3; ++axis)
+                        point[axis] = sums[eight * axis + i];
+                return;
             }
+            for (int i = 0; i < count; ++i)
+                for (int axis = 0; axis < 3; ++axis)
+                    points[3 * static_cast<std::size_t>(vertices[i]) + axis] = sums[eight * axis + i];
         },
         512);
     if (idle_too)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The names that Fortran's compilers give to the routines, for the widest instructions that the processor has.
+// The names that Fortran's compilers give to the routines, for the widest instructions that the processor
+// has.
 #include "routines.h"
 
 #include <cstdlib>
@@ -67,11 +68,8 @@ void dpotrf_(const char* triangle, const int* size, double* a, const int* stride
 }
 
 // CHOLMOD names these for complex matrices, which Sinew does not have.
-#define SINEW_NEVER(name)                                                                                              \
-    void name()                                                                                                        \
-    {                                                                                                                  \
-        std::abort();                                                                                                  \
-    }
+#define SINEW_NEVER(name)                                                                                    \
+    void name() { std::abort(); }
 SINEW_NEVER(zgemm_)
 SINEW_NEVER(zgemv_)
 SINEW_NEVER(zherk_)

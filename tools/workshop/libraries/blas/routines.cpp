@@ -15,10 +15,7 @@ using Entries = Eigen::Map<Eigen::VectorXd, 0, Steps>;
 using ConstEntries = Eigen::Map<const Eigen::VectorXd, 0, Steps>;
 
 /// Whether a letter of a BLAS call is this one; both cases mean the same.
-bool is(const char* letter, char wanted)
-{
-    return (*letter | 0x20) == wanted;
-}
+bool is(const char* letter, char wanted) { return (*letter | 0x20) == wanted; }
 
 /// Multiplies by a factor. Zero overwrites, also what is not a number.
 template <typename Values>
@@ -30,9 +27,9 @@ void scale(Values&& values, double factor)
         values *= factor;
 }
 
-void dgemm(const char* transpose_a, const char* transpose_b, const int* rows, const int* columns, const int* inner,
-           const double* alpha, const double* a, const int* stride_a, const double* b, const int* stride_b,
-           const double* beta, double* c, const int* stride_c)
+void dgemm(const char* transpose_a, const char* transpose_b, const int* rows, const int* columns,
+           const int* inner, const double* alpha, const double* a, const int* stride_a, const double* b,
+           const int* stride_b, const double* beta, double* c, const int* stride_c)
 {
     const bool turn_a = !is(transpose_a, 'n'), turn_b = !is(transpose_b, 'n');
     const ConstBlock A(a, turn_a ? *inner : *rows, turn_a ? *rows : *inner, Strides(*stride_a));
@@ -60,8 +57,9 @@ void add_square(Block& C, const ConstBlock& A, bool turned, double alpha, double
         C.selfadjointView<triangle>().rankUpdate(A, alpha);
 }
 
-void dsyrk(const char* triangle, const char* transpose, const int* size, const int* inner, const double* alpha,
-           const double* a, const int* stride_a, const double* beta, double* c, const int* stride_c)
+void dsyrk(const char* triangle, const char* transpose, const int* size, const int* inner,
+           const double* alpha, const double* a, const int* stride_a, const double* beta, double* c,
+           const int* stride_c)
 {
     const bool turned = !is(transpose, 'n');
     const ConstBlock A(a, turned ? *inner : *size, turned ? *size : *inner, Strides(*stride_a));

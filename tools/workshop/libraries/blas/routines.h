@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-/// Routines of BLAS and LAPACK for matrices of doubles, stored by columns, with sizes of 32 bits. They take the
-/// arguments of the routines of these names. What neither CHOLMOD nor Sinew asks for ends the program: a unit
-/// diagonal, a stride of vectors in dtrsv, an upper triangle in dpotrf.
+/// Routines of BLAS and LAPACK for matrices of doubles, stored by columns, with sizes of 32 bits. They take
+/// the arguments of the routines of these names. What neither CHOLMOD nor Sinew asks for ends the program: a
+/// unit diagonal, a stride of vectors in dtrsv, an upper triangle in dpotrf.
 struct Routines
 {
     void (*dgemm)(const char* transpose_a, const char* transpose_b, const int* rows, const int* columns,
-                  const int* inner, const double* alpha, const double* a, const int* stride_a, const double* b,
-                  const int* stride_b, const double* beta, double* c, const int* stride_c);
+                  const int* inner, const double* alpha, const double* a, const int* stride_a,
+                  const double* b, const int* stride_b, const double* beta, double* c, const int* stride_c);
     void (*dsyrk)(const char* triangle, const char* transpose, const int* size, const int* inner,
                   const double* alpha, const double* a, const int* stride_a, const double* beta, double* c,
                   const int* stride_c);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the headers of CPython ask for on Windows x64, in place of the answers for the system that they came from.
+// What the headers of CPython ask for on Windows x64, in place of the answers for the system that they came
+// from.
 #pragma once
 #define MS_WIN64 1
 #define MS_WIN32 1
