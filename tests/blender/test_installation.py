@@ -161,8 +161,8 @@ look("of another system")
 module.write_bytes(bytes([127]) + b"ELF" + bytes(60))
 look("damaged")
 shutil.move(kept, module)
-libraries = [path for path in module.parent.glob("sinew_native.libs")]
-if libraries:
+libraries = list(module.parent.glob("sinew_native.libs/*"))
+if libraries:  # their folder stays, as the system remembers for the rest of a process that one is missing
     libraries[0].rename(libraries[0].with_name("elsewhere"))
     look("without its libraries")
     libraries[0].with_name("elsewhere").rename(libraries[0])
