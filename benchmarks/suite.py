@@ -38,6 +38,7 @@ GROUPS = (
     "cages_harmonic",
     "automatic_cage",
     "blender",
+    "windows",
 )
 SIZES = (10_000, 50_000, 200_000, 500_000)
 SCALE = (1_000_000, 2_000_000)

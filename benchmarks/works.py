@@ -44,6 +44,7 @@ class Work:
 
 
 FRAME = "Laplacian Deform"
+LINUX = "the same on Linux"
 WORKS = (
     Work("bind", "binding `ThinShell`", "CHOLMOD's supernodal factor", {ANY: 1.0, 500_000: 1.2}),
     Work("bind_peak", "peak memory of binding `ThinShell`", "CHOLMOD's", {ANY: 1.0}, at_most=True),
@@ -212,6 +213,15 @@ WORKS = (
         "error of 4,096 rays",
         {ANY: 100.0},
     ),
+    Work("windows_bind", "a bind by the module for Windows, under Wine", LINUX, {ANY: 1.3}, at_most=True),
+    Work(
+        "windows_solve",
+        "a solve or warp by the module for Windows, under Wine",
+        LINUX,
+        {ANY: 1.3},
+        at_most=True,
+    ),
+    Work("windows_frame", "a frame in Windows' Blender 4.5, under Wine", LINUX, {ANY: 1.3}, at_most=True),
     Work("two_threads", "two threads", "one thread", {ANY: 1.0}, noise=0.03),
 )
 BY_ID = {work.id: work for work in WORKS}

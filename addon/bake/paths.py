@@ -21,10 +21,14 @@ def absolute(filepath: str) -> Path:
     return Path(os.path.abspath(bpy.path.abspath(filepath)))
 
 
+def _home() -> Path:
+    """The folder of the .blend file, after symbolic links are followed."""
+    return Path(os.path.realpath(bpy.path.abspath("//")))
+
+
 def is_beside(filepath: str) -> bool:
     """Whether a path lies in the folder of the .blend file, after symbolic links are followed."""
-    home = Path(os.path.realpath(bpy.path.abspath("//")))
-    return Path(os.path.realpath(absolute(filepath))).is_relative_to(home)
+    return Path(os.path.realpath(absolute(filepath))).is_relative_to(_home())
 
 
 def default(obj: Object, deformer: SinewDeformer, target: str) -> str:
@@ -98,7 +102,13 @@ def _with_suffix(path: str, target: str) -> str:
 
 
 def _stored(path: str) -> str:
-    """The path relative to the .blend file if it lies beside it, so that both can be moved together."""
-    if path.startswith("//") or not bpy.data.filepath:
-        return path if path.startswith("//") else str(absolute(path))
-    return bpy.path.relpath(str(absolute(path))) if is_beside(path) else str(absolute(path))
+    """The path relative to the .blend file if it lies beside it, so that both can be moved together.
+
+    It has the slashes that every system reads. Links and drive letters are followed first: on Windows no
+    relative path leads to another drive.
+    """
+    if not path.startswith("//"):
+        if not bpy.data.filepath or not is_beside(path):
+            return str(absolute(path))
+        path = "//" + os.path.relpath(os.path.realpath(absolute(path)), _home())
+    return path.replace(os.sep, "/")

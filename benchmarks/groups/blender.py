@@ -20,7 +20,7 @@ from . import Options, Task
 HERE = Path(__file__).resolve().parents[1]
 sys.path.append(str(HERE.parent / "tools"))
 
-from workshop import debian, environments, layers, shell  # noqa: E402
+from workshop import blenders, debian, environments, shell  # noqa: E402
 
 BLENDERS = ("3.4", "5.2")
 # Row of blender_frame.py -> the id of the work, and the names of Sinew's time and of the peer's.
@@ -95,6 +95,6 @@ def _installed(version: str) -> tuple[Callable[[Path], list], dict[str, object]]
     if version == "3.4":
         debian.install(debian.BLENDER)
         headless = ["blender", "--background", "--factory-startup", "--python"]
-        return (lambda script: [*headless, script, "--"]), layers.install_legacy(name)
+        return (lambda script: [*headless, script, "--"]), blenders.install_legacy(name)
     newest = environments.newest_blender().make()
-    return (lambda script: [newest.python, script]), layers.install_extension(newest, name)
+    return (lambda script: [newest.python, script]), blenders.install_extension(newest, name)

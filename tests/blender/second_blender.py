@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import os
 import subprocess
@@ -69,3 +70,8 @@ def run_blender(arguments: list[str], program: Path, timeout: float = 120.0) -> 
 def is_executable() -> bool:
     """Blender runs Python, not the other way round."""
     return Path(bpy.app.binary_path).name.lower().startswith("blender")
+
+
+def is_wine() -> bool:
+    """Wine runs this Blender for Windows."""
+    return os.name == "nt" and hasattr(ctypes.windll.ntdll, "wine_get_version")

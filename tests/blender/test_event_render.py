@@ -32,7 +32,7 @@ from rig import (
     update,
 )
 from rigs import RIGS, HandleRig
-from second_blender import another_blender, is_executable, run_blender
+from second_blender import another_blender, is_executable, is_wine, run_blender
 
 LAST = 20
 EVENTS = Table()
@@ -255,6 +255,8 @@ def glowing(plate: Rig) -> Rig:
 @pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_WORKBENCH"])
 def test_the_picture_shows_the_pose(glowing: Rig, engine: str):
     """One unit of height is a sixth of the image: the brightest rows rise as far as the handle does."""
+    if engine == "BLENDER_WORKBENCH" and is_wine():
+        pytest.skip("without a screen Wine has no OpenGL, and any Blender ends where it renders by it")
     glowing.obj.rotation_euler.x = 0.2  # seen a little from above, else it has no height
     update()
     heights = []

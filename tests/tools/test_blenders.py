@@ -3,7 +3,7 @@ import re
 from pathlib import Path
 
 import pytest
-from workshop import blender_matrix, environments, layers, run_tests, wheels
+from workshop import blender_matrix, blenders, environments, layers, run_tests, wheels, windows_tests
 from workshop.environments import REQUIREMENTS, Environment, blender, included
 from workshop.layers import LAYERS, Layer, blender_layer
 from workshop.places import PYTHON311, ROOT
@@ -49,16 +49,26 @@ def test_no_two_layers_share_a_user_folder() -> None:
     }
 
 
-@pytest.mark.parametrize("name", ["neon", "windows"])
-def test_a_layer_that_runs_only_by_its_name_is_no_part_of_a_plain_run(name: str) -> None:
+def test_layers_are_named_whole_or_by_their_first_word() -> None:
     plain = [layer.name for layer in run_tests.chosen([])]
-    assert "gui" in plain
-    assert name not in plain
-    assert [layer.name for layer in run_tests.chosen([name])] == [name]
+    assert plain == [
+        layer.name for layer in LAYERS if run_tests.first_word(layer.name) not in ("neon", "windows")
+    ]
+    windows = [layer.name for layer in run_tests.chosen(["windows"])]
+    assert windows == ["windows-native", "windows-bindings", "windows-blender"]
+    assert [layer.name for layer in run_tests.chosen(["windows-native", "gui"])] == ["windows-native", "gui"]
+
+
+def test_all_takes_the_whole_of_each_core() -> None:
+    core, whole = (run_tests.chosen(["windows"], each) for each in (False, True))
+    assert [layer.name for layer in core] == [layer.name for layer in whole]
+    assert [a is b for a, b in zip(core, whole, strict=True)] == [True, False, False]
 
 
 def test_what_the_releases_between_run_is_there() -> None:
-    assert [name for name in layers.CORE_TESTS if not (ROOT / "tests" / "blender" / name).is_file()] == []
+    cores = {"blender": layers.CORE_TESTS + windows_tests.CORE_TESTS, "bindings": windows_tests.CORE_BINDINGS}
+    for folder, names in cores.items():
+        assert [name for name in names if not (ROOT / "tests" / folder / name).is_file()] == []
 
 
 def test_a_failed_layer_does_not_stop_the_next(capsys: pytest.CaptureFixture[str]) -> None:
@@ -101,10 +111,10 @@ def test_layers_of_one_process_run_beside_each_other_and_print_one_after_the_oth
 
 def test_each_release_plays_random_sequences_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     names = [layer.name for layer in LAYERS if layer.name.startswith("blender-")]
-    assert len({layers._conditions(name)["SINEW_RANDOM_SEED"] for name in names}) == len(names)
-    assert sum(int(layers._conditions(name)["SINEW_RANDOM_SEQUENCES"]) for name in names) == 200
+    assert len({blenders.conditions(name)["SINEW_RANDOM_SEED"] for name in names}) == len(names)
+    assert sum(int(blenders.conditions(name)["SINEW_RANDOM_SEQUENCES"]) for name in names) == 200
     monkeypatch.setenv("SINEW_RANDOM_SEQUENCES", "3")
-    assert layers._conditions("blender-5")["SINEW_RANDOM_SEQUENCES"] == "3"
+    assert blenders.conditions("blender-5")["SINEW_RANDOM_SEQUENCES"] == "3"
 
 
 def test_a_wheel_is_named_after_the_python_that_builds_it() -> None:

@@ -16,10 +16,11 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from . import debian, environments
+from .blenders import INSIDE, install_legacy
 from .dev import build_tree
-from .layers import INSIDE, OPTIONS, install_legacy
 from .places import BUILD, DEV_MODULE, ROOT
 from .shell import jobs, run, say
+from .suites import OPTIONS
 
 TREE = BUILD / "coverage"
 MODULE = BUILD / "coverage-module"

@@ -114,7 +114,9 @@ def build(system: System, name: str, source: Path, *settings: str) -> None:
     say(f"Building {name} for {system.title}")
     tree = system.tree / name
     prefix = f"-DCMAKE_INSTALL_PREFIX={system.prefix}"
-    must(["cmake", "-S", source, "-B", tree, *system.configuration(), prefix, *settings], quiet=True)
+    must(
+        ["cmake", "--fresh", "-S", source, "-B", tree, *system.configuration(), prefix, *settings], quiet=True
+    )
     must(["cmake", "--build", tree, "--target", "install", "-j", str(jobs())], quiet=True)
 
 

@@ -97,6 +97,7 @@ def configure(target: Target, builder: Environment, minor: int, *further: str) -
         f"-DPYTHON_MODULE_EXTENSION={_suffix(target, minor)}",
         "-DPYTHON_MODULE_DEBUG_POSTFIX=",
         "-DPYTHON_IS_DEBUG=OFF",
+        "-DSINEW_BUILD_TESTS=OFF",  # unless they are asked for: the tree would remember that they once were
         *target.python(minor),
     )
     tree = target.system.tree / f"cp3{minor}"

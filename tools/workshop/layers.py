@@ -1,31 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The layers of the tests, from fast to slow. Each sets up what it needs, runs, and counts its tests."""
 
-import os
-import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from . import debian, environments
+from . import debian, environments, windows_tests
+from .blenders import RUN_PYTEST, blender_module, conditions, install_legacy
 from .dev import BENCHMARK_TARGETS, build_tree
-from .environments import Environment
 from .format import checks
 from .neon_tests import neon
-from .package import package, validate
-from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT, SANITIZE_TREE
+from .package import package
+from .places import DEV_MODULE, NATIVE_TREE, PYTHON311, SANITIZE_TREE
 from .results import Outcome, outcome
-from .shell import must, one_at_a_time, run
-from .suites import OPTIONS, RESULTS, emptied, googletest, new_junit
+from .shell import run
+from .suites import OPTIONS, googletest, new_junit
 from .tidy import tidy
-from .windows_tests import windows
 
 PROGRAM = "tests/native/sinew_tests"  # in a tree of CMake
-TESTS = ROOT / "tests"
-INSIDE = Path(__file__).parent / "inside"
 LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
-RANDOM_SEQUENCES = 50  # in each of four releases: 200 per run
 # The oldest and the newest release run all tests. Those between run the tests that use addon/compat, where
 # releases differ (meshes, modifier inputs, stack, animation, shape keys, bones, drawing, layout, types of
 # objects), the tests with files of other releases, and random sequences.
@@ -43,6 +37,7 @@ CORE_TESTS = (
     "test_methods.py",
     "test_missing_libraries.py",
     "test_overlay.py",
+    "test_other_systems.py",
     "test_random_operations.py",
 )
 
@@ -54,6 +49,7 @@ class Layer:
     run: Callable[[float], Outcome]
     one_process: bool = False  # its tests use one core, so that such a layer can run beside another
     only_by_name: bool = False  # a plain tests/run leaves it out
+    whole: "Layer | None" = None  # what runs instead by --all, where this is a core of all tests
 
 
 def lint(timeout: float) -> Outcome:
@@ -112,36 +108,13 @@ def blender_3_4(timeout: float) -> Outcome:
     debian.install(debian.BLENDER_TESTS)
     env = install_legacy("blender-3.4")
     junit = new_junit("blender-3.4")
-    script = TESTS / "blender" / "run_pytest.py"
-    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python", script]
+    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python"]
     status = run(
-        [*headless, "--", *OPTIONS, f"--junitxml={junit}"],
-        env=env | _conditions("blender-3.4"),
+        [*headless, RUN_PYTEST, "--", *OPTIONS, f"--junitxml={junit}"],
+        env=env | conditions("blender-3.4"),
         timeout=timeout,
     )
     return outcome(junit, status)
-
-
-def blender_module(name: str, blender: Environment, tests: tuple[str, ...], timeout: float) -> Outcome:
-    """Runs ``tests``, or all, on the installed extension in a Blender that is a Python module."""
-    env = install_extension(blender.make(), name)
-    junit = new_junit(name)
-    script = TESTS / "blender" / "run_pytest.py"
-    command = [blender.python, script, "--", *tests, *OPTIONS, f"--junitxml={junit}"]
-    return outcome(junit, run(command, env=env | _conditions(name), timeout=timeout))
-
-
-def _conditions(name: str) -> dict[str, str]:
-    """Lets freed memory be overwritten, so that dangling pointers are found, and gives each layer its own
-    seed.
-    """
-    seed = str(zlib.crc32(name.encode()))
-    wanted = {
-        "MALLOC_PERTURB_": "165",
-        "SINEW_RANDOM_SEQUENCES": str(RANDOM_SEQUENCES),
-        "SINEW_RANDOM_SEED": seed,
-    }
-    return {key: os.environ.get(key, value) for key, value in wanted.items()}
 
 
 def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
@@ -167,40 +140,6 @@ def gui(timeout: float) -> Outcome:
     return outcome(junit, run(command, env=env, timeout=timeout))
 
 
-@one_at_a_time()
-def install_legacy(name: str) -> dict[str, str | Path]:
-    """Installs the legacy zip in Debian's Blender, in a new user folder.
-
-    Returns the environment variables.
-    """
-    _, zip_file = package()
-    user = emptied(BUILD / "blender-users" / name)
-    env = {
-        "BLENDER_USER_CONFIG": user / "config",
-        "BLENDER_USER_SCRIPTS": user / "scripts",
-        "SINEW_ADDON_MODULE": "sinew",
-        "SINEW_TEST_OUTPUT": emptied(RESULTS / name),
-    }
-    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1"]
-    must([*headless, "--python", INSIDE / "install_zip.py", "--", zip_file], env=env, timeout=120, quiet=True)
-    return env
-
-
-@one_at_a_time()
-def install_extension(blender: Environment, name: str) -> dict[str, str | Path]:
-    """Installs the extension in a Blender that is a Python module, in the same way."""
-    zip_file, _ = package()
-    validate(zip_file, blender)
-    env = {
-        "BLENDER_USER_RESOURCES": emptied(BUILD / "blender-users" / name),
-        "SINEW_ADDON_MODULE": "bl_ext.user_default.sinew",
-        "SINEW_TEST_OUTPUT": emptied(RESULTS / name),
-    }
-    command = [blender.python, INSIDE / "install_zip.py", "--", zip_file]
-    must(command, env=env, timeout=120, quiet=True)
-    return env
-
-
 def _pytest(name: str, timeout: float, env: Mapping[str, str | Path] | None = None) -> Outcome:
     junit = new_junit(name)
     command = [
@@ -223,12 +162,19 @@ def _other_native_tests(timeout: float) -> Outcome:
     return Outcome() if none else outcome(junit, status)
 
 
+def windows_layer(name: str, tests: Callable[[bool, float], Outcome]) -> Layer:
+    """A layer of a core of these tests; by --all, of all of them."""
+    whole = Layer(f"windows-{name}", 5400, partial(tests, True), True, True)
+    return Layer(f"windows-{name}", 700, partial(tests, False), True, True, whole)
+
+
 LAYERS = (
     Layer("lint", 420, lint),
     Layer("architecture", 120, architecture),
     Layer("tools", 120, tools),
     Layer("native", 300, native),
     Layer("sanitizers", 1500, sanitizers),
+    Layer("windows-native", 420, windows_tests.native, only_by_name=True),
     Layer("benchmarks", 600, benchmarks),
     Layer("addon", 120, addon, one_process=True),
     Layer("bindings", 420, bindings, one_process=True),
@@ -236,6 +182,7 @@ LAYERS = (
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 1000, blender_5, one_process=True),
     Layer("gui", 1200, gui, one_process=True),
+    windows_layer("bindings", windows_tests.bindings),
+    windows_layer("blender", windows_tests.blender),
     Layer("neon", 600, neon, only_by_name=True),
-    Layer("windows", 900, windows, only_by_name=True),
 )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs all layers of the tests but "neon" and "windows", or those that are named, and prints a summary.
+"""Runs all layers of the tests but "neon" and "windows-*", or those that are named, and prints a summary.
 
 Layers that use one core run beside each other, and print when they have ended. A layer that fails does not
 stop the next one. The last line counts all tests; the status is 1 if any failed.
@@ -14,9 +14,10 @@ from collections.abc import Iterable
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from itertools import groupby
 
-from .layers import LAYERS, RESULTS, Layer
+from .layers import LAYERS, Layer
 from .results import Outcome, closing_line
 from .shell import jobs, say
+from .suites import RESULTS
 
 _beside: list[Layer] = []  # the layers that run beside each other; the processes for them inherit this
 
@@ -69,33 +70,52 @@ def run_layers(layers: Iterable[Layer]) -> int:
         else:
             rows |= {layer.name: run_layer(layer) for layer in chain}
 
-    say(f"\n{'layer':<14}{'passed':>8}{'failed':>8}{'skipped':>9}{'seconds':>9}")
+    say(f"\n{'layer':<18}{'passed':>8}{'failed':>8}{'skipped':>9}{'seconds':>9}")
     for name, (found, seconds) in rows.items():
-        line = f"{name:<14}{found.passed:>8}{found.failed:>8}{found.skipped:>9}{seconds:>9.0f}  {found.note}"
+        line = f"{name:<18}{found.passed:>8}{found.failed:>8}{found.skipped:>9}{seconds:>9.0f}  {found.note}"
         say(line.rstrip())
     total = sum((found for found, _ in rows.values()), Outcome())
     say("\n" + closing_line(total))
     return total.failed
 
 
-def chosen(names: list[str]) -> list[Layer]:
-    """The layers of these names; without a name, all but those that only run when they are named."""
-    return [layer for layer in LAYERS if (layer.name in names if names else not layer.only_by_name)]
+def chosen(names: list[str], whole: bool = False) -> list[Layer]:
+    """The layers of these names, or whose names begin with such a word.
+
+    Without a name, all but those that only run when they are named. ``whole`` takes all tests where a layer
+    is a core of them.
+    """
+    layers = [
+        layer
+        for layer in LAYERS
+        if not {layer.name, first_word(layer.name)}.isdisjoint(names)
+        or (not names and not layer.only_by_name)
+    ]
+    return [layer.whole or layer for layer in layers] if whole else layers
+
+
+def first_word(name: str) -> str:
+    return name.partition("-")[0]
 
 
 def main() -> None:
     names = [layer.name for layer in LAYERS]
     parser = argparse.ArgumentParser(prog="tests/run", description=__doc__)
-    parser.add_argument("layers", nargs="*", metavar="LAYER", help=", ".join(names))
+    parser.add_argument(
+        "layers", nargs="*", metavar="LAYER", help=f"{', '.join(names)}; or a first word of them"
+    )
     parser.add_argument("--list", action="store_true", help="name the layers and stop")
+    parser.add_argument(
+        "--all", action="store_true", help="all tests also on Windows, which else runs a core"
+    )
     options = parser.parse_args()
     if options.list:
         print(*names, sep="\n")
         return
-    unknown = sorted(set(options.layers) - set(names))
+    unknown = sorted(set(options.layers) - {*names, *map(first_word, names)})
     if unknown:
         parser.error(f"no layer {', '.join(unknown)}; the layers are {', '.join(names)}")
-    sys.exit(1 if run_layers(chosen(options.layers)) else 0)
+    sys.exit(1 if run_layers(chosen(options.layers, options.all)) else 0)
 
 
 if __name__ == "__main__":

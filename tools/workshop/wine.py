@@ -18,6 +18,7 @@ SETTINGS = {
     "WINEARCH": "win64",
     "WINEPREFIX": PREFIX,
     "WINEDEBUG": "-all",
+    "LC_ALL": "C.UTF-8",  # how Wine reads the names of this machine's files
     # Neither entries in this machine's menus nor questions about Mono and Gecko. Without wbemprox, whose
     # answers crash Python 3.13 when it asks for the version of Windows, Python asks in its older way.
     "WINEDLLOVERRIDES": "winemenubuilder.exe,mscoree,mshtml,wbemprox=",

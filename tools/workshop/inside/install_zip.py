@@ -25,6 +25,7 @@ def install(zip_file):
     native = importlib.import_module(f"{name}.backend").availability()
     if native.module is None:
         raise SystemExit(f"{zip_file} was installed, but: {native.remedy}")
+    print(f"{zip_file} was installed, and its native module works")
 
 
 install(os.path.abspath(sys.argv[sys.argv.index("--") + 1]))

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A whole frame in a Blender that is a Python module: ``python system_frame.py --json FILE [--small]``.
+
+Without a peer: the same Blender on another system is compared with it.
+"""
+
+import json
+import sys
+
+import bpy
+from blender_frame import SIDE, CageFrames, Frames, box_around, deformer_on, medians, plate
+
+
+def measured() -> dict[str, float]:
+    """Seconds by method."""
+    found = {}
+    for method in ("thin_shell", "arap"):
+        obj = plate(SIDE)
+        frames = Frames(obj, deformer_on(obj, method).handles[1].control)
+        found[method] = medians({"ours": frames}, 9)["ours_ms"] / 1000.0
+    obj = plate(SIDE)
+    cage = box_around(obj)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method="mean_value")
+    frames = CageFrames(obj, cage)
+    found["mean_value"] = medians({"ours": frames}, 21)["ours_ms"] / 1000.0
+    if frames.moved() < 0.1:
+        raise RuntimeError("nothing moved")
+    return found
+
+
+if __name__ == "__main__":
+    with open(sys.argv[sys.argv.index("--json") + 1], "w", encoding="utf-8") as out:
+        json.dump(measured(), out)

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Times of binds, solves and warps on this system: ``python system_times.py FILE.json VERTICES``.
+
+It needs only NumPy and sinew_native, so it runs in Windows' Python under Wine as on Linux.
+"""
+
+import json
+import sys
+from collections.abc import Callable
+
+import numpy as np
+from cases import bar, box
+from timing import Work, alternate
+
+import sinew_native as sn
+
+ITERATIONS = 10  # of Arap: the same work everywhere, as rounding does not decide when it stops
+CAGES = ("MeanValue", "PositiveMeanValue", "Harmonic", "Green")
+
+
+def best(run: Callable[[], object]) -> float:
+    return alternate({"": Work(run)}, budget=1.5, most=10)[""].best
+
+
+def measured(vertices: int) -> dict[str, dict[str, float]]:
+    """Seconds, by "bind" or "solve" and by method."""
+    case = bar("bend 90", vertices)
+    mesh = sn.SurfaceMesh(case.points, case.faces)
+    found: dict[str, dict[str, float]] = {"bind": {}, "solve": {}}
+    arap = {"max_iterations": ITERATIONS, "tolerance": 1e-300}
+    for name, options in (("ThinShell", {}), ("Arap", arap)):
+        method = getattr(sn, name)(mesh, **options)
+
+        def bind(name: str = name, options: dict = options) -> None:
+            getattr(sn, name)(mesh, **options).set_handles(case.handles)
+
+        found["bind"][name] = best(bind)
+        method.set_handles(case.handles)
+        found["solve"][name] = best(lambda method=method: method.solve(case.poses))
+    points, faces = box((44.0, 14.0, 14.0), 14 / 5)
+    points -= (2.0, 0.0, 0.0)
+    cage = sn.SurfaceMesh(points, faces)
+    bent = points + np.column_stack([np.zeros((len(points), 2)), 0.01 * points[:, 0] ** 2])
+    for name in CAGES:
+        coordinates = getattr(sn, name)(cage)
+        found["bind"][name] = best(lambda coordinates=coordinates: coordinates.bind(case.points))
+        found["solve"][name] = best(lambda coordinates=coordinates: coordinates.warp(bent))
+    found["bind"]["automatic cage"] = best(lambda: sn.automatic_cage(mesh, 300))
+    fine = sn.SubdivisionSurface(mesh, level=2)
+    found["solve"]["subdivision"] = best(lambda: fine.refine(case.points))
+    return found
+
+
+if __name__ == "__main__":
+    with open(sys.argv[1], "w", encoding="utf-8") as out:
+        json.dump(measured(int(sys.argv[2])), out)
