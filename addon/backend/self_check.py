@@ -188,7 +188,11 @@ def _surroundings(blender: str) -> Iterator[str]:
         yield f"module     none\n\n{found.remedy}.\n\n{_without_home(found.details)}"
     else:
         module, place = found.module, _without_home(str(found.module.__file__))
-        yield f"module     {module.__version__}, {module.instructions()}, {place}"
+        try:
+            instructions = module.instructions()
+        except AttributeError:  # an earlier module of this version, which Blender keeps until it is closed
+            instructions = "an earlier build; restart Blender"
+        yield f"module     {module.__version__}, {instructions}, {place}"
 
 
 def _processor() -> str:

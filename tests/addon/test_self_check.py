@@ -91,6 +91,13 @@ def test_a_method_that_fails_stops_no_other(backend, monkeypatch: pytest.MonkeyP
     assert 0 < found.wrong < found.asked
 
 
+def test_an_earlier_module_of_the_same_version_is_named(backend, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delattr(backend.availability().module, "instructions")
+    found, text = checked(backend)
+    assert found.is_right, text
+    assert "an earlier build; restart Blender" in text
+
+
 def test_a_kind_of_control_of_points_is_asked_what_its_method_promises(backend):
     row = dataclasses.replace(BY_ID["mean_value"], control=Control.POINTS, reproduces=Reproduced.SIMILARITIES)
     rigs = list(backend.known_answers.rigs(row))

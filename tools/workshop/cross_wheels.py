@@ -14,16 +14,11 @@ from .archives import write_wheel
 from .cross_libraries import System, libraries
 from .environments import Environment
 from .notices import notices
-from .places import ROOT, WHEELS, version
+from .places import ROOT, WHEEL_SOURCES, WHEELS, version
 from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, say
 
 INPUTS = (
-    "native",
-    "CMakeLists.txt",
-    "pyproject.toml",
-    "README.md",
-    "LICENSE",
-    "tools/requirements/build.txt",
+    *WHEEL_SOURCES,
     "tools/workshop/libraries",
     *(f"tools/workshop/{name}.py" for name in ("archives", "cross_libraries", "cross_wheels", "notices")),
 )

@@ -14,6 +14,15 @@ SANITIZE_TREE = BUILD / "sanitize"
 DEV_MODULE = BUILD / "dev"
 WHEELS = BUILD / "wheels"
 PYTHON311 = Path("/usr/bin/python3.11")
+# What every wheel is made from, beside the tools that make it.
+WHEEL_SOURCES = (
+    "native",
+    "CMakeLists.txt",
+    "pyproject.toml",
+    "README.md",
+    "LICENSE",
+    "tools/requirements/build.txt",
+)
 
 
 def version(root: Path = ROOT) -> str:

@@ -17,16 +17,11 @@ from .archives import read_zip, write_wheel
 from .environments import Environment
 from .isolation import isolated
 from .notices import notices, of_packages, repaired
-from .places import BUILD, PYTHON311, ROOT, WHEELS, version
+from .places import BUILD, PYTHON311, ROOT, WHEEL_SOURCES, WHEELS, version
 from .shell import Stamp, fingerprint, jobs, must, say
 
 INPUTS = (
-    "native",
-    "CMakeLists.txt",
-    "pyproject.toml",
-    "README.md",
-    "LICENSE",
-    "tools/requirements/build.txt",
+    *WHEEL_SOURCES,
     *(f"tools/workshop/{name}.py" for name in ("archives", "isolation", "notices", "wheels")),
 )
 OTHERS = {"macos": macos_wheels.build_wheels, "windows": windows_wheels.build_wheels}
