@@ -162,8 +162,9 @@ look("missing")
 legacy, wheels = addon_folder / "_native", addon_folder / "wheels"
 for fitting in wheels.glob("*.whl"):
     fitting.rename(fitting.with_suffix(".kept"))
-foreign = "sinew_native.cp399-win_amd64.pyd" if legacy.is_dir() else "sinew_native-0-cp399-cp399-win_amd64.whl"
-other = (legacy if legacy.is_dir() else wheels) / foreign
+other = legacy / "sinew_native.cp399-win_amd64.pyd"
+if not legacy.is_dir():
+    other = wheels / "sinew_native-0-cp399-cp399-win_amd64.whl"
 other.touch()
 look("of another system")
 other.unlink()
