@@ -28,6 +28,7 @@ from record import Row
 GROUPS = (
     "thin_shell",
     "rebind",
+    "linear",
     "riders",
     "memory",
     "arap",

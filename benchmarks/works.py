@@ -73,6 +73,14 @@ WORKS = (
         "a new bind",
         {100_000: 2.0},
     ),
+    Work("linear_bind", "binding a linear surface method", "binding `ThinShell`", {ANY: 3.0}, at_most=True),
+    Work(
+        "linear_frame",
+        "a frame of a linear surface method",
+        "`ThinShell.solve` without its basis",
+        {ANY: 1.3},
+        at_most=True,
+    ),
     Work(
         "riders_bind",
         "binding loose parts that follow, 20 shells or 200 loose vertices per 1,000 vertices",

@@ -25,7 +25,7 @@ constexpr double rounding = 1e-14;
 /// ordering leaves out the rows that are given now, so it is worth its cost.
 constexpr double most_updated = 0.8;
 
-std::unique_ptr<FactorEngine> make_engine(const FactorOptions& options, const SparseMatrix& matrix)
+std::unique_ptr<FactorEngine> make_engine(const FactorOptions& options)
 {
     const FactorBackend backend = options.backend;
     if (backend == FactorBackend::ldlt)
@@ -35,10 +35,7 @@ std::unique_ptr<FactorEngine> make_engine(const FactorOptions& options, const Sp
             throw InvalidOption("backend: this build has no CHOLMOD; choose automatic or ldlt");
         return make_ldlt_factor();
     }
-    if (backend != FactorBackend::automatic)
-        return make_cholmod_factor(backend == FactorBackend::supernodal);
-    const bool second_ring = matrix.nonZeros() >= 12 * matrix.cols();
-    return make_cholmod_factor(second_ring || matrix.cols() > 60000);
+    return make_cholmod_factor(backend != FactorBackend::simplicial);
 }
 
 [[noreturn]] void refuse(int unknown, const char* reason)
@@ -56,7 +53,7 @@ SpdFactor& SpdFactor::operator=(SpdFactor&&) noexcept = default;
 
 void SpdFactor::analyze(const SparseMatrix& matrix, std::uint64_t pattern)
 {
-    std::unique_ptr<FactorEngine> engine = make_engine(options_, matrix);
+    std::unique_ptr<FactorEngine> engine = make_engine(options_);
     try {
         engine->analyze(matrix, elimination_order(matrix, options_.ordering));
     } catch (const std::bad_alloc&) {

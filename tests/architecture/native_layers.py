@@ -21,6 +21,7 @@ NATIVE_RANKS = {
     "subdivision": 2,
     "space/weights": 2,
     "graph": 3,
+    "handles": 3,
     "riders": 3,
     "surface": 4,
     "surface/linear": 5,

@@ -7,8 +7,9 @@ import pytest
 import sinew_native as sn
 
 from .meshes import STILL, grid, shift, sphere, turn
+from .methods import SURFACE_METHODS
 
-METHODS = pytest.mark.parametrize("method", [sn.ThinShell, sn.Arap])
+METHODS = pytest.mark.parametrize("method", SURFACE_METHODS)
 
 
 def dressed() -> tuple[sn.SurfaceMesh, list[np.ndarray]]:

@@ -12,7 +12,8 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import BENT, METHODS, bound, ends, grid
+from .meshes import BENT, bound, ends, grid
+from .methods import SURFACE_METHODS
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +65,7 @@ def test_other_python_threads_run_during_a_long_call(name: str, large) -> None:
     assert pause < 0.5 * took  # holding the lock would make it the whole call
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", SURFACE_METHODS)
 def test_the_number_of_threads_changes_no_bit(method: type) -> None:
     surface, _, _ = bound(method, n=60)
     found = []

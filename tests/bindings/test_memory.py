@@ -12,7 +12,8 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import BENT, METHODS, ends, grid
+from .meshes import BENT, ends, grid
+from .methods import SURFACE_METHODS
 
 POINTS, FACES = grid(40)
 SIZE = re.compile(r"needs [\d.]+ MB, the memory limit is [\d.]+ MB")
@@ -24,7 +25,7 @@ def no_limit_is_left() -> Iterator[None]:
     sn.limit_memory(0)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", SURFACE_METHODS)
 def test_report_tells_the_memory_that_the_limit_is_about(method: type) -> None:
     surface = method(sn.SurfaceMesh(POINTS, FACES))
     needed = surface.set_handles(ends(POINTS)).factor_bytes

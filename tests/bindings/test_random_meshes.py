@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import sinew_native as sn
 
 from .meshes import grid
+from .methods import EVERY_SURFACE_METHOD, made
 
 EVERY_RUN = settings(
     derandomize=True,
@@ -109,7 +110,7 @@ def mesh_of(task: dict[str, object]) -> sn.SurfaceMesh:
     return sn.SurfaceMesh(task["points"], ([len(f) for f in faces], [v for f in faces for v in f]))
 
 
-def bind_and_solve(surface: sn.ThinShell | sn.Arap, task: dict[str, object], **options: object) -> None:
+def bind_and_solve(surface: sn.SurfaceMethod, task: dict[str, object], **options: object) -> None:
     try:
         report = surface.set_handles(task["handles"], task["weights"], free_parts=task["free_parts"])
         positions, solved = surface.solve(task["poses"], incoming=task["incoming"], **options)
@@ -148,6 +149,16 @@ def test_arap_answers_or_refuses(task, smoothness: float, cells: str, painted: b
     rigidity = 10.0 ** np.random.default_rng(n).uniform(-4, 4, n) if painted else 1.0
     arap = sn.Arap(mesh_of(task), smoothness=smoothness, cells=cells, rigidity=rigidity)
     bind_and_solve(arap, task, max_iterations=8)
+
+
+@EVERY_RUN
+@given(
+    tasks(),
+    st.sampled_from([each for each in EVERY_SURFACE_METHOD if each[0] not in (sn.ThinShell, sn.Arap)]),
+)
+def test_every_other_method_answers_or_refuses(task, method_and_options) -> None:
+    method, options = method_and_options
+    bind_and_solve(made(method, mesh_of(task), **options), task)
 
 
 @EVERY_RUN

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Linear surface methods: one sparse system per frame."""
 
-from .schema import Choice, Control, Family, Float, Method, Moved, factorising
+from .schema import Choice, Control, Curve, Family, Float, Method, Moved, Reproduced, factorising
 
 LAPLACIANS = (
     (
@@ -29,6 +29,22 @@ CONTINUITY = Float(
     label="Continuity",
     description="How smoothly the surface leaves this region: 0 allows a crease, 1 keeps the slope, "
     "2 keeps the curvature",
+)
+
+FIELD = Choice(
+    "field",
+    "harmonic",
+    (
+        (
+            "harmonic",
+            "Harmonic",
+            "As heat spreads from the handles: smooth everywhere, and quick to bind",
+        ),
+        ("geodesic", "Geodesic", "By the distances from the handles along the surface"),
+    ),
+    rebinds=True,
+    label="Falloff",
+    description="How the turn of a handle fades over the surface towards the other regions",
 )
 
 
@@ -88,6 +104,73 @@ ROWS = (
                 rebinds=True,
                 label="Laplacian",
                 description="How the faces are taken into account",
+            ),
+        ),
+    ),
+    Method(
+        id="gradient_editing",
+        number=7,
+        label="Gradient Editing",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="GradientEditing",
+        section="4.5.1",
+        paper="Yu et al. 2004, Zayer et al. 2005",
+        summary="Turns details with the handles, in bends and twists; handles that only move shear them",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.03),
+        reproduces=Reproduced.AFFINE_MAPS,
+        parameters=(FIELD,),
+    ),
+    Method(
+        id="rotation_invariant_coordinates",
+        number=8,
+        label="Rotation-Invariant Coordinates",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="RotationInvariantCoordinates",
+        section="4.5.3",
+        paper="Lipman et al. 2005, 2007",
+        summary="Keeps details unstretched in bends and twists; handles that only move shear them",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.03),
+        reproduces=Reproduced.RIGID_MOTIONS,
+        parameters=(
+            Choice(
+                "laplacian",
+                "cotan",
+                LAPLACIANS[:2],
+                rebinds=True,
+                label="Laplacian",
+                description="How the faces are taken into account",
+            ),
+        ),
+    ),
+    Method(
+        id="propagation",
+        number=9,
+        label="Transformation Propagation",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="Propagation",
+        section="4.2",
+        paper="Bendels & Klein 2003, Pauly et al. 2003",
+        summary="Lets the motion of a handle fade over the surface by a curve: quick, and never stiff",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.03),
+        reproduces=Reproduced.AFFINE_MAPS,
+        parameters=(
+            FIELD,
+            Curve(
+                "transfer",
+                ((0.0, 0.0), (1.0, 1.0)),
+                rebinds=True,
+                label="Falloff Curve",
+                description="How much of the motion of a handle is left, from the other regions (left) "
+                "to the handle itself (right)",
             ),
         ),
     ),

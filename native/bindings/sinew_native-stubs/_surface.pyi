@@ -10,6 +10,7 @@ from ._operators import Discretization
 from ._types import Floats, Progress, Singles, Weights
 
 FreeParts = Literal["stay", "follow"]
+Field = Literal["harmonic", "geodesic"]
 
 class SurfaceMethod:
     def set_handles(
@@ -73,6 +74,17 @@ class AffineBasis:
     @property
     def matrix(self) -> Floats: ...
     def solve(self, poses: ArrayLike) -> tuple[Floats, SolveReport]: ...
+
+class Propagation(SurfaceMethod):
+    def __init__(
+        self, mesh: SurfaceMesh, *, field: Field = "harmonic", transfer: ArrayLike | None = None
+    ) -> None: ...
+
+class GradientEditing(SurfaceMethod):
+    def __init__(self, mesh: SurfaceMesh, *, field: Field = "harmonic") -> None: ...
+
+class RotationInvariantCoordinates(SurfaceMethod):
+    def __init__(self, mesh: SurfaceMesh, *, laplacian: Literal["uniform", "cotan"] = "cotan") -> None: ...
 
 class Arap(SurfaceMethod):
     def __init__(

@@ -2,14 +2,11 @@
 #include "native/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
-#include "native/core/memory.h"
-#include "native/core/parallel.h"
+#include "native/handles/held_system.h"
 #include "native/operators/painted.h"
-#include "native/solvers/constrained_quadratic.h"
 #include "native/solvers/sparse_columns.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <utility>
@@ -54,66 +51,12 @@ struct Coefficients
     std::vector<double> stretching, bending, variation;
 };
 
-/// The workspace of a frame. Rows of x that are neither given nor solved for stay zero, and so do rows of
-/// `pull` where no handle pulls.
-struct Frame
-{
-    RowMatrix x, pull;
-    ConstrainedQuadratic::Workspace solve;
-};
-
-/// The results of a bind. They are replaced together, so a bind that fails changes nothing.
+/// The results of a bind.
 struct Binding
 {
-    std::vector<Constraint> constraints;
-    std::vector<double> soft_stiffness;
-    ConstrainedQuadratic system; ///< of A with the soft terms on its diagonal
+    HeldSystem system;
     std::unique_ptr<AffineBasis> basis;
-    std::unique_ptr<Pool<Frame>> frames = std::make_unique<Pool<Frame>>();
-    int factorizations = 0;
-
-    bool is_soft(std::size_t row) const { return row >= constraints.size() - soft_stiffness.size(); }
-    double stiffness(std::size_t row) const
-    {
-        return soft_stiffness[row + soft_stiffness.size() - constraints.size()];
-    }
-    LinearResponse respond(int n, const MatrixX& constraint_values) const;
 };
-
-LinearResponse Binding::respond(int n, const MatrixX& constraint_values) const
-{
-    const auto columns = constraint_values.cols();
-    LinearResponse response;
-    RowMatrix& x = response.displacement;
-    x = RowMatrix::Zero(n, columns);
-    std::optional<RowMatrix> pull; // b, which comes from the soft constraints
-    if (!soft_stiffness.empty())
-        pull = RowMatrix::Zero(n, columns);
-    MatrixX soft_energy = MatrixX::Zero(columns, columns);
-    for (std::size_t row = 0; row < constraints.size(); ++row) {
-        const int vertex = constraints[row].vertex;
-        const auto target = constraint_values.row(row);
-        if (is_soft(row)) {
-            pull->row(vertex) += stiffness(row) * target;
-            soft_energy += stiffness(row) * target.transpose() * target;
-        } else {
-            x.row(vertex) = target;
-        }
-    }
-
-    system.solve(x, pull ? &*pull : nullptr);
-    ConstrainedQuadratic::Forms forms = system.forms(x, pull ? &*pull : nullptr);
-    // A includes the soft stiffness on its diagonal. Therefore x^T A x - x^T b - b^T x + sum s c c^T is twice
-    // the sum of the elastic and the soft energy.
-    response.energy = forms.energy + soft_energy;
-    if (pull) {
-        const MatrixX cross = x.transpose() * *pull;
-        response.energy -= cross + cross.transpose();
-    }
-    response.residual = std::move(forms.residual);
-    response.load = std::move(forms.load);
-    return response;
-}
 
 } // namespace
 
@@ -185,63 +128,27 @@ struct ThinShell::Impl
         return sum;
     }
 
-    static void add_soft_terms(const Regions& regions, Binding& next, SparseMatrix& A)
-    {
-        if (regions.soft().empty())
-            return;
-        const VectorX diagonal = A.diagonal();
-        const double mean = diagonal.mean() > 0 ? diagonal.mean() : 1.0;
-        for (const SoftConstraint& s : regions.soft()) {
-            const double unit = diagonal[s.vertex] > 0 ? diagonal[s.vertex] : mean; // for loose vertices
-            next.soft_stiffness.push_back(s.stiffness() * unit);
-        }
-        for (std::size_t k = 0; k < next.soft_stiffness.size(); ++k) {
-            const int v = regions.soft()[k].vertex;
-            A.coeffRef(v, v) += next.soft_stiffness[k];
-        }
-        A.makeCompressed();
-    }
-
-    /// The factor is handed on to the next binding, so that its symbolic part is used again where the pattern
-    /// of the matrix is the same.
+    /// The factor is used again where the pattern of the matrix is the same.
     void bind(const Regions& regions, BindReport& report, const Progress& progress)
     {
-        Binding next;
-        next.constraints = regions.constraints();
         std::shared_ptr<SparseMatrix> A;
         {
             const TriangleMetric metric = triangle_metric(rest, least_area());
             report.degenerate_faces = degenerate_face_count(rest, metric);
             A = assemble(regions, metric);
         }
-        add_soft_terms(regions, next, *A);
-        std::vector<bool> free(rest.vertex_count());
-        for (int v = 0; v < rest.vertex_count(); ++v)
-            free[v] = regions.is_free(v);
-
         progress.tick(0.2, "factorising");
-        next.system = std::move(bound.system);
-        const ConstrainedQuadratic::Problem before = next.system.problem();
-        try {
-            next.system.factorize(std::move(A), free);
+        std::unique_ptr<AffineBasis> basis;
+        bound.system.factorize(std::move(A), regions, [&] {
             progress.tick(0.7, "computing the basis");
             if (options.affine_basis && regions.handle_count() <= most_basis_handles) {
                 const MatrixX columns = AffineBasis::columns(rest.points(), regions);
-                next.basis = std::make_unique<AffineBasis>(
-                    rest.points(), next.respond(rest.vertex_count(), columns), regions);
+                basis = std::make_unique<AffineBasis>(rest.points(), bound.system.respond(columns), regions);
             }
             progress.tick(1.0, "bound");
-        } catch (const std::exception&) {
-            next.system.restore(before);
-            bound.system = std::move(next.system);
-            throw;
-        }
-        next.factorizations = bound.factorizations + 1;
-        report.factorizations = next.factorizations;
-        report.analyses = next.system.factor().analyses();
-        report.refactored = next.system.factor().share();
-        report.factor_bytes = next.system.factor().bytes();
-        bound = std::move(next);
+        });
+        bound.basis = std::move(basis);
+        bound.system.report(report);
     }
 };
 
@@ -310,7 +217,7 @@ void ThinShell::swap_binding(SurfaceMethod& other)
 LinearResponse ThinShell::respond(const MatrixX& constraints) const
 {
     const AccessLock shared = reading();
-    return impl_->bound.respond(rest().vertex_count(), constraints);
+    return impl_->bound.system.respond(constraints);
 }
 
 SolveReport ThinShell::deform(const SolveRequest& request, const Targets& targets, Points& positions) const
@@ -319,53 +226,7 @@ SolveReport ThinShell::deform(const SolveRequest& request, const Targets& target
     if (bound.basis && !request.incoming)
         return bound.basis->solve(request.poses, positions, !idle_parts_ride());
 
-    const PointsView base = targets.base();
-    const int n = rest().vertex_count();
-    const bool soft = !bound.soft_stiffness.empty();
-    const auto frame = bound.frames->take([&] {
-        auto made = std::make_unique<Frame>();
-        made->x = RowMatrix::Zero(n, 3);
-        made->pull = RowMatrix::Zero(soft ? n : 0, 3);
-        return made;
-    });
-    RowMatrix& x = frame->x;
-    const RowMatrix* const pull = soft ? &frame->pull : nullptr;
-    const auto displacement = [&](std::size_t row) -> Vector3 {
-        const auto [vertex, handle] = bound.constraints[row];
-        return targets.position(vertex, handle) - base.row(vertex).transpose();
-    };
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row)
-        if (bound.is_soft(row))
-            frame->pull.row(bound.constraints[row].vertex).setZero();
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
-        const int vertex = bound.constraints[row].vertex;
-        if (bound.is_soft(row))
-            frame->pull.row(vertex) += bound.stiffness(row) * displacement(row).transpose();
-        else
-            x.row(vertex) = displacement(row).transpose();
-    }
-
-    bound.system.solve(x, pull, frame->solve);
-    const ConstrainedQuadratic::Norms norms = bound.system.norms(x, pull);
-    double energy = norms.energy; // as in respond()
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row)
-        if (bound.is_soft(row)) {
-            const Vector3 target = displacement(row),
-                          found = x.row(bound.constraints[row].vertex).transpose();
-            energy += bound.stiffness(row) * (target - 2 * found).dot(target);
-        }
-    positions.resize(n, 3);
-    parallel_for(n, [&](int i) {
-        for (int axis = 0; axis < 3; ++axis)
-            positions(i, axis) = base(i, axis) + x(i, axis);
-    });
-
-    SolveReport report;
-    report.iterations = 1;
-    report.converged = true;
-    report.energy = 0.5 * energy;
-    report.residual = norms.load > 0 ? std::sqrt(norms.residual / norms.load) : 0.0;
-    return report;
+    return bound.system.solve(targets, positions);
 }
 
 const AffineBasis* ThinShell::affine_basis() const { return impl_->bound.basis.get(); }

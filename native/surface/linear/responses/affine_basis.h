@@ -3,21 +3,12 @@
 
 #include "native/core/report.h"
 #include "native/core/types.h"
+#include "native/handles/held_system.h"
 #include "native/mesh/regions.h"
 
 #include <vector>
 
 namespace sinew {
-
-/// The displacements that belong to m columns of constraint values, and inner products of these columns, from
-/// which the energy and the residual of any linear combination of them follow.
-struct LinearResponse
-{
-    RowMatrix displacement; ///< (n, m)
-    MatrixX energy;         ///< (m, m) twice E as a bilinear form, soft terms included
-    MatrixX residual;       ///< (m, m) inner products of A d - b on the unknowns
-    MatrixX load;           ///< (m, m) inner products of b, the right-hand side
-};
 
 /// The precomputed response of a linear surface method to affine motions of its handles.
 ///

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bind and frame of the linear surface methods, next to those of the thin shell without its affine basis."""
+
+from collections.abc import Callable
+
+import numpy as np
+from cases import bar
+from record import Row
+from timing import Work, alternate, rounds
+
+import sinew_native
+
+from . import Options, Task
+
+METHODS = (
+    sinew_native.GradientEditing,
+    sinew_native.RotationInvariantCoordinates,
+    sinew_native.Propagation,
+)
+
+
+def plan(options: Options) -> list[Task]:
+    size = 10_000 if options.quick else 100_000
+    keywords = {"size": size, "threads": options.threads}
+    return [
+        Task("linear", ("linear_bind", "linear_frame"), {**keywords, "method": index})
+        for index in range(len(METHODS))
+    ]
+
+
+def measure(size: int, threads: list[int], method: int) -> list[Row]:
+    case = bar("bend 90", size)
+    mesh = sinew_native.SurfaceMesh(case.points, case.faces)
+    makers = {
+        "ours": lambda: METHODS[method](mesh),
+        "peer": lambda: sinew_native.ThinShell(mesh, affine_basis=False),
+    }
+    rows: list[Row] = []
+    for count in threads:
+        binders = {name: _Binder(make, case.handles, count) for name, make in makers.items()}
+        binds = {name: Work(each.bind, each.prepare, repeatable=False) for name, each in binders.items()}
+        alternate(binds, budget=6.0, least=rounds(size))
+        frames = {
+            name: Work(
+                lambda made=each.made: made.solve(case.poses),
+                lambda count=count: sinew_native.limit_threads(count),
+            )
+            for name, each in binders.items()
+        }
+        alternate(frames, least=rounds(size))
+        common = {"size": size, "threads": count, "vertices": mesh.vertex_count, "unit": "s"}
+        for work, times in (("linear_bind", binds), ("linear_frame", frames)):
+            best = {name: times[name].best for name in makers}
+            rows.append({"work": work, "case": METHODS[method].__name__, **best, **common})
+    return rows
+
+
+class _Binder:
+    """Binds a new object in each turn."""
+
+    def __init__(
+        self, make: Callable[[], sinew_native.SurfaceMethod], handles: list[np.ndarray], threads: int
+    ) -> None:
+        self._make, self._handles, self._threads = make, handles, threads
+
+    def prepare(self) -> None:
+        sinew_native.limit_threads(self._threads)
+        self.made = self._make()
+
+    def bind(self) -> None:
+        self.made.set_handles(self._handles)

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/types.h"
+#include "native/handles/handle_groups.h"
+#include "native/handles/held_system.h"
+#include "native/mesh/surface_mesh.h"
+
+namespace sinew {
+
+/// How far each handle reaches over the surface.
+enum class Field {
+    harmonic, ///< Delta s = 0 between the handles (Eq. 8)
+    geodesic  ///< shares of the inverse distances along the surface; s = d_F / (d_F + d_H) for two handles
+};
+
+/// One field per seat: 1 on its own handle and 0 on the others; those of a part sum to 1. A soft handle of
+/// weight w has less than 1 on its vertices: it pulls the harmonic field as it pulls positions, and lies
+/// (1 - w) / w mean edges farther away. A harmonic field stays in [0, 1] where no cotangent sum of an edge is
+/// negative.
+class HandleFields
+{
+public:
+    HandleFields() = default;
+    /// The harmonic fields. Cost: one solve of as many columns as a part has handles, less one.
+    /// \param laplacian  factorised for these regions.
+    /// \throw OutOfMemory  the fields would take more than limit_memory() allows.
+    HandleFields(HandleGroups groups, const Regions& regions, const HeldSystem& laplacian);
+    /// The geodesic fields. Cost: O(n log n) per handle.
+    /// \throw OutOfMemory  likewise.
+    HandleFields(HandleGroups groups, const Regions& regions, const SurfaceMesh& mesh);
+
+    const HandleGroups& groups() const { return groups_; }
+    /// The field of a seat at a vertex of its part.
+    double share(int vertex, int seat) const;
+
+    /// (n, m) the mean of the values of the seats at each vertex, weighted by the fields. Where all values of
+    /// a part are one, it is exactly that one. Rows of parts without a handle are left as they are.
+    /// \param values  (seats, m)
+    void blend(const RowMatrix& values, RowMatrix& blended) const;
+
+private:
+    /// \throw OutOfMemory  there is no room for them, and for as many columns beside them.
+    void allocate(int columns_beside = 0);
+
+    HandleGroups groups_;
+    RowMatrix shares_; ///< (n, width - 1) of all seats of a part but the last
+};
+
+} // namespace sinew

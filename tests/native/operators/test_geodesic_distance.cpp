@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/operators/geodesic_distance.h"
+
+#include "native/mesh/edge_distances.h"
+#include "tests/native/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace sinew {
+
+namespace {
+
+std::vector<GeodesicDistance::Source> all_of(const std::vector<int>& vertices)
+{
+    std::vector<GeodesicDistance::Source> sources;
+    for (int v : vertices)
+        sources.push_back({v});
+    return sources;
+}
+
+/// The largest difference from the angles on a unit sphere.
+double error_on_a_sphere(int level)
+{
+    const SurfaceMesh ball = shapes::sphere(level);
+    const std::vector<double> found = GeodesicDistance(ball).from({{4}}); // +z
+    double error = 0.0;
+    for (int v = 0; v < ball.vertex_count(); ++v)
+        error = std::max(error, std::abs(found[v] - std::acos(std::clamp(ball.point(v).z(), -1.0, 1.0))));
+    return error;
+}
+
+} // namespace
+
+TEST(GeodesicDistance, from_a_straight_line_is_exact)
+{
+    const SurfaceMesh plane = shapes::grid(12, 9, 0.5, 0.2);
+    const std::vector<int> line = shapes::where(plane, [](const Vector3& p) { return p.x() == 0.0; });
+    const std::vector<double> found = GeodesicDistance(plane).from(all_of(line));
+    for (int v = 0; v < plane.vertex_count(); ++v)
+        EXPECT_NEAR(found[v], plane.point(v).x(), 1e-13);
+}
+
+TEST(GeodesicDistance, on_a_sphere_nears_the_angle_as_edges_get_shorter)
+{
+    double before = error_on_a_sphere(3);
+    EXPECT_LT(before, 0.12); // edges of about 0.2
+    for (int level : {4, 5}) {
+        const double error = error_on_a_sphere(level);
+        EXPECT_LT(error, 0.75 * before); // as h log 1/h: .71 and less
+        before = error;
+    }
+}
+
+TEST(GeodesicDistance, lies_between_the_straight_way_and_the_way_along_edges)
+{
+    const SurfaceMesh plane = shapes::grid(15, 15, 1.0, 0.45); // with obtuse angles
+    std::vector<Vector3> points;
+    for (int v = 0; v < plane.vertex_count(); ++v)
+        points.push_back(plane.point(v));
+    const std::vector<double> found = GeodesicDistance(plane).from({{37}});
+    const std::vector<double> edges = EdgeDistances(points, plane.triangles()).from(37);
+    for (int v = 0; v < plane.vertex_count(); ++v) {
+        const double straight = (points[v] - points[37]).norm();
+        EXPECT_GE(found[v], straight * (1 - 1e-12)); // distances are convex along an edge
+        EXPECT_LE(found[v], edges[v] * (1 + 1e-12));
+        EXPECT_LE(found[v], 1.12 * straight + 0.4);
+    }
+}
+
+TEST(GeodesicDistance, does_not_depend_on_the_size_of_the_mesh)
+{
+    const SurfaceMesh hill = shapes::hill(8, 7);
+    const std::vector<double> expected = GeodesicDistance(hill).from({{3}, {50, 0.7}});
+    for (double scale : {1e-40, 1e30}) {
+        const SurfaceMesh scaled = shapes::moved(hill, scale * hill.points());
+        const std::vector<double> found = GeodesicDistance(scaled).from({{3}, {50, 0.7 * scale}});
+        for (int v = 0; v < hill.vertex_count(); ++v)
+            EXPECT_NEAR(found[v], scale * expected[v], 1e-11 * scale);
+    }
+}
+
+TEST(GeodesicDistance, starts_where_the_sources_say_and_does_not_leave_a_part)
+{
+    const SurfaceMesh both = shapes::joined(shapes::grid(4, 1), shapes::messy(), {50, 0, 0});
+    const std::vector<double> found = GeodesicDistance(both).from({{0, 1.0}, {1, 100.0}});
+    EXPECT_EQ(found[0], 1.0);
+    EXPECT_NEAR(found[1], 2.0, 1e-14) << "nearer to the other source";
+    EXPECT_NEAR(found[4], 5.0, 1e-13);
+    for (int v = 10; v < both.vertex_count(); ++v)
+        EXPECT_TRUE(std::isinf(found[v]));
+    const std::vector<double> messy = GeodesicDistance(both).from({{10}});
+    for (int v = 10; v < both.vertex_count() - 4; ++v)
+        EXPECT_TRUE(std::isfinite(messy[v])) << v;
+}
+
+} // namespace sinew
