@@ -2,11 +2,14 @@
 #include "native/surface/linear/propagation.h"
 
 #include "native/operators/laplacian.h"
+#include "native/surface/linear/propagation/kernels.h"
 #include "tests/native/allocations.h"
+#include "tests/native/dense_weights.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
 #include "tests/native/surface/linear/study_tube.h"
+#include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -44,7 +47,9 @@ SurfaceTraits traits()
                                                    {2 * std::cos(angle) - 2, std::sin(angle), 0})};
     };
     return {.name = "Propagation",
-            .variants = {{"harmonic", maker({})}, {"geodesic", maker({.field = Field::geodesic}), 0}},
+            .variants = {{"harmonic", maker({})},
+                         {"geodesic", maker({.field = Field::geodesic}), 0},
+                         {"euclidean", maker({.field = Field::euclidean}), 0}},
             .mesh = shapes::hill(8, 8),
             .large = shapes::hill(10, 9),
             .depth = 1.5,
@@ -65,7 +70,7 @@ SurfaceTraits traits()
 VectorX harmonic_field(const SurfaceMesh& mesh, const std::vector<Handle>& handles)
 {
     const int n = mesh.vertex_count();
-    MatrixX A = laplacian_matrix(mesh, Discretization::cotan);
+    MatrixX A = with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
     VectorX b = VectorX::Zero(n);
     for (int h : {0, 1})
         for (int v : handles[h].vertices) {
@@ -114,7 +119,7 @@ TEST(Propagation, damps_rotation_scale_and_move_apart_about_the_centre_of_the_ha
 TEST(Propagation, twists_a_tube_evenly)
 {
     const SurfaceMesh mesh = study_tube();
-    for (Field field : {Field::harmonic, Field::geodesic}) {
+    for (Field field : {Field::harmonic, Field::geodesic, Field::euclidean}) {
         const Points q = solved(mesh, shapes::ends(mesh, 3.1),
                                 {.poses = {shapes::still(), shapes::turn({1, 0, 0}, 135)}}, {.field = field});
         for (int v = 0; v < mesh.vertex_count(); ++v) {
@@ -123,6 +128,22 @@ TEST(Propagation, twists_a_tube_evenly)
                       1e-11);
         }
     }
+}
+
+TEST(Propagation, says_where_a_rule_chose_the_way_of_half_a_turn)
+{
+    const SurfaceMesh mesh = shapes::joined(shapes::hill(8, 8), shapes::sphere(1), {0, 20, 0});
+    std::vector<Handle> handles = shapes::ends(shapes::hill(8, 8), 1.5);
+    handles.push_back({{81}, {}});
+    Propagation propagation(mesh);
+    propagation.set_handles(handles);
+    Points positions;
+    const auto count = [&](double degrees) {
+        const Poses poses{shapes::still(), shapes::turn({1, 2, 0}, degrees), shapes::still()};
+        return propagation.solve({poses}, positions).half_turns;
+    };
+    EXPECT_EQ(count(179), 0);
+    EXPECT_EQ(count(180), 81);
 }
 
 TEST(Propagation, one_affine_map_of_all_handles_is_exact_and_so_is_one_handle_alone)
@@ -153,6 +174,28 @@ TEST(Propagation, a_handle_that_rides_on_what_posed_the_mesh_does_not_turn_it_tw
                              .incoming = view(incoming),
                              .from_rest = std::vector<bool>{false, true}});
     EXPECT_LT(shapes::distance(q, incoming), 1e-12);
+}
+
+TEST(Propagation, has_the_same_bits_with_every_set_of_instructions)
+{
+    shapes::Random random(5);
+    std::array<PropagatedMotion, 2> motions{};
+    for (PropagatedMotion& motion : motions) {
+        RowMatrix::Map(motion.numbers, 1, 9) = random.dense(1, 9);
+        RowMatrix::Map(motion.centre, 1, 3) = random.dense(1, 3);
+        RowMatrix::Map(motion.move, 1, 3) = random.dense(1, 3);
+        motion.turning = 0.7;
+    }
+    PropagatedPart part{motions.data(), 2, {}, {1, 0, 0, 0, 0, -1, 0, 1, 0}};
+    const RowMatrix t = random.dense(2, 4), from = random.dense(4, 3);
+    RowMatrix expected(4, 3), to(4, 3);
+    EXPECT_TRUE(PropagationKernels::baseline.move(part, t.data(), from.data(), expected.data()));
+    for (const PropagationKernels* kernels : wide_kernels<PropagationKernels>()) {
+        EXPECT_TRUE(kernels->move(part, t.data(), from.data(), to.data()));
+        EXPECT_EQ(to, expected);
+    }
+    motions[0].numbers[0] = 40.0;
+    EXPECT_FALSE(PropagationKernels::baseline.move(part, t.data(), from.data(), to.data()));
 }
 
 TEST(Propagation, refuses_curves_that_are_none)
