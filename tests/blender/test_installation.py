@@ -127,7 +127,7 @@ def copied(addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 BROKEN = """
-import shutil, sys
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 sys.path.insert(0, here)
@@ -158,7 +158,7 @@ def look(fault):
     for loaded in [loaded for loaded in sys.modules if loaded.startswith(addon)]:
         del sys.modules[loaded]
 
-shutil.move(module, kept)
+module.replace(kept)
 look("missing")
 legacy, wheels = addon_folder / "_native", addon_folder / "wheels"
 for fitting in wheels.glob("*.whl"):
@@ -173,7 +173,7 @@ for fitting in wheels.glob("*.kept"):
     fitting.rename(fitting.with_suffix(".whl"))
 module.write_bytes(bytes([127]) + b"ELF" + bytes(60))
 look("damaged")
-shutil.move(kept, module)
+kept.replace(module)
 libraries = list(module.parent.glob("sinew_native.libs/*"))
 if libraries:  # their folder stays, as the system remembers for the rest of a process that one is missing
     libraries[0].rename(libraries[0].with_name("elsewhere"))
