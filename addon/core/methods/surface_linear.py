@@ -1,7 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Linear surface methods: one sparse system per frame."""
 
-from .schema import Choice, Control, Curve, Family, Float, Method, Moved, Reproduced, factorising
+from .schema import (
+    Bool,
+    Choice,
+    Control,
+    Curve,
+    Family,
+    Float,
+    Int,
+    Method,
+    Moved,
+    Reproduced,
+    factorising,
+)
 
 LAPLACIANS = (
     (
@@ -171,6 +183,67 @@ ROWS = (
                 label="Falloff Curve",
                 description="How much of the motion of a handle is left, from the other regions (left) "
                 "to the handle itself (right)",
+            ),
+        ),
+    ),
+    Method(
+        id="laplacian_editing",
+        number=10,
+        label="Laplacian Editing",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="LaplacianEditing",
+        section="4.5.2",
+        paper="Lipman et al. 2004, Sorkine et al. 2004",
+        summary="Smooth like the thin shell, and turns details where handles turn or move",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.05),
+        parameters=(
+            Choice(
+                "transforms",
+                "estimated",
+                (
+                    ("none", "None", "Details keep their directions, as in the thin shell"),
+                    (
+                        "explicit",
+                        "From Handles",
+                        "Details turn as the handles do, and the turn fades by the falloff",
+                    ),
+                    ("estimated", "Estimated", "Details turn as their neighbourhoods do in a first solution"),
+                ),
+                rebinds=True,
+                label="Details",
+                description="How the details of the surface are turned",
+            ),
+            FIELD,
+            Int(
+                "refits",
+                2,
+                maximum=64,
+                soft_maximum=16,
+                rebinds=True,
+                unit="solves",
+                label="Refits",
+                description="Of Estimated: how often the turns are estimated again from the last solution. "
+                "Each costs as much as a thin shell",
+            ),
+            Bool(
+                "mean_frame",
+                True,
+                rebinds=True,
+                advanced=True,
+                label="Mean Frame",
+                description="Of Estimated: sees the handles from the mean of their turns, so that each of "
+                "two handles turns by half of the angle between them",
+            ),
+            Choice(
+                "laplacian",
+                "cotan_voronoi",
+                LAPLACIANS,
+                rebinds=True,
+                label="Laplacian",
+                description="How the faces are taken into account",
             ),
         ),
     ),
