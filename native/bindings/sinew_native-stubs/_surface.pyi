@@ -11,7 +11,7 @@ from ._types import Floats, Progress, Singles, Weights
 
 FreeParts = Literal["stay", "follow"]
 Field = Literal["harmonic", "geodesic"]
-LocalTransforms = Literal["none", "explicit", "estimated"]
+LocalTransforms = Literal["none", "explicit", "estimated", "implicit"]
 
 class SurfaceMethod:
     def set_handles(
@@ -96,6 +96,7 @@ class LaplacianEditing(SurfaceMethod):
         laplacian: Discretization = "cotan_voronoi",
         field: Field = "harmonic",
         refits: int = 2,
+        second_stage: Literal["polar", "length"] = "polar",
         mean_frame: bool = True,
     ) -> None: ...
 

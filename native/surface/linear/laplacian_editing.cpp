@@ -6,8 +6,10 @@
 #include "native/core/parallel.h"
 #include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
+#include "native/operators/ring_fit.h"
 #include "native/operators/rotation_fit.h"
 #include "native/solvers/sparse_columns.h"
+#include "native/surface/linear/responses/implicit_response.h"
 
 #include <algorithm>
 #include <utility>
@@ -19,6 +21,9 @@ namespace {
 /// How much the mean frame counts in a fit, as a share of the edges of a vertex: it decides where they leave
 /// a rotation open.
 constexpr double least_frame = 1e-9;
+
+/// A transformation that shortens a differential coordinate more than this is none.
+constexpr double least_length = 1e-9;
 
 /// Row i of L f, without the rounding errors of values far from zero.
 template <class Values>
@@ -34,12 +39,36 @@ Vector3 laplacian_at(const SparseMatrix& L, const Values& f, int i)
     return {sum[0], sum[1], sum[2]};
 }
 
+/// delta = M^-1 L y.
+void differentiate(const SparseMatrix& L, const VectorX& mass, const PointsView& y, Points& delta)
+{
+    const int n = static_cast<int>(y.rows());
+    delta.resize(n, 3);
+    parallel_for(n, [&](int i) { delta.row(i) = laplacian_at(L, y, i).transpose() / mass[i]; });
+}
+
+/// T d, with the length of d.
+Vector3 lengthened(const LinearSimilarity& T, const Vector3& d)
+{
+    const Vector3 turned = T(d);
+    const double length = turned.norm(), before = d.norm();
+    return length > least_length * before ? Vector3(before / length * turned) : d;
+}
+
+std::vector<Ring> rings_of(const SparseMatrix& L, const PointsView& y)
+{
+    std::vector<Ring> rings(y.rows());
+    parallel_for(static_cast<int>(y.rows()), [&](int v) { rings[v] = ring_at(L, y, v); });
+    return rings;
+}
+
 /// The workspace of a frame.
 struct Workspace
 {
     Points delta;      ///< of the incoming shape
     RowMatrix change;  ///< (n, 3) T delta - delta; zero where no handle touches the part
     RowMatrix blended; ///< (n, MapBlend::numbers)
+    RowMatrix displacements; ///< (3n, 1) of ImplicitResponse
 };
 
 /// The results of a bind.
@@ -53,14 +82,11 @@ struct Binding
     HandleFields fields;
     HandleGroups groups;
     std::vector<std::vector<int>> patches;
+    std::vector<Ring> rings;                    ///< of the rest shape, for `implicit`
+    std::shared_ptr<const ImplicitResponse> first; ///< null unless `implicit`
+    std::vector<Handle> first_handles;             ///< that it was made for
+    int implicit_factorizations = 0;
     mutable Pool<Workspace> workspaces;
-
-    void differentiate(const PointsView& points, Points& result) const
-    {
-        const int n = static_cast<int>(points.rows());
-        result.resize(n, 3);
-        parallel_for(n, [&](int i) { result.row(i) = laplacian_at(L, points, i).transpose() / mass[i]; });
-    }
 };
 
 } // namespace
@@ -71,6 +97,7 @@ struct LaplacianEditing::Impl
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 
     bool has_fields() const { return options.transforms == LocalTransforms::from_handles; }
+    bool is_implicit() const { return options.transforms == LocalTransforms::implicit; }
 
     HandleFields fields(HandleGroups groups, const SurfaceMesh& rest, const Regions& regions,
                         const SparseMatrix& L) const
@@ -98,6 +125,15 @@ struct LaplacianEditing::Impl
             frames[g] = alike ? Polar(first).R : mean_rotation(turns).toRotationMatrix();
         }
         return frames;
+    }
+
+    std::shared_ptr<const ImplicitResponse> response(const SurfaceMesh& rest, const Regions& regions,
+                                                     const HandleGroups& groups, const SparseMatrix& L,
+                                                     const VectorX& mass, const std::vector<Ring>& rings,
+                                                     const Points& delta) const
+    {
+        ++bound->implicit_factorizations;
+        return std::make_shared<ImplicitResponse>(rest, L, mass, rings, delta, regions, groups);
     }
 
     /// Solves with delta'_v = turned(v, delta_v).
@@ -149,7 +185,6 @@ LaplacianEditing::LaplacianEditing(LaplacianEditing&&) noexcept = default;
 void LaplacianEditing::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Binding& bound = *impl_->bound;
-    const int n = rest().vertex_count();
     SparseMatrix L;
     VectorX mass;
     {
@@ -161,27 +196,39 @@ void LaplacianEditing::bind(const Regions& regions, BindReport& report, const Pr
     auto A = std::make_shared<SparseMatrix>(sparse_product(L, mass.cwiseInverse(), L));
     HandleGroups groups(regions, connected_components(rest()));
     std::vector<std::vector<int>> patches = handle_patches(rest(), regions);
+    Points delta;
+    differentiate(L, mass, view(rest().points()), delta);
     HandleFields fields;
+    std::vector<Ring> rings;
+    std::shared_ptr<const ImplicitResponse> first;
     progress.tick(0.2, "factorising");
     bound.system.factorize(std::move(A), regions, [&] {
-        progress.tick(0.7, "preparing the transformations");
+        progress.tick(impl_->is_implicit() ? 0.25 : 0.7, "preparing the transformations");
         if (impl_->has_fields())
             fields = impl_->fields(groups, rest(), regions, L);
+        if (impl_->is_implicit()) {
+            rings = rings_of(L, view(rest().points()));
+            const bool same = bound.first && bound.first_handles == regions.handles();
+            first = same ? bound.first : impl_->response(rest(), regions, groups, L, mass, rings, delta);
+        }
         progress.tick(1.0, "bound");
     });
+    bound.first_handles = first ? regions.handles() : std::vector<Handle>();
+    bound.first = std::move(first);
+    bound.rings = std::move(rings);
     bound.fields = std::move(fields);
     bound.groups = std::move(groups);
     bound.patches = std::move(patches);
     bound.L = std::move(L);
     bound.mass = std::move(mass);
-    bound.differentiate(view(rest().points()), bound.delta);
+    bound.delta = std::move(delta);
     bound.workspaces.clear(); // idle rows stay zero
     bound.system.report(report);
     BindReport of_fields;
     bound.poisson.report(of_fields);
-    report.factorizations += of_fields.factorizations;
-    report.analyses += of_fields.analyses;
-    report.factor_bytes += of_fields.factor_bytes;
+    report.factorizations += of_fields.factorizations + bound.implicit_factorizations;
+    report.analyses += of_fields.analyses + bound.implicit_factorizations;
+    report.factor_bytes += of_fields.factor_bytes + (bound.first ? bound.first->bytes() : 0);
 }
 
 SolveReport LaplacianEditing::deform(const SolveRequest& /*request*/, const Targets& targets,
@@ -202,7 +249,7 @@ SolveReport LaplacianEditing::deform(const SolveRequest& /*request*/, const Targ
         return made;
     });
     if (targets.incoming)
-        bound.differentiate(*targets.incoming, work->delta);
+        differentiate(bound.L, bound.mass, *targets.incoming, work->delta);
     const Points& delta = targets.incoming ? work->delta : bound.delta;
     const std::vector<Matrix3> maps = linear_maps(targets, bound.patches);
     const HandleGroups& groups = bound.groups;
@@ -216,6 +263,17 @@ SolveReport LaplacianEditing::deform(const SolveRequest& /*request*/, const Targ
     }
 
     const std::vector<Matrix3> frames = impl.frames(maps);
+    if (impl.is_implicit()) {
+        const PointsView y = targets.base();
+        bound.first->displace(targets, frames, work->displacements);
+        return impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) -> Vector3 {
+            const Ring ring = targets.incoming ? ring_at(bound.L, y, v) : bound.rings[v];
+            const LinearSimilarity T = fit_ring(bound.L, y, ring, work->displacements.data(), v);
+            return frames[groups.group[v]] *
+                   (impl.options.second_stage == SecondStage::length ? lengthened(T, d) : T.rotated(d));
+        });
+    }
+
     SolveReport report =
         impl.solve(targets, delta, *work, positions,
                    [&](int v, const Vector3& d) -> Vector3 { return frames[groups.group[v]] * d; });
@@ -234,6 +292,7 @@ std::vector<std::string> LaplacianEditing::changed_options(const SurfaceMethod& 
                      {"laplacian", own.laplacian != other.laplacian},
                      {"field", own.field != other.field},
                      {"refits", own.refits != other.refits},
+                     {"second_stage", own.second_stage != other.second_stage},
                      {"mean_frame", own.mean_frame != other.mean_frame}});
 }
 

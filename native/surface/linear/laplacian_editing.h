@@ -19,12 +19,19 @@ enum class LocalTransforms {
     implicit      ///< unknowns of one linear system together with the positions [SCL*04]
 };
 
+/// How implicit transformations turn the differential coordinates of the solution.
+enum class SecondStage {
+    polar, ///< by the rotation that is closest to T_i
+    length ///< by T_i, and scaled to their lengths at rest, as in the paper
+};
+
 struct LaplacianEditingOptions
 {
     LocalTransforms transforms = LocalTransforms::estimated;
     Discretization laplacian = Discretization::cotan_voronoi;
     Field field = Field::harmonic; ///< of `from_handles`
     int refits = 2;                ///< of `estimated`: how often the rotations are fitted
+    SecondStage second_stage = SecondStage::polar; ///< of `implicit`
     bool mean_frame = true;        ///< of `estimated` and `implicit`
 };
 
@@ -47,10 +54,14 @@ struct LaplacianEditingOptions
 ///                 handles/handle_fields.h)
 ///   estimated     first T_i = R, then `refits` times the rotation that fits best to the edges at vertex i,
 ///                 from y to the last solution
+///   implicit      the similarities that are unknowns of a first linear system (see
+///                 responses/implicit_response.h), made rotations or lengths by the `second_stage`, without
+///                 which shapes grow; times R
 ///
 /// R is the mean frame: the mean of the rotations of the handles of the part (see handles/map_blend.h), or
 /// the identity without `mean_frame`. A rigid motion of all handles is then exact, and between two handles
-/// the first solution has to cope with half of their angle only.
+/// the first solution has to cope with half of their angle only; that of `implicit` is wrong by 1 - cos of
+/// the angles that are left.
 ///
 /// Departs from the papers: L is that of cotangents and areas unless the options say otherwise; several
 /// handles are blended; the mean frame. A vertex whose edges fit several rotations equally well, because they
@@ -60,12 +71,13 @@ struct LaplacianEditingOptions
 ///   constructor    rest shape or faces changed   nothing
 ///   set_handles()  another set of handles        one factorisation; `from_handles` with a harmonic field one
 ///                                                more, of L, and a solve of as many columns as handles less
-///                                                one
+///                                                one; `implicit` see responses/implicit_response.h
 ///   solve()        the handles moved             one solve for x, y and z; `estimated` one more per refit,
-///                                                each with a rotation fit per vertex
+///                                                each with a rotation fit per vertex; `implicit` with O(n k)
+///                                                for k handles of a part
 ///
-/// Affine motions of all handles are reproduced by `from_handles`, rigid ones by `estimated`, translations by
-/// all.
+/// Affine motions of all handles are reproduced by `from_handles`, rigid ones by `estimated` and `implicit`,
+/// translations by all.
 class LaplacianEditing final : public SurfaceMethod
 {
 public:

@@ -6,6 +6,7 @@
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
+#include "tests/native/surface/linear/dense_implicit.h"
 #include "tests/native/surface/linear/dense_operators.h"
 #include "tests/native/surface/linear/study_tube.h"
 
@@ -26,7 +27,9 @@ const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {-1, 0.
 
 using Options = LaplacianEditingOptions;
 const Options none{.transforms = LocalTransforms::none},
-    explicitly{.transforms = LocalTransforms::from_handles}, estimated{};
+    explicitly{.transforms = LocalTransforms::from_handles}, estimated{},
+    implicit{.transforms = LocalTransforms::implicit},
+    length{.transforms = LocalTransforms::implicit, .second_stage = SecondStage::length};
 
 auto maker(const Options& options)
 {
@@ -79,7 +82,9 @@ SurfaceTraits turning()
     SurfaceTraits made = traits("Turning", {{"estimated", maker(estimated)},
                                             {"estimated, uniform", maker(uniform)},
                                             {"explicit", maker(explicitly), 2},
-                                            {"explicit, geodesic", maker(geodesic)}});
+                                            {"explicit, geodesic", maker(geodesic)},
+                                            {"implicit", maker(implicit), 2},
+                                            {"implicit, length", maker(length), 2}});
     made.rest = made.incoming = 1e-11; // rotations are fitted to edges that have not turned
     made.rigid = 1e-9;
     return made;
@@ -267,6 +272,73 @@ TEST(LaplacianEditing, estimates_rotations_as_dense_matrices_do)
         }
 }
 
+TEST(LaplacianEditing, turns_by_implicit_similarities_as_dense_matrices_do)
+{
+    for (const SurfaceMesh& mesh : {shapes::hill(7, 6), shapes::bar(5, 2)})
+        for (Discretization kind : every)
+            for (bool mean_frame : {true, false}) {
+                std::vector<Handle> handles = shapes::ends(mesh, 1.1);
+                handles[1].weights.assign(handles[1].vertices.size(), .9);
+                const Poses poses{shapes::still(), shapes::turn({0, 1, 0}, 50, {6, 0, 0}, {-1, 0.5, 2})};
+                const Matrix3 R = shapes::rotation({0, 1, 0}, mean_frame ? 25 : 0);
+                const DenseImplicit first(mesh, kind);
+                std::vector<Matrix3> rotations;
+                for (const Eigen::Vector4d& fit : first.fitted(first.solve(handles, poses, R))) {
+                    const Vector3 h = fit.tail<3>();
+                    rotations.push_back(
+                        R *
+                        Eigen::AngleAxisd(std::atan2(h.norm(), fit[0]), h.normalized()).toRotationMatrix());
+                }
+                double energy = 0.0;
+                SolveReport report;
+                const Points expected =
+                    DenseLaplacian(mesh, handles, kind).solve(mesh.points(), poses, rotations, &energy);
+                const Points found = solved(
+                    mesh, handles, {.poses = poses},
+                    {.transforms = LocalTransforms::implicit, .laplacian = kind, .mean_frame = mean_frame},
+                    &report);
+                EXPECT_LT(shapes::distance(found, expected), 1e-6);
+                EXPECT_NEAR(report.energy, energy, 1e-6 * energy);
+            }
+}
+
+TEST(LaplacianEditing, of_implicit_transformations_turns_with_a_rigid_incoming_pose)
+{
+    const SurfaceMesh mesh = shapes::hill(8, 8);
+    const Pose G = shapes::turn({1, 2, -0.5}, 120, {3, 7, 1}, {3, -2, 1});
+    const Points incoming = shapes::transformed(mesh.points(), G);
+    const Matrix3 R = G.leftCols<3>();
+    Poses seen;
+    for (const Pose& pose : bent) {
+        const Matrix3 A = R * pose.leftCols<3>() * R.transpose();
+        seen.push_back(shapes::affine(A, R * pose.col(3) + G.col(3) - A * G.col(3)));
+    }
+    for (const Options& options : {implicit, length})
+        EXPECT_LT(
+            shapes::distance(
+                solved(mesh, shapes::ends(mesh, 1.5), {.poses = seen, .incoming = view(incoming)}, options),
+                shapes::transformed(solved(mesh, shapes::ends(mesh, 1.5), {.poses = bent}, options), G)),
+            1e-8);
+}
+
+TEST(LaplacianEditing, of_implicit_transformations_degrades_with_the_angle_and_less_in_the_mean_frame)
+{
+    const SurfaceMesh mesh = study_tube();
+    const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
+    const auto strain = [&](double degrees, bool mean_frame) {
+        return rms_edge_ratio(
+            mesh, solved(mesh, handles, {.poses = {shapes::still(), shapes::turn({1, 0, 0}, degrees)}},
+                         {.transforms = LocalTransforms::implicit, .mean_frame = mean_frame}));
+    };
+    double before = 0.0;
+    for (double degrees : {20.0, 45.0, 90.0, 135.0}) {
+        const double own = strain(degrees, false);
+        EXPECT_GT(own, before);
+        EXPECT_LT(strain(degrees, true), own);
+        before = own;
+    }
+}
+
 TEST(LaplacianEditing, without_transformations_is_the_thin_shell_with_bending_alone)
 {
     for (const SurfaceMesh& mesh : some_meshes())
@@ -339,7 +411,7 @@ TEST(LaplacianEditing, a_handle_that_rides_on_what_posed_the_mesh_does_not_turn_
     const SurfaceMesh mesh = shapes::hill(8, 8);
     const Pose pose = shapes::turn({1, 2, -0.5}, 120, {3, 7, 1}, {3, -2, 1});
     const Points incoming = shapes::transformed(mesh.points(), pose);
-    for (const Options& options : {none, explicitly, estimated}) {
+    for (const Options& options : {none, explicitly, estimated, implicit}) {
         const Points q = solved(mesh, shapes::ends(mesh, 1.5),
                                 {.poses = {shapes::still(), pose},
                                  .incoming = view(incoming),
@@ -357,7 +429,7 @@ TEST(LaplacianEditing, handles_of_other_parts_do_not_count)
     more.push_back({{n + 3, n + 40}, {}});
     more.push_back({{n + 70}, {}});
     const Poses poses{bent[0], bent[1], shapes::turn({1, 0, 1}, 140), shapes::turn({0, 1, 1}, -150)};
-    for (const Options& options : {explicitly, estimated})
+    for (const Options& options : {explicitly, estimated, implicit})
         EXPECT_LT(shapes::distance(solved(both, more, {.poses = poses}, options).topRows(n),
                                    solved(mesh, handles, {.poses = bent}, options)),
                   1e-9);
@@ -387,7 +459,7 @@ TEST(LaplacianEditing, solves_after_the_first_allocate_nothing_in_proportion_to_
     if (!allocations::counted())
         GTEST_SKIP() << "nobody counts here";
     const SurfaceMesh mesh = shapes::hill(60, 60);
-    for (const Options& options : {none, explicitly, estimated}) {
+    for (const Options& options : {none, explicitly, estimated, implicit}) {
         LaplacianEditing method(mesh, options);
         method.set_handles(shapes::ends(mesh, 1.5));
         Points positions;
