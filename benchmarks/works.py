@@ -82,6 +82,28 @@ WORKS = (
         at_most=True,
     ),
     Work(
+        "explicit_frame",
+        "a frame of `LaplacianEditing` with transformations from handles",
+        "`ThinShell.solve` without its basis",
+        {ANY: 1.7},
+        at_most=True,
+    ),
+    Work(
+        "estimated_frame",
+        "the same with two refits",
+        "`ThinShell.solve` without its basis",
+        {ANY: 3.9},
+        at_most=True,
+    ),
+    Work(
+        "implicit_bind",
+        "binding `LaplacianEditing` with implicit transformations",
+        "binding `ThinShell`",
+        {ANY: 20.0},
+        at_most=True,
+    ),
+    Work("implicit_frame", "its frame", "`ThinShell.solve` without its basis", {ANY: 3.0}, at_most=True),
+    Work(
         "riders_bind",
         "binding loose parts that follow, 20 shells or 200 loose vertices per 1,000 vertices",
         "a limit of 1 s",

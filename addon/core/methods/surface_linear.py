@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Linear surface methods: one sparse system per frame."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from .schema import (
     Bool,
     Choice,
@@ -58,6 +61,10 @@ FIELD = Choice(
     label="Falloff",
     description="How the turn of a handle fades over the surface towards the other regions",
 )
+
+
+def _laplacian_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
+    return factorising(0.7 if options["transforms"] == "implicit" else 0.05)(points, size, options)
 
 
 ROWS = (
@@ -198,7 +205,7 @@ ROWS = (
         summary="Smooth like the thin shell, and turns details where handles turn or move",
         iterative=False,
         moves=frozenset({Moved.MESH}),
-        bind_seconds=factorising(0.05),
+        bind_seconds=_laplacian_bind_seconds,
         parameters=(
             Choice(
                 "transforms",
@@ -211,6 +218,12 @@ ROWS = (
                         "Details turn as the handles do, and the turn fades by the falloff",
                     ),
                     ("estimated", "Estimated", "Details turn as their neighbourhoods do in a first solution"),
+                    (
+                        "implicit",
+                        "Implicit",
+                        "Details turn as their neighbourhoods do, found together with their places. "
+                        "Takes about 20 times as long to bind",
+                    ),
                 ),
                 rebinds=True,
                 label="Details",
@@ -228,14 +241,34 @@ ROWS = (
                 description="Of Estimated: how often the turns are estimated again from the last solution. "
                 "Each costs as much as a thin shell",
             ),
+            Choice(
+                "second_stage",
+                "polar",
+                (
+                    (
+                        "polar",
+                        "Rotation",
+                        "Turns the details, each by the rotation nearest to its transformation",
+                    ),
+                    (
+                        "length",
+                        "Length",
+                        "Transforms the details and restores their lengths, as the paper does",
+                    ),
+                ),
+                rebinds=True,
+                advanced=True,
+                label="Second Stage",
+                description="Of Implicit: what is done with the transformations",
+            ),
             Bool(
                 "mean_frame",
                 True,
                 rebinds=True,
                 advanced=True,
                 label="Mean Frame",
-                description="Of Estimated: sees the handles from the mean of their turns, so that each of "
-                "two handles turns by half of the angle between them",
+                description="Of Estimated and Implicit: sees the handles from the mean of their turns, "
+                "so that each of two handles turns by half of the angle between them",
             ),
             Choice(
                 "laplacian",
