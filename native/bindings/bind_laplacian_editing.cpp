@@ -47,7 +47,7 @@ solve for x, y and z, and one more per refit.)")
 mesh          SurfaceMesh, the rest shape.
 transforms    'none', 'explicit' (Eq. 16), 'estimated' or 'implicit': the local transformations.
 laplacian     'uniform', 'cotan' or 'cotan_voronoi' (section 3.2).
-field         of 'explicit', how the maps of the handles fade: 'harmonic' (Eq. 8) or 'geodesic'.
+field         of 'explicit', how the maps of the handles fade: 'harmonic' (Eq. 8), 'geodesic' or 'euclidean'.
 refits        >= 0, of 'estimated': how often the rotations are fitted to the last solution.
 second_stage  of 'implicit', how differential coordinates are turned: 'polar' by the rotations, or 'length' by the
               transformations, with their lengths kept.

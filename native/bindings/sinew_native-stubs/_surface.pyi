@@ -10,7 +10,7 @@ from ._operators import Discretization
 from ._types import Floats, Progress, Singles, Weights
 
 FreeParts = Literal["stay", "follow"]
-Field = Literal["harmonic", "geodesic"]
+Field = Literal["harmonic", "geodesic", "euclidean"]
 LocalTransforms = Literal["none", "explicit", "estimated", "implicit"]
 
 class SurfaceMethod:

@@ -4,8 +4,10 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
 #include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
+#include "native/operators/fit_kernels.h"
 #include "native/operators/ring_fit.h"
 #include "native/operators/rotation_fit.h"
 #include "native/solvers/sparse_columns.h"
@@ -62,12 +64,32 @@ std::vector<Ring> rings_of(const SparseMatrix& L, const PointsView& y)
     return rings;
 }
 
+using NineOf = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+
+/// sum e' e^T over the edges e of a vertex in y, and e' in x.
+Matrix3 turned_edges(const SparseMatrix& L, const PointsView& y, const Points& x, int vertex,
+                     const Matrix3& frame)
+{
+    double sum[9] = {}, square = 0.0;
+    const double *const before = y.data() + 3 * static_cast<std::ptrdiff_t>(vertex),
+                        *const after = x.data() + 3 * static_cast<std::ptrdiff_t>(vertex);
+    for (SparseMatrix::InnerIterator it(L, vertex); it; ++it) {
+        const double *const from = y.data() + 3 * it.row(), *const to = x.data() + 3 * it.row();
+        const double e[3] = {from[0] - before[0], from[1] - before[1], from[2] - before[2]};
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 3; ++c)
+                sum[3 * r + c] += (to[r] - after[r]) * e[c];
+        square += e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
+    }
+    return NineOf(sum) + least_frame * square * frame;
+}
+
 /// The workspace of a frame.
 struct Workspace
 {
     Points delta;      ///< of the incoming shape
     RowMatrix change;  ///< (n, 3) T delta - delta; zero where no handle touches the part
-    RowMatrix blended; ///< (n, MapBlend::numbers)
+    RowMatrix nine;    ///< (n, 9) blended maps or fitted rotations
     RowMatrix displacements; ///< (3n, 1) of ImplicitResponse
 };
 
@@ -102,14 +124,16 @@ struct LaplacianEditing::Impl
     HandleFields fields(HandleGroups groups, const SurfaceMesh& rest, const Regions& regions,
                         const SparseMatrix& L) const
     {
-        if (options.field == Field::geodesic)
-            return {std::move(groups), regions, rest};
-        bound->poisson.factorize(std::make_shared<SparseMatrix>(L), regions);
+        if (options.field != Field::harmonic)
+            return {std::move(groups), regions, rest, options.field};
+        auto positive = std::make_shared<SparseMatrix>(L);
+        make_weights_positive(*positive);
+        bound->poisson.factorize(std::move(positive), regions);
         return {std::move(groups), regions, bound->poisson};
     }
 
-    /// R of each part.
-    std::vector<Matrix3> frames(const std::vector<Matrix3>& maps) const
+    /// R of each part, and in how many vertices of which a rule chose it.
+    std::vector<Matrix3> frames(const std::vector<Matrix3>& maps, int& half_turns) const
     {
         const HandleGroups& groups = bound->groups;
         std::vector<Matrix3> frames(groups.count(), Matrix3::Identity());
@@ -122,7 +146,10 @@ struct LaplacianEditing::Impl
                 alike = alike && map == first;
                 turns.emplace_back(Polar(map).R);
             }
-            frames[g] = alike ? Polar(first).R : mean_rotation(turns).toRotationMatrix();
+            const Eigen::Quaterniond mean = mean_rotation(turns);
+            frames[g] = alike ? Polar(first).R : mean.toRotationMatrix();
+            if (std::ranges::any_of(turns, [&](const Eigen::Quaterniond& q) { return opposed(mean, q); }))
+                half_turns += static_cast<int>(std::ranges::count(groups.group, g));
         }
         return frames;
     }
@@ -157,18 +184,27 @@ struct LaplacianEditing::Impl
         });
     }
 
-    /// The rotation of the edges of a vertex from y to x.
-    Matrix3 fit(const PointsView& y, const Points& x, int v, const Matrix3& frame) const
+    /// (n, 9) the rotations of the edges at each vertex from y to x, row by row.
+    void fit(const PointsView& y, const Points& x, const std::vector<Matrix3>& frames,
+             RowMatrix& rotations) const
     {
-        const SparseMatrix& L = bound->L;
-        Matrix3 S = Matrix3::Zero();
-        double square = 0.0;
-        for (SparseMatrix::InnerIterator it(L, v); it; ++it) {
-            const Vector3 edge = (y.row(it.row()) - y.row(v)).transpose();
-            S += (x.row(it.row()) - x.row(v)).transpose() * edge.transpose();
-            square += edge.squaredNorm();
-        }
-        return fit_rotation(S + least_frame * square * frame);
+        const FitKernels& kernels = widest_kernels<FitKernels>();
+        const int n = static_cast<int>(y.rows());
+        parallel_for((n + 3) / 4,
+                     [&](int four) {
+                         double sums[36] = {}, fitted[36];
+                         const int begin = 4 * four, rows = std::min(4, n - begin);
+                         for (int k = 0; k < rows; ++k)
+                             if (const int g = bound->groups.group[begin + k]; g >= 0)
+                                 NineOf(sums + 9 * k) = turned_edges(bound->L, y, x, begin + k, frames[g]);
+                         const int safe = kernels.fit(sums, fitted);
+                         for (int k = 0; k < rows; ++k)
+                             if (!(safe >> k & 1))
+                                 NineOf(fitted + 9 * k) = fit_rotation_svd(NineOf(sums + 9 * k));
+                         std::copy_n(fitted, 9 * rows,
+                                     rotations.data() + 9 * static_cast<std::ptrdiff_t>(begin));
+                     },
+                     512);
     }
 };
 
@@ -219,7 +255,7 @@ void LaplacianEditing::bind(const Regions& regions, BindReport& report, const Pr
     bound.fields = std::move(fields);
     bound.groups = std::move(groups);
     bound.patches = std::move(patches);
-    bound.L = std::move(L);
+    bound.L.swap(L); // the move assignment of Eigen's sparse matrices would copy
     bound.mass = std::move(mass);
     bound.delta = std::move(delta);
     bound.workspaces.clear(); // idle rows stay zero
@@ -244,8 +280,7 @@ SolveReport LaplacianEditing::deform(const SolveRequest& /*request*/, const Targ
     const auto work = bound.workspaces.take([&] {
         auto made = std::make_unique<Workspace>();
         made->change = RowMatrix::Zero(n, 3);
-        if (impl.has_fields())
-            made->blended.resize(n, MapBlend::numbers);
+        made->nine.resize(n, MapBlend::numbers);
         return made;
     });
     if (targets.incoming)
@@ -256,31 +291,38 @@ SolveReport LaplacianEditing::deform(const SolveRequest& /*request*/, const Targ
 
     if (transforms == LocalTransforms::from_handles) {
         const MapBlend blend(groups, maps);
-        bound.fields.blend(blend.values(), work->blended);
-        return impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) {
-            return blend.at(groups.group[v], work->blended.row(v).data())(d);
-        });
+        bound.fields.blend(blend.values(), work->nine);
+        SolveReport report =
+            impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) -> Vector3 {
+                return blend.at(groups.group[v], work->nine.data() + 9 * static_cast<std::ptrdiff_t>(v))(d);
+            });
+        report.half_turns = blend.half_turns(groups);
+        return report;
     }
 
-    const std::vector<Matrix3> frames = impl.frames(maps);
+    int half_turns = 0;
+    const std::vector<Matrix3> frames = impl.frames(maps, half_turns);
+    SolveReport report;
     if (impl.is_implicit()) {
         const PointsView y = targets.base();
         bound.first->displace(targets, frames, work->displacements);
-        return impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) -> Vector3 {
+        report = impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) -> Vector3 {
             const Ring ring = targets.incoming ? ring_at(bound.L, y, v) : bound.rings[v];
             const LinearSimilarity T = fit_ring(bound.L, y, ring, work->displacements.data(), v);
             return frames[groups.group[v]] *
                    (impl.options.second_stage == SecondStage::length ? lengthened(T, d) : T.rotated(d));
         });
+    } else {
+        report = impl.solve(targets, delta, *work, positions,
+                            [&](int v, const Vector3& d) -> Vector3 { return frames[groups.group[v]] * d; });
+        for (int k = 0; k < impl.options.refits; ++k) {
+            impl.fit(targets.base(), positions, frames, work->nine);
+            report = impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) -> Vector3 {
+                return NineOf(work->nine.data() + 9 * static_cast<std::ptrdiff_t>(v)) * d;
+            });
+        }
     }
-
-    SolveReport report =
-        impl.solve(targets, delta, *work, positions,
-                   [&](int v, const Vector3& d) -> Vector3 { return frames[groups.group[v]] * d; });
-    for (int k = 0; k < impl.options.refits; ++k)
-        report = impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) -> Vector3 {
-            return impl.fit(targets.base(), positions, v, frames[groups.group[v]]) * d;
-        });
+    report.half_turns = half_turns;
     return report;
 }
 

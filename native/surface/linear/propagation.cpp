@@ -8,7 +8,6 @@
 #include "native/operators/laplacian.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -113,6 +112,7 @@ void Propagation::bind(const Regions& regions, BindReport& report, const Progres
     HandleFields fields;
     if (impl_->options.field == Field::harmonic) {
         auto L = std::make_shared<SparseMatrix>(laplacian_matrix(rest(), Discretization::cotan, metric));
+        make_weights_positive(*L);
         progress.tick(0.2, "factorising");
         bound.system.factorize(std::move(L), regions, [&] {
             progress.tick(0.7, "computing the fields");
@@ -121,7 +121,7 @@ void Propagation::bind(const Regions& regions, BindReport& report, const Progres
         });
     } else {
         progress.tick(0.2, "measuring distances");
-        fields = HandleFields(std::move(groups), regions, rest());
+        fields = HandleFields(std::move(groups), regions, rest(), impl_->options.field);
         progress.tick(1.0, "bound");
     }
     bound.fields = std::move(fields);
@@ -141,6 +141,24 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
     maps.emplace_back(Matrix3::Identity());
     const MapBlend blend(bound.with_identity, maps);
     const HandleGroups& groups = bound.fields.groups();
+    const RowMatrix& values = blend.values();
+    // What a share of each seat that moves adds. The seats of a group of `with_identity` are shifted by it.
+    struct Mover
+    {
+        int seat;
+        Motion motion;
+        Eigen::Matrix<double, 1, MapBlend::numbers> numbers;
+    };
+    std::vector<Mover> movers;
+    std::vector<int> offsets{0}, identities;
+    for (int group = 0; group < groups.count(); ++group) {
+        identities.push_back(bound.with_identity.offsets[group + 1] - 1);
+        for (int seat = groups.offsets[group]; seat < groups.offsets[group + 1]; ++seat)
+            if (const Motion& motion = motions[groups.handles[seat]];
+                motion.turning > 0 || !motion.move.isZero(0))
+                movers.push_back({seat, motion, values.row(seat + group) - values.row(identities.back())});
+        offsets.push_back(static_cast<int>(movers.size()));
+    }
     const PointsView base = targets.base();
     const int n = static_cast<int>(base.rows());
     positions.resize(n, 3);
@@ -154,19 +172,13 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
             positions.row(v) = targets.position(v, bound.held[v]).transpose();
             return;
         }
-        const double* const values = blend.values().data();
-        const int identity =
-            bound.with_identity.offsets[group + 1] - 1; // the seats of a group are shifted by it
-        std::array<double, MapBlend::numbers> nine;
-        std::copy_n(values + MapBlend::numbers * identity, MapBlend::numbers, nine.data());
+        Eigen::Matrix<double, 1, MapBlend::numbers> nine = values.row(identities[group]);
         Vector3 centre = Vector3::Zero(), move = Vector3::Zero();
         double turning = 0.0;
-        for (int seat = groups.offsets[group]; seat < groups.offsets[group + 1]; ++seat) {
+        for (int k = offsets[group]; k < offsets[group + 1]; ++k) {
+            const auto& [seat, motion, numbers] = movers[k];
             const double t = impl_->transfer(bound.fields.share(v, seat));
-            const Motion& motion = motions[groups.handles[seat]];
-            for (int c = 0; c < MapBlend::numbers; ++c)
-                nine[c] += t * (values[MapBlend::numbers * (seat + group) + c] -
-                                values[MapBlend::numbers * identity + c]);
+            nine += t * numbers;
             const double weight = std::max(0.0, t) * motion.turning;
             centre += weight * motion.centre;
             turning += weight;
@@ -179,6 +191,7 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
     SolveReport report;
     report.iterations = 1;
     report.converged = true;
+    report.half_turns = blend.half_turns(groups);
     return report;
 }
 

@@ -236,6 +236,17 @@ TEST(GradientEditing, a_handle_that_rides_on_what_posed_the_mesh_does_not_turn_d
     EXPECT_LT(shapes::distance(q, incoming), 1e-11);
 }
 
+TEST(GradientEditing, says_where_a_rule_chose_the_way_of_half_a_turn)
+{
+    const SurfaceMesh mesh = shapes::hill(8, 8);
+    for (const auto& [degrees, vertices] : {std::pair{179.0, 0}, {180.0, 81}}) {
+        SolveReport report;
+        solved(mesh, shapes::ends(mesh, 1.5), {.poses = {shapes::still(), shapes::turn({1, 2, 0}, degrees)}},
+               &report);
+        EXPECT_EQ(report.half_turns, vertices);
+    }
+}
+
 TEST(GradientEditing, handles_of_other_parts_do_not_count)
 {
     const SurfaceMesh mesh = shapes::hill(8, 8), both = shapes::joined(mesh, mesh, {0, 20, 0});

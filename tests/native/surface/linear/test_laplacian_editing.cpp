@@ -175,11 +175,18 @@ public:
     /// The harmonic field of the second of two hard handles.
     VectorX field() const
     {
+        MatrixX L = L_; // with positive weights
+        for (int i = 0; i < n_; ++i)
+            for (int j = 0; j < n_; ++j)
+                if (i != j && L(i, j) > 0)
+                    L(i, j) *= -1e-6;
+        L.diagonal().setZero();
+        L.diagonal() = -L.rowwise().sum();
         VectorX s = VectorX::Zero(n_);
         for (int v : handles_[1].vertices)
             s[v] = 1;
-        const VectorX rhs = (-L_ * s)(free_);
-        s(free_) = MatrixX(L_(free_, free_)).fullPivLu().solve(rhs);
+        const VectorX rhs = (-L * s)(free_);
+        s(free_) = MatrixX(L(free_, free_)).fullPivLu().solve(rhs);
         return s;
     }
 
@@ -447,6 +454,18 @@ TEST(LaplacianEditing, keeps_the_factor_where_only_transformations_change)
     Points q;
     next.solve({bent}, q);
     EXPECT_EQ(q, solved(mesh, handles, {.poses = bent}, explicitly));
+}
+
+TEST(LaplacianEditing, says_where_a_rule_chose_the_way_of_half_a_turn)
+{
+    const SurfaceMesh mesh = shapes::hill(8, 8);
+    for (const Options& options : {explicitly, estimated, implicit})
+        for (const auto& [degrees, vertices] : {std::pair{179.0, 0}, {180.0, 81}}) {
+            SolveReport report;
+            solved(mesh, shapes::ends(mesh, 1.5),
+                   {.poses = {shapes::still(), shapes::turn({1, 2, 0}, degrees)}}, options, &report);
+            EXPECT_EQ(report.half_turns, vertices);
+        }
 }
 
 TEST(LaplacianEditing, refuses_a_negative_number_of_refits)

@@ -231,10 +231,15 @@ TEST(RotationInvariantCoordinates, between_handles_at_half_a_turn_follow_the_mea
 {
     const SurfaceMesh mesh = shapes::hill(10, 9);
     const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
+    SolveReport report;
     const auto at = [&](double degrees) {
-        return solved(mesh, handles, {.poses = {shapes::still(), shapes::turn({1, 0, 0}, degrees)}});
+        return solved(mesh, handles, {.poses = {shapes::still(), shapes::turn({1, 0, 0}, degrees)}}, &report);
     };
+    at(150);
+    EXPECT_EQ(report.half_turns, 0);
     const Points half = at(180);
+    EXPECT_GT(report.half_turns, 0);
+    EXPECT_LT(report.half_turns, mesh.vertex_count() / 2) << "those in the middle";
     for (double rounding : {-1e-11, 1e-11}) // degrees; rounding does not choose the way
         EXPECT_LT(shapes::distance(at(180 + rounding), half), 1e-8);
 }
