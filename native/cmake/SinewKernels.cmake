@@ -11,5 +11,6 @@ set(SINEW_KERNELS
   native/space/cage/harmonic/layers avx2 avx512
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2
+  native/surface/linear/propagation/kernels avx2
   native/surface/nonlinear/arap/kernels avx2
 )

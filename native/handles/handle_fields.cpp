@@ -57,7 +57,7 @@ HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const Su
     : groups_(std::move(groups))
 {
     const int n = mesh.vertex_count(), width = groups_.width();
-    allocate(field == Field::geodesic ? width : 0);
+    allocate(field == Field::geodesic ? width : 4); // with the distances, or with the places of the sources
     if (shares_.cols() == 0)
         return;
     std::vector<std::vector<GeodesicDistance::Source>> sources(groups_.seat_count());

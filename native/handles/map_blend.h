@@ -93,6 +93,9 @@ public:
 
     /// (seats, 9) what HandleFields::blend() takes the means of.
     const RowMatrix& values() const { return values_; }
+    /// Whether all handles of a part have one map, and R of a part where they have not.
+    bool alike(int group) const { return alike_[group]; }
+    const Matrix3& mean(int group) const { return means_[group]; }
     /// How many vertices are in parts where a rule chose the way of half a turn.
     int half_turns(const HandleGroups& groups) const;
 

@@ -2,6 +2,7 @@
 #include "native/handles/handle_fields.h"
 
 #include "native/operators/laplacian.h"
+#include "tests/native/dense_weights.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -82,7 +83,7 @@ TEST(HandleFields, of_harmonic_kind_are_those_of_a_dense_solve)
     std::vector<Handle> handles = shapes::ends(mesh, 1.5);
     handles.push_back({{40, 41}, {0.3, 1.0}});
     const Bound bound(mesh, handles, Field::harmonic);
-    const MatrixX L = laplacian_matrix(mesh, Discretization::cotan);
+    const MatrixX L = with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
     const int n = mesh.vertex_count();
     MatrixX A = L, b = MatrixX::Zero(n, 3);
     for (int v = 0; v < n; ++v)
@@ -106,7 +107,7 @@ TEST(HandleFields, of_harmonic_kind_stay_between_their_handles_where_angles_are_
     constexpr int rows = 6, columns = 8;
     for (int i = 0; i < rows; ++i)
         for (int j = 0; j < columns; ++j)
-            p.emplace_back(4.0 * j + (i % 2 ? 1.9 : 0.0), i, 0.3 * ((i + j) % 3));
+            p.emplace_back(4.0 * j + (i % 2 ? 3.6 : 0.0), i, 0.3 * ((i + j) % 3));
     for (int i = 0; i + 1 < rows; ++i)
         for (int j = 0; j + 1 < columns; ++j) {
             const int a = i * columns + j;
@@ -114,12 +115,12 @@ TEST(HandleFields, of_harmonic_kind_stay_between_their_handles_where_angles_are_
             faces.push_back({a + 1, a + columns + 1, a + columns});
         }
     const SurfaceMesh mesh = shapes::mesh(p, faces);
-    const std::vector<Handle> handles{{{0}, {}}, {{21}, {}}, {{rows * columns - 1}, {0.4}}};
+    const std::vector<Handle> handles{{{18}, {}}, {{20}, {}}, {{27}, {0.4}}};
     const Bound bound(mesh, handles, Field::harmonic);
     MatrixX ones = MatrixX::Zero(3, 1);
     ones(1, 0) = 1.0;
     const RowMatrix plain = bound.system.spread(ones);
-    EXPECT_LT(plain.minCoeff(), -0.01);
+    EXPECT_LT(plain.minCoeff(), -0.1);
     for (int v = 0; v < mesh.vertex_count(); ++v)
         for (int h = 0; h < 3; ++h) {
             EXPECT_GE(bound(v, h), -1e-12);

@@ -3,6 +3,7 @@
 
 #include "native/surface/linear/thin_shell.h"
 #include "tests/native/allocations.h"
+#include "tests/native/dense_weights.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
@@ -175,13 +176,7 @@ public:
     /// The harmonic field of the second of two hard handles.
     VectorX field() const
     {
-        MatrixX L = L_; // with positive weights
-        for (int i = 0; i < n_; ++i)
-            for (int j = 0; j < n_; ++j)
-                if (i != j && L(i, j) > 0)
-                    L(i, j) *= -1e-6;
-        L.diagonal().setZero();
-        L.diagonal() = -L.rowwise().sum();
+        const MatrixX L = with_positive_weights(L_);
         VectorX s = VectorX::Zero(n_);
         for (int v : handles_[1].vertices)
             s[v] = 1;

@@ -3,6 +3,7 @@
 
 #include "native/operators/laplacian.h"
 #include "tests/native/allocations.h"
+#include "tests/native/dense_weights.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
@@ -67,7 +68,7 @@ SurfaceTraits traits()
 VectorX harmonic_field(const SurfaceMesh& mesh, const std::vector<Handle>& handles)
 {
     const int n = mesh.vertex_count();
-    MatrixX A = laplacian_matrix(mesh, Discretization::cotan);
+    MatrixX A = with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
     VectorX b = VectorX::Zero(n);
     for (int h : {0, 1})
         for (int v : handles[h].vertices) {

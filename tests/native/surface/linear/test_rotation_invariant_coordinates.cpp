@@ -107,7 +107,8 @@ public:
             x.row(v) = (held_[v] == 1 ? apply(pose, y.row(v).transpose()) : Vector3(y.row(v))).transpose();
         }
         MatrixX A = MatrixX::Zero(3 * n_, 3 * n_);
-        for_edges([&](int i, int j, double w) { // w |f_j - f_i R|^2
+        for_edges([&](int i, int j, double weight) { // w |f_j - f_i R|^2
+            const double w = weight > 0 ? weight : -1e-6 * weight;
             const Matrix3 R = frames[i].transpose() * frames[j];
             A.block<3, 3>(3 * i, 3 * i) += w * Matrix3::Identity();
             A.block<3, 3>(3 * j, 3 * j) += w * Matrix3::Identity();
