@@ -121,7 +121,8 @@ def copied(addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         folders = {"RESOURCES": home}
     for name, folder in folders.items():
         monkeypatch.setenv(f"BLENDER_USER_{name}", str(folder))
-    shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    cached = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(root, copy, ignore=cached, copy_function=shutil.copyfile)  # Wine 8 has not that of copy2
     return copy / here.relative_to(root), copy / Path(native().__file__).relative_to(root)
 
 
