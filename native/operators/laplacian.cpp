@@ -160,6 +160,38 @@ SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretiza
     return laplacian_matrix(mesh, discretization, triangle_metric(mesh, least_area), scale);
 }
 
+bool make_weights_positive(SparseMatrix& L)
+{
+    constexpr double rounding = 1e-10, kept = 1e-6;
+    const auto for_entries = [&](const auto& body) {
+        for (int column = 0; column < L.outerSize(); ++column)
+            for (SparseMatrix::InnerIterator it(L, column); it; ++it)
+                if (it.row() != column)
+                    body(it);
+    };
+    double total = 0.0,
+           largest = 0.0; // without the diagonal, which may hold more than the sum of the weights
+    int count = 0;
+    for_entries([&](auto& it) {
+        total += std::abs(it.value());
+        largest = std::max(largest, it.value());
+        ++count;
+    });
+    if (!(largest * count > rounding * total))
+        return false;
+    VectorX sums = VectorX::Zero(L.cols());
+    for_entries([&](auto& it) {
+        if (it.value() > 0)
+            it.valueRef() *= -kept;
+        sums[it.col()] -= it.value();
+    });
+    for (int column = 0; column < L.outerSize(); ++column)
+        for (SparseMatrix::InnerIterator it(L, column); it; ++it)
+            if (it.row() == column)
+                it.valueRef() = sums[column];
+    return true;
+}
+
 VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization, const TriangleMetric& metric)
 {
     const int n = mesh.vertex_count();

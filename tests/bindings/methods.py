@@ -42,7 +42,9 @@ def choices(method: type) -> list[dict[str, object]]:
     found += [{"smoothness": 0.0}] if "smoothness: " in text else []
     found += [{"cells": "rims"}] if "'rims'" in text else []
     found += [{"variation": 1.0, "stretching": 1.0}] if "variation: " in text else []
-    found += [{"field": "geodesic"}] if "field: str" in text else []
+    found += [{"field": "geodesic"}, {"field": "euclidean"}] if "field: str" in text else []
+    transforms = ("none", "explicit", "implicit") if "transforms: str" in text else ()
+    found += [{"transforms": name} for name in transforms]
     return found + ([{"threshold": 1e-3, "precision": "double"}] if "threshold: " in text else [])
 
 

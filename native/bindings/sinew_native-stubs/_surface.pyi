@@ -10,7 +10,8 @@ from ._operators import Discretization
 from ._types import Floats, Progress, Singles, Weights
 
 FreeParts = Literal["stay", "follow"]
-Field = Literal["harmonic", "geodesic"]
+Field = Literal["harmonic", "geodesic", "euclidean"]
+LocalTransforms = Literal["none", "explicit", "estimated", "implicit"]
 
 class SurfaceMethod:
     def set_handles(
@@ -85,6 +86,19 @@ class GradientEditing(SurfaceMethod):
 
 class RotationInvariantCoordinates(SurfaceMethod):
     def __init__(self, mesh: SurfaceMesh, *, laplacian: Literal["uniform", "cotan"] = "cotan") -> None: ...
+
+class LaplacianEditing(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        transforms: LocalTransforms = "estimated",
+        laplacian: Discretization = "cotan_voronoi",
+        field: Field = "harmonic",
+        refits: int = 2,
+        second_stage: Literal["polar", "length"] = "polar",
+        mean_frame: bool = True,
+    ) -> None: ...
 
 class Arap(SurfaceMethod):
     def __init__(
