@@ -246,24 +246,9 @@ def test_every_operator_has_its_undo_tested():
     names = set(dir(bpy.ops.sinew))
     options = {name: getattr(getattr(bpy.types, f"SINEW_OT_{name}"), "bl_options", ()) for name in names}
     with_undo = {name for name in names if "UNDO" in options[name]}
-    elsewhere = {"control_new", "preset_apply", "curve_edit"}  # in test_words, and below
+    elsewhere = {"control_new", "preset_apply", "curve_edit"}  # in test_words and test_methods
     assert with_undo == set(OPERATORS) | set(IN_EDIT_MODE) | elsewhere
     assert names - with_undo <= {"cancel", "check_installation", "help", "preset_add", "watch"}
-
-
-def test_undo_and_redo_of_a_curve_that_is_drawn(plate: Rig):
-    plate.bind("propagation").lift(0.5)
-    make_active(plate.obj)
-    push("posed")
-    before = plate.points()
-    run("curve_edit", parameter="transfer")
-    update()
-    assert plate.deformer.parameters.transfer is not None
-    for step, drawn in ((bpy.ops.ed.undo, False), (bpy.ops.ed.redo, True)):
-        step()
-        update()
-        assert (plate.deformer.parameters.transfer is not None) == drawn
-        np.testing.assert_allclose(plate.points(), before, atol=1e-6)
 
 
 IN_EDIT_MODE = {
