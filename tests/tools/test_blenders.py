@@ -73,12 +73,13 @@ def test_what_the_releases_between_run_is_there() -> None:
 
 def test_a_failed_layer_does_not_stop_the_next(capsys: pytest.CaptureFixture[str]) -> None:
     def broken(_timeout: float) -> Outcome:
-        raise SystemExit("no such package")
+        raise SystemExit("no such package\nof all that there are")
 
     chain = [Layer("broken", 1, broken), Layer("fine", 1, lambda _timeout: Outcome(passed=3))]
     assert run_tests.run_layers(chain) == 1
     said = capsys.readouterr().out
-    assert "no such package" in said
+    assert said.count("no such package") == 2  # where the layer stopped, and in the table
+    assert "no such package\nof all that there are" in said
     assert said.endswith("3 passed, 1 failed\n")
 
 
