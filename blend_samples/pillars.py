@@ -15,6 +15,7 @@ SPACING = 1.75
 METHODS = {
     "Rest": "",
     "Thin Shell": "thin_shell",
+    "Multiresolution": "multiresolution",
     "Gradient Editing": "gradient_editing",
     "Rotation-Invariant": "rotation_invariant_coordinates",
     "Propagation": "propagation",

@@ -11,6 +11,9 @@ from ._types import Floats, Progress, Singles, Weights
 
 FreeParts = Literal["stay", "follow"]
 Field = Literal["harmonic", "geodesic"]
+Details = Literal[
+    "displacement_vectors", "normal_displacements", "displacement_volumes", "deformation_transfer"
+]
 
 class SurfaceMethod:
     def set_handles(
@@ -98,3 +101,17 @@ class Arap(SurfaceMethod):
         tolerance: float = 1e-5,
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
+
+class Multiresolution(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        base: SurfaceMethod,
+        *,
+        details: Details = "displacement_vectors",
+        wavelength: float = 10.0,
+        bands: int = 1,
+    ) -> None: ...
+    def levels(self) -> list[Floats]: ...
+    @property
+    def detail_vectors(self) -> int: ...
