@@ -3,7 +3,8 @@
 #include "native/bindings/surface.h"
 #include "native/multiresolution/multiresolution.h"
 
-#include <pybind11/stl.h>
+#include <utility>
+#include <vector>
 
 namespace sinew::bindings {
 
@@ -32,8 +33,8 @@ open borders have no details, so handles are met exactly.)")
                  return std::make_shared<Multiresolution>(mesh, base, options);
              }),
              py::arg("mesh"), py::arg("base").none(false), py::kw_only(),
-             py::arg("details") = "displacement_vectors", py::arg("wavelength") = 10.0,
-             py::arg("bands") = 1, R"(
+             py::arg("details") = "displacement_vectors", py::arg("wavelength") = 10.0, py::arg("bands") = 1,
+             R"(
 mesh        SurfaceMesh, the rest shape.
 base        SurfaceMethod on the same mesh, which moves the smooth shape. It belongs to this object from now on.
 details     how the details are stored: 'displacement_vectors' that turn with the base (section 4.4.1),
@@ -43,16 +44,30 @@ wavelength  > 0, in mean edge lengths: waves that are shorter are details.
 bands       1 to 8; each further band takes the details of twice the wavelength off what the one before left.
 
 Raises InvalidOption for a base on another mesh, or for an option out of its range.)")
-        .def("levels", &Multiresolution::levels, py::call_guard<py::gil_scoped_release>(),
-             "[(n, 3)] the rest shape and what each band left of it, bands + 1 shapes; the rest shape alone before\n"
-             "set_handles().")
+        .def(
+            "levels",
+            [](const Multiresolution& method) {
+                std::vector<Points> levels;
+                {
+                    const py::gil_scoped_release unlocked;
+                    levels = method.levels();
+                }
+                py::list found;
+                for (Points& level : levels)
+                    found.append(to_numpy(std::move(level)));
+                return found;
+            },
+            "[(n, 3)] the rest shape and what each band left of it, bands + 1 shapes; the rest shape alone "
+            "before\n"
+            "set_handles().")
         .def_property_readonly(
             "detail_vectors",
             [](const Multiresolution& method) {
                 const py::gil_scoped_release unlocked;
                 return method.detail_vectors();
             },
-            "How many details of the last bind are vectors, because 'normal_displacements' found no place on the\n"
+            "How many details of the last bind are vectors, because 'normal_displacements' found no place on "
+            "the\n"
             "base for them.");
 }
 

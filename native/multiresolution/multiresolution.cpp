@@ -133,13 +133,13 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
         next->codings.push_back(impl_->coding(rest(), faired, next->levels[k], next->levels[k + 1]));
         count(*next->codings.back());
     }
-    // The base comes last: its own bind leaves it as it was if it throws, and nothing throws afterwards. It is
-    // kept if its handles are the same.
-    const BindReport of_base = impl_->base->rebind(
-        *impl_->base, regions.handles(), Progress([&](double fraction, const char* stage) {
-            progress.tick(0.5 + 0.5 * fraction, stage);
-            return true;
-        }));
+    // The base comes last: its own bind leaves it as it was if it throws, and nothing throws afterwards. It
+    // is kept if its handles are the same.
+    const BindReport of_base = impl_->base->rebind(*impl_->base, regions.handles(),
+                                                   Progress([&](double fraction, const char* stage) {
+                                                       progress.tick(0.5 + 0.5 * fraction, stage);
+                                                       return true;
+                                                   }));
     report.degenerate_faces = degenerate_face_count(rest(), least_area_for_order(2));
     report.factorizations = of_base.factorizations + next->factorizations;
     report.analyses = of_base.analyses + next->analyses;

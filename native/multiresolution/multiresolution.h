@@ -37,8 +37,8 @@ struct MultiresolutionOptions
 ///     b_n' = base method (b_n)
 ///     b_k-1' = details of b_k-1 over b_k, put on b_k';   x = b_0'      (details/detail_coding.h)
 ///
-/// The base method gets the smooth shape as the one that enters its frame; its operators, which it computed at
-/// bind, are those of the rest shape. So any method can be the base. Handles and open borders have no
+/// The base method gets the smooth shape as the one that enters its frame; its operators, which it computed
+/// at bind, are those of the rest shape. So any method can be the base. Handles and open borders have no
 /// details, so handles are met exactly, and a soft handle takes details away as far as it pulls.
 ///
 ///   call           repeat it when ...            cost
@@ -47,7 +47,8 @@ struct MultiresolutionOptions
 ///                                                and transfer take one more per band
 ///   rebind()       other details, bands or       all but the base, which is kept
 ///                  wavelength
-///   solve()        the handles moved             a frame of the base for an incoming shape, and the details of
+///   solve()        the handles moved             a frame of the base for an incoming shape, and the details
+///   of
 ///                                                each band; where a shape enters or a drag starts from one,
 ///                                                one solve more per band
 ///

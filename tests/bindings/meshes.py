@@ -3,8 +3,6 @@
 
 import numpy as np
 
-import sinew_native as sn
-
 STILL = np.column_stack([np.eye(3), np.zeros(3)])
 
 

@@ -31,8 +31,8 @@ DeformationTransfer::DeformationTransfer(const SurfaceMesh& rest, const Regions&
 {
     const TriangleMetric metric = triangle_metric(rest);
     gradients_ = TurnedGradients(rest, metric);
-    system_.factorize(
-        std::make_shared<SparseMatrix>(laplacian_matrix(rest, Discretization::cotan, metric)), regions);
+    system_.factorize(std::make_shared<SparseMatrix>(laplacian_matrix(rest, Discretization::cotan, metric)),
+                      regions);
 }
 
 Matrix3 DeformationTransfer::map_of(int triangle, const Band& band, const std::vector<Matrix3>& maps) const
@@ -55,8 +55,7 @@ void DeformationTransfer::apply(const Band& band, Points& detailed, SolveReport&
     const auto work = workspaces_.take([] { return std::make_unique<Workspace>(); });
     work->aims = band.moved;
     rings_->fit(
-        band.coarse, band.moved, work->maps,
-        [&](int v) { return band.fine.row(v) != band.coarse.row(v); },
+        band.coarse, band.moved, work->maps, [&](int v) { return band.fine.row(v) != band.coarse.row(v); },
         [&](int v, const Matrix3& R) {
             work->aims.row(v) += (R * (band.fine.row(v) - band.coarse.row(v)).transpose()).transpose();
         });
@@ -66,9 +65,8 @@ void DeformationTransfer::apply(const Band& band, Points& detailed, SolveReport&
         second = (T * second).eval();
     };
     // Held vertices have the displacements that lead from the fine shape to the aims.
-    system_.solve({still_, view(work->aims), band.fine, &from_aims_}, detailed, [&](RowMatrix& b) {
-        return gradients_.source(band.fine, change, work->forces, b);
-    });
+    system_.solve({still_, view(work->aims), band.fine, &from_aims_}, detailed,
+                  [&](RowMatrix& b) { return gradients_.source(band.fine, change, work->forces, b); });
 }
 
 void DeformationTransfer::report(BindReport& report) const { system_.report(report); }

@@ -23,8 +23,8 @@ namespace sinew {
 ///
 /// T_f is the map of a triangle of the base; a triangle without area takes the rotation of its ring. Departs
 /// from the papers by s, which makes similarities exact; with s = 1 only rigid maps are. Affine maps are not:
-/// the details do not lie in the planes of the base, in which alone T_f knows the map. Where the base is held,
-/// x' = b'; vertices that handles pull softly are pulled to where their vectors lead.
+/// the details do not lie in the planes of the base, in which alone T_f knows the map. Where the base is
+/// held, x' = b'; vertices that handles pull softly are pulled to where their vectors lead.
 ///
 ///   call         cost
 ///   constructor  one Poisson factor

@@ -17,8 +17,8 @@ namespace sinew {
 ///
 ///     x_i' = b_i' + R_i (x_i - b_i)
 ///
-/// R_i is that of ring_rotations.h, instead of a frame of the normal and one edge. Vectors keep their lengths,
-/// so a base that is scaled does not scale its details, and where the base bends inwards, vectors of
+/// R_i is that of ring_rotations.h, instead of a frame of the normal and one edge. Vectors keep their
+/// lengths, so a base that is scaled does not scale its details, and where the base bends inwards, vectors of
 /// neighbours may cross.
 ///
 ///   call         cost

@@ -42,9 +42,9 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
         prism.gradient[k] = x[(k + 1) % 3].cross(x[(k + 2) % 3]) / 6;
     for (int k = 0; k < 3; ++k) { // the wall b_k b_l x_l x_k
         const int l = (k + 1) % 3;
-        prism.volume += (det(b[k], b[l], x[l]) + det(b[k], x[l], x[k]) + det(b[k], b[l], x[k]) +
-                         det(b[l], x[l], x[k])) /
-                        12;
+        prism.volume +=
+            (det(b[k], b[l], x[l]) + det(b[k], x[l], x[k]) + det(b[k], b[l], x[k]) + det(b[l], x[l], x[k])) /
+            12;
         prism.gradient[l] += (b[k].cross(b[l]) + x[k].cross(b[k]) + x[k].cross(b[l])) / 12;
         prism.gradient[k] += (b[k].cross(x[l]) + b[k].cross(b[l]) + b[l].cross(x[l])) / 12;
     }
@@ -152,7 +152,8 @@ void DisplacementVolumes::push(const std::vector<Prism>& prisms, const Points& m
         if (is_free_[v])
             for (int t : rings_->around(v))
                 for (int corner = 0; corner < 3; ++corner)
-                    sum += prisms[t].gradient[corner].dot(move.row(rings_->triangles()[t][corner]).transpose());
+                    sum +=
+                        prisms[t].gradient[corner].dot(move.row(rings_->triangles()[t][corner]).transpose());
         change[v] = sum / 3;
     });
 }

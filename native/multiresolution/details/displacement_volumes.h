@@ -26,13 +26,14 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 /// Details as volumes between the base and the surface, so that they do not meet where the base bends
 /// inwards.
 ///
-/// M. Botsch, L. Kobbelt. "Multiresolution Surface Representation Based on Displacement Volumes." Eurographics
-/// 2003. Tutorial, section 4.4.3.
+/// M. Botsch, L. Kobbelt. "Multiresolution Surface Representation Based on Displacement Volumes."
+/// Eurographics 2003. Tutorial, section 4.4.3.
 ///
 ///     least |x - x_0|^2_M   such that   V_i(x, b') = V_i(y, b) at each free vertex
 ///
-/// V_i is a third of the volumes of the prisms at a vertex, and x_0 the result of DisplacementVectors. Departs
-/// from the paper by one volume per vertex, and by its solver. With J = dV/dx, a step is x += M^-1 J^T l:
+/// V_i is a third of the volumes of the prisms at a vertex, and x_0 the result of DisplacementVectors.
+/// Departs from the paper by one volume per vertex, and by its solver. With J = dV/dx, a step is x += M^-1
+/// J^T l:
 ///
 ///   chord   l = K^-1 r with the factor of K = J M^-1 J^T of the rest shape, as long as steps halve r
 ///   Newton  J M^-1 J^T l = r by conjugate gradients with that factor as their preconditioner, where the
@@ -81,7 +82,7 @@ private:
 
     std::shared_ptr<const RingRotations> rings_;
     DisplacementVectors vectors_;
-    std::vector<int> free_;  ///< vertices
+    std::vector<int> free_; ///< vertices
     std::vector<char> is_free_;
     VectorX mass_;
     double softness_ = 0; ///< on the diagonal of K

@@ -51,8 +51,7 @@ Fairing::Fairing(const SurfaceMesh& rest, const Regions& regions, double wavelen
     const SparseMatrix L = laplacian_matrix(rest, Discretization::cotan_voronoi, metric);
     const VectorX mass = divisible_mass(rest, Discretization::cotan_voronoi, metric);
     const double weight = std::pow(wavelength / (2 * std::numbers::pi), 4);
-    auto H = std::make_shared<SparseMatrix>(
-        sparse_product(L, VectorX(weight * mass.cwiseInverse()), L));
+    auto H = std::make_shared<SparseMatrix>(sparse_product(L, VectorX(weight * mass.cwiseInverse()), L));
     for (int v = 0; v < rest.vertex_count(); ++v)
         H->coeffRef(v, v) += mass[v];
     H->makeCompressed();

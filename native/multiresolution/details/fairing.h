@@ -27,9 +27,9 @@ double mean_edge(const SurfaceMesh& mesh);
 ///
 ///     (M + (wavelength / 2 pi)^4 L M^-1 L) b = M y
 ///
-/// halves waves of this length on a plane; shorter ones vanish, and longer ones stay. Held vertices have b = y.
-/// A vertex that handles pull softly keeps its place the better, the more they pull. L and M, cotan_voronoi,
-/// are those of the rest shape for all y, so an affine map of y maps b alike.
+/// halves waves of this length on a plane; shorter ones vanish, and longer ones stay. Held vertices have b =
+/// y. A vertex that handles pull softly keeps its place the better, the more they pull. L and M,
+/// cotan_voronoi, are those of the rest shape for all y, so an affine map of y maps b alike.
 ///
 ///   call         cost
 ///   constructor  one factorisation of the thin shell's size

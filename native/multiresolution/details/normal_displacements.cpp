@@ -117,8 +117,8 @@ NormalDisplacements::NormalDisplacements(const PointsView& fine, const PointsVie
     vectors_ = static_cast<int>(std::ranges::count(vectors, 1));
 }
 
-NormalDisplacements::Seat NormalDisplacements::seat_of(const Vector3& x, int closest, const PointsView& coarse,
-                                                       const Points& normals) const
+NormalDisplacements::Seat NormalDisplacements::seat_of(const Vector3& x, int closest,
+                                                       const PointsView& coarse, const Points& normals) const
 {
     const std::vector<Triangle>& triangles = rings_->triangles();
     Seat best;
@@ -168,7 +168,8 @@ Vector3 NormalDisplacements::place_of(const Seat& seat, const PointsView& points
 {
     const auto [i, j, k] = rings_->triangles()[seat.triangle];
     const double first = 1 - seat.u - seat.v;
-    const Vector3 n = (first * normals.row(i) + seat.u * normals.row(j) + seat.v * normals.row(k)).transpose();
+    const Vector3 n =
+        (first * normals.row(i) + seat.u * normals.row(j) + seat.v * normals.row(k)).transpose();
     const double size = n.norm();
     const double height = size > 0 ? seat.height / size : 0.0;
     return (first * points.row(i) + seat.u * points.row(j) + seat.v * points.row(k)).transpose() + height * n;

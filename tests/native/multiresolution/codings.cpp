@@ -14,9 +14,8 @@ TEST_P(CodingContract, a_base_that_rests_or_moves_rigidly_takes_its_details_alon
     EXPECT_LT(shapes::distance(bumps::detailed(*coding, fine, base, base), fine), GetParam().zero);
     for (double degrees : {40.0, 180.0, 290.0}) {
         const Pose pose = shapes::turn({1, -3, 2}, degrees, {1, 2, 3}, {5, -4, 6});
-        EXPECT_LT(shapes::distance(
-                      bumps::detailed(*coding, fine, base, shapes::transformed(base, pose)),
-                      shapes::transformed(fine, pose)),
+        EXPECT_LT(shapes::distance(bumps::detailed(*coding, fine, base, shapes::transformed(base, pose)),
+                                   shapes::transformed(fine, pose)),
                   GetParam().rigid);
     }
     const bool similar =
@@ -36,9 +35,8 @@ TEST_P(CodingContract, another_shape_that_enters_comes_back_and_moves_rigidly)
     EXPECT_LT(shapes::distance(bumps::detailed(*coding, entering, smooth, smooth), entering),
               GetParam().zero);
     const Pose pose = shapes::turn({1, 1, 2}, 100, {1, 2, 3}, {5, -4, 6});
-    EXPECT_LT(shapes::distance(
-                  bumps::detailed(*coding, entering, smooth, shapes::transformed(smooth, pose)),
-                  shapes::transformed(entering, pose)),
+    EXPECT_LT(shapes::distance(bumps::detailed(*coding, entering, smooth, shapes::transformed(smooth, pose)),
+                               shapes::transformed(entering, pose)),
               GetParam().rigid);
 }
 

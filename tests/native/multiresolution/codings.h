@@ -16,8 +16,7 @@ namespace sinew {
 struct Study
 {
     explicit Study(int cells, double height = 0.8)
-        : mesh(bumps::plate(cells, height)),
-          regions([&] {
+        : mesh(bumps::plate(cells, height)), regions([&] {
               const Components parts = connected_components(mesh);
               return faired_regions(mesh, Regions(shapes::ends(mesh, 10.01 / cells), parts), parts);
           }()),

@@ -37,38 +37,40 @@ Poses drag(double t)
 
 SurfaceTraits traits()
 {
-    return {.name = "Multiresolution",
-            .variants = {{"vectors", around<ThinShell>(), 2},
-                         {"normals", around<ThinShell>({.details = DetailKind::normal_displacements}), 2},
-                         {"volumes", around<ThinShell>({.details = DetailKind::displacement_volumes}), 3},
-                         {"transfer", around<ThinShell>({.details = DetailKind::deformation_transfer}), 3},
-                         {"two bands", around<ThinShell>({.bands = 2}), 3}},
-            .mesh = shapes::hill(8, 8),
-            .large = shapes::hill(10, 9),
-            .depth = 1.5,
-            .bent = bent,
-            .drag = drag,
-            .drag_steps = 48,
-            .follow = 3.0, // details turn, too
-            .slack = 0.0,
-            .rest = 1e-13,
-            .incoming = 1e-12,
-            .translation = 1e-10,
-            .similar = 1e-9,
-            .scaled = 1e-9,
-            .updates = "wavelength",
-            .updated = around<ThinShell>({.wavelength = 5.0}),
-            .other = around<GradientEditing>()};
+    // Not separate: the wavelength is in mean edge lengths of the whole mesh.
+    return {
+        .name = "Multiresolution",
+        .variants = {{"vectors", around<ThinShell>(), 2, false},
+                     {"normals", around<ThinShell>({.details = DetailKind::normal_displacements}), 2, false},
+                     {"volumes", around<ThinShell>({.details = DetailKind::displacement_volumes}), 3, false},
+                     {"transfer", around<ThinShell>({.details = DetailKind::deformation_transfer}), 3, false},
+                     {"two bands", around<ThinShell>({.bands = 2}), 3, false}},
+        .mesh = shapes::hill(8, 8),
+        .large = shapes::hill(10, 9),
+        .depth = 1.5,
+        .bent = bent,
+        .drag = drag,
+        .drag_steps = 48,
+        .follow = 3.0, // details turn, too
+        .slack = 0.0,
+        .rest = 1e-13,
+        .incoming = 1e-12,
+        .translation = 1e-10,
+        .similar = 1e-9,
+        .scaled = 1e-9,
+        .updates = "wavelength",
+        .updated = around<ThinShell>({.wavelength = 5.0}),
+        .other = around<GradientEditing>()};
 }
 
 SurfaceTraits rigid_traits()
 {
     SurfaceTraits found = traits();
     found.name = "MultiresolutionArap";
-    found.variants = {{"vectors", around<Arap>(), 2},
-                      {"normals", around<Arap>({.details = DetailKind::normal_displacements}), 2},
-                      {"volumes", around<Arap>({.details = DetailKind::displacement_volumes}), 3},
-                      {"transfer", around<Arap>({.details = DetailKind::deformation_transfer}), 3}};
+    found.variants = {{"vectors", around<Arap>(), 2, false},
+                      {"normals", around<Arap>({.details = DetailKind::normal_displacements}), 2, false},
+                      {"volumes", around<Arap>({.details = DetailKind::displacement_volumes}), 3, false},
+                      {"transfer", around<Arap>({.details = DetailKind::deformation_transfer}), 3, false}};
     found.rigid = 1e-9;
     found.updates = "";
     found.updated = {};

@@ -66,8 +66,7 @@ TEST(DeformationTransfer, solves_as_dense_gradients_do)
     const MatrixX L = G.transpose() * D.asDiagonal() * G;
     const MatrixX rhs = (G.transpose() * D.asDiagonal() * goal - L * x)(free, Eigen::all);
     x(free, Eigen::all) = MatrixX(L(free, free)).fullPivLu().solve(rhs);
-    EXPECT_LT(shapes::distance(
-                  bumps::detailed(*traits().make(study), study.fine(), study.base, moved), x),
+    EXPECT_LT(shapes::distance(bumps::detailed(*traits().make(study), study.fine(), study.base, moved), x),
               1e-11);
 }
 

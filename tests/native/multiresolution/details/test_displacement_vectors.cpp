@@ -26,7 +26,8 @@ TEST(DisplacementVectors, keep_their_lengths)
     const Points moved = 3 * study.base + random.dense(static_cast<int>(study.base.rows()), 3);
     const Points x = bumps::detailed(DisplacementVectors(study.rings), study.fine(), study.base, moved);
     for (int v = 0; v < x.rows(); ++v)
-        EXPECT_NEAR((x.row(v) - moved.row(v)).norm(), (study.fine().row(v) - study.base.row(v)).norm(), 1e-14);
+        EXPECT_NEAR((x.row(v) - moved.row(v)).norm(), (study.fine().row(v) - study.base.row(v)).norm(),
+                    1e-14);
 }
 
 } // namespace sinew

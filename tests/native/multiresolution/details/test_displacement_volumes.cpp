@@ -55,7 +55,8 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
     const Study study(60);
     const auto coding = coding_of(study);
     const VectorX goal = coding->volumes(view(study.fine()), view(study.base));
-    const double height = shapes::distance(study.fine(), study.base), mean = goal.cwiseAbs().sum() / goal.size();
+    const double height = shapes::distance(study.fine(), study.base),
+                 mean = goal.cwiseAbs().sum() / goal.size();
     for (double sharpness : {0.28, 0.7, 1.27}) { // height times curvature
         const double half = 0.5 * 200 * shapes::pi / 180 * height / sharpness;
         const double degrees = half > 3 ? 200 * 3 / half : 200, wide = std::min(half, 3.0);
@@ -63,7 +64,8 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
         SolveReport report;
         const Points x = bumps::detailed(*coding, study.fine(), study.base, moved, &report);
         EXPECT_TRUE(report.converged) << sharpness;
-        EXPECT_LT((coding->volumes(view(x), view(moved)) - goal).cwiseAbs().maxCoeff(), 2e-6 * mean) << sharpness;
+        EXPECT_LT((coding->volumes(view(x), view(moved)) - goal).cwiseAbs().maxCoeff(), 2e-6 * mean)
+            << sharpness;
         EXPECT_EQ(bumps::turned_faces(study.mesh, study.base, moved, x), 0) << sharpness;
         EXPECT_LT(report.iterations, sharpness < 0.3 ? 12 : 60) << sharpness;
     }

@@ -76,9 +76,8 @@ TEST(NormalDisplacements, details_that_stand_on_nothing_are_vectors_and_counted)
     const NormalDisplacements coding(view(fine), view(coarse), rings);
     EXPECT_EQ(coding.vectors(), 1);
     const Pose pose = shapes::turn({1, 1, 2}, 100, {1, 2, 3}, {5, -4, 6});
-    EXPECT_LT(shapes::distance(
-                  bumps::detailed(coding, fine, coarse, shapes::transformed(coarse, pose)),
-                  shapes::transformed(fine, pose)),
+    EXPECT_LT(shapes::distance(bumps::detailed(coding, fine, coarse, shapes::transformed(coarse, pose)),
+                               shapes::transformed(fine, pose)),
               1e-12);
 }
 
