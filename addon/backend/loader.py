@@ -20,6 +20,7 @@ _ROOT = __package__.rpartition(".")[0]
 _ADDON = Path(__file__).parent.parent
 _UNPACKED, _WHEELS = _ADDON / "_native", _ADDON / "wheels"
 _MODULES = {".so", ".pyd"}
+_OLD_PROCESSOR = "the processor of this computer lacks"  # what entry.cpp says
 
 
 @dataclass(frozen=True)
@@ -59,10 +60,13 @@ def load() -> Availability:
         return Availability(None, _missing(), _readable(traceback.format_exc()))
     except (ImportError, OSError) as error:
         remedy = (
-            f"The native module does not load ({error}). Restart Blender; if this stays, let your virus "
-            f"scanner allow it, or install {_fitting_zip()}"
+            "Use another computer; files open here and show their last solution"
+            if _OLD_PROCESSOR in str(error)
+            else "Restart Blender; if this stays, let your virus scanner allow it, or install "
+            + _fitting_zip()
         )
-        return Availability(None, _readable(remedy), _readable(traceback.format_exc()))
+        text = f"The native module does not load ({error}). {remedy}"
+        return Availability(None, _readable(text), _readable(traceback.format_exc()))
     found = getattr(module, "__version__", "unknown")
     if found != VERSION:
         return Availability(

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/method_binding.h"
-#include "native/core/simd/kernel_set.h"
-
-#include <string>
 
 namespace sinew::bindings {
 void bind_core(py::module_& module);
@@ -17,12 +14,8 @@ void bind_subdivision(py::module_& module);
 void bind_automatic_cage(py::module_& module);
 } // namespace sinew::bindings
 
-PYBIND11_MODULE(sinew_native, module)
+PYBIND11_MODULE(sinew_native_bound, module) // entry.cpp calls it
 {
-    const std::string lacking = sinew::lacking_instructions();
-    if (!lacking.empty())
-        throw pybind11::import_error("the processor of this computer lacks " + lacking +
-                                     ", which Sinew needs");
     module.doc() = "Shape deformation: NumPy in, NumPy out. Points are (n, 3) float64, angles radians, "
                    "Laplacians positive semi-definite and weak.";
     module.attr("__version__") = SINEW_VERSION;

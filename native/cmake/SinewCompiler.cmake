@@ -12,6 +12,8 @@ else()
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     # Every 64-bit x86 machine that Blender 4.2 and later runs on has SSE4.2.
     target_compile_options(sinew_compiler INTERFACE -msse4.2)
+    # For the single file that asks whether the processor has them.
+    set(SINEW_EVERY_PROCESSOR -mno-sse3 -DSINEW_NEEDS_SSE42)
   endif()
   if(WIN32) # strict C++ hides M_PI there, which OpenSubdiv's headers use
     target_compile_definitions(sinew_compiler INTERFACE _USE_MATH_DEFINES)

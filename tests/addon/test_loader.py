@@ -27,7 +27,6 @@ def refused(monkeypatch: pytest.MonkeyPatch, error: Exception) -> loader.Availab
     [
         ImportError("DLL load failed while importing sinew_native: The specified module could not be found."),
         ImportError("DLL load failed: An Application Control policy has blocked this file."),
-        ImportError("the processor of this computer lacks SSE4.2, which Sinew needs"),
         PermissionError(13, "Permission denied", "sinew_native.so"),
         ImportError("/Übung/sinew_native.so: file too short".encode().decode("ascii", "surrogateescape")),
         OSError("[WinError 225] the file contains a virus or potentially unwanted software"),
@@ -39,6 +38,13 @@ def test_a_module_that_does_not_load_names_the_reason_and_what_to_do(monkeypatch
     assert str(error).encode("utf-8", "surrogateescape").decode() in remedy
     for word in ("does not load", "Restart Blender", "virus scanner", loader.wheel_name()):
         assert word in remedy
+
+
+def test_nobody_is_told_to_install_something_on_a_processor_that_is_too_old(monkeypatch):
+    error = ImportError("the processor of this computer lacks SSE4.2, which Sinew needs")
+    remedy = refused(monkeypatch, error).remedy
+    assert remedy.startswith(f"The native module does not load ({error}). Use another computer; ")
+    assert "nstall" not in remedy
 
 
 @pytest.mark.parametrize("folder", ["_UNPACKED", "_WHEELS"])

@@ -111,15 +111,18 @@ def copied(addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     A second Blender finds them there.
     """
     here, home = Path(addon.__file__).parent, tmp_path / ODD
-    for name in ("TMPDIR", "TEMP"):
+    for name in ("TMPDIR", "TEMP", "TMP"):
         monkeypatch.setenv(name, str(tmp_path))
-    if not (here / "_native").is_dir():
-        pytest.skip("an extension has its module elsewhere, where this has not been run")
-    place = home / "scripts" / "addons" / "sinew"
-    monkeypatch.setenv("BLENDER_USER_SCRIPTS", str(home / "scripts"))
-    monkeypatch.setenv("BLENDER_USER_CONFIG", str(home / "config"))
-    shutil.copytree(here, place, ignore=shutil.ignore_patterns("__pycache__"))
-    return place, place / Path(native().__file__).relative_to(here)
+    if (here / "_native").is_dir():
+        root, copy = here, home / "scripts" / "addons" / "sinew"
+        folders = {"SCRIPTS": home / "scripts", "CONFIG": home / "config"}
+    else:  # Blender installs the module of an extension elsewhere in the folder of the user
+        root, copy = Path(bpy.utils.resource_path("USER")), home
+        folders = {"RESOURCES": home}
+    for name, folder in folders.items():
+        monkeypatch.setenv(f"BLENDER_USER_{name}", str(folder))
+    shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    return copy / here.relative_to(root), copy / Path(native().__file__).relative_to(root)
 
 
 BROKEN = """
@@ -156,8 +159,17 @@ def look(fault):
 
 shutil.move(module, kept)
 look("missing")
-(addon_folder / "_native" / "sinew_native.cp399-win_amd64.pyd").touch()
+legacy, wheels = addon_folder / "_native", addon_folder / "wheels"
+for fitting in wheels.glob("*.whl"):
+    fitting.rename(fitting.with_suffix(".kept"))
+other = legacy / "sinew_native.cp399-win_amd64.pyd"
+if not legacy.is_dir():
+    other = wheels / "sinew_native-0-cp399-cp399-win_amd64.whl"
+other.touch()
 look("of another system")
+other.unlink()
+for fitting in wheels.glob("*.kept"):
+    fitting.rename(fitting.with_suffix(".whl"))
 module.write_bytes(bytes([127]) + b"ELF" + bytes(60))
 look("damaged")
 shutil.move(kept, module)

@@ -43,3 +43,11 @@ def test_the_tests_of_all_kernels_run_on_arm() -> None:
     named = [path for path in root.rglob("*.cpp") if "kernels<" in path.read_text(encoding="utf-8")]
     assert len(named) >= 10
     assert [path for path in named if not re.search(neon_tests.KERNELS, path.as_posix())] == []
+
+
+def test_what_is_compiled_for_arm_is_there() -> None:
+    text = (neon_tests.SYSTEM.files / "CMakeLists.txt").read_text(encoding="utf-8")
+    listed = re.search(r"set\(sources ([^)]+)\)", text)
+    assert listed
+    native = Path(__file__).resolve().parents[2] / "native"
+    assert [name for name in listed[1].split() if not (native / f"{name}.cpp").is_file()] == []

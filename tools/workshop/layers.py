@@ -91,6 +91,7 @@ def bindings(timeout: float) -> Outcome:
 
 
 def addon(timeout: float) -> Outcome:
+    debian.install(debian.QEMU)
     build_tree("dev", "sinew_native")
     return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE})
 

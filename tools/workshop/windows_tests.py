@@ -34,7 +34,7 @@ CORE_BINDINGS = (
     "test_same_answers.py",
 )
 # Every method's bind, pose, frame, undo, save and load; cages; bakes and their paths; modules that do not
-# load; files of earlier versions and of other systems.
+# load, broken installations and known answers; files of earlier versions and of other systems.
 CORE_TESTS = (
     "test_bake.py",
     "test_bake_files.py",
@@ -44,6 +44,7 @@ CORE_TESTS = (
     "test_every_method.py",
     "test_foreign_modules.py",
     "test_handles.py",
+    "test_installation.py",
     "test_old_files.py",
     "test_other_systems.py",
     "test_paths.py",

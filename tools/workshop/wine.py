@@ -79,8 +79,10 @@ def python(minor: int, name: str = "") -> Path:
 
 def install_packages(folder: Path, minor: int, *requirements: Path) -> None:
     """Unpacks wheels for Windows into a folder."""
+    # Whatever it installs for, pip asks whether a package allows the Python that runs it.
+    builder = environments.build313() if minor == 13 else environments.build()
     pip = [
-        environments.build().make().python,
+        builder.make().python,
         "-m",
         "pip",
         "--quiet",

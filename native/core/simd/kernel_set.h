@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <initializer_list>
+
 namespace sinew {
 
 /// A set of kernels is a struct of function pointers, written once in an .inl file and compiled once for each
@@ -43,16 +45,6 @@ inline const char* widest_instructions()
 #else
     return "those of every processor";
 #endif
-}
-
-/// What this processor lacks of the instructions that all code is compiled with; empty for nothing.
-inline const char* lacking_instructions()
-{
-#ifdef __SSE4_2__
-    if (!__builtin_cpu_supports("sse4.2"))
-        return "SSE4.2";
-#endif
-    return "";
 }
 
 /// The kernels with the widest instructions that this processor runs.

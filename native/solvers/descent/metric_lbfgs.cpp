@@ -225,8 +225,8 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
             history.step(x, z, 1.0, trial);
             F_trial = problem.evaluate(trial, trial_g);
             ++report.iterations;
-            accepted = F_trial <= F;
-            // At the minimum, the plain step changes F by rounding only.
+            accepted = F_trial < F;
+            // At the minimum, the plain step changes F by rounding only, or not at all.
             report.converged = !accepted && F_trial <= F + rounding * std::abs(F);
         }
         if (!accepted) {

@@ -215,6 +215,27 @@ TEST(MetricLbfgs, at_the_minimum_stays_there)
     EXPECT_LT(shapes::distance(x, before), 1e-12);
 }
 
+TEST(MetricLbfgs, a_plain_step_that_lowers_nothing_ends_it)
+{
+    class Flat final : public DenseProblem
+    {
+    public:
+        Flat() : DenseProblem(MatrixX::Identity(4, 4)) {}
+        double value(const Points& x, Points& gradient) const override
+        {
+            gradient = 1e-9 * x; // which F does not show: it is rounded
+            return 1.0;
+        }
+    } problem;
+    Points x = start(4);
+    const Points before = x;
+    const SolveReport report = minimize(problem, x, budget(20));
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.iterations, 1);
+    EXPECT_EQ(x, before);
+    EXPECT_EQ(problem.state, before);
+}
+
 TEST(MetricLbfgs, ticks_every_iteration_and_can_be_cancelled)
 {
     Dented problem(12, 5.0);

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What Python calls first, compiled for every processor: one that cannot run the rest gets a message.
+// It includes no header of ours, as the linker could take an inline function from another file for it.
+#include <Python.h>
+
+// NOLINTBEGIN(readability-identifier-naming): Python's names
+extern "C" PyObject* PyInit_sinew_native_bound(); // module.cpp
+
+PyMODINIT_FUNC PyInit_sinew_native()
+{
+#ifdef SINEW_NEEDS_SSE42
+    if (!__builtin_cpu_supports("sse4.2")) {
+        PyErr_SetString(PyExc_ImportError, "the processor of this computer lacks SSE4.2, which Sinew needs");
+        return nullptr;
+    }
+#endif
+    return PyInit_sinew_native_bound();
+}
+
+// NOLINTEND(readability-identifier-naming)
