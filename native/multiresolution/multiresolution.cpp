@@ -154,7 +154,7 @@ SolveReport Multiresolution::deform(const SolveRequest& request, const Targets& 
     const Binding& bound = *impl_->bound;
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
     if (request.incoming) {
-        work->levels.resize(1);
+        work->levels.resize(bound.levels.size());
         work->levels[0] = *request.incoming;
         smooth(bound.fairings, work->levels);
     }

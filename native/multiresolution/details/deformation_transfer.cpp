@@ -4,25 +4,10 @@
 #include "native/operators/laplacian.h"
 #include "native/operators/rotation_fit.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace sinew {
-
-namespace {
-
-/// Below this share of the longest edge squared, an area says nothing about a map.
-constexpr double least_area = 1e-7;
-
-double longest_squared(const PointsView& points, const Triangle& t)
-{
-    return std::max({(points.row(t[0]) - points.row(t[1])).squaredNorm(),
-                     (points.row(t[1]) - points.row(t[2])).squaredNorm(),
-                     (points.row(t[2]) - points.row(t[0])).squaredNorm()});
-}
-
-} // namespace
 
 DeformationTransfer::DeformationTransfer(const SurfaceMesh& rest, const Regions& regions,
                                          std::shared_ptr<const RingRotations> rings)
@@ -39,7 +24,7 @@ Matrix3 DeformationTransfer::map_of(int triangle, const Band& band, const std::v
 {
     const Triangle& corners = rings_->triangles()[triangle];
     const FaceMap map = face_map(band.coarse, band.moved, corners);
-    if (map.area > least_area * longest_squared(band.coarse, corners)) {
+    if (map.area > 0) {
         const double scale = std::sqrt(map.other_area / map.area);
         return map.weighted / map.area + (scale - 1) * map.other_normal * map.normal.transpose();
     }

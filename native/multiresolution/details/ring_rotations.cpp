@@ -6,11 +6,14 @@
 
 #include <Eigen/Geometry>
 
+#include <algorithm>
 #include <numeric>
 
 namespace sinew {
 
 namespace {
+
+constexpr double least_area = 1e-7; ///< as a share of the longest edge squared
 
 Vector3 direction(const Vector3& v, double length)
 {
@@ -27,7 +30,10 @@ FaceMap face_map(const PointsView& before, const PointsView& after, const Triang
                   f1 = (after.row(j) - after.row(i)).transpose(),
                   f2 = (after.row(k) - after.row(i)).transpose();
     const Vector3 N = e1.cross(e2), N1 = f1.cross(f2);
-    const double twice = N.norm(), other = N1.norm();
+    const double twice = N.norm(), other = N1.norm(),
+                 longest = std::max({e1.squaredNorm(), e2.squaredNorm(), (e2 - e1).squaredNorm()});
+    if (!(twice > 2 * least_area * longest))
+        return {Matrix3::Zero(), 0.0, 0.0, Vector3::Zero(), Vector3::Zero()};
     const Vector3 n = direction(N, twice), n1 = direction(N1, other);
     FaceMap map;
     map.weighted = 0.5 * (f1 * e2.cross(n).transpose() + f2 * n.cross(e1).transpose() + n1 * N.transpose());
@@ -63,6 +69,11 @@ void RingRotations::fit(const PointsView& before, const PointsView& after, std::
         Matrix3 sum = Matrix3::Zero();
         for (int t : around(v))
             sum += maps[t];
+        if (sum.isZero(0.0))
+            for (int t : around(v))
+                for (int corner : triangles_[t])
+                    for (int other : around(corner))
+                        sum += maps[other];
         use(v, fit_rotation(sum));
     });
 }

@@ -10,19 +10,20 @@
 namespace sinew {
 
 /// The map of a triangle that takes its two edges and its normal to those of another shape, times its area.
+/// All is zero where the area is below 1e-7 of the longest edge squared: it says nothing about a map then.
 struct FaceMap
 {
-    Matrix3 weighted; ///< area T, with T = [e1' e2' n'] [e1 e2 n]^-1; no division by the area takes place
+    Matrix3 weighted; ///< area T, with T = [e1' e2' n'] [e1 e2 n]^-1
     double area, other_area; ///< of the triangle in both shapes
-    Vector3 normal, other_normal; ///< unit; zero where there is no area
+    Vector3 normal, other_normal; ///< unit
 };
 FaceMap face_map(const PointsView& before, const PointsView& after, const Triangle& triangle);
 
 /// How each vertex of a surface turned from one shape to another: the rotation that is closest to the sum of
 /// the maps of its triangles, weighted by their areas.
 ///
-/// No edge is singled out, and equal shapes give the identity to rounding. A vertex whose triangles have no
-/// area gets the identity.
+/// No edge is singled out, and equal shapes give the identity to rounding. Where the triangles of a vertex
+/// have no area, those of its neighbours count, and where these have none, it gets the identity.
 ///
 ///   call         cost
 ///   constructor  O(n)

@@ -67,10 +67,18 @@ SurfaceTraits rigid_traits()
 {
     SurfaceTraits found = traits();
     found.name = "MultiresolutionArap";
-    found.variants = {{"vectors", around<Arap>(), 2, false},
-                      {"normals", around<Arap>({.details = DetailKind::normal_displacements}), 2, false},
-                      {"volumes", around<Arap>({.details = DetailKind::displacement_volumes}), 3, false},
-                      {"transfer", around<Arap>({.details = DetailKind::deformation_transfer}), 3, false}};
+    found.variants = {{"vectors", around<Arap>(), 3, false},
+                      {"normals", around<Arap>({.details = DetailKind::normal_displacements}), 3, false},
+                      {"volumes", around<Arap>({.details = DetailKind::displacement_volumes}), 4, false},
+                      {"transfer", around<Arap>({.details = DetailKind::deformation_transfer}), 4, false}};
+    // As for ARAP alone: rounding may change the iteration at which it stops, and sheets may buckle.
+    found.drag = [](double s) {
+        const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
+        return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 30 * t, {9, 4, 0}, {t, 0.5 * t, 0})};
+    };
+    found.slack = 0.02;
+    found.similar = 1e-6;
+    found.scaled = 1e-6;
     found.rigid = 1e-9;
     found.updates = "";
     found.updated = {};
@@ -115,7 +123,7 @@ TEST(Multiresolution, levels_are_the_rest_shape_and_ever_smoother_ones_that_agre
     ASSERT_EQ(levels.size(), 4u);
     EXPECT_EQ(levels[0], mesh.points());
     for (std::size_t k = 1; k < levels.size(); ++k) {
-        EXPECT_LT(levels[k].col(2).maxCoeff(), levels[k - 1].col(2).maxCoeff());
+        EXPECT_LT(levels[k].col(2).norm(), 0.99 * levels[k - 1].col(2).norm());
         for (int v : handles[1].vertices)
             EXPECT_EQ(levels[k].row(v), mesh.points().row(v));
     }
@@ -131,7 +139,7 @@ TEST(Multiresolution, the_base_is_kept_where_only_the_details_change)
     const BindReport report = next.rebind(former, handles);
     EXPECT_EQ(report.reuse, Reuse::updated);
     EXPECT_EQ(report.changed, "bands");
-    EXPECT_EQ(report.factorizations, 1 + 1 + 2); // of the base, of the former band, of two bands
+    EXPECT_EQ(report.factorizations, 2 + 1 + 2); // of the base, of the former band, of two bands
     Multiresolution fresh(mesh, std::make_shared<Arap>(mesh), {.bands = 2});
     fresh.set_handles(handles);
     EXPECT_EQ(solved(next, {bent}), solved(fresh, {bent}));

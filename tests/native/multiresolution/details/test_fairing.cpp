@@ -73,7 +73,7 @@ TEST(Fairing, smooths_as_dense_matrices_do)
 TEST(Fairing, an_affine_map_of_the_shape_maps_the_base)
 {
     const SurfaceMesh mesh = bumps::plate(20);
-    const Fairing fairing(mesh, held_at(mesh, {}), 3.0);
+    const Fairing fairing(mesh, held_at(mesh, {{{0}, {}}}), 3.0);
     Matrix3 A;
     A << 1.2, 0.3, 0, -0.4, 0.8, 0.1, 0.5, 0.2, -2;
     const Pose map = shapes::affine(A, {1, 2, 3});
@@ -87,7 +87,7 @@ TEST(Fairing, halves_waves_of_its_wavelength_and_keeps_a_plane_to_the_border)
     const int k = 60;
     Points flat = shapes::grid_points(k, k, 0.1);
     const SurfaceMesh mesh = shapes::moved(shapes::grid(k, k), flat);
-    const Fairing fairing(mesh, held_at(mesh, {}), 1.0);
+    const Fairing fairing(mesh, held_at(mesh, {{{0}, {}}}), 1.0);
     EXPECT_LT(shapes::distance(smoothed(fairing, flat), flat), 1e-12);
     for (const auto& [length, left] : {std::pair{1.0, 0.5}, {0.5, 1.0 / 17}, {2.0, 16.0 / 17}}) {
         Points wavy = flat;
