@@ -28,7 +28,7 @@ namespace sinew {
 ///
 ///   call         cost
 ///   constructor  one Poisson factor
-///   apply()      a frame of DisplacementVectors, and one solve for x, y and z
+///   apply()      O(n), and one solve for x, y and z
 class DeformationTransfer final : public DetailCoding
 {
 public:
@@ -43,14 +43,12 @@ public:
 private:
     struct Workspace
     {
-        std::vector<Matrix3> maps; ///< of the triangles, times their areas
         Points aims;
         std::vector<Vector3> forces;
     };
 
-    Matrix3 map_of(int triangle, const Band& band, const std::vector<Matrix3>& maps) const;
-
     std::shared_ptr<const RingRotations> rings_;
+    std::vector<int> soft_; ///< vertices
     TurnedGradients gradients_;
     HeldSystem system_;
     Poses still_;

@@ -18,7 +18,8 @@ namespace {
 constexpr double tolerance = 1e-6;     ///< of volumes, as a share of their mean
 constexpr double softness = 1e-8;      ///< on the diagonal of K, as a share of its mean
 constexpr double area_change = 0.1;    ///< of the base, beyond which the chord diverges
-constexpr int most_chords = 40, most_newtons = 20, most_inner = 60;
+constexpr double least_detail = 1e-3; ///< as a share of an edge: smaller ones are kept less exactly
+constexpr int most_solves = 150;      ///< of one frame
 
 double det(const Vector3& a, const Vector3& b, const Vector3& c) { return a.dot(b.cross(c)); }
 
@@ -166,8 +167,7 @@ VectorX DisplacementVolumes::precondition(const VectorX& r) const
     return found;
 }
 
-/// Solves J M^-1 J^T l = r until the largest residual is below `least`; returns the number of solves.
-int DisplacementVolumes::newton(const std::vector<Prism>& prisms, const VectorX& r, double least,
+int DisplacementVolumes::newton(const std::vector<Prism>& prisms, const VectorX& r, double least, int most,
                                 VectorX& multipliers) const
 {
     multipliers = VectorX::Zero(r.size());
@@ -175,7 +175,7 @@ int DisplacementVolumes::newton(const std::vector<Prism>& prisms, const VectorX&
     Points move;
     double slope = left.dot(z);
     int solves = 1;
-    for (; solves <= most_inner && slope > 0; ++solves) {
+    for (; solves < most && slope > 0; ++solves) {
         pull(prisms, p, move);
         push(prisms, move, product);
         product += softness_ * p;
@@ -215,12 +215,12 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
         scale += std::abs(work->goal[v]) / static_cast<double>(free_.size());
         cells += std::pow(mass_[v], 1.5) / static_cast<double>(free_.size());
     }
-    scale = std::max(scale, tolerance * cells); // a plate without details has volumes of rounding alone
+    scale = std::max(scale, least_detail * cells); // a plate has volumes of rounding alone
     const double before = area(band.coarse), after = area(band.moved);
     bool chord = std::abs(after - before) <= area_change * before;
     work->x = detailed;
     double best = INFINITY, earlier[2] = {INFINITY, INFINITY};
-    int steps = 0, own = 0;
+    int steps = 0, own = 0, solves = 0; // own: steps of this kind
     for (;; ++steps, ++own) {
         evaluate(view(work->x), band.moved, work->prisms, work->left);
         work->left = work->goal - work->left;
@@ -232,20 +232,22 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
         if (best < tolerance)
             break;
         const bool stalls = !(worst < 0.5 * earlier[1]);
-        if (chord && ((own >= 2 && stalls) || own >= most_chords)) {
+        if (chord && own >= 2 && stalls) {
             chord = false; // from the start once more
             own = -1;
             work->x = detailed;
             earlier[0] = earlier[1] = INFINITY;
             continue;
         }
-        if (!chord && (own >= most_newtons || !std::isfinite(worst)))
+        if (solves >= most_solves || (!chord && !std::isfinite(worst)))
             break;
-        if (chord)
+        if (chord) {
             work->multipliers = precondition(work->left);
-        else
-            newton(work->prisms, work->left, std::max(0.05 * worst, 0.3 * tolerance) * scale,
-                   work->multipliers);
+            ++solves;
+        } else {
+            solves += newton(work->prisms, work->left, std::max(0.05 * worst, 0.3 * tolerance) * scale,
+                             most_solves - solves, work->multipliers);
+        }
         pull(work->prisms, work->multipliers, work->move);
         work->x += work->move;
         earlier[1] = earlier[0];

@@ -44,7 +44,7 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 ///   call         cost
 ///   constructor  a factor of the thin shell's size
 ///   apply()      some 3 to 10 steps of a solve for one column each, where heights times curvature stay below
-///                .3; beyond that, up to 100 solves
+///                .3; beyond that, up to 150 solves
 class DisplacementVolumes final : public DetailCoding
 {
 public:
@@ -77,7 +77,10 @@ private:
     /// J move.
     void push(const std::vector<Prism>& prisms, const Points& move, VectorX& change) const;
     VectorX precondition(const VectorX& r) const;
-    int newton(const std::vector<Prism>& prisms, const VectorX& r, double least, VectorX& multipliers) const;
+    /// Solves J M^-1 J^T l = r until the largest residual is below `least`, or by `most` solves; returns
+    /// their number.
+    int newton(const std::vector<Prism>& prisms, const VectorX& r, double least, int most,
+               VectorX& multipliers) const;
     double area(const PointsView& points) const;
 
     std::shared_ptr<const RingRotations> rings_;

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "native/operators/rotation_fit.inl"
+
 namespace sinew {
 
 namespace {
@@ -19,6 +21,44 @@ Vector3 direction(const Vector3& v, double length)
 {
     return length > 0 ? Vector3(v / length) : Vector3::Zero();
 }
+
+/// Vertices whose rotations are fitted together.
+struct FourRings
+{
+    int count = 0;
+    int vertices[4];
+    Matrix3 sums[4];
+
+    void add(int vertex, const Matrix3& sum)
+    {
+        vertices[count] = vertex;
+        sums[count++] = sum;
+    }
+
+    void fit(const RingRotations::Use& use)
+    {
+        std::fill(sums + count, sums + 4, Matrix3::Identity());
+        Lanes<double> entries[9], found[9];
+        for (int k = 0; k < 9; ++k)
+            for (int lane = 0; lane < 4; ++lane)
+                entries[k][lane] = sums[lane](k / 3, k % 3);
+        FourFits fits;
+        fits.begin(entries, constant(0.0));
+        for (int step = 0; step < most_newton_steps; ++step) {
+            fits.step();
+            if (fits.done())
+                break;
+        }
+        const auto safe = fits.finish(found);
+        for (int lane = 0; lane < count; ++lane) {
+            Matrix3 R;
+            for (int k = 0; k < 9; ++k)
+                R(k / 3, k % 3) = found[k][lane];
+            use(vertices[lane], safe[lane] ? R : fit_rotation_svd(sums[lane]));
+        }
+        count = 0;
+    }
+};
 
 } // namespace
 
@@ -57,24 +97,41 @@ RingRotations::RingRotations(const SurfaceMesh& mesh)
             around_[next[v]++] = t;
 }
 
+template <class Map>
+Matrix3 RingRotations::sum_around(int vertex, const Map& map) const
+{
+    Matrix3 sum = Matrix3::Zero();
+    for (int t : around(vertex))
+        sum += map(t);
+    if (sum.isZero(0.0))
+        for (int t : around(vertex))
+            for (int corner : triangles_[t])
+                for (int other : around(corner))
+                    sum += map(other);
+    return sum;
+}
+
+Matrix3 RingRotations::at(const PointsView& before, const PointsView& after, int vertex) const
+{
+    return fit_rotation(
+        sum_around(vertex, [&](int t) { return face_map(before, after, triangles_[t]).weighted; }));
+}
+
 void RingRotations::fit(const PointsView& before, const PointsView& after, std::vector<Matrix3>& maps,
                         const Wanted& wanted, const Use& use) const
 {
     maps.resize(triangles_.size());
     parallel_for(static_cast<int>(triangles_.size()),
                  [&](int t) { maps[t] = face_map(before, after, triangles_[t]).weighted; });
-    parallel_for(static_cast<int>(before.rows()), [&](int v) {
-        if (!wanted(v))
-            return;
-        Matrix3 sum = Matrix3::Zero();
-        for (int t : around(v))
-            sum += maps[t];
-        if (sum.isZero(0.0))
-            for (int t : around(v))
-                for (int corner : triangles_[t])
-                    for (int other : around(corner))
-                        sum += maps[other];
-        use(v, fit_rotation(sum));
+    parallel_chunks(static_cast<int>(before.rows()), 2048, [&](int begin, int end) {
+        FourRings rings;
+        for (int v = begin; v < end; ++v)
+            if (wanted(v)) {
+                rings.add(v, sum_around(v, [&](int t) -> const Matrix3& { return maps[t]; }));
+                if (rings.count == 4)
+                    rings.fit(use);
+            }
+        rings.fit(use);
     });
 }
 

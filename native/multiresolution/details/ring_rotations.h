@@ -5,6 +5,7 @@
 #include "native/mesh/surface_mesh.h"
 
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace sinew {
@@ -42,6 +43,9 @@ public:
     void fit(const PointsView& before, const PointsView& after, std::vector<Matrix3>& maps,
              const Wanted& wanted, const Use& use) const;
 
+    /// The rotation of one vertex alone.
+    Matrix3 at(const PointsView& before, const PointsView& after, int vertex) const;
+
     const std::vector<Triangle>& triangles() const { return triangles_; }
     /// The triangles at a vertex.
     std::span<const int> around(int vertex) const
@@ -50,6 +54,10 @@ public:
     }
 
 private:
+    /// The sum of map(triangle) over the triangles that decide about a vertex.
+    template <class Map>
+    Matrix3 sum_around(int vertex, const Map& map) const;
+
     std::vector<Triangle> triangles_;
     std::vector<int> offsets_, around_;
 };
