@@ -11,11 +11,10 @@ from .models import pillar
 from .posing import REST, Move
 
 POSE_FRAME = 40
-SPACING = 1.75
+SPACING = 1.86
 METHODS = {
     "Rest": "",
     "Thin Shell": "thin_shell",
-    "Multiresolution": "multiresolution",
     "Gradient Editing": "gradient_editing",
     "Rotation-Invariant": "rotation_invariant_coordinates",
     "Propagation": "propagation",
@@ -42,11 +41,11 @@ def make() -> bpy.types.Scene:
             pose(obj, method)
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.55, 0.0, 0.95), distance=24.0, elevation=10.0, width=10.0)
+    studio.add_camera(scene, target=(0.55, 0.0, 0.92), distance=24.0, elevation=10.0, width=9.6)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=9.0)
     for obj, label in zip(pillars, METHODS):
         studio.add_label(scene, label, (obj.location.x + 0.2, -1.0, 0.0), 0.17)
-    studio.set_up_render(scene, samples=64, width=1280, height=460)
+    studio.set_up_render(scene, samples=64, width=1280, height=370)
     studio.open_at(scene, POSE_FRAME, pillars[-1])
     return scene
 
