@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One pillar, bent by the thin shell alone and by multiresolution around it: only the latter turns its studs."""
+"""One pillar, bent by the thin shell alone and by multiresolution around it, which turns its studs."""
 
 from __future__ import annotations
 
