@@ -18,7 +18,8 @@ void bind_affine_basis(py::module_& module)
                  return AffineBasis(rest, shell.respond(AffineBasis::columns(rest, regions)), regions);
              }),
              py::arg("thin_shell"), py::call_guard<py::gil_scoped_release>(),
-             "thin_shell  a ThinShell with handles. Cost: one solve of 4k columns.")
+             "thin_shell  a ThinShell with handles. Cost: one solve of 4k columns.\n\n"
+             "Raises InvalidConstraint before its set_handles().")
         .def_property_readonly(
             "matrix", [](const AffineBasis& basis) { return basis.matrix(); },
             "(n, 4k) the responses to x, y, z and 1 on each handle; the responses to 1 sum to 1.")

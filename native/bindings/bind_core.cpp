@@ -164,6 +164,10 @@ void bind_core(py::module_& module)
         .def_readonly("residual", &SolveReport::residual,
                       "Linear: |A d - b| / |b|. Nonlinear: last relative decrease of the energy.")
         .def_readonly("converged", &SolveReport::converged, "The tolerance was met within the budget.")
+        .def_readonly(
+            "half_turns", &SolveReport::half_turns,
+            "Number of vertices between handles that are turned against each other by half a turn,\n"
+            "where a rule chose the way to turn.")
         .def("__repr__", [](const SolveReport& r) {
             return "<SolveReport: " + std::to_string(r.iterations) + " iterations, energy " +
                    std::to_string(r.energy) + (r.converged ? ", converged>" : ", budget spent>");

@@ -24,7 +24,8 @@ and twists; translations turn nothing.)")
              }),
              py::arg("mesh"), py::kw_only(), py::arg("field") = "harmonic", R"(
 mesh   SurfaceMesh, the rest shape.
-field  how the maps of the handles fade: 'harmonic' (Eq. 8) or 'geodesic', by the distances along the surface.
+field  how the maps of the handles fade: 'harmonic' (Eq. 8), or by the distances from them: 'geodesic' along
+       the surface, 'euclidean' in a straight line.
 
 Raises InvalidOption for another field.)");
 }

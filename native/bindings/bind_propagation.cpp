@@ -26,7 +26,7 @@ With t(s) = s, an affine map of all handles together is reproduced.)")
              py::arg("mesh"), py::kw_only(), py::arg("field") = "harmonic", py::arg("transfer") = py::none(),
              R"(
 mesh      SurfaceMesh, the rest shape.
-field     s: 'harmonic' (Eq. 8) or 'geodesic', by the distances along the surface.
+field     s: 'harmonic' (Eq. 8), or by distances: 'geodesic' along the surface, 'euclidean' in a straight line.
 transfer  (k,) values of t(s) at even steps from s = 0 to s = 1, k >= 2; None for t(s) = s.
 
 Raises InvalidOption for another field, or values that are too few or not finite.)");

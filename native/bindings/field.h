@@ -8,7 +8,9 @@ namespace sinew::bindings {
 
 inline Field field_of(const std::string& name)
 {
-    return choose<Field>(name, "field", {{"harmonic", Field::harmonic}, {"geodesic", Field::geodesic}});
+    return choose<Field>(
+        name, "field",
+        {{"harmonic", Field::harmonic}, {"geodesic", Field::geodesic}, {"euclidean", Field::euclidean}});
 }
 
 } // namespace sinew::bindings

@@ -75,6 +75,9 @@ struct SolveReport
     double energy = 0.0;    ///< of the returned shape: E of the method's class, soft handles included
     double residual = 0.0;  ///< of a linear method |A d - b| / |b|; else the last relative decrease of E
     bool converged = false; ///< whether the tolerance was met before the iterations were used up
+    /// Vertices between handles that are turned against each other by half a turn, where a rule chose the way
+    /// to turn.
+    int half_turns = 0;
 };
 
 } // namespace sinew

@@ -4,9 +4,12 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/operators/geodesic_distance.h"
+#include "native/operators/laplacian.h"
+#include "native/operators/straight_distance.h"
 
 #include <algorithm>
-#include <cmath>
+#include <limits>
+#include <memory>
 #include <utility>
 
 namespace sinew {
@@ -40,51 +43,76 @@ HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const He
         if (slot < ones.cols())
             ones(static_cast<Eigen::Index>(row), slot) = 1.0;
     }
-    shares_ = laplacian.spread(ones);
+    auto L = std::make_shared<SparseMatrix>(laplacian.matrix());
+    if (!make_weights_positive(*L)) {
+        shares_ = laplacian.spread(ones);
+        return;
+    }
+    HeldSystem positive;
+    positive.factorize(std::move(L), regions);
+    shares_ = positive.spread(ones);
 }
 
-HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const SurfaceMesh& mesh)
+HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const SurfaceMesh& mesh, Field field)
     : groups_(std::move(groups))
 {
     const int n = mesh.vertex_count(), width = groups_.width();
-    allocate(width); // with the distances from the handles
+    allocate(field == Field::geodesic ? width : 4); // with the distances, or with the places of the sources
     if (shares_.cols() == 0)
         return;
-    // Parts do not reach each other, so the handles that come first in their parts are measured together.
-    std::vector<std::vector<GeodesicDistance::Source>> sources(width);
+    std::vector<std::vector<GeodesicDistance::Source>> sources(groups_.seat_count());
     const double edge = mean_edge(mesh);
     const auto add = [&](const Constraint& at, double weight) {
         const double away = weight < 1.0 ? edge * (1.0 - weight) / std::max(weight, least_weight) : 0.0;
-        sources[groups_.seat(at) - groups_.offsets[groups_.group[at.vertex]]].push_back({at.vertex, away});
+        sources[groups_.seat(at)].push_back({at.vertex, away});
     };
     for (int v = 0; v < n; ++v)
         if (regions.hard(v) >= 0)
             add({v, regions.hard(v)}, 1.0);
     for (const SoftConstraint& s : regions.soft())
         add({s.vertex, s.handle}, s.weight);
+    if (field == Field::euclidean) {
+        std::vector<StraightDistance> trees;
+        for (const auto& each : sources)
+            trees.emplace_back(mesh, each);
+        share_by(regions, [&](int v, int seat) { return trees[seat].at(mesh.point(v)); });
+        return;
+    }
+    // Parts do not reach each other, so the handles that come first in their parts are measured together.
     std::vector<std::vector<double>> distances(width);
     const GeodesicDistance along(mesh);
-    parallel_tasks(width, [&](int slot) { distances[slot] = along.from(sources[slot]); });
+    parallel_tasks(width, [&](int slot) {
+        std::vector<GeodesicDistance::Source> together;
+        for (int g = 0; g < groups_.count(); ++g)
+            if (const int seat = groups_.offsets[g] + slot; seat < groups_.offsets[g + 1])
+                together.insert(together.end(), sources[seat].begin(), sources[seat].end());
+        distances[slot] = along.from(together);
+    });
+    share_by(regions,
+             [&](int v, int seat) { return distances[seat - groups_.offsets[groups_.group[v]]][v]; });
+}
 
-    parallel_for(n, [&](int v) {
+void HandleFields::share_by(const Regions& regions, const std::function<double(int, int)>& distance)
+{
+    parallel_for(regions.vertex_count(), [&](int v) {
         const int g = groups_.group[v];
         if (g < 0)
             return;
-        const int seats = groups_.offsets[g + 1] - groups_.offsets[g];
-        double nearest = distances[0][v];
-        for (int slot = 1; slot < seats; ++slot)
-            nearest = std::min(nearest, distances[slot][v]);
-        const auto closeness = [&](int slot) {
-            if (regions.hard(v) >= 0)
-                return groups_.handles[groups_.offsets[g] + slot] == regions.hard(v) ? 1.0 : 0.0;
-            const double distance = distances[slot][v];
-            return distance <= nearest ? 1.0 : nearest / distance;
-        };
-        double sum = 0.0;
+        const int begin = groups_.offsets[g], seats = groups_.offsets[g + 1] - begin;
+        if (const int hard = regions.hard(v); hard >= 0) {
+            if (const int slot = groups_.seat({v, hard}) - begin; slot < seats - 1)
+                shares_(v, slot) = 1.0;
+            return;
+        }
+        // The inverse distances, in units of the largest one. The last of them is not kept.
+        double nearest = std::numeric_limits<double>::infinity(), sum = 0.0, last = 0.0;
+        const auto away = [&](int slot) -> double& { return slot < seats - 1 ? shares_(v, slot) : last; };
         for (int slot = 0; slot < seats; ++slot)
-            sum += closeness(slot);
+            nearest = std::min(nearest, away(slot) = distance(v, begin + slot));
+        for (int slot = 0; slot < seats; ++slot)
+            sum += away(slot) = away(slot) <= nearest ? 1.0 : nearest / away(slot);
         for (int slot = 0; slot < seats - 1; ++slot)
-            shares_(v, slot) = closeness(slot) / sum;
+            shares_(v, slot) /= sum;
     });
 }
 

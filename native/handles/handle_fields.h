@@ -6,29 +6,34 @@
 #include "native/handles/held_system.h"
 #include "native/mesh/surface_mesh.h"
 
+#include <functional>
+
 namespace sinew {
 
 /// How far each handle reaches over the surface.
 enum class Field {
     harmonic, ///< Delta s = 0 between the handles (Eq. 8)
-    geodesic  ///< shares of the inverse distances along the surface; s = d_F / (d_F + d_H) for two handles
+    geodesic, ///< shares of the inverse distances along the surface; s = d_F / (d_F + d_H) for two handles
+    euclidean ///< the same with straight distances
 };
 
 /// One field per seat: 1 on its own handle and 0 on the others; those of a part sum to 1. A soft handle of
 /// weight w has less than 1 on its vertices: it pulls the harmonic field as it pulls positions, and lies
-/// (1 - w) / w mean edges farther away. A harmonic field stays in [0, 1] where no cotangent sum of an edge is
-/// negative.
+/// (1 - w) / w mean edges farther away. All fields stay in [0, 1]: for harmonic ones, negative weights of
+/// edges are made positive (see operators/laplacian.h).
 class HandleFields
 {
 public:
     HandleFields() = default;
-    /// The harmonic fields. Cost: one solve of as many columns as a part has handles, less one.
+    /// The harmonic fields. Cost: one solve of as many columns as a part has handles, less one; and one
+    /// factorisation where an edge has a negative weight.
     /// \param laplacian  factorised for these regions.
     /// \throw OutOfMemory  the fields would take more than limit_memory() allows.
     HandleFields(HandleGroups groups, const Regions& regions, const HeldSystem& laplacian);
-    /// The geodesic fields. Cost: O(n log n) per handle.
+    /// The fields by distances. Cost: O(n log n) per handle.
+    /// \param field  geodesic or euclidean.
     /// \throw OutOfMemory  likewise.
-    HandleFields(HandleGroups groups, const Regions& regions, const SurfaceMesh& mesh);
+    HandleFields(HandleGroups groups, const Regions& regions, const SurfaceMesh& mesh, Field field);
 
     const HandleGroups& groups() const { return groups_; }
     /// The field of a seat at a vertex of its part.
@@ -42,6 +47,8 @@ public:
 private:
     /// \throw OutOfMemory  there is no room for them, and for as many columns beside them.
     void allocate(int columns_beside = 0);
+    /// Shares of the inverse distances of each vertex from the seats of its part.
+    void share_by(const Regions& regions, const std::function<double(int vertex, int seat)>& distance);
 
     HandleGroups groups_;
     RowMatrix shares_; ///< (n, width - 1) of all seats of a part but the last

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/handles/held_system.h"
 
+#include "native/core/errors.h"
 #include "native/core/parallel.h"
 
 #include <algorithm>
@@ -114,6 +115,8 @@ RowMatrix HeldSystem::spread(const MatrixX& constraints) const
 
 RowMatrix HeldSystem::spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const
 {
+    if (!equations_.problem().matrix)
+        throw InvalidConstraint("there are no handles yet: call set_handles() first");
     const auto columns = constraints.cols();
     const auto n = static_cast<Eigen::Index>(equations_.problem().free.size());
     RowMatrix d = RowMatrix::Zero(n, columns);

@@ -53,6 +53,7 @@ public:
 
     /// (n, m) d with b = 0 for m columns of constraint values.
     /// \param constraints  (c, m) one row for each of regions.constraints().
+    /// \throw InvalidConstraint  before the first factorize().
     RowMatrix spread(const MatrixX& constraints) const;
     LinearResponse respond(const MatrixX& constraints) const;
 

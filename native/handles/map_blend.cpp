@@ -74,6 +74,11 @@ Eigen::Quaterniond mean_rotation(std::span<const Eigen::Quaterniond> rotations)
     return rotations.front();
 }
 
+bool opposed(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b)
+{
+    return std::abs(a.dot(b)) < half_turn;
+}
+
 Vector3 rotation_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to)
 {
     const Eigen::Quaterniond q = from.conjugate() * to;
@@ -104,19 +109,20 @@ MapBlend::MapBlend(const HandleGroups& groups, const std::vector<Matrix3>& maps)
         }
         const Eigen::Quaterniond mean = mean_rotation(turns);
         alike_.push_back(alike);
+        decided_.push_back(
+            std::ranges::any_of(turns, [&](const Eigen::Quaterniond& q) { return opposed(mean, q); }));
         means_.push_back(alike ? maps[groups.handles[groups.offsets[g]]] : mean.toRotationMatrix());
         for (std::size_t k = 0; k < polar.size(); ++k)
             put(groups.offsets[g] + static_cast<int>(k), rotation_between(mean, turns[k]), polar[k].S);
     }
 }
 
-MapBlend::Map::Map(const Matrix3& mean, const double* nine) : mean_(mean), turn_(nine[0], nine[1], nine[2])
+int MapBlend::half_turns(const HandleGroups& groups) const
 {
-    S_ << nine[3], nine[4], nine[5], nine[4], nine[6], nine[7], nine[5], nine[7], nine[8];
-    const double square = turn_.squaredNorm(), angle = std::sqrt(square);
-    const bool small = square < 1e-6; // the next terms of the series are below rounding
-    sine_ = small ? 1.0 - square / 6 * (1.0 - square / 20) : std::sin(angle) / angle;
-    cosine_ = small ? 0.5 - square / 24 * (1.0 - square / 30) : (1.0 - std::cos(angle)) / square;
+    if (std::ranges::none_of(decided_, [](char decided) { return decided; }))
+        return 0;
+    return static_cast<int>(
+        std::ranges::count_if(groups.group, [this](int g) { return g >= 0 && decided_[g]; }));
 }
 
 } // namespace sinew

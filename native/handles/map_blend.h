@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -35,10 +37,44 @@ struct Polar
 /// of them.
 Eigen::Quaterniond mean_rotation(std::span<const Eigen::Quaterniond> rotations);
 
+/// Whether one of two rotations is the other one turned by half a turn, up to rounding.
+bool opposed(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b);
+
 /// The rotation vector (axis times angle, at most pi) that leads from one rotation to another, in the frame
 /// of the first. Of the two ways of half a turn, it goes the one whose first larger component is positive, so
 /// that rounding does not choose.
 Vector3 rotation_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to);
+
+/// sin(a) / a and cos(a), from the square of a.
+struct SineAndCosine
+{
+    /// The factors of 1, a^2, a^4 ... in cos(a), and in sin(a) / a where `more` is 1. Up to a right angle,
+    /// the next ones are below rounding.
+    static constexpr std::array<double, 12> series(int more)
+    {
+        std::array<double, 12> factors{1.0};
+        for (int k = 1; k < 12; ++k)
+            factors[k] = -factors[k - 1] / ((2 * k - 1 + more) * (2 * k + more));
+        return factors;
+    }
+
+    explicit SineAndCosine(double square)
+    {
+        constexpr std::array<double, 12> sines = series(1), cosines = series(0);
+        if (square > 2.5) {
+            const double angle = std::sqrt(square);
+            sine = std::sin(angle) / angle;
+            cosine = std::cos(angle);
+            return;
+        }
+        for (int k = 11; k >= 0; --k) {
+            sine = sine * square + sines[k];
+            cosine = cosine * square + cosines[k];
+        }
+    }
+
+    double sine = 0.0, cosine = 0.0;
+};
 
 /// Linear maps of handles, as numbers whose means are maps in between:
 ///
@@ -57,13 +93,24 @@ public:
 
     /// (seats, 9) what HandleFields::blend() takes the means of.
     const RowMatrix& values() const { return values_; }
+    /// Whether all handles of a part have one map, and R of a part where they have not.
+    bool alike(int group) const { return alike_[group]; }
+    const Matrix3& mean(int group) const { return means_[group]; }
+    /// How many vertices are in parts where a rule chose the way of half a turn.
+    int half_turns(const HandleGroups& groups) const;
 
     /// T at one place of a part.
     class Map
     {
     public:
         /// \param mean  R of the part; \param nine  the mean of values().
-        Map(const Matrix3& mean, const double* nine);
+        Map(const Matrix3& mean, const double* nine) : mean_(mean), turn_(nine[0], nine[1], nine[2])
+        {
+            S_ << nine[3], nine[4], nine[5], nine[4], nine[6], nine[7], nine[5], nine[7], nine[8];
+            const SineAndCosine half(0.25 * turn_.squaredNorm());
+            sine_ = half.sine * half.cosine;
+            cosine_ = 0.5 * half.sine * half.sine;
+        }
         explicit Map(const Matrix3& map) : mean_(Matrix3::Identity()), turn_(0, 0, 0), S_(map) {}
 
         Vector3 operator()(const Vector3& v) const
@@ -85,7 +132,8 @@ public:
     }
 
 private:
-    std::vector<char> alike_;    ///< whether all handles of each group have one map
+    std::vector<char> alike_; ///< whether all handles of each group have one map
+    std::vector<char> decided_; ///< whether a rule chose the way of half a turn in each group
     std::vector<Matrix3> means_; ///< of their rotations; that map itself where it is one
     RowMatrix values_;
 };

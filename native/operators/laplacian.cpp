@@ -160,6 +160,34 @@ SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretiza
     return laplacian_matrix(mesh, discretization, triangle_metric(mesh, least_area), scale);
 }
 
+bool make_weights_positive(SparseMatrix& L)
+{
+    constexpr double rounding = 1e-10, kept = 1e-6;
+    const VectorX diagonal = L.diagonal();
+    const double least = diagonal.size() > 0 ? rounding * diagonal.cwiseAbs().mean() : 0.0;
+    const auto for_entries = [&](const auto& body) {
+        for (int column = 0; column < L.outerSize(); ++column)
+            for (SparseMatrix::InnerIterator it(L, column); it; ++it)
+                if (it.row() != column)
+                    body(it);
+    };
+    bool found = false;
+    for_entries([&](auto& it) { found = found || it.value() > least; });
+    if (!found)
+        return false;
+    VectorX sums = VectorX::Zero(diagonal.size());
+    for_entries([&](auto& it) {
+        if (it.value() > 0)
+            it.valueRef() *= -kept;
+        sums[it.col()] -= it.value();
+    });
+    for (int column = 0; column < L.outerSize(); ++column)
+        for (SparseMatrix::InnerIterator it(L, column); it; ++it)
+            if (it.row() == column)
+                it.valueRef() = sums[column];
+    return true;
+}
+
 VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization, const TriangleMetric& metric)
 {
     const int n = mesh.vertex_count();

@@ -61,6 +61,13 @@ SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretiza
 SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretization,
                               const ElementScale& scale = {}, double least_area = needle);
 
+/// Turns negative weights w_ij of L into positive ones of a millionth of their size. Functions that are
+/// harmonic for positive weights stay between the values that are given; none is cut to zero, so that no
+/// vertex loses its last edge. Where this changes anything, each diagonal entry becomes the sum of its
+/// weights.
+/// \return whether there were negative weights, beyond rounding.
+bool make_weights_positive(SparseMatrix& L);
+
 /// (n) masses m_i. With cotan_voronoi their sum is the area of the surface. Vertices in no face have zero.
 VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization, const TriangleMetric& metric);
 VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization);

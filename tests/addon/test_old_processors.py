@@ -23,7 +23,7 @@ from sinew import backend
 module = backend.availability().module
 assert module is not None, backend.availability()
 rigs = backend.known_answers.rigs
-backend.known_answers.rigs = lambda method: [next(rigs(method))]
+backend.known_answers.rigs = lambda method: list(rigs(method))[:1]
 report = io.StringIO()
 found = backend.check_installation(report, "an emulated processor")
 print(module.instructions(), found.asked)

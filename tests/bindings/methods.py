@@ -53,7 +53,7 @@ def choices(method: type) -> list[dict[str, object]]:
     found += [{"smoothness": 0.0}] if "smoothness: " in text else []
     found += [{"cells": "rims"}] if "'rims'" in text else []
     found += [{"variation": 1.0, "stretching": 1.0}] if "variation: " in text else []
-    found += [{"field": "geodesic"}] if "field: str" in text else []
+    found += [{"field": "geodesic"}, {"field": "euclidean"}] if "field: str" in text else []
     found += [{"bands": 2}] if "bands: " in text else []
     return found + ([{"threshold": 1e-3, "precision": "double"}] if "threshold: " in text else [])
 

@@ -30,6 +30,14 @@ def test_what_nobody_holds_stays(method: type, options: dict, size: int) -> None
     np.testing.assert_allclose(surface.solve([move])[0], points + move[:, 3], atol=1e-5 * size)
 
 
+def test_an_affine_basis_needs_handles() -> None:
+    shell = sn.ThinShell(sn.SurfaceMesh(*grid(4)))
+    with pytest.raises(sn.InvalidConstraint, match=r"call set_handles\(\) first"):
+        sn.AffineBasis(shell)
+    shell.set_handles([])
+    assert sn.AffineBasis(shell).matrix.shape == (25, 0)
+
+
 @pytest.mark.parametrize(("method", "options"), EVERY_SURFACE_METHOD, ids=called)
 def test_a_bind_without_handles_may_follow_one_with_handles(method: type, options: dict) -> None:
     points, faces = grid(20)

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from rig import Rig, make_active
+from rig import Rig, make_active, update
 
 
 def test_operators_and_session_functions_give_the_same(room, plate: Rig):
@@ -53,3 +53,21 @@ def test_register_and_unregister_leave_no_trace(addon):
     assert not any("sinew" in handler.__module__ for handler in bpy.app.handlers.load_post)
     addon.register()
     assert {event: len(getattr(bpy.app.handlers, event)) for event in handlers} == handlers
+
+
+def test_the_falloff_curve_that_the_artist_draws_is_how_the_motion_of_a_handle_fades(plate: Rig):
+    """Each point goes its share of the way; the share is the curve at that of the straight line."""
+    plate.bind("propagation").lift(1.0)
+    shares = (plate.points() - plate.rest())[:, 2]
+    assert 0.0 < np.median(shares) < 1.0
+    bpy.ops.sinew.curve_edit(parameter="transfer")
+    tree = plate.deformer.parameters.transfer
+    mapping = tree.nodes[0].mapping
+    for point in mapping.curves[0].points:
+        point.handle_type = "VECTOR"
+    mapping.curves[0].points.new(0.5, 0.125).handle_type = "VECTOR"
+    mapping.update()
+    tree.update_tag()
+    update()
+    faded = (plate.points() - plate.rest())[:, 2]
+    np.testing.assert_allclose(faded, np.interp(shares, [0.0, 0.5, 1.0], [0.0, 0.125, 1.0]), atol=1e-3)

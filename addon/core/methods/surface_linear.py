@@ -41,6 +41,7 @@ FIELD = Choice(
             "As heat spreads from the handles: smooth everywhere, and quick to bind",
         ),
         ("geodesic", "Geodesic", "By the distances from the handles along the surface"),
+        ("euclidean", "Euclidean", "By the straight distances from the handles, across gaps"),
     ),
     rebinds=True,
     label="Falloff",

@@ -10,7 +10,7 @@ from ._operators import Discretization
 from ._types import Floats, Progress, Singles, Weights
 
 FreeParts = Literal["stay", "follow"]
-Field = Literal["harmonic", "geodesic"]
+Field = Literal["harmonic", "geodesic", "euclidean"]
 Details = Literal[
     "displacement_vectors", "normal_displacements", "displacement_volumes", "deformation_transfer"
 ]

@@ -84,7 +84,7 @@ void GradientEditing::bind(const Regions& regions, BindReport& report, const Pro
         progress.tick(0.7, "computing the fields");
         fields = impl_->options.field == Field::harmonic
                      ? HandleFields(std::move(groups), regions, bound.system)
-                     : HandleFields(std::move(groups), regions, rest());
+                     : HandleFields(std::move(groups), regions, rest(), impl_->options.field);
         progress.tick(1.0, "bound");
     });
     bound.fields = std::move(fields);
@@ -124,10 +124,12 @@ SolveReport GradientEditing::deform(const SolveRequest& /*request*/, const Targe
             (work->blended.row(i) + work->blended.row(j) + work->blended.row(k)).transpose() / 3.0;
         apply(blend.at(group, mean.data()));
     };
-    return bound.system.solve(targets, positions, [&](RowMatrix& b) {
+    SolveReport report = bound.system.solve(targets, positions, [&](RowMatrix& b) {
         bound.fields.blend(blend.values(), work->blended);
         return bound.gradients.source(targets.base(), change, work->forces, b);
     });
+    report.half_turns = blend.half_turns(groups);
+    return report;
 }
 
 std::vector<std::string> GradientEditing::changed_options(const SurfaceMethod& former) const

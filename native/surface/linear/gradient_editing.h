@@ -41,9 +41,9 @@ struct GradientEditingOptions
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing
 ///   set_handles()  another set of handles        one factorisation, and the fields: with `harmonic` one
-///   solve of
-///                                                as many columns as handles less one, with `geodesic`
-///                                                O(n log n) per handle
+///                                                solve of as many columns as handles less one, and one more
+///                                                factorisation where a cotangent weight is negative, with
+///                                                distances O(n log n) per handle
 ///   solve()        the handles moved             one solve for x, y and z, and one map per triangle
 ///
 /// Affine motions of all handles together are reproduced. Translations have no influence on gradients: where

@@ -3,18 +3,22 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
 #include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
 #include "native/operators/laplacian.h"
+#include "native/surface/linear/propagation/kernels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 namespace sinew {
 
 namespace {
+
+using RowVector = Eigen::Matrix<double, 1, MapBlend::numbers>;
+using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 /// The groups, each with one seat more at its end, for the identity, which is handle `handle_count`.
 HandleGroups with_identity(const HandleGroups& groups, int handle_count)
@@ -113,6 +117,7 @@ void Propagation::bind(const Regions& regions, BindReport& report, const Progres
     HandleFields fields;
     if (impl_->options.field == Field::harmonic) {
         auto L = std::make_shared<SparseMatrix>(laplacian_matrix(rest(), Discretization::cotan, metric));
+        make_weights_positive(*L);
         progress.tick(0.2, "factorising");
         bound.system.factorize(std::move(L), regions, [&] {
             progress.tick(0.7, "computing the fields");
@@ -121,7 +126,7 @@ void Propagation::bind(const Regions& regions, BindReport& report, const Progres
         });
     } else {
         progress.tick(0.2, "measuring distances");
-        fields = HandleFields(std::move(groups), regions, rest());
+        fields = HandleFields(std::move(groups), regions, rest(), impl_->options.field);
         progress.tick(1.0, "bound");
     }
     bound.fields = std::move(fields);
@@ -141,44 +146,77 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
     maps.emplace_back(Matrix3::Identity());
     const MapBlend blend(bound.with_identity, maps);
     const HandleGroups& groups = bound.fields.groups();
+    const RowMatrix& values = blend.values();
+    // What moves each part. The seats of a group of `with_identity` are shifted by it.
+    std::vector<PropagatedMotion> moving;
+    std::vector<int> seats, begins;
+    std::vector<PropagatedPart> parts(groups.count());
+    for (int group = 0; group < groups.count(); ++group) {
+        begins.push_back(static_cast<int>(moving.size()));
+        const RowVector identity = values.row(bound.with_identity.offsets[group + 1] - 1);
+        RowVector::Map(parts[group].identity) = identity;
+        RowMatrix3::Map(parts[group].mean) = blend.mean(group);
+        for (int seat = groups.offsets[group]; seat < groups.offsets[group + 1]; ++seat) {
+            const Motion& motion = motions[groups.handles[seat]];
+            if (motion.turning == 0 && motion.move.isZero(0))
+                continue;
+            PropagatedMotion& added = moving.emplace_back();
+            RowVector::Map(added.numbers) = values.row(seat + group) - identity;
+            Vector3::Map(added.centre) = motion.centre;
+            Vector3::Map(added.move) = motion.move;
+            added.turning = motion.turning;
+            seats.push_back(seat);
+        }
+        parts[group].count = static_cast<int>(moving.size()) - begins.back();
+    }
+    for (int group = 0; group < groups.count(); ++group)
+        parts[group].motions = moving.data() + begins[group];
+
     const PointsView base = targets.base();
     const int n = static_cast<int>(base.rows());
     positions.resize(n, 3);
-    parallel_for(n, [&](int v) {
+    const auto share = [&](int v, int k) { return impl_->transfer(bound.fields.share(v, seats[k])); };
+    const auto move = [&](int v) -> Vector3 {
         const int group = groups.group[v];
-        if (group < 0) {
-            positions.row(v) = base.row(v);
-            return;
-        }
-        if (bound.held[v] >= 0) {
-            positions.row(v) = targets.position(v, bound.held[v]).transpose();
-            return;
-        }
-        const double* const values = blend.values().data();
-        const int identity =
-            bound.with_identity.offsets[group + 1] - 1; // the seats of a group are shifted by it
-        std::array<double, MapBlend::numbers> nine;
-        std::copy_n(values + MapBlend::numbers * identity, MapBlend::numbers, nine.data());
-        Vector3 centre = Vector3::Zero(), move = Vector3::Zero();
+        if (group < 0)
+            return base.row(v).transpose();
+        if (bound.held[v] >= 0)
+            return targets.position(v, bound.held[v]);
+        const Vector3 y = base.row(v).transpose();
+        RowVector nine = RowVector::Map(parts[group].identity);
+        Vector3 centre = Vector3::Zero(), shift = Vector3::Zero();
         double turning = 0.0;
-        for (int seat = groups.offsets[group]; seat < groups.offsets[group + 1]; ++seat) {
-            const double t = impl_->transfer(bound.fields.share(v, seat));
-            const Motion& motion = motions[groups.handles[seat]];
-            for (int c = 0; c < MapBlend::numbers; ++c)
-                nine[c] += t * (values[MapBlend::numbers * (seat + group) + c] -
-                                values[MapBlend::numbers * identity + c]);
-            const double weight = std::max(0.0, t) * motion.turning;
-            centre += weight * motion.centre;
+        for (int k = begins[group]; k < begins[group] + parts[group].count; ++k) {
+            const double t = share(v, k), weight = std::max(0.0, t) * moving[k].turning;
+            nine += t * RowVector::Map(moving[k].numbers);
+            centre += weight * Vector3::Map(moving[k].centre);
             turning += weight;
-            move += t * motion.move;
+            shift += t * Vector3::Map(moving[k].move);
         }
-        const Vector3 y = base.row(v).transpose(),
-                      arm = turning > 0 ? Vector3(y - centre / turning) : Vector3::Zero();
-        positions.row(v) = (y + (blend.at(group, nine.data())(arm) - arm) + move).transpose();
+        const Vector3 arm = turning > 0 ? Vector3(y - centre / turning) : Vector3::Zero();
+        return y + (blend.at(group, nine.data())(arm) - arm) + shift;
+    };
+    const PropagationKernels& kernels = widest_kernels<PropagationKernels>();
+    parallel_chunks(n, 2048, [&](int begin, int end) {
+        std::vector<double> t(4 * moving.size());
+        for (int v = begin; v < end; v += 4) {
+            const int group = groups.group[v], last = std::min(v + 4, end);
+            bool together = last == v + 4 && group >= 0 && !blend.alike(group);
+            for (int i = v; together && i < last; ++i) {
+                together = groups.group[i] == group && bound.held[i] < 0;
+                for (int k = 0; together && k < parts[group].count; ++k)
+                    t[4 * k + (i - v)] = share(i, begins[group] + k);
+            }
+            if (together && kernels.move(parts[group], t.data(), base.row(v).data(), positions.row(v).data()))
+                continue;
+            for (int i = v; i < last; ++i)
+                positions.row(i) = move(i).transpose();
+        }
     });
     SolveReport report;
     report.iterations = 1;
     report.converged = true;
+    report.half_turns = blend.half_turns(groups);
     return report;
 }
 

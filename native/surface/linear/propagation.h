@@ -40,8 +40,8 @@ struct PropagationOptions
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing
 ///   set_handles()  another set of handles        with `harmonic` one factorisation and one solve of as many
-///   columns
-///                                                as handles less one, with `geodesic` O(n log n) per handle
+///                                                columns as handles less one, with distances O(n log n) per
+///                                                handle
 ///   solve()        the handles moved             O(n k) for k handles
 ///
 /// There are no equations per frame, so nothing keeps the surface smooth or stiff: it follows the shape of

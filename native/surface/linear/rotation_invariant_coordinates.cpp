@@ -4,13 +4,16 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
 #include "native/handles/handle_fields.h"
 #include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
+#include "native/operators/fit_kernels.h"
 #include "native/operators/rotation_fit.h"
 
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <utility>
 
 namespace sinew {
@@ -29,13 +32,13 @@ struct Binding
     std::vector<std::vector<int>> patches;
     mutable Pool<RowMatrix> workspaces; ///< (n, 9) the entries of Q - 1, row by row
 
-    /// Q - 1 at every vertex.
-    void turn(const std::vector<Matrix3>& maps, RowMatrix& turns) const;
+    /// Q - 1 at every vertex. Returns at how many of them the mean of the rotations has no closest rotation.
+    int turn(const std::vector<Matrix3>& maps, RowMatrix& turns) const;
     /// Fills the right-hand side of the displacements from y, and returns the constant of the energy.
     double source(const PointsView& y, const RowMatrix& turns, RowMatrix& b) const;
 };
 
-void Binding::turn(const std::vector<Matrix3>& maps, RowMatrix& turns) const
+int Binding::turn(const std::vector<Matrix3>& maps, RowMatrix& turns) const
 {
     const HandleGroups& groups = fields.groups();
     std::vector<Matrix3> rotations;
@@ -57,14 +60,34 @@ void Binding::turn(const std::vector<Matrix3>& maps, RowMatrix& turns) const
             Q.col(axis) = map(Vector3::Unit(axis));
         return Q;
     };
-    parallel_for(static_cast<int>(turns.rows()), [&](int vertex) {
-        if (groups.group[vertex] < 0)
-            return;
-        FrameRow own(turns.data() + 9 * static_cast<std::ptrdiff_t>(vertex));
-        const Matrix3 mean = own;
-        const bool undecided = mean.determinant() < least_determinant;
-        own = (undecided ? decide(vertex) : fit_rotation(mean)) - Matrix3::Identity();
-    });
+    const FitKernels& kernels = widest_kernels<FitKernels>();
+    const int n = static_cast<int>(turns.rows());
+    const double decided =
+        parallel_sum((n + 3) / 4,
+                     [&](int four) {
+                         double means[36] = {}, fitted[36], count = 0;
+                         const int begin = 4 * four, rows = std::min(4, n - begin);
+                         std::copy_n(turns.data() + 9 * static_cast<std::ptrdiff_t>(begin), 9 * rows, means);
+                         const int safe = kernels.fit(means, fitted);
+                         for (int k = 0; k < rows; ++k) {
+                             if (groups.group[begin + k] < 0)
+                                 continue;
+                             const Matrix3 mean = FrameRow(means + 9 * k);
+                             FrameRow own(turns.data() + 9 * static_cast<std::ptrdiff_t>(begin + k));
+                             const bool undecided = mean.determinant() < least_determinant;
+                             if (undecided)
+                                 own = decide(begin + k);
+                             else if (safe >> k & 1)
+                                 own = FrameRow(fitted + 9 * k);
+                             else
+                                 own = fit_rotation_svd(mean);
+                             own -= Matrix3::Identity();
+                             count += undecided;
+                         }
+                         return count;
+                     },
+                     512);
+    return static_cast<int>(decided);
 }
 
 double Binding::source(const PointsView& y, const RowMatrix& turns, RowMatrix& b) const
@@ -141,10 +164,13 @@ SolveReport RotationInvariantCoordinates::deform(const SolveRequest& /*request*/
     const Binding& bound = *impl_->bound;
     const auto turns = bound.workspaces.take(
         [this] { return std::make_unique<RowMatrix>(RowMatrix::Zero(rest().vertex_count(), 9)); });
-    return bound.system.solve(targets, positions, [&](RowMatrix& b) {
-        bound.turn(linear_maps(targets, bound.patches), *turns);
+    int half_turns = 0;
+    SolveReport report = bound.system.solve(targets, positions, [&](RowMatrix& b) {
+        half_turns = bound.turn(linear_maps(targets, bound.patches), *turns);
         return bound.source(targets.base(), *turns, b);
     });
+    report.half_turns = half_turns;
+    return report;
 }
 
 std::vector<std::string> RotationInvariantCoordinates::changed_options(const SurfaceMethod& former) const

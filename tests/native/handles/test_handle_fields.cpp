@@ -2,6 +2,7 @@
 #include "native/handles/handle_fields.h"
 
 #include "native/operators/laplacian.h"
+#include "tests/native/dense_weights.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -11,6 +12,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 namespace sinew {
@@ -27,7 +29,7 @@ struct Bound
         system.factorize(std::move(L), regions);
         const HandleGroups groups(regions, parts);
         fields = field == Field::harmonic ? HandleFields(groups, regions, system)
-                                          : HandleFields(groups, regions, mesh);
+                                          : HandleFields(groups, regions, mesh, field);
     }
     double operator()(int vertex, int handle) const
     {
@@ -58,7 +60,7 @@ SurfaceMesh tube(int along, int around, double length)
     return shapes::mesh(p, faces);
 }
 
-constexpr std::array every{Field::harmonic, Field::geodesic};
+constexpr std::array every{Field::harmonic, Field::geodesic, Field::euclidean};
 
 } // namespace
 
@@ -81,7 +83,7 @@ TEST(HandleFields, of_harmonic_kind_are_those_of_a_dense_solve)
     std::vector<Handle> handles = shapes::ends(mesh, 1.5);
     handles.push_back({{40, 41}, {0.3, 1.0}});
     const Bound bound(mesh, handles, Field::harmonic);
-    const MatrixX L = laplacian_matrix(mesh, Discretization::cotan);
+    const MatrixX L = with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
     const int n = mesh.vertex_count();
     MatrixX A = L, b = MatrixX::Zero(n, 3);
     for (int v = 0; v < n; ++v)
@@ -95,6 +97,68 @@ TEST(HandleFields, of_harmonic_kind_are_those_of_a_dense_solve)
     for (int v = 0; v < n; ++v)
         for (int h = 0; h < 3; ++h)
             EXPECT_NEAR(bound(v, h), expected(v, h), 1e-12);
+}
+
+TEST(HandleFields, of_harmonic_kind_stay_between_their_handles_where_angles_are_obtuse)
+{
+    // Rows of flat triangles, whose long edges have negative weights. The plain equation leaves [0, 1] there.
+    std::vector<Vector3> p;
+    shapes::Polygons faces;
+    constexpr int rows = 6, columns = 8;
+    for (int i = 0; i < rows; ++i)
+        for (int j = 0; j < columns; ++j)
+            p.emplace_back(4.0 * j + (i % 2 ? 3.6 : 0.0), i, 0.3 * ((i + j) % 3));
+    for (int i = 0; i + 1 < rows; ++i)
+        for (int j = 0; j + 1 < columns; ++j) {
+            const int a = i * columns + j;
+            faces.push_back({a, a + 1, a + columns});
+            faces.push_back({a + 1, a + columns + 1, a + columns});
+        }
+    const SurfaceMesh mesh = shapes::mesh(p, faces);
+    const std::vector<Handle> handles{{{18}, {}}, {{20}, {}}, {{27}, {0.4}}};
+    const Bound bound(mesh, handles, Field::harmonic);
+    MatrixX ones = MatrixX::Zero(3, 1);
+    ones(1, 0) = 1.0;
+    const RowMatrix plain = bound.system.spread(ones);
+    EXPECT_LT(plain.minCoeff(), -0.1);
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        for (int h = 0; h < 3; ++h) {
+            EXPECT_GE(bound(v, h), -1e-12);
+            EXPECT_LE(bound(v, h), 1 + 1e-12);
+        }
+}
+
+TEST(HandleFields, by_straight_distances_are_shares_of_their_inverses)
+{
+    const SurfaceMesh mesh = shapes::joined(shapes::sphere(3), shapes::sphere(2), {2.5, 0, 0});
+    const int n = 258;
+    std::vector<Handle> handles{{{}, {}}, {{1}, {}}, {{4, n + 5}, {}}, {{40, 41}, {.5, .9}}};
+    for (int v = 50; v < 250; v += 3) // more than one leaf of the tree; and what reaches across the gap
+        handles[0].vertices.push_back(v);
+    handles[0].vertices.push_back(n + 1);
+    const Bound bound(mesh, handles, Field::euclidean);
+    double edge = 0.0;
+    for (const auto& [a, b] : mesh.edges())
+        edge += (mesh.point(a) - mesh.point(b)).norm() / static_cast<double>(mesh.edges().size());
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        if (bound.regions.hard(v) >= 0)
+            continue;
+        std::array<double, 4> closeness{};
+        double sum = 0.0;
+        for (int h = 0; h < 4; ++h) {
+            double nearest = std::numeric_limits<double>::infinity();
+            for (std::size_t k = 0; k < handles[h].vertices.size(); ++k) {
+                const int at = handles[h].vertices[k];
+                const double weight = handles[h].weights.empty() ? 1.0 : handles[h].weights[k];
+                if ((at < n) == (v < n))
+                    nearest = std::min(nearest, (mesh.point(at) - mesh.point(v)).norm() +
+                                                    edge * (1 - weight) / weight);
+            }
+            sum += closeness[h] = 1.0 / nearest;
+        }
+        for (int h : v < n ? std::vector{0, 1, 2, 3} : std::vector{0, 2})
+            EXPECT_NEAR(bound(v, h), closeness[h] / sum, 1e-13);
+    }
 }
 
 TEST(HandleFields, are_one_on_their_handle_and_share_the_rest)
@@ -182,7 +246,8 @@ TEST(HandleFields, above_the_memory_limit_are_refused)
     const SurfaceMesh mesh = shapes::hill(40, 40);
     const Bound bound(mesh, shapes::ends(mesh, 1.5), Field::geodesic);
     const MemoryLimit limit(1000);
-    EXPECT_THROW(HandleFields(bound.fields.groups(), bound.regions, mesh), OutOfMemory);
+    for (Field field : {Field::geodesic, Field::euclidean})
+        EXPECT_THROW(HandleFields(bound.fields.groups(), bound.regions, mesh, field), OutOfMemory);
     EXPECT_THROW(HandleFields(bound.fields.groups(), bound.regions, bound.system), OutOfMemory);
 }
 

@@ -80,6 +80,8 @@ TEST(MapBlend, of_turns_about_one_axis_turns_by_the_mean_angle)
     EXPECT_LT((blended({about(-100), about(0), about(100)}, {0.5, 0.25, 0.25}) - about(-25)).norm(), 1e-13);
     EXPECT_LT((blended({about(170), about(0)}, {0.5, 0.5}) - about(85)).norm(), 1e-13);
     EXPECT_LT((blended({about(190), about(0)}, {0.5, 0.5}) - about(-85)).norm(), 1e-13) << "the shorter way";
+    EXPECT_LT((blended({about(170), about(0)}, {2, -1}) - about(340)).norm(), 1e-13)
+        << "as beyond the end of a falloff curve";
 }
 
 TEST(MapBlend, turns_with_the_coordinate_system)

@@ -4,6 +4,7 @@
 #include "native/handles/held_system.h"
 #include "native/operators/laplacian.h"
 #include "tests/native/allocations.h"
+#include "tests/native/dense_weights.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
 #include "tests/native/surface/linear/study_tube.h"
@@ -95,7 +96,7 @@ public:
         MatrixX s = MatrixX::Zero(n_, 1);
         for (int v = 0; v < n_; ++v)
             s(v, 0) = held_[v] == 1;
-        field_ = solve(s, MatrixX::Zero(n_, 1));
+        field_ = solve(with_positive_weights(L_), s, MatrixX::Zero(n_, 1));
     }
 
     /// \param R, S, move  of the second handle; the first rests.
@@ -120,7 +121,7 @@ public:
                 Eigen::Quaterniond::Identity().slerp(s, Eigen::Quaterniond(R)).toRotationMatrix();
             G.middleRows<3>(3 * t) *= (turn * (s * S + (1 - s) * Matrix3::Identity())).transpose();
         }
-        const MatrixX x = solve(target, G_.transpose() * D_.asDiagonal() * G);
+        const MatrixX x = solve(L_, target, G_.transpose() * D_.asDiagonal() * G);
         const MatrixX misfit = G_ * x - G;
         *energy = 0.5 * (misfit.transpose() * D_.asDiagonal() * misfit).trace();
         return x;
@@ -128,12 +129,12 @@ public:
 
 private:
     int triangles() const { return static_cast<int>(mesh_.triangles().size()); }
-    MatrixX solve(MatrixX x, const MatrixX& b) const
+    MatrixX solve(const MatrixX& L, MatrixX x, const MatrixX& b) const
     {
         for (int v : free_)
             x.row(v).setZero();
-        const MatrixX rhs = (b - L_ * x)(free_, Eigen::all);
-        x(free_, Eigen::all) = MatrixX(L_(free_, free_)).fullPivLu().solve(rhs);
+        const MatrixX rhs = (b - L * x)(free_, Eigen::all);
+        x(free_, Eigen::all) = MatrixX(L(free_, free_)).fullPivLu().solve(rhs);
         return x;
     }
 
@@ -234,6 +235,17 @@ TEST(GradientEditing, a_handle_that_rides_on_what_posed_the_mesh_does_not_turn_d
                              .incoming = view(incoming),
                              .from_rest = std::vector<bool>{false, true}});
     EXPECT_LT(shapes::distance(q, incoming), 1e-11);
+}
+
+TEST(GradientEditing, says_where_a_rule_chose_the_way_of_half_a_turn)
+{
+    const SurfaceMesh mesh = shapes::hill(8, 8);
+    for (const auto& [degrees, vertices] : {std::pair{179.0, 0}, {180.0, 81}}) {
+        SolveReport report;
+        solved(mesh, shapes::ends(mesh, 1.5), {.poses = {shapes::still(), shapes::turn({1, 2, 0}, degrees)}},
+               &report);
+        EXPECT_EQ(report.half_turns, vertices);
+    }
 }
 
 TEST(GradientEditing, handles_of_other_parts_do_not_count)

@@ -3,6 +3,7 @@
 
 #include "native/operators/laplacian.h"
 #include "tests/native/allocations.h"
+#include "tests/native/dense_weights.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
@@ -44,7 +45,9 @@ SurfaceTraits traits()
                                                    {2 * std::cos(angle) - 2, std::sin(angle), 0})};
     };
     return {.name = "Propagation",
-            .variants = {{"harmonic", maker({})}, {"geodesic", maker({.field = Field::geodesic}), 0}},
+            .variants = {{"harmonic", maker({})},
+                         {"geodesic", maker({.field = Field::geodesic}), 0},
+                         {"euclidean", maker({.field = Field::euclidean}), 0}},
             .mesh = shapes::hill(8, 8),
             .large = shapes::hill(10, 9),
             .depth = 1.5,
@@ -65,7 +68,7 @@ SurfaceTraits traits()
 VectorX harmonic_field(const SurfaceMesh& mesh, const std::vector<Handle>& handles)
 {
     const int n = mesh.vertex_count();
-    MatrixX A = laplacian_matrix(mesh, Discretization::cotan);
+    MatrixX A = with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
     VectorX b = VectorX::Zero(n);
     for (int h : {0, 1})
         for (int v : handles[h].vertices) {
@@ -114,7 +117,7 @@ TEST(Propagation, damps_rotation_scale_and_move_apart_about_the_centre_of_the_ha
 TEST(Propagation, twists_a_tube_evenly)
 {
     const SurfaceMesh mesh = study_tube();
-    for (Field field : {Field::harmonic, Field::geodesic}) {
+    for (Field field : {Field::harmonic, Field::geodesic, Field::euclidean}) {
         const Points q = solved(mesh, shapes::ends(mesh, 3.1),
                                 {.poses = {shapes::still(), shapes::turn({1, 0, 0}, 135)}}, {.field = field});
         for (int v = 0; v < mesh.vertex_count(); ++v) {
@@ -123,6 +126,22 @@ TEST(Propagation, twists_a_tube_evenly)
                       1e-11);
         }
     }
+}
+
+TEST(Propagation, says_where_a_rule_chose_the_way_of_half_a_turn)
+{
+    const SurfaceMesh mesh = shapes::joined(shapes::hill(8, 8), shapes::sphere(1), {0, 20, 0});
+    std::vector<Handle> handles = shapes::ends(shapes::hill(8, 8), 1.5);
+    handles.push_back({{81}, {}});
+    Propagation propagation(mesh);
+    propagation.set_handles(handles);
+    Points positions;
+    const auto count = [&](double degrees) {
+        const Poses poses{shapes::still(), shapes::turn({1, 2, 0}, degrees), shapes::still()};
+        return propagation.solve({poses}, positions).half_turns;
+    };
+    EXPECT_EQ(count(179), 0);
+    EXPECT_EQ(count(180), 81);
 }
 
 TEST(Propagation, one_affine_map_of_all_handles_is_exact_and_so_is_one_handle_alone)

@@ -107,7 +107,8 @@ public:
             x.row(v) = (held_[v] == 1 ? apply(pose, y.row(v).transpose()) : Vector3(y.row(v))).transpose();
         }
         MatrixX A = MatrixX::Zero(3 * n_, 3 * n_);
-        for_edges([&](int i, int j, double w) { // w |f_j - f_i R|^2
+        for_edges([&](int i, int j, double weight) { // w |f_j - f_i R|^2
+            const double w = weight > 0 ? weight : -1e-6 * weight;
             const Matrix3 R = frames[i].transpose() * frames[j];
             A.block<3, 3>(3 * i, 3 * i) += w * Matrix3::Identity();
             A.block<3, 3>(3 * j, 3 * j) += w * Matrix3::Identity();
@@ -231,10 +232,15 @@ TEST(RotationInvariantCoordinates, between_handles_at_half_a_turn_follow_the_mea
 {
     const SurfaceMesh mesh = shapes::hill(10, 9);
     const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
+    SolveReport report;
     const auto at = [&](double degrees) {
-        return solved(mesh, handles, {.poses = {shapes::still(), shapes::turn({1, 0, 0}, degrees)}});
+        return solved(mesh, handles, {.poses = {shapes::still(), shapes::turn({1, 0, 0}, degrees)}}, &report);
     };
+    at(150);
+    EXPECT_EQ(report.half_turns, 0);
     const Points half = at(180);
+    EXPECT_GT(report.half_turns, 0);
+    EXPECT_LT(report.half_turns, mesh.vertex_count() / 2) << "those in the middle";
     for (double rounding : {-1e-11, 1e-11}) // degrees; rounding does not choose the way
         EXPECT_LT(shapes::distance(at(180 + rounding), half), 1e-8);
 }

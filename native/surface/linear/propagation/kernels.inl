@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The bodies of PropagationKernels, compiled once for each set of instructions. One lane is one point.
+
+#include "native/core/simd/lane_math.inl"
+
+namespace {
+
+using sinew::PropagatedMotion;
+using sinew::PropagatedPart;
+using L = Lanes<double>;
+
+struct Three
+{
+    L x, y, z;
+};
+
+inline Three operator+(const Three& a, const Three& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Three operator-(const Three& a, const Three& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Three operator*(const Three& a, L factor) { return {a.x * factor, a.y * factor, a.z * factor}; }
+inline Three cross(const Three& a, const Three& b)
+{
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Three spread(const double* three)
+{
+    return {constant(three[0]), constant(three[1]), constant(three[2])};
+}
+
+/// 1 - u / a_1 (1 - u / a_2 (1 - ...)) with a_k = (2 k - 1 + more) (2 k + more): cos, or sin(a) / a with
+/// `more` 1, from u = a^2 up to a right angle.
+template <int more>
+inline L series(L u)
+{
+    L sum = constant(1.0);
+    for (int k = 11; k > 0; --k)
+        sum = constant(1.0) - sum * (u * constant(1.0 / ((2 * k - 1 + more) * (2 * k + more))));
+    return sum;
+}
+
+bool move(const PropagatedPart& part, const double* t, const double* from, double* to)
+{
+    const L zero = constant(0.0);
+    L n[9];
+    for (int k = 0; k < 9; ++k)
+        n[k] = constant(part.identity[k]);
+    Three centre{zero, zero, zero}, shift{zero, zero, zero};
+    L turning = zero;
+    for (int m = 0; m < part.count; ++m) {
+        const PropagatedMotion& motion = part.motions[m];
+        const L share = load(t + 4 * m);
+        for (int k = 0; k < 9; ++k)
+            n[k] = n[k] + share * constant(motion.numbers[k]);
+        const L weight = larger(share, zero) * constant(motion.turning);
+        centre = centre + spread(motion.centre) * weight;
+        turning = turning + weight;
+        shift = shift + spread(motion.move) * share;
+    }
+    const L quarter = constant(0.25) * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    if (!all(above(constant(2.5), quarter)))
+        return false;
+    const L sine = series<1>(quarter), whole = sine * series<0>(quarter), half = constant(0.5) * sine * sine;
+
+    Three y;
+    load_columns(from, from + 3, from + 6, from + 9, y.x, y.y, y.z);
+    const auto turns = above(turning, zero);
+    const L inverse = constant(1.0) / choose(turns, turning, constant(1.0));
+    const Three away = y - centre * inverse;
+    const Three arm{choose(turns, away.x, zero), choose(turns, away.y, zero), choose(turns, away.z, zero)};
+    const Three stretched{n[3] * arm.x + n[4] * arm.y + n[5] * arm.z,
+                          n[4] * arm.x + n[6] * arm.y + n[7] * arm.z,
+                          n[5] * arm.x + n[7] * arm.y + n[8] * arm.z};
+    const Three turn{n[0], n[1], n[2]}, across = cross(turn, stretched);
+    const Three v = stretched + across * whole + cross(turn, across) * half;
+    const double* const R = part.mean;
+    const auto row = [&](int r) {
+        return constant(R[3 * r]) * v.x + constant(R[3 * r + 1]) * v.y + constant(R[3 * r + 2]) * v.z;
+    };
+    const Three found = y + (Three{row(0), row(1), row(2)} - arm) + shift;
+    for (int k = 0; k < 4; ++k) {
+        to[3 * k] = found.x[k];
+        to[3 * k + 1] = found.y[k];
+        to[3 * k + 2] = found.z[k];
+    }
+    return true;
+}
+
+} // namespace
+
+const sinew::PropagationKernels sinew::PropagationKernels::SINEW_INSTRUCTIONS{::move};
