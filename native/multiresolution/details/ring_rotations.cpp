@@ -2,14 +2,14 @@
 #include "native/multiresolution/details/ring_rotations.h"
 
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
+#include "native/operators/fit_kernels.h"
 #include "native/operators/rotation_fit.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <numeric>
-
-#include "native/operators/rotation_fit.inl"
 
 namespace sinew {
 
@@ -25,6 +25,7 @@ Vector3 direction(const Vector3& v, double length)
 /// Vertices whose rotations are fitted together.
 struct FourRings
 {
+    const FitKernels& kernels = widest_kernels<FitKernels>();
     int count = 0;
     int vertices[4];
     Matrix3 sums[4];
@@ -37,25 +38,15 @@ struct FourRings
 
     void fit(const RingRotations::Use& use)
     {
+        using Row = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
         std::fill(sums + count, sums + 4, Matrix3::Identity());
-        Lanes<double> entries[9], found[9];
-        for (int k = 0; k < 9; ++k)
-            for (int lane = 0; lane < 4; ++lane)
-                entries[k][lane] = sums[lane](k / 3, k % 3);
-        FourFits fits;
-        fits.begin(entries, constant(0.0));
-        for (int step = 0; step < most_newton_steps; ++step) {
-            fits.step();
-            if (fits.done())
-                break;
-        }
-        const auto safe = fits.finish(found);
-        for (int lane = 0; lane < count; ++lane) {
-            Matrix3 R;
-            for (int k = 0; k < 9; ++k)
-                R(k / 3, k % 3) = found[k][lane];
-            use(vertices[lane], safe[lane] ? R : fit_rotation_svd(sums[lane]));
-        }
+        double given[36], found[36];
+        for (int k = 0; k < 4; ++k)
+            Eigen::Map<Row>(given + 9 * k) = sums[k];
+        const int safe = kernels.fit(given, found);
+        for (int k = 0; k < count; ++k)
+            use(vertices[k],
+                safe >> k & 1 ? Matrix3(Eigen::Map<const Row>(found + 9 * k)) : fit_rotation_svd(sums[k]));
         count = 0;
     }
 };
