@@ -26,6 +26,7 @@ BLENDERS = ("3.4", "5.2")
 # Row of blender_frame.py -> the id of the work, and the names of Sinew's time and of the peer's.
 FRAMES = {
     "frame thin_shell": ("frame_thin_shell", "ours", "peer"),
+    "frame laplacian_editing": ("frame_laplacian_editing", "ours", "peer"),
     "frame arap": ("frame_arap", "ours", "peer"),
     "frame short arap": ("frame_arap_3", "ours", "peer"),
     "frame cage": ("frame_cage", "ours", "peer"),

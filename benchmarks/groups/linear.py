@@ -2,6 +2,7 @@
 """Bind and frame of the linear surface methods, next to those of the thin shell without its affine basis."""
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from cases import bar
@@ -12,27 +13,43 @@ import sinew_native
 
 from . import Options, Task
 
-METHODS = (
-    sinew_native.GradientEditing,
-    sinew_native.RotationInvariantCoordinates,
-    sinew_native.Propagation,
-)
+Maker = Callable[[sinew_native.SurfaceMesh], sinew_native.SurfaceMethod]
+
+
+def _laplacian(transforms: str) -> Maker:
+    return partial(sinew_native.LaplacianEditing, transforms=transforms)
+
+
+# Case -> how to make its method, and the works of its bind and its frame.
+METHODS: dict[str, tuple[Maker, str, str]] = {
+    "GradientEditing": (sinew_native.GradientEditing, "linear_bind", "linear_frame"),
+    "RotationInvariantCoordinates": (
+        sinew_native.RotationInvariantCoordinates,
+        "linear_bind",
+        "linear_frame",
+    ),
+    "Propagation": (sinew_native.Propagation, "linear_bind", "linear_frame"),
+    "LaplacianEditing, explicit": (_laplacian("explicit"), "linear_bind", "explicit_frame"),
+    "LaplacianEditing, estimated": (_laplacian("estimated"), "linear_bind", "estimated_frame"),
+    "LaplacianEditing, implicit": (_laplacian("implicit"), "implicit_bind", "implicit_frame"),
+}
 
 
 def plan(options: Options) -> list[Task]:
     size = 10_000 if options.quick else 100_000
     keywords = {"size": size, "threads": options.threads}
     return [
-        Task("linear", ("linear_bind", "linear_frame"), {**keywords, "method": index})
-        for index in range(len(METHODS))
+        Task("linear", (bind, frame), {**keywords, "method": name})
+        for name, (_, bind, frame) in METHODS.items()
     ]
 
 
-def measure(size: int, threads: list[int], method: int) -> list[Row]:
+def measure(size: int, threads: list[int], method: str) -> list[Row]:
+    make, bind_work, frame_work = METHODS[method]
     case = bar("bend 90", size)
     mesh = sinew_native.SurfaceMesh(case.points, case.faces)
     makers = {
-        "ours": lambda: METHODS[method](mesh),
+        "ours": lambda: make(mesh),
         "peer": lambda: sinew_native.ThinShell(mesh, affine_basis=False),
     }
     rows: list[Row] = []
@@ -49,9 +66,9 @@ def measure(size: int, threads: list[int], method: int) -> list[Row]:
         }
         alternate(frames, least=rounds(size))
         common = {"size": size, "threads": count, "vertices": mesh.vertex_count, "unit": "s"}
-        for work, times in (("linear_bind", binds), ("linear_frame", frames)):
+        for work, times in ((bind_work, binds), (frame_work, frames)):
             best = {name: times[name].best for name in makers}
-            rows.append({"work": work, "case": METHODS[method].__name__, **best, **common})
+            rows.append({"work": work, "case": method, **best, **common})
     return rows
 
 

@@ -21,4 +21,15 @@ std::vector<HalfEdge> sorted_half_edges(const SurfaceMesh& mesh)
     return sides;
 }
 
+std::vector<bool> border_vertices(const SurfaceMesh& mesh)
+{
+    std::vector<bool> border(mesh.vertex_count(), false);
+    const std::vector<HalfEdge> sorted = sorted_half_edges(mesh);
+    for_each_edge(sorted, [&](std::span<const HalfEdge> sides) {
+        if (sides.size() == 1)
+            border[sides[0].low] = border[sides[0].high] = true;
+    });
+    return border;
+}
+
 } // namespace sinew

@@ -22,6 +22,9 @@ struct HalfEdge
 /// The sides of all faces, sorted by edge and then by face. Sides between equal corners are left out.
 std::vector<HalfEdge> sorted_half_edges(const SurfaceMesh& mesh);
 
+/// (n) whether each vertex lies on an edge of one face.
+std::vector<bool> border_vertices(const SurfaceMesh& mesh);
+
 /// Calls body(sides) once per edge, with the half edges that run along it.
 template <class Body>
 void for_each_edge(std::span<const HalfEdge> sorted, Body&& body)

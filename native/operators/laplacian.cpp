@@ -163,19 +163,23 @@ SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretiza
 bool make_weights_positive(SparseMatrix& L)
 {
     constexpr double rounding = 1e-10, kept = 1e-6;
-    const VectorX diagonal = L.diagonal();
-    const double least = diagonal.size() > 0 ? rounding * diagonal.cwiseAbs().mean() : 0.0;
     const auto for_entries = [&](const auto& body) {
         for (int column = 0; column < L.outerSize(); ++column)
             for (SparseMatrix::InnerIterator it(L, column); it; ++it)
                 if (it.row() != column)
                     body(it);
     };
-    bool found = false;
-    for_entries([&](auto& it) { found = found || it.value() > least; });
-    if (!found)
+    double total = 0.0,
+           largest = 0.0; // without the diagonal, which may hold more than the sum of the weights
+    int count = 0;
+    for_entries([&](auto& it) {
+        total += std::abs(it.value());
+        largest = std::max(largest, it.value());
+        ++count;
+    });
+    if (!(largest * count > rounding * total))
         return false;
-    VectorX sums = VectorX::Zero(diagonal.size());
+    VectorX sums = VectorX::Zero(L.cols());
     for_entries([&](auto& it) {
         if (it.value() > 0)
             it.valueRef() *= -kept;

@@ -55,6 +55,8 @@ def choices(method: type) -> list[dict[str, object]]:
     found += [{"variation": 1.0, "stretching": 1.0}] if "variation: " in text else []
     found += [{"field": "geodesic"}, {"field": "euclidean"}] if "field: str" in text else []
     found += [{"bands": 2}] if "bands: " in text else []
+    transforms = ("none", "explicit", "implicit") if "transforms: str" in text else ()
+    found += [{"transforms": name} for name in transforms]
     return found + ([{"threshold": 1e-3, "precision": "double"}] if "threshold: " in text else [])
 
 

@@ -121,12 +121,13 @@ def copied(addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
         folders = {"RESOURCES": home}
     for name, folder in folders.items():
         monkeypatch.setenv(f"BLENDER_USER_{name}", str(folder))
-    shutil.copytree(root, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    cached = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(root, copy, ignore=cached, copy_function=shutil.copyfile)  # Wine 8 has not that of copy2
     return copy / here.relative_to(root), copy / Path(native().__file__).relative_to(root)
 
 
 BROKEN = """
-import shutil, sys
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 sys.path.insert(0, here)
@@ -157,7 +158,7 @@ def look(fault):
     for loaded in [loaded for loaded in sys.modules if loaded.startswith(addon)]:
         del sys.modules[loaded]
 
-shutil.move(module, kept)
+module.replace(kept)
 look("missing")
 legacy, wheels = addon_folder / "_native", addon_folder / "wheels"
 for fitting in wheels.glob("*.whl"):
@@ -172,7 +173,7 @@ for fitting in wheels.glob("*.kept"):
     fitting.rename(fitting.with_suffix(".whl"))
 module.write_bytes(bytes([127]) + b"ELF" + bytes(60))
 look("damaged")
-shutil.move(kept, module)
+kept.replace(module)
 libraries = list(module.parent.glob("sinew_native.libs/*"))
 if libraries:  # their folder stays, as the system remembers for the rest of a process that one is missing
     libraries[0].rename(libraries[0].with_name("elsewhere"))

@@ -29,7 +29,7 @@ every_method = pytest.mark.parametrize("method", METHODS, ids=lambda method: met
 @pytest.fixture
 def given(tmp_path: Path) -> Path:
     """A copy of the files of the other system."""
-    return Path(shutil.copytree(GIVEN, tmp_path / "given"))
+    return Path(shutil.copytree(GIVEN, tmp_path / "given", copy_function=shutil.copyfile))
 
 
 def shapes(rig: HandleRig) -> list[np.ndarray]:

@@ -1,7 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Linear surface methods: one sparse system per frame."""
 
-from .schema import Choice, Control, Curve, Family, Float, Method, Moved, Reproduced, factorising
+from collections.abc import Mapping
+from typing import Any
+
+from .schema import (
+    Bool,
+    Choice,
+    Control,
+    Curve,
+    Family,
+    Float,
+    Int,
+    Method,
+    Moved,
+    Reproduced,
+    factorising,
+)
 
 LAPLACIANS = (
     (
@@ -47,6 +62,10 @@ FIELD = Choice(
     label="Falloff",
     description="How the turn of a handle fades over the surface towards the other regions",
 )
+
+
+def _laplacian_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
+    return factorising(0.7 if options["transforms"] == "implicit" else 0.05)(points, size, options)
 
 
 ROWS = (
@@ -172,6 +191,93 @@ ROWS = (
                 label="Falloff Curve",
                 description="How much of the motion of a handle is left, from the other regions (left) "
                 "to the handle itself (right)",
+            ),
+        ),
+    ),
+    Method(
+        id="laplacian_editing",
+        number=10,
+        label="Laplacian Editing",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="LaplacianEditing",
+        section="4.5.2",
+        paper="Lipman et al. 2004, Sorkine et al. 2004",
+        summary="Smooth like the thin shell, and turns details where handles turn or move",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=_laplacian_bind_seconds,
+        parameters=(
+            Choice(
+                "transforms",
+                "estimated",
+                (
+                    ("none", "None", "Details keep their directions, as in the thin shell"),
+                    (
+                        "explicit",
+                        "From Handles",
+                        "Details turn as the handles do, and the turn fades by the falloff",
+                    ),
+                    ("estimated", "Estimated", "Details turn as their neighbourhoods do in a first solution"),
+                    (
+                        "implicit",
+                        "Implicit",
+                        "Details turn as their neighbourhoods do, found together with their places. "
+                        "Takes about 20 times as long to bind",
+                    ),
+                ),
+                rebinds=True,
+                label="Details",
+                description="How the details of the surface are turned",
+            ),
+            FIELD,
+            Int(
+                "refits",
+                2,
+                maximum=64,
+                soft_maximum=16,
+                rebinds=True,
+                unit="solves",
+                label="Refits",
+                description="Of Estimated: how often the turns are estimated again from the last solution. "
+                "Each costs as much as a thin shell",
+            ),
+            Choice(
+                "second_stage",
+                "polar",
+                (
+                    (
+                        "polar",
+                        "Rotation",
+                        "Turns the details, each by the rotation nearest to its transformation",
+                    ),
+                    (
+                        "length",
+                        "Length",
+                        "Transforms the details and restores their lengths, as the paper does",
+                    ),
+                ),
+                rebinds=True,
+                advanced=True,
+                label="Second Stage",
+                description="Of Implicit: what is done with the transformations",
+            ),
+            Bool(
+                "mean_frame",
+                True,
+                rebinds=True,
+                advanced=True,
+                label="Mean Frame",
+                description="Of Estimated and Implicit: sees the handles from the mean of their turns, "
+                "so that each of two handles turns by half of the angle between them",
+            ),
+            Choice(
+                "laplacian",
+                "cotan_voronoi",
+                LAPLACIANS,
+                rebinds=True,
+                label="Laplacian",
+                description="How the faces are taken into account",
             ),
         ),
     ),

@@ -14,6 +14,7 @@ Field = Literal["harmonic", "geodesic", "euclidean"]
 Details = Literal[
     "displacement_vectors", "normal_displacements", "displacement_volumes", "deformation_transfer"
 ]
+LocalTransforms = Literal["none", "explicit", "estimated", "implicit"]
 
 class SurfaceMethod:
     def set_handles(
@@ -88,6 +89,19 @@ class GradientEditing(SurfaceMethod):
 
 class RotationInvariantCoordinates(SurfaceMethod):
     def __init__(self, mesh: SurfaceMesh, *, laplacian: Literal["uniform", "cotan"] = "cotan") -> None: ...
+
+class LaplacianEditing(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        transforms: LocalTransforms = "estimated",
+        laplacian: Discretization = "cotan_voronoi",
+        field: Field = "harmonic",
+        refits: int = 2,
+        second_stage: Literal["polar", "length"] = "polar",
+        mean_frame: bool = True,
+    ) -> None: ...
 
 class Arap(SurfaceMethod):
     def __init__(

@@ -3,17 +3,16 @@
 
 #include "native/surface/linear/thin_shell.h"
 #include "tests/native/shapes.h"
+#include "tests/native/surface/linear/dense_operators.h"
 
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
 
 namespace sinew {
 
-/// The linear thin shell once more, written down from the formulas with angles, circumcentres and
-/// dense matrices: shares no code with the library but the mesh and the handles' definition.
+/// The linear thin shell once more, written down from the formulas with dense matrices: shares no code with
+/// the library but the mesh and the handles' definition.
 class DenseShell
 {
 public:
@@ -44,10 +43,11 @@ public:
             }
             return least;
         };
-        const MatrixX L = laplacian([](const std::vector<int>&) { return 1.0; });
-        const VectorX CM = C.cwiseQuotient(mass());
-        const MatrixX stretch = laplacian([&](const auto& e) { return mean(ks, e); });
-        const MatrixX vary = laplacian([&](const auto& e) { return mean(kv, e) * smooth(e); });
+        const MatrixX L = dense_laplacian(mesh, kind_);
+        const VectorX CM = C.cwiseQuotient(dense_mass(mesh, kind_));
+        const MatrixX stretch = dense_laplacian(mesh, kind_, [&](const auto& e) { return mean(ks, e); });
+        const MatrixX vary =
+            dense_laplacian(mesh, kind_, [&](const auto& e) { return mean(kv, e) * smooth(e); });
         A_ = stretch + L * CM.cwiseProduct(kb).asDiagonal() * L +
              L * CM.asDiagonal() * vary * CM.asDiagonal() * L;
         elastic_ = A_;
@@ -102,68 +102,6 @@ private:
             return VectorX::Constant(n_, k[0]);
         const VectorX values = Eigen::Map<const VectorX>(k.data(), n_);
         return values.maxCoeff() > 0 ? values.cwiseMax(1e-6 * values.maxCoeff()).eval() : values;
-    }
-
-    static double angle(const Vector3& at, const Vector3& a, const Vector3& b)
-    {
-        return std::acos((a - at).normalized().dot((b - at).normalized()));
-    }
-
-    MatrixX laplacian(const std::function<double(const std::vector<int>&)>& scale) const
-    {
-        MatrixX L = MatrixX::Zero(n_, n_);
-        const auto edge = [&](int i, int j, double w) {
-            L(i, i) += w;
-            L(j, j) += w;
-            L(i, j) -= w;
-            L(j, i) -= w;
-        };
-        if (kind_ == Discretization::uniform) {
-            for (const auto& [i, j] : mesh_.edges())
-                edge(i, j, scale({i, j}));
-            return L;
-        }
-        for (const auto& [i, j, k] : mesh_.triangles()) {
-            const double s = 0.5 * scale({i, j, k});
-            edge(i, j, s / std::tan(angle(mesh_.point(k), mesh_.point(i), mesh_.point(j))));
-            edge(j, k, s / std::tan(angle(mesh_.point(i), mesh_.point(j), mesh_.point(k))));
-            edge(k, i, s / std::tan(angle(mesh_.point(j), mesh_.point(k), mesh_.point(i))));
-        }
-        return L;
-    }
-
-    VectorX mass() const
-    {
-        if (kind_ == Discretization::cotan)
-            return VectorX::Ones(n_);
-        VectorX m = VectorX::Zero(n_);
-        if (kind_ == Discretization::uniform) {
-            for (const auto& [i, j] : mesh_.edges()) {
-                m[i] += 1;
-                m[j] += 1;
-            }
-            return m;
-        }
-        for (const Triangle& t : mesh_.triangles()) {
-            std::array<Vector3, 3> p{mesh_.point(t[0]), mesh_.point(t[1]), mesh_.point(t[2])};
-            const Vector3 u = p[1] - p[0], v = p[2] - p[0], n = u.cross(v);
-            const double area = 0.5 * n.norm();
-            const Vector3 centre =
-                p[0] + (u.squaredNorm() * v.cross(n) + v.squaredNorm() * n.cross(u)) / (2 * n.squaredNorm());
-            std::array<double, 3> angles;
-            for (int k = 0; k < 3; ++k)
-                angles[k] = angle(p[k], p[(k + 1) % 3], p[(k + 2) % 3]);
-            const double widest = *std::ranges::max_element(angles);
-            for (int k = 0; k < 3; ++k) {
-                if (widest > shapes::pi / 2) {
-                    m[t[k]] += area * (angles[k] == widest ? 0.5 : 0.25);
-                } else {
-                    const Vector3 l = 0.5 * (p[(k + 1) % 3] - p[k]), r = 0.5 * (p[(k + 2) % 3] - p[k]);
-                    m[t[k]] += 0.5 * (l.cross(centre - p[k]).norm() + r.cross(centre - p[k]).norm());
-                }
-            }
-        }
-        return m;
     }
 
     const SurfaceMesh& mesh_;
