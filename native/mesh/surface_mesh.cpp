@@ -98,6 +98,14 @@ bool same_bits(const PointsView& a, const PointsView& b)
 
 } // namespace
 
+SurfaceMesh SurfaceMesh::with_points(Points points) const
+{
+    std::vector<int> counts;
+    for (int f = 0; f < face_count(); ++f)
+        counts.push_back(static_cast<int>(face(f).size()));
+    return {std::move(points), std::move(counts), corners_};
+}
+
 bool SurfaceMesh::operator==(const SurfaceMesh& other) const
 {
     return corners_ == other.corners_ && offsets_ == other.offsets_ &&

@@ -43,6 +43,10 @@ public:
     /// The face that triangle t was cut from.
     const std::vector<int>& triangle_faces() const { return triangle_faces_; }
 
+    /// The same faces over other points. Quads and larger faces are cut anew.
+    /// \throw InvalidMesh  as the constructor.
+    SurfaceMesh with_points(Points points) const;
+
     bool operator==(const SurfaceMesh& other) const;
     /// Whether the constructor was given the same points, counts and corners.
     bool is_made_of(const PointsView& points, std::span<const int> counts,
