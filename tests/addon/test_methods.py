@@ -157,10 +157,15 @@ def test_the_defaults_are_those_of_the_native_class(method: methods.Method):
     """An artist and a programmer who change nothing get the same shape."""
     stubs = (Path(__file__).parents[2] / "native" / "bindings" / "sinew_native-stubs").glob("_*.pyi")
     parsed = [node for stub in stubs for node in ast.parse(stub.read_text(encoding="utf-8")).body]
-    (native,) = [node for node in parsed if isinstance(node, ast.ClassDef) and node.name == method.native]
-    (constructor,) = [node for node in native.body if getattr(node, "name", "") == "__init__"]
-    names = [argument.arg for argument in constructor.args.kwonlyargs]
-    defaults = dict(zip(names, map(ast.literal_eval, constructor.args.kw_defaults), strict=True))
+    classes = {node.name: node for node in parsed if isinstance(node, ast.ClassDef)}
+    native = classes[method.native]
+    calls = [node for node in native.body if getattr(node, "name", "") == "__init__"]
+    if not method.is_space:
+        calls += [node for node in classes["SurfaceMethod"].body if getattr(node, "name", "") == "solve"]
+    defaults = {}
+    for call in reversed(calls):  # where both have a keyword, that of solve() is None: as for the constructor
+        names = [argument.arg for argument in call.args.kwonlyargs]
+        defaults |= dict(zip(names, map(ast.literal_eval, call.args.kw_defaults), strict=True))
     straight = ((0.0, 0.0), (1.0, 1.0))  # of a curve, which is None there
     assert {
         parameter.id: None if parameter.default == straight else parameter.default

@@ -64,6 +64,20 @@ FIELD = Choice(
 )
 
 
+def _substeps(which: str) -> Int:
+    return Int(
+        "substeps",
+        1,
+        minimum=1,
+        maximum=1000,
+        soft_maximum=16,
+        advanced=True,
+        unit="steps",
+        label="Substeps",
+        description="In how many steps the handles go from rest to their poses. " + which,
+    )
+
+
 def _laplacian_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     return factorising(0.7 if options["transforms"] == "implicit" else 0.05)(points, size, options)
 
@@ -124,6 +138,10 @@ ROWS = (
                 rebinds=True,
                 label="Laplacian",
                 description="How the faces are taken into account",
+            ),
+            _substeps(
+                "Each step binds the shape of the last one, so a frame takes as many binds. "
+                "More steps keep twists from collapsing, and stretch bends",
             ),
         ),
     ),
@@ -278,6 +296,10 @@ ROWS = (
                 rebinds=True,
                 label="Laplacian",
                 description="How the faces are taken into account",
+            ),
+            _substeps(
+                "Of Estimated: each step starts from the shape of the last one. Of None and Implicit: each "
+                "step binds it, so a frame takes as many binds. Helps where two handles twist the surface",
             ),
         ),
     ),

@@ -50,6 +50,7 @@ class SurfaceMethod:
         tolerance: float | None = None,
         progress: Progress | None = None,
         out: Singles | None = None,
+        substeps: int = 1,
     ) -> tuple[Floats | Singles, SolveReport]: ...
     @property
     def rest(self) -> SurfaceMesh: ...

@@ -86,7 +86,12 @@ public:
     ~LaplacianEditing() override;
     LaplacianEditing(LaplacianEditing&&) noexcept;
 
+    /// `none` and `implicit` are made anew. `estimated` fits its first rotations to the last step. The maps
+    /// of handles fade in one step as in many.
+    Stepping stepping() const override;
+
 protected:
+    std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const override;
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
     std::vector<std::string> changed_options(const SurfaceMethod& former) const override;

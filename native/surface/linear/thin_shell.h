@@ -83,7 +83,10 @@ public:
     /// it.
     const AffineBasis* affine_basis() const;
 
+    Stepping stepping() const override { return Stepping::anew; }
+
 protected:
+    std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const override;
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
     std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
