@@ -32,6 +32,7 @@ struct Binding
     std::vector<std::unique_ptr<Fairing>> fairings; ///< one per band
     std::vector<std::unique_ptr<DetailCoding>> codings;
     std::vector<Points> levels; ///< at rest
+    Points below; ///< the base less the rest shape; empty unless both are displaced alike
     int factorizations = 0, analyses = 0; ///< so far, without those of the base
     mutable Pool<Workspace> workspaces;
 };
@@ -133,6 +134,9 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
         next->codings.push_back(impl_->coding(rest(), faired, next->levels[k], next->levels[k + 1]));
         count(*next->codings.back());
     }
+    // Soft handles pull the rest shape and the base from different places.
+    if (impl_->base->displaces_all_alike() && regions.soft().empty())
+        next->below = next->levels.back() - next->levels.front();
     // The base comes last: its own bind leaves it as it was if it throws, and nothing throws afterwards. It
     // is kept if its handles are the same.
     const BindReport of_base = impl_->base->rebind(*impl_->base, regions.handles(),
@@ -159,18 +163,25 @@ SolveReport Multiresolution::deform(const SolveRequest& request, const Targets& 
         smooth(bound.fairings, work->levels);
     }
     const std::vector<Points>& levels = request.incoming ? work->levels : bound.levels;
-    SolveRequest of_base = request;
-    of_base.incoming.emplace(view(levels.back()));
-    if (request.start) {
-        work->start = *request.start;
-        for (const auto& fairing : bound.fairings) {
-            fairing->smooth(view(work->start), work->spare);
-            work->start.swap(work->spare);
-        }
-        of_base.start.emplace(view(work->start));
-    }
     work->moved.resize(levels.size());
-    SolveReport report = impl_->base->solve(of_base, work->moved.back());
+    SolveReport report;
+    if (bound.below.size() > 0 && !request.incoming && request.substeps == 1) {
+        // From rest, so that the base can use what it has precomputed for this.
+        report = impl_->base->solve(request, work->moved.back());
+        work->moved.back() += bound.below;
+    } else {
+        SolveRequest of_base = request;
+        of_base.incoming.emplace(view(levels.back()));
+        if (request.start) {
+            work->start = *request.start;
+            for (const auto& fairing : bound.fairings) {
+                fairing->smooth(view(work->start), work->spare);
+                work->start.swap(work->spare);
+            }
+            of_base.start.emplace(view(work->start));
+        }
+        report = impl_->base->solve(of_base, work->moved.back());
+    }
     for (std::size_t k = bound.codings.size(); k-- > 0;)
         bound.codings[k]->apply(
             {view(levels[k]), view(levels[k + 1]), view(work->moved[k + 1]), !request.incoming},

@@ -38,8 +38,9 @@ struct MultiresolutionOptions
 ///     b_k-1' = details of b_k-1 over b_k, put on b_k';   x = b_0'      (details/detail_coding.h)
 ///
 /// The base method gets the smooth shape as the one that enters its frame; its operators, which it computed
-/// at bind, are those of the rest shape. So any method can be the base. Handles and open borders have no
-/// details, so handles are met exactly, and a soft handle takes details away as far as it pulls.
+/// at bind, are those of the rest shape. So any method can be the base. One that displaces all shapes alike,
+/// as the thin shell, solves for the rest shape instead, with its affine basis. Handles and open borders have
+/// no details, so handles are met exactly, and a soft handle takes details away as far as it pulls.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing
@@ -47,10 +48,9 @@ struct MultiresolutionOptions
 ///                                                and transfer take one more per band
 ///   rebind()       other details, bands or       all but the base, which is kept
 ///                  wavelength
-///   solve()        the handles moved             a frame of the base for an incoming shape, and the details
-///   of
-///                                                each band; where a shape enters or a drag starts from one,
-///                                                one solve more per band
+///   solve()        the handles moved             a frame of the base, mostly for an incoming shape, and the
+///                                                details of each band; where a shape enters or a drag
+///                                                starts from one, one solve more per band
 ///
 /// What the base does not reproduce, this does not either; details turn with it where it bends or twists the
 /// surface, also where it turns none itself, as the thin shell.

@@ -107,6 +107,10 @@ public:
     };
     virtual Stepping stepping() const { return Stepping::none; }
 
+    /// Whether the displacements depend on those of the handles alone: then one answer serves for all shapes
+    /// that enter and have the same handles.
+    virtual bool displaces_all_alike() const { return false; }
+
 protected:
     explicit SurfaceMethod(const SurfaceMesh& rest);
     SurfaceMethod(SurfaceMethod&&) noexcept = default;

@@ -230,6 +230,11 @@ SurfaceMethod::Stepping LaplacianEditing::stepping() const
     }
 }
 
+bool LaplacianEditing::displaces_all_alike() const
+{
+    return impl_->options.transforms == LocalTransforms::none;
+}
+
 std::unique_ptr<SurfaceMethod> LaplacianEditing::made_anew(const SurfaceMesh& rest) const
 {
     return std::make_unique<LaplacianEditing>(rest, impl_->options);

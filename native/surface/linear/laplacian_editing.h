@@ -89,6 +89,8 @@ public:
     /// `none` and `implicit` are made anew. `estimated` fits its first rotations to the last step. The maps
     /// of handles fade in one step as in many.
     Stepping stepping() const override;
+    /// Of `none` only.
+    bool displaces_all_alike() const override;
 
 protected:
     std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const override;

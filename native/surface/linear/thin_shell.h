@@ -84,6 +84,7 @@ public:
     const AffineBasis* affine_basis() const;
 
     Stepping stepping() const override { return Stepping::anew; }
+    bool displaces_all_alike() const override { return true; }
 
 protected:
     std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const override;

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/surface/linear/gradient_editing.h"
+#include "native/surface/linear/laplacian_editing.h"
 #include "native/surface/linear/thin_shell.h"
 #include "native/surface/nonlinear/arap.h"
 #include "tests/native/allocations.h"
@@ -86,6 +87,27 @@ SurfaceTraits rigid_traits()
     return found;
 }
 
+/// Displaces all vertices by the translation of its second handle, and tells whether a shape entered.
+class Lift final : public SurfaceMethod
+{
+public:
+    explicit Lift(const SurfaceMesh& rest) : SurfaceMethod(rest) {}
+    bool displaces_all_alike() const override { return true; }
+    mutable bool entered = false;
+
+private:
+    void bind(const Regions&, BindReport&, const Progress&) override {}
+    SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override
+    {
+        entered = request.incoming.has_value();
+        positions = targets.base().rowwise() + request.poses[1].col(3).transpose();
+        return {.converged = true};
+    }
+    std::vector<std::string> changed_options(const SurfaceMethod&) const override { return {}; }
+    bool updates(const std::string&) const override { return true; }
+    void swap_binding(SurfaceMethod&) override {}
+};
+
 Points solved(const SurfaceMethod& method, const SolveRequest& request)
 {
     Points positions;
@@ -147,6 +169,33 @@ TEST(Multiresolution, the_base_is_kept_where_only_the_details_change)
     Multiresolution other(mesh, std::make_shared<Arap>(mesh, ArapOptions{.smoothness = 0.0}));
     EXPECT_FALSE(other.can_reuse(next));
     EXPECT_EQ(other.differences(next), (std::vector<std::string>{"base", "bands"}));
+}
+
+TEST(Multiresolution, a_base_that_displaces_all_shapes_alike_solves_from_rest)
+{
+    const SurfaceMesh mesh = bumps::plate(12);
+    std::vector<Handle> handles = shapes::ends(mesh, 1.01);
+    const Poses lifted{shapes::shift(1, 2, 3), shapes::shift(1, 2, 3)};
+    const auto base = std::make_shared<Lift>(mesh);
+    Multiresolution method(mesh, base);
+    method.set_handles(handles);
+    const Points expected = shapes::transformed(mesh.points(), lifted[0]);
+    EXPECT_LT(shapes::distance(solved(method, {lifted}), expected), 1e-12);
+    EXPECT_FALSE(base->entered);
+    for (const SolveRequest& request :
+         {SolveRequest{.poses = lifted, .incoming = view(mesh.points())}, {.poses = lifted, .substeps = 2}}) {
+        EXPECT_LT(shapes::distance(solved(method, request), expected), 1e-12);
+        EXPECT_TRUE(base->entered);
+    }
+    // A soft handle pulls the base from another place than the rest shape.
+    handles[1].weights.assign(handles[1].vertices.size(), 0.5);
+    method.set_handles(handles);
+    EXPECT_LT(shapes::distance(solved(method, {lifted}), expected), 1e-12);
+    EXPECT_TRUE(base->entered);
+    ThinShell shell(mesh);
+    LaplacianEditing fixed(mesh, {.transforms = LocalTransforms::none}), turning(mesh);
+    EXPECT_TRUE(shell.displaces_all_alike() && fixed.displaces_all_alike());
+    EXPECT_FALSE(turning.displaces_all_alike());
 }
 
 TEST(Multiresolution, refuses_options_out_of_range_and_a_base_elsewhere)
