@@ -206,7 +206,7 @@ SolveReport SurfaceMethod::deform_in_steps(const SolveRequest& request, const Ta
                                            Points& positions) const
 {
     const int count = request.substeps;
-    const PathOfPoses path(request.poses, handle_centres(regions_, targets.base()));
+    const PathOfPoses path(request.poses, centre_of_handles(regions_, targets.base()));
     SolveReport report;
     Points last;
     Poses before;

@@ -77,10 +77,9 @@ public:
     /// "rest shape", or options; empty for nothing. A method around another one asks its base.
     std::vector<std::string> differences(const SurfaceMethod& former) const;
 
-    /// With substeps, rotations go from the identity to the poses at a constant speed, scales and the centres
-    /// of the handles along straight lines, and soft handles pull from where the last step left them. The
-    /// shape depends on the poses alone, and not on how a drag got there. The report is that of the last
-    /// step.
+    /// With substeps, handles go from rest to their poses on the way of PathOfPoses, and soft ones pull from
+    /// where the last step left them. The shape depends on the poses alone, and not on how a drag got there.
+    /// The report is that of the last step.
     /// \param[out] positions  (n, 3) deformed points; before set_handles(), the incoming shape.
     /// \throw InvalidConstraint  see Targets::check; or `start` has another size or is not finite.
     /// \throw InvalidOption      max_iterations < 0, tolerance < 0 or substeps < 1.

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -19,24 +20,27 @@ constexpr double least_volume = 1e-9; ///< of a map, as a share of its size cube
 
 } // namespace
 
-std::vector<Vector3> handle_centres(const Regions& regions, const PointsView& shape)
+Vector3 centre_of_handles(const Regions& regions, const PointsView& shape)
 {
-    std::vector<Vector3> centres;
-    for (const Handle& handle : regions.handles()) {
-        Vector3 sum = Vector3::Zero();
-        for (int v : handle.vertices)
+    Vector3 sum = Vector3::Zero();
+    double count = 0.0;
+    for (const Handle& handle : regions.handles())
+        for (int v : handle.vertices) {
             sum += shape.row(v).transpose();
-        centres.emplace_back(sum / static_cast<double>(handle.vertices.size()));
-    }
-    return centres;
+            ++count;
+        }
+    return sum / std::max(count, 1.0);
 }
 
-PathOfPoses::PathOfPoses(const Poses& poses, std::vector<Vector3> centres)
+PathOfPoses::PathOfPoses(const Poses& poses, const Vector3& centre) : centre_(centre)
 {
-    for (std::size_t h = 0; h < poses.size(); ++h) {
-        const Polar polar(poses[h].leftCols<3>());
-        ways_.push_back({rotation_between(Eigen::Quaterniond::Identity(), Eigen::Quaterniond(polar.R)),
-                         polar.S, centres[h], apply(poses[h], centres[h])});
+    for (const Pose& pose : poses) {
+        const Polar polar(pose.leftCols<3>());
+        const Vector3 turn = rotation_between(Eigen::Quaterniond::Identity(), Eigen::Quaterniond(polar.R));
+        const double angle = turn.norm();
+        const Vector3 axis = angle > 0 ? Vector3(turn / angle) : Vector3::UnitX(),
+                      move = apply(pose, centre) - centre, along = move.dot(axis) * axis;
+        ways_.push_back({axis, angle, polar.S, along, move - along});
     }
 }
 
@@ -44,12 +48,17 @@ Poses PathOfPoses::at(double share) const
 {
     Poses poses;
     for (const Way& way : ways_) {
+        const auto turned = [&](double angle) {
+            return Eigen::AngleAxisd(angle, way.axis).toRotationMatrix();
+        };
+        // The centre goes along an arc whose chord is `across`.
+        const double half = 0.5 * way.angle,
+                     chord = half > 0 ? std::sin(share * half) / std::sin(half) : share;
+        const Vector3 move = share * way.along + chord * turned((share - 1) * half) * way.across;
         Pose pose;
-        const double angle = way.turn.norm();
-        const Eigen::AngleAxisd turn(share * angle, angle > 0 ? Vector3(way.turn / angle) : Vector3::UnitX());
         pose.leftCols<3>() =
-            turn.toRotationMatrix() * (share * way.scale + (1 - share) * Matrix3::Identity());
-        pose.col(3) = way.from + share * (way.to - way.from) - pose.leftCols<3>() * way.from;
+            turned(share * way.angle) * (share * way.scale + (1 - share) * Matrix3::Identity());
+        pose.col(3) = centre_ + move - pose.leftCols<3>() * centre_;
         poses.push_back(pose);
     }
     return poses;

@@ -9,15 +9,17 @@
 
 namespace sinew {
 
-/// (k) the mean of the vertices of each handle in a shape.
-std::vector<Vector3> handle_centres(const Regions& regions, const PointsView& shape);
+/// The mean of the vertices of all handles in a shape.
+Vector3 centre_of_handles(const Regions& regions, const PointsView& shape);
 
-/// Poses on the way from rest: rotations by the shorter way at a constant speed (of two ways of half a turn,
-/// by that of rotation_between()), scales and the centres of the handles along straight lines.
+/// Poses on the way from rest: each is a screw at a constant speed (by the shorter way; of two ways of half a
+/// turn, by that of rotation_between()) after a scale that grows at a constant speed. So handles with one
+/// pose stay together all the way, and a handle that rests does not move.
 class PathOfPoses
 {
 public:
-    PathOfPoses(const Poses& poses, std::vector<Vector3> centres);
+    /// \param centre  of the scales.
+    PathOfPoses(const Poses& poses, const Vector3& centre);
 
     /// \param share  of the way, in [0, 1].
     Poses at(double share) const;
@@ -25,11 +27,13 @@ public:
 private:
     struct Way
     {
-        Vector3 turn; ///< a rotation vector
+        Vector3 axis; ///< unit
+        double angle;
         Matrix3 scale;
-        Vector3 from, to;
+        Vector3 along, across; ///< the move of the centre, as seen from the axis
     };
     std::vector<Way> ways_;
+    Vector3 centre_;
 };
 
 /// The same faces over other points. Quads and larger faces are cut anew.

@@ -27,19 +27,30 @@ const LaplacianEditingOptions implicit{.transforms = LocalTransforms::implicit};
 
 } // namespace
 
-TEST(Substeps, turn_at_a_constant_speed_and_move_centres_straight)
+TEST(Substeps, are_equal_parts_of_a_screw_and_of_a_scale)
 {
-    const Matrix3 S = Vector3(1.5, 0.8, 1.0).asDiagonal();
-    const Pose end = shapes::affine(shapes::rotation({0, 0, 1}, 120) * S, {1, 2, 3});
-    const Vector3 centre(4, 5, 6), target = apply(end, centre);
-    const PathOfPoses path({end}, {centre});
-    for (double share : {0.0, 0.25, 0.5, 1.0}) {
-        const Pose pose = path.at(share)[0];
-        EXPECT_LT((apply(pose, centre) - centre - share * (target - centre)).norm(), 1e-12);
-        const Matrix3 expected =
-            shapes::rotation({0, 0, 1}, 120 * share) * (share * S + (1 - share) * Matrix3::Identity());
-        EXPECT_LT((pose.leftCols<3>() - expected).norm(), 1e-12);
+    const Matrix3 S = Vector3(1.5, 0.8, 1.0).asDiagonal(), R = shapes::rotation({1, 2, -1}, 120);
+    const Vector3 centre(4, 5, 6);
+    const Pose rigid = shapes::affine(R, {1, 2, 3});
+    const PathOfPoses path({rigid}, centre), elsewhere({rigid}, {-3, 1, 0});
+    const Pose step = path.at(0.25)[0];
+    Points p = shapes::hill(2, 2).points();
+    for (int k = 1; k <= 4; ++k) {
+        p = shapes::transformed(p, step);
+        const Points expected = shapes::transformed(shapes::hill(2, 2).points(), path.at(k / 4.0)[0]);
+        EXPECT_LT(shapes::distance(p, expected), 1e-12) << k;
+        EXPECT_LT((path.at(k / 4.0)[0] - elsewhere.at(k / 4.0)[0]).norm(), 1e-12) << k;
     }
+    EXPECT_LT((path.at(1.0)[0] - rigid).norm(), 1e-12);
+    EXPECT_LT((path.at(0.0)[0] - shapes::still()).norm(), 1e-12);
+    const Pose scaled = shapes::affine(R * S, {1, 2, 3});
+    const PathOfPoses growing({scaled, shapes::shift(2, 4, 6)}, centre);
+    EXPECT_LT((growing.at(1.0)[0] - scaled).norm(), 1e-12);
+    EXPECT_LT(
+        (growing.at(0.5)[0].leftCols<3>() - shapes::rotation({1, 2, -1}, 60) * (S + Matrix3::Identity()) / 2)
+            .norm(),
+        1e-12);
+    EXPECT_LT((growing.at(0.5)[1] - shapes::shift(1, 2, 3)).norm(), 1e-12);
 }
 
 TEST(Substeps, change_nothing_where_details_turn_with_the_handles)
@@ -67,7 +78,7 @@ TEST(Substeps, of_a_linear_method_with_its_equations_kept_add_up_to_one)
         EXPECT_EQ(method->stepping(), SurfaceMethod::Stepping::anew);
         const Points once = solved(*method, handles, bent, 1);
         const Regions regions(handles, connected_components(mesh));
-        const PathOfPoses path(bent, handle_centres(regions, view(mesh.points())));
+        const PathOfPoses path(bent, centre_of_handles(regions, view(mesh.points())));
         Points shape = mesh.points(), next;
         Poses before(2, shapes::still());
         for (int k = 1; k <= 4; ++k) {
@@ -141,7 +152,7 @@ TEST(Substeps, of_a_half_turn_go_the_way_that_a_rule_chooses)
     for (double rounding : {-1e-15, 1e-15}) {
         const Pose pose =
             shapes::affine(shapes::rotation({0, 0, 1}, 180) * shapes::rotation({0, 0, 1}, rounding));
-        const Pose middle = PathOfPoses({pose}, {Vector3::Zero()}).at(0.5)[0];
+        const Pose middle = PathOfPoses({pose}, Vector3::Zero()).at(0.5)[0];
         EXPECT_LT((middle.leftCols<3>() - shapes::rotation({0, 0, 1}, 90)).norm(), 1e-9);
     }
 }
