@@ -74,7 +74,8 @@ struct LaplacianEditingOptions
 ///                                                one; `implicit` see responses/implicit_response.h
 ///   solve()        the handles moved             one solve for x, y and z; `estimated` one more per refit,
 ///                                                each with a rotation fit per vertex; `implicit` with O(n k)
-///                                                for k handles of a part
+///                                                for k handles of a part; per substep after the first the
+///                                                same once more, with a bind for `none` and `implicit`
 ///
 /// Affine motions of all handles are reproduced by `from_handles`, rigid ones by `estimated` and `implicit`,
 /// translations by all.

@@ -56,7 +56,8 @@ struct ThinShellOptions
 ///   one of these    some vertices became held,    the part of the factor that depends on these vertices:
 ///   again           or a painted stiffness        about half of it for a patch; where vertices become free,
 ///                   changed on some vertices      a whole factorisation
-///   solve()         the handles moved             O(n k) with the basis, else one solve for x, y and z
+///   solve()         the handles moved             O(n k) with the basis, else one solve for x, y and z; a
+///                                                 bind more per substep after the first
 ///
 /// Being linear, it suits translations and gentle bends; details do not rotate with the surface.
 class ThinShell final : public SurfaceMethod
