@@ -18,8 +18,8 @@ void bind_multiresolution(py::module_& module)
 
 Another method moves a smooth base of the surface, and the details are put back on it: they turn with the base where it
 bends or twists, also if that method turns none itself, as the thin shell. set_handles() binds the base method and costs
-one factorisation more per band; a frame is one of the base method for an incoming shape, and the details. Handles and
-open borders have no details, so handles are met exactly.)")
+one factorisation more per band; a frame is one of the base method, mostly for an incoming shape, and the details.
+Handles and open borders have no details, so handles are met exactly.)")
         .def(py::init([](const SurfaceMesh& mesh, const std::shared_ptr<SurfaceMethod>& base,
                          const std::string& details, double wavelength, int bands) {
                  const MultiresolutionOptions options{
@@ -59,16 +59,7 @@ Raises InvalidOption for a base on another mesh, or for an option out of its ran
             },
             "[(n, 3)] the rest shape and what each band left of it, bands + 1 shapes; the rest shape alone "
             "before\n"
-            "set_handles().")
-        .def_property_readonly(
-            "detail_vectors",
-            [](const Multiresolution& method) {
-                const py::gil_scoped_release unlocked;
-                return method.detail_vectors();
-            },
-            "How many details of the last bind are vectors, because 'normal_displacements' found no place on "
-            "the\n"
-            "base for them.");
+            "set_handles().");
 }
 
 const MethodBinding binding(&bind_multiresolution);

@@ -97,15 +97,6 @@ std::vector<Points> Multiresolution::levels() const
     return impl_->bound->levels.empty() ? std::vector{rest().points()} : impl_->bound->levels;
 }
 
-int Multiresolution::detail_vectors() const
-{
-    const AccessLock shared = reading();
-    int sum = 0;
-    for (const auto& coding : impl_->bound->codings)
-        sum += coding->vectors();
-    return sum;
-}
-
 void Multiresolution::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     auto next = std::make_unique<Binding>();
@@ -133,6 +124,7 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
         progress.tick(0.5, "coding the details");
         next->codings.push_back(impl_->coding(rest(), faired, next->levels[k], next->levels[k + 1]));
         count(*next->codings.back());
+        report.detail_vectors += next->codings.back()->vectors();
     }
     // Soft handles pull the rest shape and the base from different places.
     if (impl_->base->displaces_all_alike() && regions.soft().empty())

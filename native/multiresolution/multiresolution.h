@@ -69,9 +69,6 @@ public:
     /// set_handles().
     std::vector<Points> levels() const;
 
-    /// How many details of the last bind are vectors, because another coding has none for them.
-    int detail_vectors() const;
-
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;

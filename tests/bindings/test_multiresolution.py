@@ -46,9 +46,25 @@ def test_levels_are_the_rest_shape_and_one_shape_per_band() -> None:
     assert np.abs(levels[1] - POINTS).max() > 1e-3
 
 
-def test_heights_without_a_foot_are_counted() -> None:
-    assert around(sn.ThinShell, details="normal_displacements").detail_vectors >= 0
-    assert around(sn.ThinShell).detail_vectors == 0
+def test_details_without_a_height_are_counted() -> None:
+    """Noise of two edges, as the base below it is not flat either."""
+    noise = np.random.default_rng(1).uniform(-2, 2, POINTS.shape)
+    mesh = sn.SurfaceMesh(POINTS + noise, FACES)
+    counts = {}
+    for details in DETAILS:
+        method = sn.Multiresolution(mesh, sn.ThinShell(mesh), details=details)
+        counts[details] = method.set_handles(ends(POINTS)).detail_vectors
+        again = sn.Multiresolution(mesh, sn.ThinShell(mesh), details=details)
+        assert again.rebind(method, ends(POINTS)).detail_vectors == counts[details]
+    assert 0 < counts.pop("normal_displacements") < 20
+    assert not any(counts.values())
+
+
+def test_volumes_in_a_tight_bend_are_counted_as_fallbacks() -> None:
+    method = around(sn.ThinShell, details="displacement_volumes")
+    assert method.solve(np.stack([STILL, STILL]))[1].fallbacks == 0
+    doubled = np.column_stack([2 * np.eye(3), np.zeros(3)])
+    assert method.solve(np.stack([doubled, doubled]))[1].fallbacks == 1
 
 
 def test_what_does_not_fit_is_refused() -> None:

@@ -218,6 +218,7 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
     scale = std::max(scale, least_detail * cells); // a plate has volumes of rounding alone
     const double before = area(band.coarse), after = area(band.moved);
     bool chord = std::abs(after - before) <= area_change * before;
+    report.fallbacks += !chord;
     work->x = detailed;
     double best = INFINITY, earlier[2] = {INFINITY, INFINITY};
     int steps = 0, own = 0, solves = 0; // own: steps of this kind
@@ -234,6 +235,7 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
         const bool stalls = !(worst < 0.5 * earlier[1]);
         if (chord && own >= 2 && stalls) {
             chord = false; // from the start once more
+            ++report.fallbacks;
             own = -1;
             work->x = detailed;
             earlier[0] = earlier[1] = INFINITY;

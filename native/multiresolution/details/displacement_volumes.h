@@ -54,8 +54,9 @@ public:
     DisplacementVolumes(const SurfaceMesh& rest, const Regions& regions, const PointsView& fine,
                         const PointsView& coarse, std::shared_ptr<const RingRotations> rings);
 
-    /// Adds its steps to the iterations; the residual is the largest error of a volume, as a share of their
-    /// mean. Where that is not below 1e-6, the report has not converged, and the shape is the best one found.
+    /// Adds its steps to the iterations, and one to the fallbacks where it needs Newton's; the residual is
+    /// the largest error of a volume, as a share of their mean. Where that is not below 1e-6, the report has
+    /// not converged, and the shape is the best one found.
     void apply(const Band& band, Points& detailed, SolveReport& report) const override;
     void report(BindReport& report) const override;
 
