@@ -12,7 +12,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..core.methods import Bool, Choice, Control, Curve, Method, Parameter, Pointer, Reproduced, wrapped
+from ..core.methods import Bool, Choice, Control, Method, Parameter, Reproduced, wrapped
 from .recipes import Base, Cage, ControlPoints, HandlePoints, Handles, Recipe, Shape
 
 # Lengths, on shapes 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves
@@ -91,7 +91,7 @@ def values(
 ) -> dict[str, object]:
     """The keywords of the native constructor, or of ``solve``: defaults of the row, but for ``changed``."""
     found = {
-        parameter.id: changed.get(parameter.id, _default(parameter))
+        parameter.id: changed.get(parameter.id, parameter.native_default)
         for parameter in method.parameters
         if parameter.rebinds == rebinds
     }
@@ -99,14 +99,6 @@ def values(
     if rebinds and bases:
         found["base"] = Base(bases[0], values(bases[0], True))
     return found
-
-
-def _default(parameter: Parameter) -> object:
-    """As the native module takes it: a curve by its values at evenly spaced places."""
-    if isinstance(parameter, Curve):
-        x, y = np.transpose(parameter.default)
-        return np.interp(np.linspace(0.0, 1.0, parameter.samples), x, y)
-    return None if isinstance(parameter, Pointer) else parameter.default
 
 
 def _with_handles(method: Method, options: dict[str, object], solve: dict[str, object]) -> Iterator[Rig]:

@@ -192,7 +192,8 @@ class Oracle:
             steps = steps_of(base, given) | steps
             options["base"] = new_native(base, mesh, given)
         solver = new_native(row, mesh, options)
-        solver.set_handles(members, weights=strengths, free_parts=free_parts)
+        by_handle = {"continuity": [region.continuity for region in regions]} if row.handle_parameters else {}
+        solver.set_handles(members, weights=strengths, free_parts=free_parts, **by_handle)
         moved, _report = solver.solve(poses, incoming=incoming, from_rest=flags, **steps)
         # Where a pose or an incoming shape differs in its last digit, the steps may stop one earlier.
         exact = incoming is None and not any(r.handle is not None and is_missing(r.handle) for r in regions)
@@ -328,9 +329,7 @@ def options_of(deformer, row, weights: Weights) -> dict[str, object]:
     for parameter in row.paintable:
         group = getattr(values, f"{parameter.id}_group")
         share = weights(group) if group else None
-        if group and share is None:
-            raise Refusal(f"no vertex group {group}")
-        if group:
+        if share is not None:  # without its group, a parameter is not painted
             options[parameter.id] = np.maximum(options[parameter.id] * share, parameter.minimum)
     return options
 

@@ -202,7 +202,7 @@ def settings():
     arap = shown()
     yield from click(*METHOD)
     yield from rest()
-    press("T")  # underlined in Thin Shell
+    press("S")  # underlined in Thin Shell
     yield from rest(3)
     seen["method"] = deformer().method
     seen["method_changed"] = apart(shown(), arap)

@@ -7,6 +7,8 @@ from enum import Enum
 from functools import cached_property
 from typing import Any, ClassVar
 
+import numpy as np
+
 
 class Family(Enum):
     """The families of methods, which are the sections of the documents, in their order."""
@@ -64,6 +66,11 @@ class Parameter:
     advanced: bool = False
     paintable: ClassVar[bool] = False
 
+    @property
+    def native_default(self) -> object:
+        """The default in the form that the native module takes."""
+        return self.default
+
 
 @dataclass(frozen=True, kw_only=True)
 class Float(Parameter):
@@ -111,6 +118,10 @@ class Curve(Parameter):
     """
 
     samples: int = 257
+
+    @property
+    def native_default(self) -> np.ndarray:
+        return np.interp(np.linspace(0.0, 1.0, self.samples), *np.transpose(self.default))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -138,10 +138,10 @@ def _points(values: PropertyGroup, parameter: Curve) -> tuple:
 
 
 def _samples(values: PropertyGroup, parameter: Curve) -> np.ndarray:
-    steps = np.linspace(0.0, 1.0, parameter.samples)
     node = curve_node(values, parameter)
     if node is None:
-        return np.interp(steps, *np.transpose(parameter.default))
+        return parameter.native_default
+    steps = np.linspace(0.0, 1.0, parameter.samples)
     mapping = node.mapping
     mapping.initialize()
     found = np.array([mapping.evaluate(mapping.curves[0], step) for step in steps])

@@ -120,7 +120,7 @@ class Grab:
         self._start, self._budget = None, FIRST_STEPS
 
     def _recipe(self, region: Region) -> Recipe:
-        options = {row.id: row.default for row in self._method.parameters if row.rebinds}
+        options = {row.id: row.native_default for row in self._method.parameters if row.rebinds}
         handles = [places for places in (region.handle, region.fixed) if len(places)]
         target = Shape(region.rest, region.faces)
         held = Handles(handles, [None] * len(handles), free_parts="follow")
@@ -202,7 +202,7 @@ class Grab:
             self._budget = drag.affordable_steps(1000.0 * seconds / iterations)
 
     def _options(self) -> dict[str, Any]:
-        return {row.id: row.default for row in self._method.parameters if not row.rebinds}
+        return {row.id: row.native_default for row in self._method.parameters if not row.rebinds}
 
     def _pose(self, motion: np.ndarray) -> np.ndarray:
         """A motion in the world as a pose (3, 4) of the points of the patch, relative to the object."""
