@@ -126,7 +126,8 @@ out             None, or a float32 array (n, 3) to write into and return. After 
                 have been written.
 substeps        >= 1: in how many steps the handles go to their poses. ThinShell and LaplacianEditing with 'none' or
                 'implicit' bind the shape of each step anew, which takes as many binds; 'estimated' starts from
-                it. The others would reach the same shape, and take one step.
+                it. Multiresolution passes them on to its base. The others would reach the same shape, and take one
+                step.
 
 A linear method accepts start, max_iterations, tolerance and progress, but does not use them.
 Raises InvalidConstraint for a wrong count, shape or non-finite number, InvalidOption or Cancelled. If the
