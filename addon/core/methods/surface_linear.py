@@ -2,6 +2,7 @@
 """Linear surface methods: one sparse system per frame."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from .schema import (
@@ -64,7 +65,7 @@ FIELD = Choice(
 )
 
 
-def _substeps(which: str) -> Int:
+def _substeps(which: str, only_with: tuple[str, tuple[str, ...]] | None = None) -> Int:
     return Int(
         "substeps",
         1,
@@ -72,6 +73,7 @@ def _substeps(which: str) -> Int:
         maximum=1000,
         soft_maximum=16,
         advanced=True,
+        only_with=only_with,
         unit="steps",
         label="Substeps",
         description="In how many steps the handles go from rest to their poses. " + which,
@@ -248,7 +250,7 @@ ROWS = (
                 label="Details",
                 description="How the details of the surface are turned",
             ),
-            FIELD,
+            replace(FIELD, only_with=("transforms", ("explicit",))),
             Int(
                 "refits",
                 2,
@@ -256,6 +258,7 @@ ROWS = (
                 soft_maximum=16,
                 rebinds=True,
                 unit="solves",
+                only_with=("transforms", ("estimated",)),
                 label="Refits",
                 description="Of Estimated: how often the turns are estimated again from the last solution. "
                 "Each costs as much as a thin shell",
@@ -277,6 +280,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 advanced=True,
+                only_with=("transforms", ("implicit",)),
                 label="Second Stage",
                 description="Of Implicit: what is done with the transformations",
             ),
@@ -285,6 +289,7 @@ ROWS = (
                 True,
                 rebinds=True,
                 advanced=True,
+                only_with=("transforms", ("estimated", "implicit")),
                 label="Mean Frame",
                 description="Of Estimated and Implicit: sees the handles from the mean of their turns, "
                 "so that each of two handles turns by half of the angle between them",
@@ -300,6 +305,7 @@ ROWS = (
             _substeps(
                 "Of Estimated: each step starts from the shape of the last one. Of None and Implicit: each "
                 "step binds it, so a frame takes as many binds. Helps where two handles twist the surface",
+                only_with=("transforms", ("none", "estimated", "implicit")),
             ),
         ),
     ),
