@@ -190,7 +190,7 @@ TEST(ImplicitResponse, substeps_with_its_equations_kept_add_up_to_one)
 TEST(ImplicitResponse, substeps_made_anew_mend_the_twist_of_a_bar)
 {
     const SurfaceMesh bar = shapes::bar(24, 4);
-    const std::vector<Handle> handles = shapes::ends(bar, 3.1);
+    const std::vector<Handle> handles = shapes::ends(bar, 2.1);
     const Poses twisted{shapes::still(), shapes::turn({1, 0, 0}, 135)};
     const auto strain = [&](int substeps) {
         const PathOfPoses path(twisted, Vector3::Zero());
@@ -206,6 +206,7 @@ TEST(ImplicitResponse, substeps_made_anew_mend_the_twist_of_a_bar)
         }
         return rms_edge_ratio(bar, shape);
     };
+    // A more slender bar of the study had .49, .28 and .09; this one has .27, .10 and .05.
     EXPECT_LT(strain(4), 0.7 * strain(1));
     EXPECT_LT(strain(16), 0.5 * strain(4));
 }
