@@ -14,10 +14,10 @@ import pytest
 from .answers import answers
 
 FILE = os.environ.get("SINEW_ANSWERS", "")
-# All else is a sum in a fixed order, with METIS's orderings as on Linux, and equal to the last bit; so is Arap,
-# whose factors have single precision. Solves in double precision, as those of all linear methods, go through
-# the BLAS of their system, whose sums have other orders. So harmonic weights in single precision may fall on
-# the neighbouring number. The hill is 12 wide. The first that fits a name counts.
+# All else is a sum in a fixed order, with METIS's orderings as on Linux, and equal to the last bit. Solves in
+# double precision, which all linear methods have, go through the BLAS of their system, whose sums have other
+# orders. So harmonic weights in single precision may fall on the neighbouring number. The hill is 12 wide.
+# The first that fits a name counts.
 LARGEST = {"solve Arap": 0.0, "solve": 1e-12, "warp Harmonic": 2e-7}
 
 
