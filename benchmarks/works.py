@@ -82,6 +82,13 @@ WORKS = (
         at_most=True,
     ),
     Work(
+        "hierarchical_frame",
+        "a frame of `HierarchicalSmoothing`",
+        "`ThinShell.solve` without its basis",
+        {ANY: 3.0},
+        at_most=True,
+    ),
+    Work(
         "explicit_frame",
         "a frame of `LaplacianEditing` with transformations from handles",
         "`ThinShell.solve` without its basis",
