@@ -299,8 +299,8 @@ ROWS = (
             Int(
                 "levels",
                 64,
-                maximum=64,
-                soft_maximum=64,
+                maximum=1000,
+                soft_maximum=100,
                 rebinds=True,
                 unit="levels",
                 label="Levels",
