@@ -51,7 +51,8 @@ Points rows_of(const PointsView& points, const std::vector<int>& rows)
 }
 
 /// The coarsest level as a mesh of its own.
-SurfaceMesh coarse_mesh(const Points& points, const std::vector<Triangle>& triangles, const std::vector<int>& number)
+SurfaceMesh coarse_mesh(const Points& points, const std::vector<Triangle>& triangles,
+                        const std::vector<int>& number)
 {
     std::vector<int> corners;
     for (const Triangle& t : triangles)
@@ -87,7 +88,8 @@ std::vector<Handle> renumbered(const std::vector<Handle>& handles, const std::ve
     return some;
 }
 
-Details details_of(const std::vector<RelaxedLevel>& levels, int sweeps, Points& shape, RelaxedLevel::Workspace& work)
+Details details_of(const std::vector<RelaxedLevel>& levels, int sweeps, Points& shape,
+                   RelaxedLevel::Workspace& work)
 {
     Details details(levels.size());
     for (std::size_t k = 0; k < levels.size(); ++k)
@@ -103,7 +105,8 @@ struct HierarchicalSmoothing::Impl
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 };
 
-HierarchicalSmoothing::HierarchicalSmoothing(const SurfaceMesh& rest, const HierarchicalSmoothingOptions& options)
+HierarchicalSmoothing::HierarchicalSmoothing(const SurfaceMesh& rest,
+                                             const HierarchicalSmoothingOptions& options)
     : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
 {
     require_at_least(options.levels, 0, "levels");
@@ -134,7 +137,8 @@ void HierarchicalSmoothing::bind(const Regions& regions, BindReport& report, con
     std::vector<int> number(n, 0), kept;
     std::vector<RelaxedLevel> levels;
     for (const ProgressiveLevel& level : hierarchy.levels) {
-        progress.tick(0.5 + 0.3 * static_cast<double>(levels.size()) / static_cast<double>(hierarchy.levels.size()),
+        progress.tick(0.5 + 0.3 * static_cast<double>(levels.size()) /
+                                static_cast<double>(hierarchy.levels.size()),
                       "computing the levels");
         for (int v : level.inserted)
             number[v] = -1;

@@ -27,11 +27,11 @@ struct HierarchicalSmoothingOptions
 ///   1. moves the coarsest level: x = T y + u, with the smoothest displacement u between the handles (see
 ///      pyramid/coarse_motion.h);
 ///   2. level by level, puts vertices back and relaxes them and their neighbours by the least second
-///      differences, whose coefficients are those of the rest shape (see pyramid/relaxed_level.h). They are zero
-///      for what is linear on two triangles unfolded into a plane. So planar regions have no details, which
-///      uniform Laplacians would give them;
-///   3. adds the details that the incoming shape, or the rest shape, has beyond its own relaxed level, in frames
-///      of the relaxed level.
+///      differences, whose coefficients are those of the rest shape (see pyramid/relaxed_level.h). They are
+///      zero for what is linear on two triangles unfolded into a plane. So planar regions have no details,
+///      which uniform Laplacians would give them;
+///   3. adds the details that the incoming shape, or the rest shape, has beyond its own relaxed level, in
+///      frames of the relaxed level.
 ///
 /// Departs from the paper: levels are sets of vertices, so that they are computed in parallel; coarse levels
 /// take their vertices from the finest one without smoothing them first; second differences are weighted by
@@ -39,8 +39,8 @@ struct HierarchicalSmoothingOptions
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing
-///   set_handles()  another set of handles        the hierarchy, O(n log n); one factorisation of its coarsest
-///                                                level
+///   set_handles()  another set of handles        the hierarchy, O(n log n); one factorisation of its
+///                                                coarsest level
 ///   solve()        the handles moved             one small solve, and a few sweeps over all levels, which
 ///                                                together have about six times the vertices of the mesh;
 ///                                                twice that for a shape that enters

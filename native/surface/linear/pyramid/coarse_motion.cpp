@@ -24,7 +24,8 @@ int CoarseMotion::factorize(const SurfaceMesh& level, std::vector<Handle> handle
     return degenerate;
 }
 
-SolveReport CoarseMotion::move(const Targets& targets, const MapBlend& blend, int groups, Points& positions) const
+SolveReport CoarseMotion::move(const Targets& targets, const MapBlend& blend, int groups,
+                               Points& positions) const
 {
     const PointsView base = targets.base();
     std::vector<Vector3> shifts(groups, Vector3::Zero());

@@ -17,9 +17,9 @@ namespace sinew {
 ///
 ///     x = T y + u,    sum_e (D_e u)^2 + 1e-8 u^T L u + sum_i s_i |x_i - t_i|^2  least,
 ///
-/// with the second differences D_e and L of second_differences.h at rest. T is the one map of all handles of the
-/// part, or where they differ the mean of their rotations (see handles/map_blend.h), moved so that it fits best
-/// to what they hold. So affine motions of all handles together are exact, and turns of handles are
+/// with the second differences D_e and L of second_differences.h at rest. T is the one map of all handles of
+/// the part, or where they differ the mean of their rotations (see handles/map_blend.h), moved so that it
+/// fits best to what they hold. So affine motions of all handles together are exact, and turns of handles are
 /// seen from the middle of them.
 ///
 ///   factorize()  another level or other handles   one factorisation

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <unordered_set>
@@ -19,6 +20,11 @@ constexpr double least_cosine = 0.25;
 /// It is no sliver: its height is this share of its longest edge, or half of the worst one that it replaces.
 constexpr double least_shape = 0.1;
 
+/// Fans whose shapes differ by less than this share are alike, and so are shortest edges in the same one of
+/// four steps per octave: of those, the numbers of vertices decide, and not rounding errors.
+constexpr double alike = 1e-4;
+constexpr double steps_per_octave = 4;
+
 bool has_corner_twice(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 /// Removes one set of vertices that are no neighbours from a level.
@@ -26,8 +32,8 @@ class Coarsening
 {
 public:
     Coarsening(const Points& points, const std::vector<Triangle>& triangles)
-        : points_(points), triangles_(triangles), offsets_(points.rows() + 1, 0), locked_(points.rows(), false),
-          gone_(triangles.size(), false)
+        : points_(points), triangles_(triangles), offsets_(points.rows() + 1, 0),
+          locked_(points.rows(), false), gone_(triangles.size(), false)
     {
         for (const Triangle& t : triangles)
             for (int v : t)
@@ -48,9 +54,15 @@ public:
         for (int v = 0; v < points_.rows(); ++v)
             if (removable[v] && offsets_[v + 1] - offsets_[v] > 1)
                 order.emplace_back(shortest_edge(v), v);
+        double shortest = 0.0;
+        for (const auto& [length, v] : order)
+            if (length > 0 && (length < shortest || !(shortest > 0)))
+                shortest = length;
+        for (auto& [length, v] : order)
+            length = length > 0 ? std::round(0.5 * steps_per_octave * std::log2(length / shortest)) : -1.0;
         std::ranges::sort(order);
         std::vector<int> removed;
-        for (const auto& [length, v] : order) {
+        for (const auto& [step, v] : order) {
             if (static_cast<int>(removed.size()) == most)
                 break;
             if (!locked_[v] && remove(v))
@@ -70,10 +82,12 @@ private:
     Vector3 area(int a, int b, int c) const { return (point(b) - point(a)).cross(point(c) - point(a)); }
     double shape(int a, int b, int c) const
     {
-        const double longest = std::max({(point(b) - point(a)).squaredNorm(), (point(c) - point(b)).squaredNorm(),
-                                         (point(a) - point(c)).squaredNorm()});
+        const double longest =
+            std::max({(point(b) - point(a)).squaredNorm(), (point(c) - point(b)).squaredNorm(),
+                      (point(a) - point(c)).squaredNorm()});
         return longest > 0 ? area(a, b, c).norm() / longest : 0.0;
     }
+    /// Squared.
     double shortest_edge(int v) const
     {
         double shortest = -1.0;
@@ -106,7 +120,8 @@ private:
         std::vector<int> vertices{first};
         for (std::size_t k = 0; k < sides.size(); ++k) {
             const auto side = following(vertices.back());
-            if (side == sides.end() || std::ranges::count(sides, side->first, &std::pair<int, int>::first) != 1)
+            if (side == sides.end() ||
+                std::ranges::count(sides, side->first, &std::pair<int, int>::first) != 1)
                 return std::nullopt;
             if (k + 1 == sides.size() && side->second == first)
                 return vertices; // a disc
@@ -151,7 +166,7 @@ private:
         double best = std::min(least_shape, 0.5 * worst);
         int tip = -1;
         for (int r = 0; r < count; ++r)
-            if (const double fan = fan_shape(around, r, normal); fan > best) {
+            if (const double fan = fan_shape(around, r, normal); fan > (1 + alike) * best) {
                 best = fan;
                 tip = r;
             }
@@ -199,8 +214,8 @@ private:
 
 } // namespace
 
-ProgressiveLevels progressive_levels(const SurfaceMesh& mesh, std::vector<bool> removable, int most, int enough,
-                                     const Progress& progress)
+ProgressiveLevels progressive_levels(const SurfaceMesh& mesh, std::vector<bool> removable, int most,
+                                     int enough, const Progress& progress)
 {
     ProgressiveLevels found;
     std::vector<bool> in_face(mesh.vertex_count(), false);

@@ -26,11 +26,11 @@ struct ProgressiveLevels
 
 /// Takes vertices out while there are more than `enough` that may go, and at most `most` times a set of
 /// vertices that are no neighbours, those with the shortest edges first. The hole of each is filled by a fan
-/// without folds and slivers. Triangles with a corner twice are left out unless they alone join a vertex to others. A vertex stays if the faces around it are no disc or half a disc, and at corners
-/// of one triangle.
+/// without folds and slivers. Triangles with a corner twice are left out unless they alone join a vertex to
+/// others. A vertex stays if the faces around it are no disc or half a disc, and at corners of one triangle.
 /// Cost: O(n log n) per level.
 /// \param removable  (n) whether a vertex may go
-ProgressiveLevels progressive_levels(const SurfaceMesh& mesh, std::vector<bool> removable, int most, int enough,
-                                     const Progress& progress);
+ProgressiveLevels progressive_levels(const SurfaceMesh& mesh, std::vector<bool> removable, int most,
+                                     int enough, const Progress& progress);
 
 } // namespace sinew

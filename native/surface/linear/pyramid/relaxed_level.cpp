@@ -14,7 +14,8 @@ namespace sinew {
 
 namespace {
 
-/// Second differences are at most four times as large as their diagonal, so that half a step always converges.
+/// Second differences are at most four times as large as their diagonal, so that half a step always
+/// converges.
 constexpr double step = 0.5;
 
 /// Entries of a list per vertex, in the order in which they are counted.
@@ -48,7 +49,8 @@ Lists lists_of(std::size_t n, const Elements& elements, const Vertices& vertices
 
 } // namespace
 
-RelaxedLevel::RelaxedLevel(const Points& rest, const ProgressiveLevel& level, const std::vector<bool>& touched)
+RelaxedLevel::RelaxedLevel(const Points& rest, const ProgressiveLevel& level,
+                           const std::vector<bool>& touched)
     : inserted_(level.inserted)
 {
     const auto n = static_cast<std::size_t>(rest.rows());
@@ -141,9 +143,8 @@ RelaxedLevel::RelaxedLevel(const Points& rest, const ProgressiveLevel& level, co
 
 void RelaxedLevel::relax(Points& x, int sweeps, Workspace& work) const
 {
-    parallel_for(static_cast<int>(inserted_.size()), [&](int k) {
-        x.row(inserted_[k]) = predictions_.at(k, x).transpose();
-    });
+    parallel_for(static_cast<int>(inserted_.size()),
+                 [&](int k) { x.row(inserted_[k]) = predictions_.at(k, x).transpose(); });
     const int count = static_cast<int>(moving_.size());
     work.moved.resize(moving_.size());
     for (int sweep = 0; sweep < sweeps; ++sweep) {

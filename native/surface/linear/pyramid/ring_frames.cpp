@@ -37,8 +37,8 @@ Matrix3 RingFrames::at(int which, int vertex, const Points& points, const Matrix
     return frame;
 }
 
-std::vector<RingFrames::Neighbour> fitted_tangents(const Points& rest, int vertex, std::span<const int> around,
-                                                   const Vector3& normal)
+std::vector<RingFrames::Neighbour> fitted_tangents(const Points& rest, int vertex,
+                                                   std::span<const int> around, const Vector3& normal)
 {
     std::vector<RingFrames::Neighbour> numbers;
     for (int j : around)

@@ -44,10 +44,10 @@ private:
     std::vector<Neighbour> neighbours_;
 };
 
-/// The numbers a, b of a vertex whose tangents are the derivatives of the positions along two directions in its
-/// rest plane, by least squares over its edges. All zero where the edges lie on one line.
+/// The numbers a, b of a vertex whose tangents are the derivatives of the positions along two directions in
+/// its rest plane, by least squares over its edges. All zero where the edges lie on one line.
 /// \param normal  of the plane, of any length.
-std::vector<RingFrames::Neighbour> fitted_tangents(const Points& rest, int vertex, std::span<const int> around,
-                                                   const Vector3& normal);
+std::vector<RingFrames::Neighbour> fitted_tangents(const Points& rest, int vertex,
+                                                   std::span<const int> around, const Vector3& normal);
 
 } // namespace sinew

@@ -63,8 +63,8 @@ std::vector<SecondDifference> second_differences(const Points& points, std::span
             continue;
         const double first = std::sqrt(height[1] / height[0]), second = 1.0 / first;
         found.push_back({{one.low, one.high, one.apex, other.apex},
-                         {-(1 - foot[0]) * first - (1 - foot[1]) * second, -foot[0] * first - foot[1] * second,
-                          first, second}});
+                         {-(1 - foot[0]) * first - (1 - foot[1]) * second,
+                          -foot[0] * first - foot[1] * second, first, second}});
     }
     return found;
 }

@@ -24,13 +24,13 @@ struct SecondDifference
     std::array<double, 4> weights;
 };
 
-/// Those of all edges of exactly two triangles that run along it in opposite directions. Pairs with a triangle
-/// of (nearly) no area are left out, and so are triangles with a corner twice.
+/// Those of all edges of exactly two triangles that run along it in opposite directions. Pairs with a
+/// triangle of (nearly) no area are left out, and so are triangles with a corner twice.
 std::vector<SecondDifference> second_differences(const Points& points, std::span<const Triangle> triangles);
 
 /// (n, n) H + 1e-8 L: with f^T H f = sum (D f)^2, and the cotan Laplacian, which decides what second
-/// differences leave open: a surface that one vertex holds, or vertices of faces without area alone. L does not
-/// bend linear functions inside a plane, either.
+/// differences leave open: a surface that one vertex holds, or vertices of faces without area alone. L does
+/// not bend linear functions inside a plane, either.
 /// \param[out] degenerate_faces  the number of faces with a triangle of (nearly) no area.
 SparseMatrix second_difference_matrix(const SurfaceMesh& mesh, int& degenerate_faces);
 

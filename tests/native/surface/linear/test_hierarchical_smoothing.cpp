@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/linear/hierarchical_smoothing.h"
 
+#include "native/surface/linear/thin_shell.h"
 #include "tests/native/allocations.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
+#include "tests/native/surface/linear/dense_operators.h"
 #include "tests/native/surface/linear/study_tube.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +25,8 @@ const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {-1, 0.
 auto maker(int levels, int relaxations)
 {
     return [=](const SurfaceMesh& mesh) {
-        return std::make_shared<HierarchicalSmoothing>(mesh, HierarchicalSmoothingOptions{levels, relaxations});
+        return std::make_shared<HierarchicalSmoothing>(mesh,
+                                                       HierarchicalSmoothingOptions{levels, relaxations});
     };
 }
 
@@ -46,31 +49,32 @@ SurfaceTraits traits()
         return Poses{shapes::still(), shapes::turn({0, 1, 0}, 60 * std::sin(angle), {9, 4, 0},
                                                    {2 * std::cos(angle) - 2, std::sin(angle), 0})};
     };
-    return {.name = "HierarchicalSmoothing",
-            .variants = {{"hierarchy", maker(64, 4)}, {"one level", maker(0, 4)}, {"unrelaxed", maker(64, 0)}},
-            .mesh = shapes::hill(16, 10),
-            .large = shapes::hill(20, 18),
-            .depth = 1.5,
-            .bent = bent,
-            .drag = drag,
-            .drag_steps = 48,
-            .follow = 2.0, // where the surface bends outwards, it goes farther than the handle
-            .slack = 0.0,
-            .rest = 1e-13, // each level takes its details apart and puts them together
-            .incoming = 1e-13,
-            .translation = 1e-8, // a single vertex leaves turns to the Laplacian of 1e-8
-            .rigid = 1e-11, // rounding errors, carried through all levels
-            .similar = 1e-9,
-            .scaled = 1e-9,
-            .updates = "levels",
-            .updated = maker(2, 4)};
+    return {
+        .name = "HierarchicalSmoothing",
+        .variants = {{"hierarchy", maker(64, 4)}, {"one level", maker(0, 4)}, {"unrelaxed", maker(64, 0)}},
+        .mesh = shapes::hill(16, 10),
+        .large = shapes::hill(20, 18),
+        .depth = 1.5,
+        .bent = bent,
+        .drag = drag,
+        .drag_steps = 48,
+        .follow = 2.0, // where the surface bends outwards, it goes farther than the handle
+        .slack = 0.0,
+        .rest = 1e-13, // each level takes its details apart and puts them together
+        .incoming = 1e-13,
+        .translation = 1e-8, // a single vertex leaves turns to the Laplacian of 1e-8
+        .rigid = 1e-11, // rounding errors, carried through all levels
+        .similar = 1e-9,
+        .scaled = 1e-9,
+        .updates = "levels",
+        .updated = maker(2, 4)};
 }
 
-/// The sum of squared second differences by planes through unfolded triangles, as a dense matrix.
+/// The sum of squared second differences by planes through unfolded triangles, as a dense matrix, and the
+/// share of the Laplacian.
 MatrixX dense_energy(const SurfaceMesh& mesh)
 {
-    const int n = mesh.vertex_count();
-    MatrixX H = MatrixX::Zero(n, n);
+    MatrixX H = 1e-8 * dense_laplacian(mesh, Discretization::cotan);
     std::map<std::pair<int, int>, std::vector<int>> apexes;
     for (const auto& [a, b, c] : mesh.triangles())
         for (const auto& [from, to, apex] : {std::array{a, b, c}, {b, c, a}, {c, a, b}})
@@ -132,10 +136,10 @@ TEST(HierarchicalSmoothing, without_levels_solves_as_dense_second_differences_do
                 free.push_back(v);
         d(free, Eigen::all) = -MatrixX(H(free, free)).fullPivLu().solve(MatrixX((H * d)(free, Eigen::all)));
         SolveReport report;
-        const Points q = solved(mesh, handles, {.poses = {shapes::still(), shapes::shift(1, -2, 3)}}, {.levels = 0},
-                                &report);
-        EXPECT_LT(shapes::distance(q, mesh.points() + d), 1e-5); // the Laplacian of 1e-8, 10 vertices across
-        EXPECT_NEAR(report.energy, 0.5 * (d.transpose() * H * d).trace(), 1e-5);
+        const Points q = solved(mesh, handles, {.poses = {shapes::still(), shapes::shift(1, -2, 3)}},
+                                {.levels = 0}, &report);
+        EXPECT_LT(shapes::distance(q, mesh.points() + d), 1e-10); // condition numbers are below 1e5
+        EXPECT_NEAR(report.energy, 0.5 * (d.transpose() * H * d).trace(), 1e-10);
         EXPECT_LT(report.residual, 1e-11);
     }
 }
@@ -154,7 +158,9 @@ TEST(HierarchicalSmoothing, many_sweeps_come_to_the_smoothest_displacement)
         EXPECT_LT(gap, before) << sweeps;
         before = gap;
     }
-    EXPECT_LT(before, 5e-3) << "each level relaxes only what is near its new vertices";
+    EXPECT_LT(before, 5e-3)
+        << "half a pixel of a lift drawn 300 pixels high; each level relaxes only what is near its "
+           "new vertices";
 }
 
 TEST(HierarchicalSmoothing, planes_are_exact)
@@ -169,8 +175,8 @@ TEST(HierarchicalSmoothing, planes_are_exact)
     shear(0, 0) = 1.2;
     other = shear;
     other(0, 2) = 0.7; // nothing on the plane is moved by it
-    const Points q =
-        solved(mesh, handles, {.poses = {shapes::affine(shear, {1, 2, 3}), shapes::affine(other, {1, 2, 3})}});
+    const Points q = solved(mesh, handles,
+                            {.poses = {shapes::affine(shear, {1, 2, 3}), shapes::affine(other, {1, 2, 3})}});
     EXPECT_LT(shapes::distance(q, shapes::transformed(mesh.points(), shapes::affine(shear, {1, 2, 3}))), 1e-6)
         << "at free borders, the Laplacian of 1e-8 pulls a little";
 }
@@ -197,8 +203,9 @@ TEST(HierarchicalSmoothing, details_are_reconstructed_exactly_on_all_levels)
 
 TEST(HierarchicalSmoothing, details_turn_with_the_coarser_shape)
 {
-    // A plate with a fine pattern, whose end is turned up: single vertices that stand 0.05 above their neighbours
-    // stand so along the normals of the turned plate, too.
+    // A plate with a fine pattern, whose end is turned up: single vertices that stand 0.05 above their
+    // neighbours stand so along the normals of the turned plate, too. The bend of the plate shows in the same
+    // way between vertices that stand alike, at three times the distance, which is nine times as much.
     const SurfaceMesh plain = shapes::grid(48, 16, 0.25);
     Points p = plain.points();
     for (int v = 0; v < p.rows(); ++v)
@@ -211,15 +218,17 @@ TEST(HierarchicalSmoothing, details_turn_with_the_coarser_shape)
         const int column = v % 49, row = v / 49;
         if (p(v, 2) == 0 || column < 6 || column > 42 || row == 0 || row == 16)
             continue;
+        const auto above = [&](int step) -> Vector3 {
+            return (q.row(v) - 0.5 * (q.row(v + step) + q.row(v - step))).transpose();
+        };
         const Vector3 along = (q.row(v + 1) - q.row(v - 1)).transpose(),
                       across = (q.row(v + 49) - q.row(v - 49)).transpose();
-        const Vector3 offset = (q.row(v) - 0.5 * (q.row(v + 1) + q.row(v - 1))).transpose();
         const Vector3 normal = along.cross(across).normalized();
-        worst = std::max(worst, (offset - 0.05 * normal).norm());
+        worst = std::max(worst, (above(1) - above(3) / 9 - 0.05 * normal).norm());
         steepest = std::max(steepest, std::acos(normal.z()));
     }
     EXPECT_GT(steepest, 1.0);
-    EXPECT_LT(worst, 0.03) << "half of it is the curvature of the plate";
+    EXPECT_LT(worst, 0.01) << "a fifth; details that keep their directions are wrong by 0.05 here";
 }
 
 TEST(HierarchicalSmoothing, bends_a_tube_by_120_degrees)
@@ -227,8 +236,12 @@ TEST(HierarchicalSmoothing, bends_a_tube_by_120_degrees)
     const SurfaceMesh mesh = study_tube();
     const Poses poses{shapes::still(), study_bend()};
     const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
+    ThinShell shell(mesh);
+    shell.set_handles(handles);
+    Points unturned;
+    shell.solve({poses}, unturned);
     const double strain = rms_edge_ratio(mesh, solved(mesh, handles, {.poses = poses}));
-    EXPECT_LT(strain, 0.2);
+    EXPECT_LT(strain, rms_edge_ratio(mesh, unturned)) << "the thin shell turns nothing";
     EXPECT_GT(strain, 0.058) << "the isometric bend of the axis";
 }
 
