@@ -27,9 +27,7 @@ levels       the most levels that the free vertices are thinned out by; 0 solves
              and turns no details.
 relaxations  sweeps on each level after its vertices have come back.
 
-Raises InvalidOption for a number below 0.)")
-        .def_property_readonly("level_count", &HierarchicalSmoothing::level_count,
-                               "The number of levels that the last bind made, without the coarsest one.");
+Raises InvalidOption for a number below 0.)");
 }
 
 const MethodBinding binding(&bind_hierarchical_smoothing);

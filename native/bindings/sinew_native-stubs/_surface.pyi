@@ -89,8 +89,6 @@ class RotationInvariantCoordinates(SurfaceMethod):
 
 class HierarchicalSmoothing(SurfaceMethod):
     def __init__(self, mesh: SurfaceMesh, *, levels: int = 64, relaxations: int = 4) -> None: ...
-    @property
-    def level_count(self) -> int: ...
 
 class LaplacianEditing(SurfaceMethod):
     def __init__(
