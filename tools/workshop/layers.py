@@ -166,7 +166,7 @@ def _other_native_tests(timeout: float) -> Outcome:
 def windows_layer(name: str, tests: Callable[[bool, float], Outcome]) -> Layer:
     """A layer of a core of these tests; by --all, of all of them."""
     whole = Layer(f"windows-{name}", 5400, partial(tests, True), True, True)
-    return Layer(f"windows-{name}", 700, partial(tests, False), True, True, whole)
+    return Layer(f"windows-{name}", 900, partial(tests, False), True, True, whole)
 
 
 LAYERS = (
@@ -185,5 +185,6 @@ LAYERS = (
     Layer("gui", 1200, gui, one_process=True),
     windows_layer("bindings", windows_tests.bindings),
     windows_layer("blender", windows_tests.blender),
+    Layer("windows-blender-5", 900, windows_tests.blender_5, one_process=True, only_by_name=True),
     Layer("neon", 600, neon, only_by_name=True),
 )

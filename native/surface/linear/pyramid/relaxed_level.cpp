@@ -108,7 +108,7 @@ RelaxedLevel::RelaxedLevel(const Points& rest, const ProgressiveLevel& level,
                 if (other != v)
                     around.push_back(other);
         std::ranges::sort(around);
-        around.erase(std::ranges::unique(around).begin(), around.end());
+        around.erase(std::unique(around.begin(), around.end()), around.end());
     };
 
     for (int v : inserted_)
