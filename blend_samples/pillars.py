@@ -18,6 +18,7 @@ METHODS = {
     "Gradient Editing": "gradient_editing",
     "Rotation-Invariant": "rotation_invariant_coordinates",
     "Laplacian Editing": "laplacian_editing",
+    "Hierarchical": "hierarchical_smoothing",
     "Propagation": "propagation",
 }
 # The axis between foot and head becomes an arc of its own length.
