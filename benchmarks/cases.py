@@ -116,6 +116,20 @@ def bar(pose: str, vertices: int) -> Case:
     return Case(pose, points, faces, [near, far], np.stack([STILL, BAR_POSES[pose]]))
 
 
+def bumpy_plate(vertices: int) -> Case:
+    """A plate of side 10 with bumps of height .2, three per unit of length; its far end is bent up by 60
+    degrees.
+    """
+    k = max(8, round(np.sqrt(vertices)) - 1)
+    x, y = (w.ravel() for w in np.meshgrid(*2 * [np.linspace(0, 10, k + 1)], indexing="ij"))
+    points = np.column_stack([x, y, 0.1 * (np.sin(3 * np.pi * x) * np.sin(3 * np.pi * y) + 1)])
+    a = (np.arange(k)[:, None] * (k + 1) + np.arange(k)).ravel()
+    faces = np.concatenate([np.stack([a, a + k + 1, a + k + 2], 1), np.stack([a, a + k + 2, a + 1], 1)])
+    near, far = np.flatnonzero(x < 0.5), np.flatnonzero(x > 9.5)
+    pose = about((9.5, 0, 0), (0, 1, 0), -60, (-2.0, 0, 4.0))
+    return Case("bumpy plate", points, faces, [near, far], np.stack([STILL, pose]))
+
+
 def quartered(case: Case) -> Case:
     """The same motion by four handles: each of the two handles is divided into halves."""
     halves = [h[side] for h in case.handles for side in (case.points[h, 1] < 0, case.points[h, 1] >= 0)]

@@ -29,6 +29,7 @@ GROUPS = (
     "thin_shell",
     "rebind",
     "linear",
+    "multiresolution",
     "riders",
     "memory",
     "arap",

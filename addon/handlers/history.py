@@ -17,6 +17,7 @@ def on_undo(*_args: object) -> None:
     """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
     session.forget_owners()
     session.forget_shapes()
+    session.restore_shapes()
     session.complete_undo()
     evaluation.listen(bool(session.mirrored_targets))
     _evaluate_all()

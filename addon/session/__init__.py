@@ -26,7 +26,7 @@ from .edit.repair import summary as repair_summary
 from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
 from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
-from .edit.upkeep import collect, has_pending, separate_copies, tidy
+from .edit.upkeep import collect, has_pending, restore_shapes, separate_copies, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
 from .live.dependencies import circle
 from .live.evaluate import settle, update
@@ -119,6 +119,7 @@ __all__ = (
     "repair_summary",
     "require_mesh",
     "reset_curve",
+    "restore_shapes",
     "rig_control",
     "rig_region",
     "select_elements",

@@ -82,10 +82,11 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
 
 
 def _parameters(deformer: SinewDeformer, advanced: bool) -> Iterator[tuple[PropertyGroup, Parameter]]:
-    """The parameters of the methods in use. Those of the iteration of a method count as ``advanced``."""
+    """What the methods use with their present choices. Settings of an iteration count as ``advanced``."""
     for method, values in deformer.methods:
         for parameter in method.parameters:
-            if advanced == (parameter.advanced or (method.iterative and not parameter.rebinds)):
+            late = parameter.advanced or (method.iterative and not parameter.rebinds)
+            if advanced == late and parameter.is_used(values):
                 yield values, parameter
 
 

@@ -139,6 +139,9 @@ void bind_core(py::module_& module)
         .def_property_readonly(
             "riding_vertices", [](const BindReport& r) { return to_numpy(r.riding_vertices); },
             "(r,) the vertices of those parts.")
+        .def_readonly("detail_vectors", &BindReport::detail_vectors,
+                      "Number of details that are vectors, because 'normal_displacements' of Multiresolution "
+                      "found no\nplace on the base for them.")
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
                       "Number of faces with a triangle of (nearly) no area, whose area was raised.")
         .def_readonly("factorizations", &BindReport::factorizations,
@@ -168,6 +171,10 @@ void bind_core(py::module_& module)
             "half_turns", &SolveReport::half_turns,
             "Number of vertices between handles that are turned against each other by half a turn,\n"
             "where a rule chose the way to turn.")
+        .def_readonly(
+            "fallbacks", &SolveReport::fallbacks,
+            "How often a quick iteration stalled, so that a slow one took over: 'displacement_volumes' of\n"
+            "Multiresolution in tight bends and on a base of another size.")
         .def("__repr__", [](const SolveReport& r) {
             return "<SolveReport: " + std::to_string(r.iterations) + " iterations, energy " +
                    std::to_string(r.energy) + (r.converged ? ", converged>" : ", budget spent>");

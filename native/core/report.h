@@ -59,6 +59,8 @@ struct BindReport
     std::vector<int> free_vertices; ///< the vertices of those parts
     std::vector<Ride> rides;        ///< connected parts without any constraint that follow others
     std::vector<int> riding_vertices; ///< the vertices of those parts
+    /// Details that a method around another one stores as vectors, because its coding has none for them.
+    int detail_vectors = 0;
     int degenerate_faces = 0;       ///< faces with a triangle of (nearly) no area, whose area was raised
     int factorizations = 0;         ///< numeric factorisations so far, with those of earlier objects
     int analyses = 0;               ///< symbolic factorisations so far, likewise
@@ -78,6 +80,7 @@ struct SolveReport
     /// Vertices between handles that are turned against each other by half a turn, where a rule chose the way
     /// to turn.
     int half_turns = 0;
+    int fallbacks = 0; ///< how often a quick iteration stalled, so that a slow one took over
 };
 
 } // namespace sinew

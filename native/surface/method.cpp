@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
+#include "native/surface/substeps.h"
 
 #include <algorithm>
 #include <chrono>
@@ -187,12 +188,59 @@ SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions)
         require_same_size(*request.start, "start");
     require_at_least(request.max_iterations.value_or(0), 0, "max_iterations");
     require_at_least(request.tolerance.value_or(0.0), 0.0, "tolerance");
+    require_at_least(request.substeps, 1, "substeps");
     if (!bound_) { // there are no handles yet
         positions = targets.base();
         return SolveReport{.converged = true};
     }
-    const SolveReport report = deform(request, targets, positions);
+    const bool in_steps = request.substeps > 1 && stepping() != Stepping::none;
+    const SolveReport report =
+        in_steps ? deform_in_steps(request, targets, positions) : deform(request, targets, positions);
     riders_->move(request.incoming, positions);
+    return report;
+}
+
+std::unique_ptr<SurfaceMethod> SurfaceMethod::made_anew(const SurfaceMesh& /*rest*/) const { return nullptr; }
+
+SolveReport SurfaceMethod::deform_in_steps(const SolveRequest& request, const Targets& targets,
+                                           Points& positions) const
+{
+    const int count = request.substeps;
+    const PathOfPoses path(request.poses, centre_of_handles(regions_, targets.base()));
+    SolveReport report;
+    Points last;
+    Poses before;
+    for (int k = 1; k <= count; ++k) {
+        const auto tick = [&](double fraction) {
+            request.progress.tick((k - 1 + fraction) / count, "solving a substep");
+            return true;
+        };
+        tick(0.0);
+        SolveRequest step = request;
+        step.poses = k < count ? path.at(static_cast<double>(k) / count) : request.poses;
+        const Poses now = step.poses;
+        if (k > 1 && stepping() == Stepping::anew) {
+            const std::unique_ptr<SurfaceMethod> method = made_anew(with_points(*rest_, last));
+            method->set_handles(regions_.handles(),
+                                Progress([&](double fraction, const char*) { return tick(fraction); }));
+            step.poses = relative_poses(before, now);
+            step.substeps = 1;
+            step.incoming.reset();
+            step.from_rest.reset();
+            report = method->solve(step, positions);
+        } else {
+            step.start.reset();
+            if (k > 1)
+                step.start.emplace(view(last));
+            const Targets aims{step.poses, targets.rest, targets.incoming, targets.from_rest};
+            report = deform(step, aims, positions);
+        }
+        for (int v = 0; v < rest_->vertex_count(); ++v)
+            if (regions_.is_idle(v)) // which deform() may have left out
+                positions.row(v) = targets.base().row(v);
+        last = positions;
+        before = now;
+    }
     return report;
 }
 

@@ -29,6 +29,8 @@ struct SolveRequest
     std::optional<int> max_iterations{}; ///< of an iterative method; without it, those of its options
     std::optional<double> tolerance{}; ///< likewise
     Progress progress{};
+    /// In how many steps the handles go to their poses, at least 1; see SurfaceMethod::Stepping.
+    int substeps = 1;
 };
 
 /// A deformation of a surface by handles on it.
@@ -75,9 +77,15 @@ public:
     /// "rest shape", or options; empty for nothing. A method around another one asks its base.
     std::vector<std::string> differences(const SurfaceMethod& former) const;
 
+    /// With substeps, handles go from rest to their poses on the way of PathOfPoses, and soft ones pull from
+    /// where the last step left them. The shape depends on the poses alone, and not on how a drag got there.
+    /// The report is that of the last step.
     /// \param[out] positions  (n, 3) deformed points; before set_handles(), the incoming shape.
     /// \throw InvalidConstraint  see Targets::check; or `start` has another size or is not finite.
-    /// \throw InvalidOption      max_iterations < 0 or tolerance < 0.
+    /// \throw InvalidOption      max_iterations < 0, tolerance < 0 or substeps < 1.
+    /// \throw InvalidConstraint  a pose in the middle of substeps that are made anew has no inverse; the
+    ///   element of the error is a handle.
+    /// \throw FactorizationFailed  a shape in the middle of them cannot be bound.
     /// \throw Cancelled          by the request's progress.
     SolveReport solve(const SolveRequest& request, Points& positions) const;
 
@@ -88,6 +96,19 @@ public:
     FreeParts free_parts() const { return riders_ ? riders_->options() : FreeParts{}; }
     /// For calls that read what a bind made, and for several calls between which no bind may come.
     AccessLock reading() const { return {AccessLock::reading, access_}; }
+
+    /// What substeps do. Where the shape is linear in the poses, the steps add up to one, unless the
+    /// equations are made anew.
+    enum class Stepping {
+        none, ///< nothing: one step does
+        from_last, ///< each step starts from the shape of the last one (SolveRequest::start)
+        anew ///< each step binds the shape of the last one as its rest shape, which takes as many binds
+    };
+    virtual Stepping stepping() const { return Stepping::none; }
+
+    /// Whether the displacements depend on those of the handles alone: then one answer serves for all shapes
+    /// that enter and have the same handles.
+    virtual bool displaces_all_alike() const { return false; }
 
 protected:
     explicit SurfaceMethod(const SurfaceMesh& rest);
@@ -104,6 +125,8 @@ protected:
     /// \param targets  the targets of the request, which have been checked.
     virtual SolveReport deform(const SolveRequest& request, const Targets& targets,
                                Points& positions) const = 0;
+    /// A method with the same options for another rest shape, where stepping() is `anew`.
+    virtual std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const;
     /// Whether the vertices of parts that no handle touches get their places after deform().
     bool idle_parts_ride() const { return !riders_->rides().empty(); }
     /// Names of the options that change the result of bind() and differ from those of `former`, an object of
@@ -126,6 +149,7 @@ private:
     };
     Comparison compare(const SurfaceMethod& former) const;
     void swap_all(SurfaceMethod& other);
+    SolveReport deform_in_steps(const SolveRequest& request, const Targets& targets, Points& positions) const;
     /// The last riders if they serve these handles, too.
     std::shared_ptr<const Riders> riders_for(const Regions& regions, const FreeParts& free_parts,
                                              const Progress& progress) const;

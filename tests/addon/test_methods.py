@@ -4,6 +4,7 @@
 import ast
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -32,7 +33,8 @@ def test_numbers_in_files_never_change():
     """Files store the number: extend this table, never edit it."""
     known = {"thin_shell": 1, "arap": 2, "mean_value": 3, "positive_mean_value": 4, "harmonic": 5, "green": 6}
     known |= {"gradient_editing": 7, "rotation_invariant_coordinates": 8, "propagation": 9}
-    known |= {"laplacian_editing": 10}
+    known |= {"multiresolution": 20}
+    known |= {"laplacian_editing": 10, "hierarchical_smoothing": 11}
     assert known.items() <= {method.id: method.number for method in METHODS}.items()
 
 
@@ -107,6 +109,39 @@ def test_a_bind_costs_more_where_there_is_more_to_bind(method: methods.Method):
             assert len(set(by_control)) == 1, "it has no such control"
 
 
+CONDITIONAL = [(method, row) for method in METHODS for row in method.parameters if row.only_with]
+
+
+@pytest.mark.parametrize(("method", "row"), CONDITIONAL, ids=lambda entry: entry.id)
+def test_a_parameter_is_hidden_where_it_changes_nothing(method: methods.Method, row: methods.Parameter):
+    """And shown where it does."""
+    native = pytest.importorskip("sinew_native")
+    x, y = (w.ravel() for w in np.meshgrid(np.arange(9.0), np.arange(5.0)))
+    a = (np.arange(4)[:, None] * 9 + np.arange(8)).ravel()
+    mesh = native.SurfaceMesh(np.column_stack([x, y, 0.1 * x * y]), np.stack([a, a + 1, a + 10, a + 9], 1))
+    turned = [[0.6, 0.0, 0.8, 1.0], [0.0, 1.0, 0.0, 0.5], [-0.8, 0.0, 0.6, 2.0]]
+    poses = np.stack([np.eye(4)[:3], turned])
+    name, values = row.only_with
+    (choice,) = [other for other in method.parameters if other.id == name]
+    changes = {row.id: row.items[1][0] if isinstance(row, Choice) else not row.default}
+    if isinstance(row, Float | Int):
+        changes = {row.id: row.default + 1}
+    solving = {} if row.rebinds else changes
+
+    def shape(options: dict[str, object], keywords: dict[str, object]) -> np.ndarray:
+        surface = getattr(native, method.native)(mesh, **options)
+        surface.set_handles([np.flatnonzero(x < 1), np.flatnonzero(x > 7)])
+        return surface.solve(poses, **keywords)[0]
+
+    assert set(values) < {item[0] for item in choice.items}
+    for value, *_ in choice.items:
+        options = {**default_options(method), name: value}
+        changed = {**options, **changes} if row.rebinds else options
+        moved = np.abs(shape(changed, solving) - shape(options, {})).max()
+        assert (moved > 1e-6) == (value in values), value
+        assert row.is_used(SimpleNamespace(**{name: value})) == (value in values)
+
+
 def test_painted_parameters_rebind():
     """A painted parameter goes into the factor."""
     assert all(parameter.rebinds for method in METHODS for parameter in method.paintable)
@@ -156,10 +191,15 @@ def test_the_defaults_are_those_of_the_native_class(method: methods.Method):
     """An artist and a programmer who change nothing get the same shape."""
     stubs = (Path(__file__).parents[2] / "native" / "bindings" / "sinew_native-stubs").glob("_*.pyi")
     parsed = [node for stub in stubs for node in ast.parse(stub.read_text(encoding="utf-8")).body]
-    (native,) = [node for node in parsed if isinstance(node, ast.ClassDef) and node.name == method.native]
-    (constructor,) = [node for node in native.body if getattr(node, "name", "") == "__init__"]
-    names = [argument.arg for argument in constructor.args.kwonlyargs]
-    defaults = dict(zip(names, map(ast.literal_eval, constructor.args.kw_defaults), strict=True))
+    classes = {node.name: node for node in parsed if isinstance(node, ast.ClassDef)}
+    native = classes[method.native]
+    calls = [node for node in native.body if getattr(node, "name", "") == "__init__"]
+    if not method.is_space:
+        calls += [node for node in classes["SurfaceMethod"].body if getattr(node, "name", "") == "solve"]
+    defaults = {}
+    for call in reversed(calls):  # where both have a keyword, that of solve() is None: as for the constructor
+        names = [argument.arg for argument in call.args.kwonlyargs]
+        defaults |= dict(zip(names, map(ast.literal_eval, call.args.kw_defaults), strict=True))
     straight = ((0.0, 0.0), (1.0, 1.0))  # of a curve, which is None there
     assert {
         parameter.id: None if parameter.default == straight else parameter.default

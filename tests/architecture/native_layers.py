@@ -38,8 +38,9 @@ SUB_RANKS = {
     "core": {"": 0, "simd": 1},
     "solvers": {"dense": 0, "descent": 0, "supernodal": 0, "engines": 1, "": 2},
     "space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
-    "surface/linear": {"propagation": 0, "responses": 0, "": 1},
+    "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "": 1},
     "surface/nonlinear": {"arap": 0, "": 1},
+    "multiresolution": {"details": 0, "": 1},
 }
 # Sub-rooms that nobody outside their room may see.
 INTERNAL = {
@@ -50,7 +51,9 @@ INTERNAL = {
     "space/cage/inside",
     "space/cage/visibility",
     "surface/linear/propagation",
+    "surface/linear/pyramid",
     "surface/nonlinear/arap",
+    "multiresolution/details",
 }
 # A header that only one room may include -> that room.
 RESERVED_HEADERS = {

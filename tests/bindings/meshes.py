@@ -3,8 +3,6 @@
 
 import numpy as np
 
-import sinew_native as sn
-
 STILL = np.column_stack([np.eye(3), np.zeros(3)])
 
 
@@ -67,12 +65,3 @@ def moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 BENT = np.stack([STILL, turn((0, 1, 0), 40, (6, 0, 0), (-1, 0.5, 2))])
-
-
-def bound(method: type, n: int = 8, **options: object):
-    """A method on the hill, its two ends held: the object, the points and the handles."""
-    points, faces = grid(n)
-    surface = method(sn.SurfaceMesh(points, faces), **options)
-    handles = ends(points)
-    surface.set_handles(handles)
-    return surface, points, handles

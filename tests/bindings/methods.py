@@ -7,6 +7,8 @@ import numpy as np
 
 import sinew_native as sn
 
+from .meshes import ends, grid
+
 
 def required(method: type) -> list[str]:
     """What the constructor cannot do without."""
@@ -33,6 +35,15 @@ def made(method: type, mesh: sn.SurfaceMesh, **options: object):
     return method(**{word: given[word] for word in required(method)}, **options)
 
 
+def bound(method: type, n: int = 8, **options: object):
+    """A method on the hill, its two ends held: the object, the points and the handles."""
+    points, faces = grid(n)
+    surface = made(method, sn.SurfaceMesh(points, faces), **options)
+    handles = ends(points)
+    surface.set_handles(handles)
+    return surface, points, handles
+
+
 def choices(method: type) -> list[dict[str, object]]:
     """Options with which a method works in another way."""
     text = inspect.getdoc(method.__init__)
@@ -43,6 +54,7 @@ def choices(method: type) -> list[dict[str, object]]:
     found += [{"cells": "rims"}] if "'rims'" in text else []
     found += [{"variation": 1.0, "stretching": 1.0}] if "variation: " in text else []
     found += [{"field": "geodesic"}, {"field": "euclidean"}] if "field: str" in text else []
+    found += [{"bands": 2}] if "bands: " in text else []
     transforms = ("none", "explicit", "implicit") if "transforms: str" in text else ()
     found += [{"transforms": name} for name in transforms]
     return found + ([{"threshold": 1e-3, "precision": "double"}] if "threshold: " in text else [])

@@ -9,8 +9,8 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import BENT, bound, grid
-from .methods import SURFACE_METHODS
+from .meshes import BENT, grid
+from .methods import SURFACE_METHODS, bound
 
 POINTS, FACES = grid(4)
 POSES = np.ascontiguousarray(BENT)

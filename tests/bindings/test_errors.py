@@ -7,7 +7,8 @@ import scipy.sparse as sparse
 
 import sinew_native as sn
 
-from .meshes import BENT, bound, grid
+from .meshes import BENT, grid
+from .methods import bound
 
 POINTS, FACES = grid(4)
 NAN, INF = float("nan"), float("inf")

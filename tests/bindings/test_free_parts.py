@@ -8,6 +8,7 @@ import sinew_native as sn
 
 from .meshes import STILL, grid, shift, sphere, turn
 from .methods import SURFACE_METHODS
+from .methods import made as make
 
 METHODS = pytest.mark.parametrize("method", SURFACE_METHODS)
 
@@ -27,7 +28,7 @@ def dressed() -> tuple[sn.SurfaceMesh, list[np.ndarray]]:
 @METHODS
 def test_by_default_free_parts_stay(method: type) -> None:
     mesh, handles = dressed()
-    made = method(mesh)
+    made = make(method, mesh)
     report = made.set_handles(handles)
     assert (report.free_parts, len(report.rides), len(report.riding_vertices)) == (2, 0, 0)
     positions, _ = made.solve([STILL, shift(0, 0, 3)])
@@ -37,7 +38,7 @@ def test_by_default_free_parts_stay(method: type) -> None:
 @METHODS
 def test_the_report_says_what_rides_on_what(method: type) -> None:
     mesh, handles = dressed()
-    made = method(mesh)
+    made = make(method, mesh)
     report = made.set_handles(handles, free_parts="follow")
     ball, small = report.rides
     n = 21**2
@@ -58,7 +59,7 @@ def test_the_report_says_what_rides_on_what(method: type) -> None:
 @METHODS
 def test_what_rides_goes_from_the_incoming_shape(method: type) -> None:
     mesh, handles = dressed()
-    made = method(mesh)
+    made = make(method, mesh)
     made.set_handles(handles, free_parts="follow")
     entering = mesh.points @ turn((1, 2, 3), 50)[:, :3].T + (4, 5, 6)
     positions, _ = made.solve([STILL, STILL], incoming=entering)
@@ -71,12 +72,12 @@ def test_what_rides_goes_from_the_incoming_shape(method: type) -> None:
 @METHODS
 def test_other_free_parts_keep_the_factor(method: type) -> None:
     mesh, handles = dressed()
-    first, second = method(mesh), method(mesh)
+    first, second = make(method, mesh), make(method, mesh)
     factorizations = first.set_handles(handles).factorizations
     report = second.rebind(first, handles, free_parts="follow")
     assert (report.reuse, report.changed, report.factorizations) == ("updated", "free_parts", factorizations)
     assert (report.free_parts, len(report.rides)) == (0, 2)
-    again = method(mesh)
+    again = make(method, mesh)
     assert again.rebind(second, handles, free_parts="follow").reuse == "kept"
 
 
@@ -157,7 +158,7 @@ def test_odd_parts_are_finite_and_move_with_everything(method: type, odd: str) -
         np.concatenate([points, more + points.mean(0)]),
         np.concatenate([faces, len(points) + np.array(triangles)]),
     )
-    made = method(mesh)
+    made = make(method, mesh)
     handles = [np.flatnonzero(points[:, 0] < 2.5), np.flatnonzero(points[:, 0] > 17.5)]
     assert made.set_handles(handles, free_parts="follow").free_parts == 0
     assert np.isfinite(made.solve([STILL, shift(0, 0, 9)])[0]).all()

@@ -12,8 +12,8 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import BENT, bound, ends, grid
-from .methods import SURFACE_METHODS
+from .meshes import BENT, ends, grid
+from .methods import SURFACE_METHODS, bound
 
 
 @pytest.fixture(scope="module")

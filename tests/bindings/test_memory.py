@@ -13,7 +13,7 @@ import pytest
 import sinew_native as sn
 
 from .meshes import BENT, ends, grid
-from .methods import SURFACE_METHODS
+from .methods import SURFACE_METHODS, made
 
 POINTS, FACES = grid(40)
 SIZE = re.compile(r"needs [\d.]+ MB, the memory limit is [\d.]+ MB")
@@ -27,11 +27,11 @@ def no_limit_is_left() -> Iterator[None]:
 
 @pytest.mark.parametrize("method", SURFACE_METHODS)
 def test_report_tells_the_memory_that_the_limit_is_about(method: type) -> None:
-    surface = method(sn.SurfaceMesh(POINTS, FACES))
+    surface = made(method, sn.SurfaceMesh(POINTS, FACES))
     needed = surface.set_handles(ends(POINTS)).factor_bytes
     assert 8 * len(POINTS) < needed < 1000 * 8 * len(POINTS)
     sn.limit_memory(needed)
-    assert method(sn.SurfaceMesh(POINTS, FACES)).set_handles(ends(POINTS)).factor_bytes == needed
+    assert made(method, sn.SurfaceMesh(POINTS, FACES)).set_handles(ends(POINTS)).factor_bytes == needed
 
 
 def test_bind_above_the_limit_is_refused_and_the_last_one_stays() -> None:

@@ -7,7 +7,8 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import BENT, STILL, bound, ends, grid, moved, sphere, turn
+from .meshes import BENT, STILL, ends, grid, moved, sphere, turn
+from .methods import bound
 
 POINTS, FACES = sphere(3)  # all cotangents positive: nothing is clamped on either side
 POLES = [np.flatnonzero(POINTS[:, 2] < -0.8), np.flatnonzero(POINTS[:, 2] > 0.8)]

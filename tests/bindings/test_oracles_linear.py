@@ -10,7 +10,8 @@ from scipy.sparse.linalg import spsolve
 
 import sinew_native as sn
 
-from .meshes import BENT, bound, grid, sphere
+from .meshes import BENT, grid, sphere
+from .methods import bound
 
 MESHES = {"hill": grid(12), "sphere": sphere(3)}
 

@@ -10,7 +10,8 @@ import pytest
 import sinew_native as sn
 
 from .cages import CUBE, QUADS
-from .meshes import BENT, bound
+from .meshes import BENT
+from .methods import bound
 
 POSES = np.ascontiguousarray(BENT)
 

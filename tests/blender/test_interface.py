@@ -225,6 +225,17 @@ def test_without_the_native_module_the_panel_leads_to_the_preferences(plate: Rig
     assert "native module" in sheet.texts()
 
 
+def test_the_panel_shows_what_the_method_uses(plate: Rig):
+    plate.bind("laplacian_editing")
+    shown = {}
+    for name in ("explicit", "estimated"):
+        plate.deformer.parameters.transforms = name
+        sheets = draw_panel(), draw(bpy.types.SINEW_PT_advanced)
+        shown[name] = {name for sheet in sheets for name in sheet.properties()}
+    assert shown["explicit"] - shown["estimated"] == {"field"}
+    assert shown["estimated"] - shown["explicit"] == {"refits", "mean_frame", "substeps"}
+
+
 def test_a_bind_under_way_shows_progress_and_a_way_out(bound_plate: Rig, room, monkeypatch):
     work = SimpleNamespace(fraction=0.42, stage="factorising")
     monkeypatch.setattr(room("session"), "job", lambda _uid: work)

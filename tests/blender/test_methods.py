@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from inside import notes_of
 from rig import Rig, make_active, push, update
 
 
@@ -53,6 +54,19 @@ def test_register_and_unregister_leave_no_trace(addon):
     assert not any("sinew" in handler.__module__ for handler in bpy.app.handlers.load_post)
     addon.register()
     assert {event: len(getattr(bpy.app.handlers, event)) for event in handlers} == handlers
+
+
+def test_the_panel_counts_details_without_a_height():
+    """Noise of three edges, as the base below it is not flat either."""
+    plate, random = Rig.plate(cells=20), np.random.default_rng(1)
+    for vertex in plate.obj.data.vertices:
+        vertex.co = np.add(vertex.co, random.uniform(-0.3, 0.3, 3))
+    plate.bind("multiresolution")
+    told = "no normal of the base leads there"
+    assert not any(told in line for line in notes_of(plate.deformer))
+    plate.deformer.parameters.details = "normal_displacements"
+    update()
+    assert sum(told in line for line in notes_of(plate.deformer)) == 1
 
 
 def test_the_falloff_curve_that_the_artist_draws_is_how_the_motion_of_a_handle_fades(plate: Rig):

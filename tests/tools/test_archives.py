@@ -21,6 +21,24 @@ def test_zip_has_the_same_bytes_at_another_time(tmp_path: Path, monkeypatch: pyt
     assert read_zip(tmp_path / "b.zip") == {"a": b"1" * 999, "b": b"2"}
 
 
+def test_a_zip_is_replaced_at_once_or_not_at_all(tmp_path: Path) -> None:
+    """Another command may read it at any moment, also while it is packed again or its packing fails."""
+    old, new = {"a": b"old", "b": b"old"}, {"a": b"new", "b": b"new"}
+    target = write_zip(tmp_path / "a.zip", old)
+
+    class AnotherReads(dict[str, bytes]):
+        def __getitem__(self, name: str) -> bytes:
+            assert read_zip(target) == old
+            return super().__getitem__(name)
+
+    with pytest.raises(TypeError):
+        write_zip(target, AnotherReads(a=b"new", b=None))
+    assert read_zip(target) == old
+    write_zip(target, AnotherReads(new))
+    assert read_zip(target) == new
+    assert [file.name for file in tmp_path.iterdir()] == ["a.zip"]
+
+
 def test_wheel_records_every_file(tmp_path: Path) -> None:
     files = {"x.so": b"machine code", "x-1.dist-info/WHEEL": b"", "x-1.dist-info/RECORD": b"out of date"}
     record = read_zip(write_wheel(tmp_path / "x.whl", files))["x-1.dist-info/RECORD"].decode().splitlines()

@@ -41,6 +41,38 @@ def test_caches_and_hidden_files_stay_out(tmp_path: Path, monkeypatch: pytest.Mo
     assert set(package.addon_files()) == wanted | {"LICENSE"}
 
 
+def test_packing_again_leaves_no_moment_without_a_zip(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Another command may look for the zips of this checkout at any moment."""
+    for name in ("__init__.py", "blender_manifest.toml"):
+        (tmp_path / "addon" / name).parent.mkdir(exist_ok=True)
+        (tmp_path / "addon" / name).write_text(HEAD if name.endswith("toml") else "")
+    (tmp_path / "LICENSE").write_text("")
+    for name, folder in {"ROOT": "", "ADDON": "addon", "DIST": "dist"}.items():
+        monkeypatch.setattr(package, name, tmp_path / folder)
+    wheel = tmp_path / WHEELS[0]
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("sinew_native.so", b"1")
+
+    def found() -> list[str]:
+        return sorted(path.name for path in (tmp_path / "dist").glob("*.zip"))
+
+    old = ["sinew-0.0.1-linux-x64.zip", "sinew-legacy-0.0.1-linux-x64.zip"]
+    (tmp_path / "dist").mkdir()
+    for name in (*old, "sinew-0.0.1-windows-x64.zip"):
+        (tmp_path / "dist" / name).write_bytes(b"")
+    seen = []
+    write = package.write_zip
+    monkeypatch.setattr(package, "write_zip", lambda *words: (seen.append(found()), write(*words)))
+    new = sorted(path.name for path in package.zips([wheel], {}))
+    assert new == [name.replace("0.0.1", places.version()) for name in old]
+    assert found() == sorted([*new, "sinew-0.0.1-windows-x64.zip"])
+    assert [path.name for path in package.zips([wheel], {})] == new
+    assert [set(old) <= set(names) for names in seen[:2]] == [True, True]
+    assert [set(new) <= set(names) for names in seen[2:]] == [True, True]
+
+
 def test_legacy_zip_holds_the_unpacked_wheel_inside_the_addon(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,12 +2,26 @@
 """Reads and writes zips and wheels as dictionaries of path -> content. Equal content gives equal bytes."""
 
 import base64
+import contextlib
 import hashlib
+import os
 import zipfile
+from collections.abc import Iterator
 from pathlib import Path
 
 FIRST_DAY = (1980, 1, 1, 0, 0, 0)
 PACKED_ALREADY = (".whl", ".png", ".jpg", ".blend")
+
+
+@contextlib.contextmanager
+def written_whole(target: Path) -> Iterator[Path]:
+    """A file to write, in the folder of ``target``, whose place it takes once all is written."""
+    part = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        yield part
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def read_zip(source: Path) -> dict[str, bytes]:
@@ -16,8 +30,9 @@ def read_zip(source: Path) -> dict[str, bytes]:
 
 
 def write_zip(target: Path, files: dict[str, bytes]) -> Path:
+    """Writes a zip. Whoever reads it at the same time finds the whole of the old or of the new one."""
     target.parent.mkdir(parents=True, exist_ok=True)
-    with zipfile.ZipFile(target, "w") as archive:
+    with written_whole(target) as part, zipfile.ZipFile(part, "w") as archive:
         for name in sorted(files):
             entry = zipfile.ZipInfo(name, FIRST_DAY)
             entry.external_attr = 0o100644 << 16

@@ -138,8 +138,10 @@ def fetch_from_debian() -> None:
         say("Downloading the sources of " + ", ".join(missing))
         SOURCES.mkdir(parents=True, exist_ok=True)
         settings = _apt_of_sources()
-        must(["apt-get", "-qq", *settings, "update"], quiet=True)
-        must(["apt-get", "-qq", *settings, "source", "--download-only", *missing], cwd=SOURCES, quiet=True)
+        lacking = "apt could not download the sources of " + ", ".join(missing)
+        must(["apt-get", "-qq", *settings, "update"], lacking=lacking, quiet=True)
+        download = ["apt-get", "-qq", *settings, "source", "--download-only", *missing]
+        must(download, cwd=SOURCES, lacking=lacking, quiet=True)
     for row in wanted:
         check(row)
 

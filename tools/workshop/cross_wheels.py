@@ -44,19 +44,36 @@ class Target:
 
 def build_wheels(target: Target) -> list[Path]:
     """A wheel for Python 3.11 and, where this machine has the headers of a Python 3.13, one for 3.13."""
+    return [build_wheel(target, builder.make(), minor) for minor, builder in _builders().items()]
+
+
+def are_built(target: Target) -> bool:
+    """Whether build_wheels() would find all its wheels made from what is there now."""
+    found = [_wheel(target, builder, minor) for minor, builder in _builders().items()]
+    return all(stamp.is_fresh() and wheel.is_file() for wheel, stamp in found)
+
+
+def _builders() -> dict[int, Environment]:
     builders = {11: environments.build(), 13: environments.build313()}
-    return [build_wheel(target, builder.make(), minor) for minor, builder in builders.items() if builder]
+    return {minor: builder for minor, builder in builders.items() if builder}
+
+
+def _wheel(target: Target, builder: Environment, minor: int) -> tuple[Path, Stamp]:
+    """Where the wheel for one Python is, and the stamp of what it is made from."""
+    tag = f"cp3{minor}"
+    inputs = [ROOT / name for name in (*INPUTS, *target.inputs)]
+    made_from = fingerprint(inputs, str(builder.interpreter))
+    return (
+        WHEELS / f"sinew_native-{version()}-{tag}-{tag}-{target.platform}.whl",
+        Stamp(WHEELS / f"{tag}-{target.platform}.made-from", made_from),
+    )
 
 
 @one_at_a_time()
 def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
     """The wheel for one Python; it is built again only if inputs changed."""
     tag = f"cp3{minor}"
-    wheel = WHEELS / f"sinew_native-{version()}-{tag}-{tag}-{target.platform}.whl"
-    inputs = [ROOT / name for name in (*INPUTS, *target.inputs)]
-    stamp = Stamp(
-        WHEELS / f"{tag}-{target.platform}.made-from", fingerprint(inputs, str(builder.interpreter))
-    )
+    wheel, stamp = _wheel(target, builder, minor)
     if stamp.is_fresh() and wheel.is_file():
         return wheel
     say(f"Building the wheel for {tag} on {target.system.title}")

@@ -51,4 +51,5 @@ BPY = (
 @one_at_a_time()
 def install(*sets: tuple[str, ...]) -> None:
     wanted = dict.fromkeys(package for packages in sets for package in packages)
-    must([Path(__file__).with_name("apt_install"), *wanted])
+    lacking = f"Debian's packages {', '.join(wanted)} are not all here, and could not be installed"
+    must([Path(__file__).with_name("apt_install"), *wanted], lacking=lacking)

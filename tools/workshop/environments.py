@@ -57,7 +57,7 @@ class Environment:
             must([self.interpreter, "-m", "venv", self.folder])
         pip = [self.python, "-m", "pip", "--quiet", "--disable-pip-version-check"]
         chosen = [word for file in files for word in ("-r", file)]
-        must([*pip, "install", "--no-cache-dir", *chosen])
+        must([*pip, "install", "--no-cache-dir", *chosen], lacking=unreachable(*files))
         stamp.write()
         return self
 
@@ -67,6 +67,12 @@ def included(files: list[Path]) -> list[Path]:
     lines = [(file, line) for file in files for line in file.read_text(encoding="utf-8").splitlines()]
     further = [file.parent / line.removeprefix("-r ") for file, line in lines if line.startswith("-r ")]
     return [*files, *included(further)] if further else files
+
+
+def unreachable(*files: Path) -> str:
+    """What to say where pip cannot install what requirement files name."""
+    named = ", ".join(str(file.relative_to(ROOT)) for file in files)
+    return f"pip could not get what {named} names: that takes a network with a package index"
 
 
 def _runs(python: Path) -> bool:

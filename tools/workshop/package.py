@@ -130,15 +130,19 @@ def validate(extension: Path, blender: Environment) -> None:
 @one_at_a_time()
 def package(system: str = "linux") -> tuple[Path, Path]:
     """Packs the extension and the legacy zip for a system, once per run."""
-    packed, manual = BUILDERS[system](), manual_files()
-    (platform,) = {_platform(wheel.name) for wheel in packed}
-    DIST.mkdir(exist_ok=True)
-    for old in DIST.glob(f"sinew-*-{platform}.zip"):
-        old.unlink()
-    extension = pack(DIST / f"sinew-{version()}-{platform}.zip", extension_files(packed, manual))
+    extension, legacy = zips(BUILDERS[system](), manual_files())
     validate(extension, environments.newest_blender())
-    oldest = next(wheel for wheel in packed if "-cp311-" in wheel.name)
+    return extension, legacy
+
+
+def zips(wheels: list[Path], manual: dict[str, bytes]) -> tuple[Path, Path]:
+    """Replaces the zips of a platform. Those of other versions go last, so that there always are some."""
+    (platform,) = {_platform(wheel.name) for wheel in wheels}
+    extension = pack(DIST / f"sinew-{version()}-{platform}.zip", extension_files(wheels, manual))
+    oldest = next(wheel for wheel in wheels if "-cp311-" in wheel.name)
     legacy = pack(DIST / f"sinew-legacy-{version()}-{platform}.zip", legacy_files(oldest, manual))
+    for old in {*DIST.glob(f"sinew-*-{platform}.zip")} - {extension, legacy}:
+        old.unlink()
     return extension, legacy
 
 

@@ -30,7 +30,7 @@ def run_layer(layer: Layer) -> tuple[Outcome, float]:
         found = layer.run(layer.timeout)
     except SystemExit as stop:  # the tool that failed has printed the reason
         say(str(stop.code))
-        found = Outcome(failed=1, note="could not be set up")
+        found = Outcome(failed=1, note=f"could not be set up: {str(stop.code).partition(chr(10))[0]}")
     return found, time.monotonic() - start
 
 

@@ -90,12 +90,15 @@ def run(
     return status
 
 
-def must(command: Iterable[str | Path], **options) -> None:
-    """Does the same as run(), but ends the tool if the command fails."""
+def must(command: Iterable[str | Path], *, lacking: str = "", **options) -> None:
+    """Does the same as run(), but ends the tool if the command fails.
+
+    ``lacking`` says what cannot be had then; without it the command itself is named.
+    """
     words = [str(word) for word in command]
     status = run(words, **options)
     if status != 0:
-        raise SystemExit(f"failed with {status}: {' '.join(words)}")
+        raise SystemExit(lacking or f"failed with {status}: {' '.join(words)}")
 
 
 def fingerprint(paths: Iterable[Path], *words: str) -> str:

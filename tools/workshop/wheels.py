@@ -18,7 +18,7 @@ from .environments import Environment
 from .isolation import isolated
 from .notices import notices, of_packages, repaired
 from .places import BUILD, PYTHON311, ROOT, WHEEL_SOURCES, WHEELS, version
-from .shell import Stamp, fingerprint, jobs, must, say
+from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, say
 
 INPUTS = (
     *WHEEL_SOURCES,
@@ -38,6 +38,7 @@ def build_wheels(for_programs: bool = False) -> list[Path]:
     return [build_wheel(builder.make()) for builder in builders if builder]
 
 
+@one_at_a_time()
 def build_wheel(builder: Environment) -> Path:
     tag = _tag(builder)
     stamp = Stamp(

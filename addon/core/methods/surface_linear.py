@@ -2,6 +2,7 @@
 """Linear surface methods: one sparse system per frame."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from .schema import (
@@ -64,6 +65,21 @@ FIELD = Choice(
 )
 
 
+def _substeps(which: str, only_with: tuple[str, tuple[str, ...]] | None = None) -> Int:
+    return Int(
+        "substeps",
+        1,
+        minimum=1,
+        maximum=1000,
+        soft_maximum=16,
+        advanced=True,
+        only_with=only_with,
+        unit="steps",
+        label="Substeps",
+        description="In how many steps the handles go from rest to their poses. " + which,
+    )
+
+
 def _laplacian_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     return factorising(0.7 if options["transforms"] == "implicit" else 0.05)(points, size, options)
 
@@ -124,6 +140,10 @@ ROWS = (
                 rebinds=True,
                 label="Laplacian",
                 description="How the faces are taken into account",
+            ),
+            _substeps(
+                "Each step binds the shape of the last one, so a frame takes as many binds. "
+                "More steps keep twists from collapsing, and stretch bends",
             ),
         ),
     ),
@@ -230,7 +250,7 @@ ROWS = (
                 label="Details",
                 description="How the details of the surface are turned",
             ),
-            FIELD,
+            replace(FIELD, only_with=("transforms", ("explicit",))),
             Int(
                 "refits",
                 2,
@@ -238,6 +258,7 @@ ROWS = (
                 soft_maximum=16,
                 rebinds=True,
                 unit="solves",
+                only_with=("transforms", ("estimated",)),
                 label="Refits",
                 description="Of Estimated: how often the turns are estimated again from the last solution. "
                 "Each costs as much as a thin shell",
@@ -259,6 +280,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 advanced=True,
+                only_with=("transforms", ("implicit",)),
                 label="Second Stage",
                 description="Of Implicit: what is done with the transformations",
             ),
@@ -267,6 +289,7 @@ ROWS = (
                 True,
                 rebinds=True,
                 advanced=True,
+                only_with=("transforms", ("estimated", "implicit")),
                 label="Mean Frame",
                 description="Of Estimated and Implicit: sees the handles from the mean of their turns, "
                 "so that each of two handles turns by half of the angle between them",
@@ -278,6 +301,50 @@ ROWS = (
                 rebinds=True,
                 label="Laplacian",
                 description="How the faces are taken into account",
+            ),
+            _substeps(
+                "Of Estimated: each step starts from the shape of the last one. Of None and Implicit: each "
+                "step binds it, so a frame takes as many binds. Helps where two handles twist the surface",
+                only_with=("transforms", ("none", "estimated", "implicit")),
+            ),
+        ),
+    ),
+    Method(
+        id="hierarchical_smoothing",
+        number=11,
+        label="Hierarchical Smoothing",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="HierarchicalSmoothing",
+        section="4.3",
+        paper="Guskov, Sweldens & Schröder 1999",
+        summary="Smooth between the handles, and details of every size turn with the coarser shape",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.08),
+        reproduces=Reproduced.RIGID_MOTIONS,
+        parameters=(
+            Int(
+                "levels",
+                64,
+                maximum=1000,
+                soft_maximum=100,
+                rebinds=True,
+                unit="levels",
+                label="Levels",
+                description="How often the surface between the regions is thinned out, at most. "
+                "With few levels, only fine details turn",
+            ),
+            Int(
+                "relaxations",
+                4,
+                maximum=1000,
+                soft_maximum=32,
+                rebinds=True,
+                unit="sweeps",
+                label="Relaxations",
+                description="How often each level is smoothed. More make the transition at the border "
+                "of a region rounder, and take longer",
             ),
         ),
     ),

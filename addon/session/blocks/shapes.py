@@ -14,7 +14,7 @@ import numpy as np
 from bpy.types import Mesh, NodesModifier, Object, Scene
 
 from ... import compat
-from ...ids import Datablocks, Inputs
+from ...ids import Datablocks, Inputs, Keys
 from ...mesh_io import copy_shape, replace_rest, resize_shape, shape_mesh, write_shape
 from ...properties import SinewDeformer, deformers_of
 from ..memory import render_writes, sessions
@@ -84,6 +84,7 @@ def ensure(
     deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
     render_count = vertex_count if render_count is None else render_count
     deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
+    mark(deformer)
     point_type = targets.point_type(deformer)
     if modifier is None:
         modifier = obj.modifiers.new(Datablocks.MODIFIER, "NODES")
@@ -106,6 +107,37 @@ def connect(modifier: NodesModifier, deformer: SinewDeformer) -> None:
     ):
         if compat.modifier_input(modifier, name) != value:
             compat.set_modifier_input(modifier, name, value)
+
+
+def mark(deformer: SinewDeformer) -> None:
+    """Let the shape meshes say whose they are, so that ``restore`` finds them."""
+    for proxy, owner in _owners(deformer):
+        if proxy is not None and not is_linked(proxy) and proxy.data.get(Keys.SHAPE) != owner:
+            proxy.data[Keys.SHAPE] = owner
+
+
+def _owners(deformer: SinewDeformer) -> tuple[tuple[Object | None, str], tuple[Object | None, str]]:
+    """The two shape objects, each with what its mesh says."""
+    return (deformer.proxy, f"{deformer.uid} VIEWPORT"), (deformer.proxy_render, f"{deformer.uid} RENDER")
+
+
+def restore(obj: Object, deformer: SinewDeformer) -> None:
+    """Find the shapes again, if undo or redo put the target in their place.
+
+    Blender reads a changed object into new memory, then moves it to where it was, and takes each of its
+    pointers to the new memory for one to itself. But these still are the addresses of the time when the step
+    was stored, and a shape that was removed since may have been there.
+    """
+    lost = [owner for proxy, owner in _owners(deformer) if proxy == obj]
+    if not lost:
+        return
+    for shape in bpy.data.objects:
+        owner = shape.data.get(Keys.SHAPE) if shape.type == "MESH" and shape.library is None else None
+        if owner in lost:
+            setattr(deformer, "proxy_render" if owner.endswith("RENDER") else "proxy", shape)
+    modifier = find_modifier(obj, deformer)
+    if modifier is not None:
+        connect(modifier, deformer)
 
 
 def tell_copies_apart(obj: Object) -> bool:

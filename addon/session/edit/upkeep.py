@@ -27,11 +27,19 @@ def separate(obj: Object) -> None:
             deformer.proxy = bpy.data.objects.new(Datablocks.PROXY_VIEWPORT, shared[0].data.copy())
         if shared[1] is not None:
             deformer.proxy_render = bpy.data.objects.new(Datablocks.PROXY_RENDER, shared[1].data.copy())
+        shapes.mark(deformer)
         references.unshare_curves(deformer)
         if modifier is not None:
             shapes.connect(modifier, deformer)
     kinds.keep_evaluated(obj)
     obj.update_tag()
+
+
+def restore_shapes() -> None:
+    """After undo and redo; see ``shapes.restore``."""
+    for obj in owners():
+        for deformer in obj.sinew.deformers if obj.library is None else ():
+            shapes.restore(obj, deformer)
 
 
 def collect() -> None:

@@ -11,6 +11,9 @@ from ._types import Floats, Progress, Singles, Weights
 
 FreeParts = Literal["stay", "follow"]
 Field = Literal["harmonic", "geodesic", "euclidean"]
+Details = Literal[
+    "displacement_vectors", "normal_displacements", "displacement_volumes", "deformation_transfer"
+]
 LocalTransforms = Literal["none", "explicit", "estimated", "implicit"]
 
 class SurfaceMethod:
@@ -47,6 +50,7 @@ class SurfaceMethod:
         tolerance: float | None = None,
         progress: Progress | None = None,
         out: Singles | None = None,
+        substeps: int = 1,
     ) -> tuple[Floats | Singles, SolveReport]: ...
     @property
     def rest(self) -> SurfaceMesh: ...
@@ -87,6 +91,9 @@ class GradientEditing(SurfaceMethod):
 class RotationInvariantCoordinates(SurfaceMethod):
     def __init__(self, mesh: SurfaceMesh, *, laplacian: Literal["uniform", "cotan"] = "cotan") -> None: ...
 
+class HierarchicalSmoothing(SurfaceMethod):
+    def __init__(self, mesh: SurfaceMesh, *, levels: int = 64, relaxations: int = 4) -> None: ...
+
 class LaplacianEditing(SurfaceMethod):
     def __init__(
         self,
@@ -112,3 +119,15 @@ class Arap(SurfaceMethod):
         tolerance: float = 1e-5,
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
+
+class Multiresolution(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        base: SurfaceMethod,
+        *,
+        details: Details = "displacement_vectors",
+        wavelength: float = 10.0,
+        bands: int = 1,
+    ) -> None: ...
+    def levels(self) -> list[Floats]: ...

@@ -218,6 +218,28 @@ LaplacianEditing::LaplacianEditing(const SurfaceMesh& rest, const LaplacianEditi
 LaplacianEditing::~LaplacianEditing() = default;
 LaplacianEditing::LaplacianEditing(LaplacianEditing&&) noexcept = default;
 
+SurfaceMethod::Stepping LaplacianEditing::stepping() const
+{
+    switch (impl_->options.transforms) {
+    case LocalTransforms::from_handles:
+        return Stepping::none;
+    case LocalTransforms::estimated:
+        return Stepping::from_last;
+    default:
+        return Stepping::anew;
+    }
+}
+
+bool LaplacianEditing::displaces_all_alike() const
+{
+    return impl_->options.transforms == LocalTransforms::none;
+}
+
+std::unique_ptr<SurfaceMethod> LaplacianEditing::made_anew(const SurfaceMesh& rest) const
+{
+    return std::make_unique<LaplacianEditing>(rest, impl_->options);
+}
+
 void LaplacianEditing::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Binding& bound = *impl_->bound;
@@ -267,7 +289,7 @@ void LaplacianEditing::bind(const Regions& regions, BindReport& report, const Pr
     report.factor_bytes += of_fields.factor_bytes + (bound.first ? bound.first->bytes() : 0);
 }
 
-SolveReport LaplacianEditing::deform(const SolveRequest& /*request*/, const Targets& targets,
+SolveReport LaplacianEditing::deform(const SolveRequest& request, const Targets& targets,
                                      Points& positions) const
 {
     const Impl& impl = *impl_;
@@ -313,8 +335,12 @@ SolveReport LaplacianEditing::deform(const SolveRequest& /*request*/, const Targ
                    (impl.options.second_stage == SecondStage::length ? lengthened(T, d) : T.rotated(d));
         });
     } else {
-        report = impl.solve(targets, delta, *work, positions,
-                            [&](int v, const Vector3& d) -> Vector3 { return frames[groups.group[v]] * d; });
+        // Other starts are for iterative methods.
+        const bool has_last = request.start && request.substeps > 1;
+        report = impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) -> Vector3 {
+            return has_last ? Vector3(laplacian_at(bound.L, *request.start, v) / bound.mass[v])
+                            : Vector3(frames[groups.group[v]] * d);
+        });
         for (int k = 0; k < impl.options.refits; ++k) {
             impl.fit(targets.base(), positions, frames, work->nine);
             report = impl.solve(targets, delta, *work, positions, [&](int v, const Vector3& d) -> Vector3 {

@@ -74,7 +74,8 @@ struct LaplacianEditingOptions
 ///                                                one; `implicit` see responses/implicit_response.h
 ///   solve()        the handles moved             one solve for x, y and z; `estimated` one more per refit,
 ///                                                each with a rotation fit per vertex; `implicit` with O(n k)
-///                                                for k handles of a part
+///                                                for k handles of a part; per substep after the first the
+///                                                same once more, with a bind for `none` and `implicit`
 ///
 /// Affine motions of all handles are reproduced by `from_handles`, rigid ones by `estimated` and `implicit`,
 /// translations by all.
@@ -86,7 +87,14 @@ public:
     ~LaplacianEditing() override;
     LaplacianEditing(LaplacianEditing&&) noexcept;
 
+    /// `none` and `implicit` are made anew. `estimated` fits its first rotations to the last step. The maps
+    /// of handles fade in one step as in many.
+    Stepping stepping() const override;
+    /// Of `none` only.
+    bool displaces_all_alike() const override;
+
 protected:
+    std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const override;
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
     std::vector<std::string> changed_options(const SurfaceMethod& former) const override;

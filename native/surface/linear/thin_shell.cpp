@@ -160,6 +160,13 @@ ThinShell::ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options)
 ThinShell::~ThinShell() = default;
 ThinShell::ThinShell(ThinShell&&) noexcept = default;
 
+std::unique_ptr<SurfaceMethod> ThinShell::made_anew(const SurfaceMesh& rest) const
+{
+    ThinShellOptions options = impl_->options;
+    options.affine_basis = false;
+    return std::make_unique<ThinShell>(rest, options);
+}
+
 void ThinShell::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     impl_->bind(regions, report, progress);

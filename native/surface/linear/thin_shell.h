@@ -56,7 +56,8 @@ struct ThinShellOptions
 ///   one of these    some vertices became held,    the part of the factor that depends on these vertices:
 ///   again           or a painted stiffness        about half of it for a patch; where vertices become free,
 ///                   changed on some vertices      a whole factorisation
-///   solve()         the handles moved             O(n k) with the basis, else one solve for x, y and z
+///   solve()         the handles moved             O(n k) with the basis, else one solve for x, y and z; a
+///                                                 bind more per substep after the first
 ///
 /// Being linear, it suits translations and gentle bends; details do not rotate with the surface.
 class ThinShell final : public SurfaceMethod
@@ -83,7 +84,11 @@ public:
     /// it.
     const AffineBasis* affine_basis() const;
 
+    Stepping stepping() const override { return Stepping::anew; }
+    bool displaces_all_alike() const override { return true; }
+
 protected:
+    std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const override;
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
     std::vector<std::string> changed_options(const SurfaceMethod& former) const override;

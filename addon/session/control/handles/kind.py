@@ -55,7 +55,8 @@ _NAMED = 3  # regions without vertices; the panel counts the others
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """Warnings about regions without vertices, and what the parts of the mesh do that no region touches.
+    """Warnings about regions without vertices, what the parts of the mesh do that no region touches, and how
+    many details have no height.
 
     A space method moves all parts.
     """
@@ -72,6 +73,10 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
         text = "1 loose part stays at rest" if staying == 1 else f"{staying:,} loose parts stay at rest"
         elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
         lines.append(Status(Level.WARNING, text, elements))
+    vectors = report.detail_vectors
+    if vectors:
+        text = "1 detail is a vector" if vectors == 1 else f"{vectors:,} details are vectors"
+        lines.append(Status(Level.INFO, f"{text}: no normal of the base leads there"))
     return tuple(lines)
 
 

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Methods around another method, which moves a smooth base of the surface."""
+
+from .schema import Choice, Control, Family, Float, Int, Method, Moved, factorising
+
+DETAILS = (
+    (
+        "displacement_vectors",
+        "Displacement Vectors",
+        "An arrow per vertex, which turns with the base: quick and safe",
+    ),
+    (
+        "normal_displacements",
+        "Normal Displacements",
+        "A height above the base per vertex: details spread on outer curves, and fold over in tight bends",
+    ),
+    (
+        "displacement_volumes",
+        "Displacement Volumes",
+        "The volume between base and surface is kept: the least distortion, also in tight bends, but slow",
+    ),
+    (
+        "deformation_transfer",
+        "Deformation Transfer",
+        "Each face is deformed as its face of the base is: details grow and shrink with the base",
+    ),
+)
+
+
+ROWS = (
+    Method(
+        id="multiresolution",
+        number=20,
+        label="Multiresolution",
+        family=Family.MULTIRESOLUTION,
+        control=Control.HANDLES,
+        native="Multiresolution",
+        section="4.4",
+        paper="Kobbelt et al. 1998, Botsch, Pauly, Kobbelt et al. 2008",
+        summary="Moves a smooth base by any other method and puts the details back",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.06),
+        wraps=(Family.SURFACE_LINEAR, Family.SURFACE_NONLINEAR),
+        parameters=(
+            Choice(
+                "details",
+                "displacement_vectors",
+                DETAILS,
+                rebinds=True,
+                label="Details",
+                description="How the details are stored and put back on the base",
+            ),
+            Float(
+                "wavelength",
+                10.0,
+                minimum=0.1,
+                maximum=1e4,
+                soft_maximum=50.0,
+                precision=1,
+                step=1.0,
+                rebinds=True,
+                unit="mean edge lengths",
+                label="Wavelength",
+                description="Bumps that are shorter than this count as details. "
+                "Raise it until the base is as smooth as what you want to bend",
+            ),
+            Int(
+                "bands",
+                1,
+                minimum=1,
+                maximum=8,
+                soft_maximum=4,
+                rebinds=True,
+                advanced=True,
+                unit="bands",
+                label="Bands",
+                description="Each further band takes details of twice the wavelength off the base, "
+                "and turns finer details with coarser ones",
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/types.h"
+#include "native/mesh/surface_mesh.h"
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace sinew {
+
+/// The map of a triangle that takes its two edges and its normal to those of another shape, times its area.
+/// All is zero where the area is below 1e-7 of the longest edge squared: it says nothing about a map then.
+struct FaceMap
+{
+    Matrix3 weighted; ///< area T, with T = [e1' e2' n'] [e1 e2 n]^-1
+    double area, other_area; ///< of the triangle in both shapes
+    Vector3 normal, other_normal; ///< unit
+};
+FaceMap face_map(const PointsView& before, const PointsView& after, const Triangle& triangle);
+
+/// How each vertex of a surface turned from one shape to another: the rotation that is closest to the sum of
+/// the maps of its triangles, weighted by their areas.
+///
+/// No edge is singled out, and equal shapes give the identity to rounding. Where the triangles of a vertex
+/// have no area, those of its neighbours count, and where these have none, it gets the identity.
+///
+///   call         cost
+///   constructor  O(n)
+///   fit()        O(n), one rotation fit per vertex; safe from several threads
+class RingRotations
+{
+public:
+    RingRotations() = default;
+    explicit RingRotations(const SurfaceMesh& mesh);
+
+    using Wanted = std::function<bool(int vertex)>;
+    using Use = std::function<void(int vertex, const Matrix3& rotation)>;
+    /// \param before, after  (n, 3)
+    /// \param maps    a workspace that is kept from call to call.
+    /// \param wanted  whether a vertex needs its rotation. Called from several threads, as is `use`.
+    void fit(const PointsView& before, const PointsView& after, std::vector<Matrix3>& maps,
+             const Wanted& wanted, const Use& use) const;
+
+    /// The rotation of one vertex alone.
+    Matrix3 at(const PointsView& before, const PointsView& after, int vertex) const;
+
+    const std::vector<Triangle>& triangles() const { return triangles_; }
+    /// The triangles at a vertex.
+    std::span<const int> around(int vertex) const
+    {
+        return {around_.data() + offsets_[vertex], around_.data() + offsets_[vertex + 1]};
+    }
+
+private:
+    /// The sum of map(triangle) over the triangles that decide about a vertex.
+    template <class Map>
+    Matrix3 sum_around(int vertex, const Map& map) const;
+
+    std::vector<Triangle> triangles_;
+    std::vector<int> offsets_, around_;
+};
+
+} // namespace sinew

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/multiresolution/details/displacement_volumes.h"
+
+#include "tests/native/multiresolution/codings.h"
+
+namespace sinew {
+
+namespace {
+
+std::unique_ptr<DisplacementVolumes> coding_of(const Study& study)
+{
+    return std::make_unique<DisplacementVolumes>(study.mesh, study.regions, view(study.fine()),
+                                                 view(study.base), study.rings);
+}
+
+CodingTraits traits()
+{
+    return {.name = "DisplacementVolumes", .make = coding_of, .bent_up = 0.0144, .bent_down = 0.0144};
+}
+
+} // namespace
+
+INSTANTIATE_TEST_SUITE_P(DisplacementVolumes, CodingContract, testing::Values(traits()));
+
+TEST(DisplacementVolumes, a_lifted_plate_has_its_area_times_the_lift_wherever_it_is_pushed)
+{
+    const SurfaceMesh mesh = shapes::grid(3, 3, 1.0 / 3);
+    const Points lifted = mesh.points().rowwise() + Eigen::RowVector3d(0.2, -0.1, 0.3);
+    double sum = 0.0;
+    for (const Triangle& t : mesh.triangles())
+        sum += prism_between(view(mesh.points()), view(lifted), t).volume;
+    EXPECT_NEAR(sum, 0.3, 1e-14);
+}
+
+TEST(DisplacementVolumes, the_gradient_of_a_prism_is_that_of_finite_differences)
+{
+    shapes::Random random(3);
+    const Points coarse = random.dense(3, 3), fine = random.dense(3, 3);
+    const Triangle t{0, 1, 2};
+    const double step = 1e-5; // the volume is cubic: the error is of the order of its square
+    for (int corner = 0; corner < 3; ++corner)
+        for (int axis = 0; axis < 3; ++axis) {
+            Points more = fine, less = fine;
+            more(corner, axis) += step;
+            less(corner, axis) -= step;
+            const double slope = (prism_between(view(coarse), view(more), t).volume -
+                                  prism_between(view(coarse), view(less), t).volume) /
+                                 (2 * step);
+            EXPECT_NEAR(prism_between(view(coarse), view(fine), t).gradient[corner][axis], slope, 1e-9);
+        }
+}
+
+TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bends)
+{
+    const Study study(60);
+    const auto coding = coding_of(study);
+    const VectorX goal = coding->volumes(view(study.fine()), view(study.base));
+    const double height = shapes::distance(study.fine(), study.base),
+                 mean = goal.cwiseAbs().sum() / goal.size();
+    for (double sharpness : {0.28, 0.7, 1.27}) { // height times curvature
+        const double half = 0.5 * 200 * shapes::pi / 180 * height / sharpness;
+        const double degrees = half > 3 ? 200 * 3 / half : 200, wide = std::min(half, 3.0);
+        const Points moved = bumps::bent(study.base, degrees, 5 - wide, 5 + wide);
+        SolveReport report;
+        const Points x = bumps::detailed(*coding, study.fine(), study.base, moved, &report);
+        EXPECT_TRUE(report.converged) << sharpness;
+        EXPECT_LT((coding->volumes(view(x), view(moved)) - goal).cwiseAbs().maxCoeff(), 2e-6 * mean)
+            << sharpness;
+        EXPECT_EQ(bumps::turned_faces(study.mesh, study.base, moved, x), 0) << sharpness;
+        EXPECT_LT(report.iterations, sharpness < 0.3 ? 12 : 60) << sharpness;
+        if (sharpness != 0.7) // where the quick iteration may or may not do
+            EXPECT_EQ(report.fallbacks, sharpness > 1) << sharpness;
+    }
+}
+
+TEST(DisplacementVolumes, are_kept_on_a_base_of_another_size)
+{
+    const Study study(24);
+    const auto coding = coding_of(study);
+    const VectorX goal = coding->volumes(view(study.fine()), view(study.base));
+    for (double scale : {0.7, 2.0}) {
+        SolveReport report;
+        const Points moved = scale * study.base;
+        const Points x = bumps::detailed(*coding, study.fine(), study.base, moved, &report);
+        EXPECT_TRUE(report.converged) << scale;
+        EXPECT_EQ(report.fallbacks, 1) << scale;
+        EXPECT_LT((coding->volumes(view(x), view(moved)) - goal).cwiseAbs().maxCoeff(),
+                  2e-6 * goal.cwiseAbs().sum() / goal.size());
+    }
+}
+
+} // namespace sinew
