@@ -82,6 +82,13 @@ WORKS = (
         at_most=True,
     ),
     Work(
+        "hierarchical_frame",
+        "a frame of `HierarchicalSmoothing`",
+        "`ThinShell.solve` without its basis",
+        {ANY: 3.0},
+        at_most=True,
+    ),
+    Work(
         "multiresolution_displacement_vectors",
         "a frame of `Multiresolution` with displacement vectors",
         "`ThinShell.solve` of its base",

@@ -55,7 +55,7 @@ def measure(part: str, size: int) -> list[Row]:
 def _library(size: int, _small: bool) -> dict[str, Callable[[], Times]]:
     """Both by their wheels, in Python 3.11."""
     script, here = HERE / "system_times.py", environments.dev().make().python
-    windows_tests.build_wheels()
+    windows_tests.build_wheel(11)
 
     def times(run: Callable, python: Path, drive: str, module: Path) -> Times:
         env = {"PYTHONPATH": f"{drive}{module}"}

@@ -12,6 +12,7 @@ from driving import (
     MODELS,
     OUTPUT,
     apart,
+    choose,
     click,
     differing,
     drag,
@@ -200,10 +201,7 @@ def pose():
 def settings():
     """Method and Factor in the panel."""
     arap = shown()
-    yield from click(*METHOD)
-    yield from rest()
-    press("S")  # underlined in Thin Shell
-    yield from rest(3)
+    yield from choose(METHOD, deformer(), "method", "thin_shell")
     seen["method"] = deformer().method
     seen["method_changed"] = apart(shown(), arap)
     seen["method_keeps"] = [(handle.kind, handle.vertex_group) for handle in deformer().handles]

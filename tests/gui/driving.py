@@ -114,6 +114,20 @@ def click(x: int, y: int, **modifiers: bool) -> Iterator[None]:
     yield
 
 
+def choose(menu: Place, owner: bpy.types.bpy_struct, name: str, value: str) -> Iterator[None]:
+    """Open the menu of a property, and go to an entry by arrow keys: letters change as entries are added."""
+    entries = [item.identifier for item in owner.bl_rna.properties[name].enum_items if item.identifier]
+    yield from click(*menu)
+    yield from rest()
+    press("HOME")
+    yield
+    for _ in range(entries.index(value)):
+        press("DOWN_ARROW")
+        yield
+    press("RET")
+    yield from rest(3)
+
+
 def drag(start: Place, end: Place, steps: int = 4) -> Iterator[None]:
     """Hold the left button on the way."""
     move(*start)

@@ -163,10 +163,10 @@ def _other_native_tests(timeout: float) -> Outcome:
     return Outcome() if none else outcome(junit, status)
 
 
-def windows_layer(name: str, tests: Callable[[bool, float], Outcome]) -> Layer:
+def windows_layer(name: str, tests: Callable[[bool, float], Outcome], only_by_name: bool = True) -> Layer:
     """A layer of a core of these tests; by --all, of all of them."""
-    whole = Layer(f"windows-{name}", 5400, partial(tests, True), True, True)
-    return Layer(f"windows-{name}", 900, partial(tests, False), True, True, whole)
+    whole = Layer(f"windows-{name}", 5400, partial(tests, True), True, only_by_name)
+    return Layer(f"windows-{name}", 900, partial(tests, False), True, only_by_name, whole)
 
 
 LAYERS = (
@@ -185,6 +185,7 @@ LAYERS = (
     Layer("gui", 1200, gui, one_process=True),
     windows_layer("bindings", windows_tests.bindings),
     windows_layer("blender", windows_tests.blender),
+    windows_layer("bindings-3.13", windows_tests.bindings_313),
     Layer("windows-blender-5", 900, windows_tests.blender_5, one_process=True, only_by_name=True),
     Layer("neon", 600, neon, only_by_name=True),
 )

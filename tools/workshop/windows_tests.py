@@ -9,19 +9,20 @@ import re
 import shutil
 from pathlib import Path
 
-from . import environments, wine
+from . import cross_wheels, environments, wine
+from .archives import write_zip
 from .blenders import INSIDE, RUN_PYTEST, blender_module, conditions
 from .cross_libraries import build, libraries
 from .cross_wheels import configure
 from .debian import GOOGLETEST, install
 from .dev import build_tree
-from .package import package
-from .places import BUILD, DEV_MODULE, ROOT, WHEELS
+from .package import extension_files, manual_files, package
+from .places import BUILD, DEV_MODULE, ROOT, version
 from .results import Outcome, outcome
 from .shell import jobs, must, one_at_a_time
 from .suites import OPTIONS, RESULTS, emptied, googletest, new_junit
 from .windows_libraries import WINDOWS
-from .windows_wheels import TARGET, build_wheels
+from .windows_wheels import TARGET
 
 BINDINGS = ROOT / "tests" / "bindings"
 LINALG = re.compile(r"^(?:import|from) scipy\.(?:sparse\.)?linalg", flags=re.MULTILINE)
@@ -49,6 +50,7 @@ CORE_TESTS = (
     "test_other_systems.py",
     "test_paths.py",
 )
+NO_PYTHON = Outcome(skipped=1, note="no Python 3.13 here, so there is no wheel for it")
 VERSION = "4.5.15"
 NEWEST = "5.2.3"
 OF_ANOTHER_SYSTEM = "SINEW_FILES_OF_ANOTHER_SYSTEM"
@@ -56,7 +58,6 @@ USER = "Jürgen Müller 日本語"  # a folder of a user, as Windows names it af
 
 
 def native(timeout: float) -> Outcome:
-    build_wheels()
     wine.set_up()
     return googletest("windows-native", ["wine", test_program()], timeout, wine.SETTINGS, drive="Z:")
 
@@ -76,12 +77,21 @@ def test_program() -> Path:
 
 
 def bindings(whole: bool, timeout: float) -> Outcome:
-    """The bindings' tests, all in Python 3.11, and in 3.13 all or a core."""
-    build_wheels()
-    total = bindings_in(11, (), timeout)
-    if not list(WHEELS.glob("*-cp313-win_amd64.whl")):
-        return total + Outcome(note="no Python 3.13 here, so there is no wheel for it")
-    return total + bindings_in(13, () if whole else CORE_BINDINGS, timeout)
+    """A core of the bindings' tests, or all, in the Python of Blender 4.2 to 5.0."""
+    return bindings_in(11, () if whole else CORE_BINDINGS, timeout)
+
+
+def bindings_313(whole: bool, timeout: float) -> Outcome:
+    """The same in the Python of Blender 5.1 and later."""
+    if not environments.python313():
+        return NO_PYTHON
+    return bindings_in(13, () if whole else CORE_BINDINGS, timeout)
+
+
+def build_wheel(minor: int) -> Path:
+    """The wheel for one Python alone. That of the other takes minutes more to compile."""
+    builder = environments.build313() if minor == 13 else environments.build()
+    return cross_wheels.build_wheel(TARGET, builder.make(), minor)
 
 
 def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
@@ -89,6 +99,7 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
 
     One of them compares the answers of all methods with those of this machine.
     """
+    build_wheel(minor)
     here = answers_of_this_machine()
     python = wine.python(minor)
     files = [file for file in sorted(BINDINGS.glob("test_*.py")) if not names or file.name in names]
@@ -136,7 +147,7 @@ def blender(whole: bool, timeout: float) -> Outcome:
 def blender_5(timeout: float) -> Outcome:
     """The same core in the newest Blender for Windows, which takes Python 3.13."""
     if not environments.python313():
-        return Outcome(skipped=1, note="no Python 3.13 here, so there is no wheel for this Blender")
+        return NO_PYTHON
     return in_blender(NEWEST, CORE_TESTS, timeout, {})
 
 
@@ -152,7 +163,7 @@ def in_blender(version: str, tests: tuple[str, ...], timeout: float, further: di
 @one_at_a_time()
 def install_extension(version: str) -> dict[str, str]:
     """Installs the extension in that Blender, in a new user folder, and returns the environment variables."""
-    zip_file, _ = package("windows")
+    zip_file = extension_with([build_wheel(11)]) if version == VERSION else package("windows")[0]
     env = {
         "BLENDER_USER_RESOURCES": f"Z:{emptied(BUILD / 'blender-users' / f'{USER} {version}')}",
         "SINEW_ADDON_MODULE": "bl_ext.user_default.sinew",
@@ -163,6 +174,12 @@ def install_extension(version: str) -> dict[str, str]:
     if "native module works" not in said:
         raise SystemExit(f"{zip_file.name} could not be installed in Windows' Blender {version}:\n{said}")
     return env
+
+
+def extension_with(wheels: list[Path]) -> Path:
+    """An extension with these wheels alone. It lies outside ``dist``, as nobody is to get it."""
+    target = WINDOWS.tree / "zips" / f"sinew-{version()}-windows-x64.zip"
+    return write_zip(target, extension_files(wheels, manual_files()))
 
 
 @one_at_a_time()

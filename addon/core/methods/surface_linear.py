@@ -309,4 +309,43 @@ ROWS = (
             ),
         ),
     ),
+    Method(
+        id="hierarchical_smoothing",
+        number=11,
+        label="Hierarchical Smoothing",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="HierarchicalSmoothing",
+        section="4.3",
+        paper="Guskov, Sweldens & Schröder 1999",
+        summary="Smooth between the handles, and details of every size turn with the coarser shape",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.08),
+        reproduces=Reproduced.RIGID_MOTIONS,
+        parameters=(
+            Int(
+                "levels",
+                64,
+                maximum=1000,
+                soft_maximum=100,
+                rebinds=True,
+                unit="levels",
+                label="Levels",
+                description="How often the surface between the regions is thinned out, at most. "
+                "With few levels, only fine details turn",
+            ),
+            Int(
+                "relaxations",
+                4,
+                maximum=1000,
+                soft_maximum=32,
+                rebinds=True,
+                unit="sweeps",
+                label="Relaxations",
+                description="How often each level is smoothed. More make the transition at the border "
+                "of a region rounder, and take longer",
+            ),
+        ),
+    ),
 )

@@ -91,6 +91,9 @@ class GradientEditing(SurfaceMethod):
 class RotationInvariantCoordinates(SurfaceMethod):
     def __init__(self, mesh: SurfaceMesh, *, laplacian: Literal["uniform", "cotan"] = "cotan") -> None: ...
 
+class HierarchicalSmoothing(SurfaceMethod):
+    def __init__(self, mesh: SurfaceMesh, *, levels: int = 64, relaxations: int = 4) -> None: ...
+
 class LaplacianEditing(SurfaceMethod):
     def __init__(
         self,
