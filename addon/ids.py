@@ -33,6 +33,7 @@ class Operators:
     DRAG = "sinew.drag"
     BAKE = "sinew.bake"
     UNBAKE = "sinew.unbake"
+    TRANSFER = "sinew.transfer_deformation"
     CURVE_EDIT = "sinew.curve_edit"
     HELP = "sinew.help"
     CHECK_INSTALLATION = "sinew.check_installation"

@@ -14,6 +14,7 @@ from .native import (
     diagnose,
     limit_memory,
     limit_threads,
+    mesh_transfer,
 )
 from .recipes import Base, Cage, CageReport, ControlPoints, HandlePoints, Handles, Progress, Recipe, Shape
 from .self_check import Check, check_installation, last_check
@@ -43,4 +44,5 @@ __all__ = (
     "last_check",
     "limit_memory",
     "limit_threads",
+    "mesh_transfer",
 )

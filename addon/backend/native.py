@@ -2,7 +2,7 @@
 """Calls of the native module, whose errors become Sinew's own. No other room names a native class."""
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
@@ -26,7 +26,7 @@ from ..core.geometry import frames
 from ..core.methods import following
 from ..core.status import Remedy
 from .loader import Availability, load
-from .recipes import Bound, Handles, Progress, Recipe, SolveReport
+from .recipes import Bound, Handles, Progress, Recipe, Shape, SolveReport
 
 _limits: dict[str, int] = {}  # the limits that are set, by the native function that sets each
 
@@ -236,6 +236,23 @@ def automatic_cage(
     if isinstance(faces, tuple):
         return around, *faces, told
     return around, np.full(len(faces), 3, dtype=np.int32), faces.ravel(), told
+
+
+def mesh_transfer(source: Shape, target: Shape) -> Callable[[np.ndarray], np.ndarray]:
+    """A function that deforms the target as the source: deformed source (n, 3) float64 -> target (n, 3).
+
+    Both are at rest, with the same faces. Any thread may call this.
+    """
+    native = _module()
+    with _translated(native):
+        meshes = [native.SurfaceMesh(shape.points, shape.faces) for shape in (source, target)]
+        made = native.MeshTransfer(*meshes)
+
+    def transfer(deformed: np.ndarray) -> np.ndarray:
+        with _translated(native):
+            return made.transfer(deformed)
+
+    return transfer
 
 
 def connected_parts(count: int, faces: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

@@ -50,16 +50,21 @@ def play(
     obj: Object, deformer: SinewDeformer, modifier: Modifier, target: str, filepath: str, frames: range
 ) -> None:
     """Let the modifier play a file wherever the deformer's modifier was shown."""
+    play_file(modifier, target, filepath, frames)
+    replaced = session.find_modifier(obj, deformer)
+    for flag in ("show_viewport", "show_render", "show_in_editmode", "show_on_cage"):
+        setattr(modifier, flag, getattr(replaced, flag))
+    deformer.bake.modifier = modifier.name
+
+
+def play_file(modifier: Modifier, target: str, filepath: str, frames: range) -> None:
+    """Let the modifier replace all vertices by those of a file, exactly at each of its frames."""
     modifier.cache_format, modifier.filepath = target, filepath
     modifier.frame_scale, modifier.frame_start = timing(frames)
     modifier.deform_mode, modifier.interpolation = "OVERWRITE", "LINEAR"
     modifier.play_mode, modifier.time_mode = "SCENE", "FRAME"
     for name in ("forward_axis", "up_axis", "flip_axis", "factor", "vertex_group"):
         modifier.property_unset(name)
-    replaced = session.find_modifier(obj, deformer)
-    for flag in ("show_viewport", "show_render", "show_in_editmode", "show_on_cage"):
-        setattr(modifier, flag, getattr(replaced, flag))
-    deformer.bake.modifier = modifier.name
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:

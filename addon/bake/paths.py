@@ -36,10 +36,14 @@ def default(obj: Object, deformer: SinewDeformer, target: str) -> str:
 
     Each .blend file has a folder of its own, since versions of a file often lie in one folder.
     """
+    name = obj.name if target == "ALEMBIC" else f"{obj.name}-{deformer.name}"
+    path = _beside(name, target)
+    return path if is_free(path, deformer) else _beside(name, target, f"-{deformer.uid}")
+
+
+def _beside(name: str, target: str, key: str = "") -> str:
     file = bpy.path.clean_name(Path(bpy.data.filepath).stem)
-    name = bpy.path.clean_name(obj.name if target == "ALEMBIC" else f"{obj.name}-{deformer.name}")[:_LONGEST]
-    path = f"//{FOLDER}/{file}/{name}{SUFFIXES[target]}"
-    return path if is_free(path, deformer) else f"//{FOLDER}/{file}/{name}-{deformer.uid}{SUFFIXES[target]}"
+    return f"//{FOLDER}/{file}/{bpy.path.clean_name(name)[:_LONGEST]}{key}{SUFFIXES[target]}"
 
 
 def is_free(path: str, deformer: SinewDeformer) -> bool:
@@ -63,19 +67,32 @@ def choose(obj: Object, deformer: SinewDeformer, target: str, chosen: str) -> st
     come from someone else.
     """
     last = deformer.bake.filepath
-    if chosen:
-        if chosen.startswith("//") and not bpy.data.filepath:
-            raise SinewError(UNSAVED)
+    if _is_given(chosen):
         return _stored(_with_suffix(chosen, target))
-    if not bpy.data.filepath:
-        raise SinewError(UNSAVED)
     if last and last.lower().endswith(SUFFIXES[target]) and is_free(last, deformer):
         if not is_beside(last):
             raise SinewError(
                 f"The last bake was written to {last}, outside the folder of this file - choose a path"
             )
         return last
-    path = default(obj, deformer, target)
+    return _checked(default(obj, deformer, target))
+
+
+def choose_for_transfer(source: Object, target: Object, chosen: str) -> str:
+    """The path of a transfer between two meshes, as it is stored: ``chosen`` by the user, or the default."""
+    if _is_given(chosen):
+        return _stored(_with_suffix(chosen, "PC2"))
+    return _checked(_beside(f"{target.name}-from-{source.name}", "PC2"))
+
+
+def _is_given(chosen: str) -> bool:
+    """Whether the user chose a path. Raises an error if there is no .blend file to write beside."""
+    if not bpy.data.filepath and (not chosen or chosen.startswith("//")):
+        raise SinewError(UNSAVED)
+    return bool(chosen)
+
+
+def _checked(path: str) -> str:
     if not is_beside(path):
         raise SinewError(
             f"The folder {FOLDER} is a link that leads outside the folder of this file - choose a path"

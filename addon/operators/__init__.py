@@ -25,6 +25,7 @@ from .repair import SINEW_OT_part_regions, SINEW_OT_repair
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
 from .target import explain_no_target, target_of
+from .transfer import SINEW_OT_transfer_deformation
 
 __all__ = (
     "PAGES",
@@ -62,6 +63,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_apply,
         SINEW_OT_bake,
         SINEW_OT_unbake,
+        SINEW_OT_transfer_deformation,
         SINEW_OT_select_problems,
         SINEW_OT_grab_region,
         SINEW_OT_drag,

@@ -40,7 +40,7 @@ SUB_RANKS = {
     "space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
     "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "": 1},
     "surface/nonlinear": {"arap": 0, "": 1},
-    "multiresolution": {"details": 0, "": 1},
+    "multiresolution": {"details": 0, "transfer": 1, "": 1},
 }
 # Sub-rooms that nobody outside their room may see.
 INTERNAL = {

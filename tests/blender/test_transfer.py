@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deformation transfer from one mesh to another with the same faces."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from baking import FRAMES, animate, played
+from rig import Rig, linked, make_active, push
+
+
+def stout(source: bpy.types.Object, shape) -> bpy.types.Object:
+    """A copy of the mesh, reshaped, without deformers and modifiers."""
+    mesh = source.data.copy()
+    for vertex in mesh.vertices:
+        vertex.co = shape(np.array(vertex.co))
+    return linked(bpy.data.objects.new("Stout", mesh))
+
+
+def transfer(
+    source: bpy.types.Object, target: bpy.types.Object, path: Path | None, /, **keywords
+) -> set[str]:
+    make_active(target)
+    source.select_set(True)
+    if path is not None:
+        keywords["filepath"] = str(path)
+    return bpy.ops.sinew.transfer_deformation(**keywords)
+
+
+@pytest.fixture
+def pair(plate: Rig) -> tuple[Rig, bpy.types.Object]:
+    """A plate that Sinew moves through the frames, and one of twice the size."""
+    plate.bind("arap")
+    animate(plate.control)
+    return plate, stout(plate.obj, lambda co: 2.0 * co)
+
+
+def test_a_target_of_twice_the_size_moves_as_the_source_at_every_frame(pair, tmp_path: Path):
+    plate, target = pair
+    bpy.context.scene.frame_set(3)
+    assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
+    assert bpy.context.scene.frame_current == 3
+    assert [modifier.type for modifier in target.modifiers] == ["MESH_CACHE"]
+    moved = played(target)
+    for frame, points in played(plate.obj).items():
+        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame  # float32
+    assert np.abs(moved[FRAMES[-1]] - moved[FRAMES[0]]).max() > 1.0
+
+
+def test_another_transfer_replaces_the_first_and_the_other_modifiers_stay(pair, tmp_path: Path):
+    plate, target = pair
+    target.modifiers.new("Later", "SMOOTH").factor = 0.0
+    for frames in ({}, {"frame_start": 2, "frame_end": 6, "step": 2}):
+        transfer(plate.obj, target, tmp_path / "stout.pc2", source=plate.obj.name, **frames)
+    assert [modifier.name for modifier in target.modifiers] == [f"{plate.obj.name} Transfer", "Later"]
+    content = (tmp_path / "stout.pc2").read_bytes()
+    assert len(content) == 32 + 3 * 12 * len(target.data.vertices)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["stout.pc2"]
+    for frame, points in played(plate.obj, (2, 4, 6)).items():
+        assert np.abs(played(target, (frame,))[frame] - 2.0 * points).max() < 1e-5
+
+
+def test_undo_takes_the_modifier_away(pair, tmp_path: Path):
+    plate, target = pair
+    push("before")
+    transfer(plate.obj, target, tmp_path / "stout")
+    push("after")
+    bpy.ops.ed.undo()
+    assert not bpy.data.objects["Stout"].modifiers
+    bpy.ops.ed.redo()
+    assert len(bpy.data.objects["Stout"].modifiers) == 1
+
+
+def test_what_cannot_be_transferred_is_said_and_changes_nothing(pair, tmp_path: Path):
+    plate, target = pair
+    path, before = tmp_path / "stout.pc2", bpy.context.scene.frame_current
+
+    def refused(match: str, source: bpy.types.Object = plate.obj, to=target, **keywords) -> None:
+        with pytest.raises(RuntimeError, match=match):
+            transfer(source, to, path, **keywords)
+        assert not path.exists()
+        assert not target.modifiers
+        assert bpy.context.scene.frame_current == before
+
+    refused("empty", frame_start=5, frame_end=4)
+    flipped = stout(plate.obj, lambda co: co)
+    flipped.data.flip_normals()
+    refused("faces of the target have other vertices", to=flipped)
+    subdivided = plate.obj.modifiers.new("More", "SUBSURF")
+    refused("make .* vertices of its .* - switch those off")
+    plate.obj.modifiers.remove(subdivided)
+    plate.obj.hide_set(True)
+    with pytest.raises(RuntimeError, match="is hidden"):
+        transfer(plate.obj, target, path, source=plate.obj.name)
+    plate.obj.hide_set(False)
+    empty = linked(bpy.data.objects.new("Empty", None))
+    refused("convert it to a mesh", source=empty)
+    with pytest.raises(RuntimeError, match="There is no object Nobody"):
+        transfer(plate.obj, target, path, source="Nobody")
+    with pytest.raises(RuntimeError, match="Save the file first"):
+        transfer(plate.obj, target, None)
