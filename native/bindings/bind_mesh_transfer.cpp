@@ -48,7 +48,7 @@ source  (n, 3) the source, deformed.
 Raises InvalidConstraint for a wrong shape or a non-finite number.)");
 }
 
-const MethodBinding binding(&bind_mesh_transfer);
+const MethodBinding mesh_transfer_binding(&bind_mesh_transfer);
 
 } // namespace
 
