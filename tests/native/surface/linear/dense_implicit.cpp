@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/native/surface/linear/dense_implicit.h"
 
-#include <Eigen/LU>
+#include "tests/native/dense.h"
+
 #include <Eigen/QR>
 
 namespace sinew {
@@ -76,9 +77,7 @@ Points DenseImplicit::solve(const std::vector<Handle>& handles, const Poses& pos
     for (int row = 0; row < 3 * n_; ++row)
         if (!held[row / 3])
             free.push_back(row);
-    const VectorX rhs = (b - H * d)(free);
-    d(free) = MatrixX(H(free, free)).fullPivLu().solve(rhs);
-    return d.reshaped<Eigen::RowMajor>(n_, 3);
+    return dense::solution(H, b, d, free).reshaped<Eigen::RowMajor>(n_, 3);
 }
 
 std::vector<Eigen::Vector4d> DenseImplicit::fitted(const Points& displacements) const

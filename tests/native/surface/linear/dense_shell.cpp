@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/native/surface/linear/dense_shell.h"
 
-#include <Eigen/LU>
+#include "tests/native/dense.h"
 
 namespace sinew {
 
@@ -66,8 +66,7 @@ Points DenseShell::solve(const Poses& poses, double* energy)
         else
             free.push_back(v);
     }
-    const MatrixX rhs = (b - A_ * d)(free, Eigen::all);
-    d(free, Eigen::all) = MatrixX(A_(free, free)).fullPivLu().solve(rhs);
+    d = dense::solution(A_, b, d, free);
     if (energy) {
         *energy = 0.5 * (d.transpose() * elastic_ * d).trace();
         for (const Pull& pull : pulls_)
