@@ -46,7 +46,7 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 ///   call         cost
 ///   constructor  a factor of the thin shell's size
 ///   apply()      some 3 to 10 steps of a solve for one column each, where heights times curvature stay below
-///                .3; beyond that, up to 150 solves
+///                .7; beyond that, up to 150 solves
 class DisplacementVolumes final : public DetailCoding
 {
 public:
