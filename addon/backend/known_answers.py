@@ -118,15 +118,16 @@ def _with_handles(method: Method, options: dict[str, object], solve: dict[str, o
     apart = np.stack((_STILL, _STILL))
     apart[1, 0, 3] = _APART
     bent = np.stack((_STILL, _MAPS[Reproduced.RIGID_MOTIONS]))
-    answers = [
-        *_motions(method, points, lambda matrix: np.stack((matrix, matrix))),
-        KnownAnswer(
-            "the middle between two handles",
-            apart,
-            lambda shape: shape[middle, 0] - 0.5 * _APART,
-            _ITERATED if method.iterative else _EXACT,
-        ),
-    ]
+    answers = list(_motions(method, points, lambda matrix: np.stack((matrix, matrix))))
+    if method.symmetric:
+        answers.append(
+            KnownAnswer(
+                "the middle between two handles",
+                apart,
+                lambda shape: shape[middle, 0] - 0.5 * _APART,
+                _ITERATED if method.iterative else _EXACT,
+            )
+        )
     if not method.is_space:
         held, where = np.concatenate(ends), np.concatenate([_moved(p, points[e]) for p, e in zip(bent, ends)])
         answers.append(KnownAnswer("handles are held", bent, lambda shape: shape[held] - where))

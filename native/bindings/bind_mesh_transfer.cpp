@@ -5,6 +5,7 @@
 #include "native/multiresolution/transfer/mesh_transfer.h"
 
 #include <memory>
+#include <string>
 #include <utility>
 
 namespace sinew::bindings {
@@ -45,7 +46,10 @@ error names; FactorizationFailed.)")
 
 source  (n, 3) the source, deformed.
 
-Raises InvalidConstraint for a wrong shape or a non-finite number.)");
+Raises InvalidConstraint for a wrong shape or a non-finite number.)")
+        .def("__repr__", [](const MeshTransfer& both) {
+            return "<MeshTransfer: " + std::to_string(both.vertex_count()) + " vertices>";
+        });
 }
 
 const MethodBinding binding(&bind_mesh_transfer);

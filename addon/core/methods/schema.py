@@ -171,7 +171,8 @@ class Method:
     ``wraps``: the families of the methods that this method can be put around. Its native constructor gets
     such a method as ``base``. It is empty for a method that works alone. ``handle_parameters``: every handle
     has its own value of these. The native ``set_handles`` takes one keyword per parameter, with one value per
-    handle. ``reproduces``: the most that the method promises, on any shape.
+    handle. ``reproduces``: the most that the method promises, on any shape. ``symmetric``: whether a mesh
+    that is its own mirror image gets a shape that is; not where the order of the vertices decides something.
     """
 
     id: str
@@ -187,6 +188,7 @@ class Method:
     moves: frozenset[Moved]
     bind_seconds: BindSeconds
     reproduces: Reproduced = Reproduced.TRANSLATIONS
+    symmetric: bool = True
     wraps: tuple[Family, ...] = ()
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()

@@ -323,6 +323,7 @@ ROWS = (
         moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.08),
         reproduces=Reproduced.RIGID_MOTIONS,
+        symmetric=False,
         parameters=(
             Int(
                 "levels",

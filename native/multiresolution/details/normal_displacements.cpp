@@ -67,7 +67,7 @@ struct Patch
             if (met) {
                 // One step more than needed squares what is left.
                 const Vector3 last = y - step;
-                const Vector3 exact = (place(last[0], last[1], last[2]) - x).norm() < miss.norm() ? last : y;
+                Vector3 exact = (place(last[0], last[1], last[2]) - x).norm() < miss.norm() ? last : y;
                 const bool inside = std::min({exact[0], exact[1], 1 - exact[0] - exact[1]}) >= -outside;
                 if (!inside || volume * slopes(exact[0], exact[1], 0).determinant() <= 0)
                     return std::nullopt;

@@ -68,8 +68,9 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
             << sharpness;
         EXPECT_EQ(bumps::turned_faces(study.mesh, study.base, moved, x), 0) << sharpness;
         EXPECT_LT(report.iterations, sharpness < 0.3 ? 12 : 60) << sharpness;
-        if (sharpness != 0.7) // where the quick iteration may or may not do
+        if (sharpness != 0.7) { // where the quick iteration may or may not do
             EXPECT_EQ(report.fallbacks, sharpness > 1) << sharpness;
+        }
     }
 }
 
