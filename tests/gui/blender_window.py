@@ -50,7 +50,8 @@ def drive(
     )
     said = ended.stdout + ended.stderr
     answer = output / "seen.json"
-    assert answer.is_file(), f"Blender crashed ({ended.returncode}): {said[-3000:]}"
+    stack = "".join(file.read_text(encoding="utf-8") for file in output.rglob("*.crash.txt"))
+    assert answer.is_file(), f"Blender crashed ({ended.returncode}): {said[-2000:]}{stack}"
     assert "Traceback" not in said, said[-3000:]
     found = json.loads(answer.read_text(encoding="utf-8"))
     assert "error" not in found, found["error"]

@@ -17,11 +17,11 @@ from expected import Expected  # noqa: E402 - needs the add-on
 from probe import Probe  # noqa: E402
 from rig import Rig, grid_object, make_active  # noqa: E402
 
-FRAMES = int(os.environ.get("SINEW_STRESS_FRAMES", "1000"))
+FRAMES = int(os.environ["SINEW_STRESS_FRAMES"])
 STEP = 1.0 / FRAMES  # what the control rises in one frame
 # Cycles shows its image through OpenGL, from threads of its own: in Mesa's software driver that crashes
 # now and then, whatever it renders. So most frames go to an engine that draws nothing.
-CYCLES_FRAMES = FRAMES // 20
+CYCLES_FRAMES = FRAMES // 10
 TILT = 0.3
 
 

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Playback, viewport render, F12 during a drag, 1,000 frames with an unlocked viewport, autosave."""
+"""Playback, viewport render, F12 during a drag, many frames with an unlocked viewport, autosave."""
 
 import json
+import os
 import subprocess
 from pathlib import Path
 
 import pytest
 from blender_window import blender, drive
 
-FRAMES = 1000
-CYCLES_FRAMES = FRAMES // 20
+# Blender itself, without any add-on, crashes about once in 29,000 such frames. A thousand of them would fail
+# in one run of thirty: SINEW_STRESS_FRAMES=1000 is for them (docs/developer/decisions/unlocked-renders.md).
+FRAMES = int(os.environ.get("SINEW_STRESS_FRAMES", "100"))
+CYCLES_FRAMES = FRAMES // 10
 TIMEOUT = 400.0  # about 70 s on a quiet machine: 40 of them render, the rest waits for the autosave
 FLOAT32 = 4e-6
 ITERATIVE = 1e-3  # what an iterative method's own tolerance leaves
@@ -64,10 +67,10 @@ def test_the_viewport_is_right_after_an_unlocked_render(seen: dict, engine: str)
 
 
 @pytest.mark.parametrize(("engine", "frames"), [("SINEW_TEST_PROBE", FRAMES), ("CYCLES", CYCLES_FRAMES)])
-def test_a_thousand_frames_with_an_unlocked_viewport_do_not_crash(seen: dict, engine: str, frames: int):
+def test_many_frames_with_an_unlocked_viewport_do_not_crash(seen: dict, engine: str, frames: int):
     assert seen[f"{engine}_unlocked"]
     assert seen[f"{engine}_frames"] == frames
-    assert seen[f"{engine}_moves"] > 100
+    assert seen[f"{engine}_moves"] >= frames
 
 
 def test_blenders_own_autosave_opens_with_the_pose_and_lives_on(seen: dict, tmp_path: Path):
