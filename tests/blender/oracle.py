@@ -187,11 +187,14 @@ class Oracle:
             return solver.warp(np.concatenate(posed), incoming=incoming), 0.0
         mesh = self.native.SurfaceMesh(rest, faces)
         steps = steps_of(row, options)
-        if row.wraps:
-            base, given = options["base"]
-            steps = steps_of(base, given) | steps
-            options["base"] = new_native(base, mesh, given)
-        solver = new_native(row, mesh, options)
+        try:
+            if row.wraps:
+                base, given = options["base"]
+                steps = steps_of(base, given) | steps
+                options["base"] = new_native(base, mesh, given)
+            solver = new_native(row, mesh, options)
+        except self.native.InvalidOption as error:  # as of a base without any stiffness
+            raise Refusal(str(error)) from error
         by_handle = {"continuity": [region.continuity for region in regions]} if row.handle_parameters else {}
         solver.set_handles(members, weights=strengths, free_parts=free_parts, **by_handle)
         moved, _report = solver.solve(poses, incoming=incoming, from_rest=flags, **steps)

@@ -5,6 +5,7 @@
 #include "native/core/parallel.h"
 #include "native/operators/laplacian.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -20,6 +21,7 @@ constexpr double softness = 1e-8;      ///< on the diagonal of K, as a share of 
 constexpr double area_change = 0.1;    ///< of the base, beyond which the chord diverges
 constexpr double least_detail = 1e-3; ///< as a share of an edge: smaller ones are kept less exactly
 constexpr int most_solves = 150;      ///< of one frame
+constexpr double least_independence = 1e-10; ///< of steps that are mixed
 
 double det(const Vector3& a, const Vector3& b, const Vector3& c) { return a.dot(b.cross(c)); }
 
@@ -203,6 +205,38 @@ double DisplacementVolumes::area(const PointsView& points) const
     });
 }
 
+void DisplacementVolumes::mix(Workspace& work, int count)
+{
+    const auto slots = work.steps.size();
+    const int kept = std::min(count, kept_steps);
+    const auto step = [&](int back) -> Step& { return work.steps[(count - back) % slots]; };
+    if (kept > 0) { // what was the start of this step becomes its change
+        Step& last = step(1);
+        last.left = work.left - last.left;
+        last.multipliers = work.multipliers - last.multipliers;
+        last.x = work.x - last.x;
+    }
+    Step& next = step(0);
+    next.left = work.left;
+    next.multipliers = work.multipliers;
+    next.x = work.x;
+    MatrixX products(kept, kept);
+    VectorX shares(kept);
+    for (int i = 0; i < kept; ++i) {
+        for (int j = 0; j <= i; ++j)
+            products(i, j) = products(j, i) = step(i + 1).left.dot(step(j + 1).multipliers);
+        shares[i] = step(i + 1).left.dot(work.multipliers);
+    }
+    products.diagonal() *= 1 + least_independence;
+    shares = products.ldlt().solve(shares).eval();
+    if (!shares.allFinite())
+        return;
+    for (int i = 0; i < kept; ++i) {
+        work.multipliers -= shares[i] * step(i + 1).multipliers;
+        work.x -= shares[i] * step(i + 1).x;
+    }
+}
+
 void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport& report) const
 {
     vectors_.apply(band, detailed, report);
@@ -245,6 +279,7 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
             break;
         if (chord) {
             work->multipliers = precondition(work->left);
+            mix(*work, own);
             ++solves;
         } else {
             solves += newton(work->prisms, work->left, std::max(0.05 * worst, 0.3 * tolerance) * scale,

@@ -35,7 +35,9 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 /// Departs from the paper by one volume per vertex, and by its solver. With J = dV/dx, a step is x += M^-1
 /// J^T l:
 ///
-///   chord   l = K^-1 r with the factor of K = J M^-1 J^T of the rest shape, as long as steps halve r
+///   chord   l = K^-1 r with the factor of K = J M^-1 J^T of the rest shape, as long as steps halve r. Of the
+///           last steps that combination is taken off which leaves the least r^T K^-1 r (D. Anderson.
+///           "Iterative Procedures for Nonlinear Integral Equations." Journal of the ACM, 1965)
 ///   Newton  J M^-1 J^T l = r by conjugate gradients with that factor as their preconditioner, where the
 ///           chord stalls, or where the area of the base changes by more than a tenth
 ///
@@ -44,7 +46,7 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 ///   call         cost
 ///   constructor  a factor of the thin shell's size
 ///   apply()      some 3 to 10 steps of a solve for one column each, where heights times curvature stay below
-///                .3; beyond that, up to 150 solves
+///                .7; beyond that, up to 150 solves
 class DisplacementVolumes final : public DetailCoding
 {
 public:
@@ -64,9 +66,18 @@ public:
     VectorX volumes(const PointsView& fine, const PointsView& coarse) const;
 
 private:
+    /// What changed in a step of the chord.
+    struct Step
+    {
+        VectorX left, multipliers;
+        Points x;
+    };
+    static constexpr int kept_steps = 4;
+
     struct Workspace
     {
         std::vector<Prism> prisms; ///< of the triangles
+        std::array<Step, kept_steps + 1> steps; ///< the last ones in turn, and where the next one starts
         VectorX goal, left, multipliers;
         Points x, move, best;
     };
@@ -83,6 +94,9 @@ private:
     int newton(const std::vector<Prism>& prisms, const VectorX& r, double least, int most,
                VectorX& multipliers) const;
     double area(const PointsView& points) const;
+    /// Takes that combination of the last steps off x and the multipliers which leaves the least r^T K^-1 r.
+    /// \param count  of steps before.
+    static void mix(Workspace& work, int count);
 
     std::shared_ptr<const RingRotations> rings_;
     DisplacementVectors vectors_;

@@ -67,7 +67,8 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
         EXPECT_LT((coding->volumes(view(x), view(moved)) - goal).cwiseAbs().maxCoeff(), 2e-6 * mean)
             << sharpness;
         EXPECT_EQ(bumps::turned_faces(study.mesh, study.base, moved, x), 0) << sharpness;
-        EXPECT_LT(report.iterations, sharpness < 0.3 ? 12 : 60) << sharpness;
+        // 6, 9 and 10; without mixing 8 and 24, and the study found 74 solves in the tight bend.
+        EXPECT_LT(report.iterations, sharpness < 0.3 ? 8 : 15) << sharpness;
         if (sharpness != 0.7) { // where the quick iteration may or may not do
             EXPECT_EQ(report.fallbacks, sharpness > 1) << sharpness;
         }
