@@ -60,7 +60,7 @@ positions  (n, 3). The unit is that of sum w |edge|^2: the square of a length.
 Raises InvalidConstraint for another shape or a number that is not finite.)");
 }
 
-const MethodBinding binding(&bind_arap);
+const MethodBinding arap_binding(&bind_arap);
 
 } // namespace
 

@@ -30,7 +30,7 @@ field  how the maps of the handles fade: 'harmonic' (Eq. 8), or by the distances
 Raises InvalidOption for another field.)");
 }
 
-const MethodBinding binding(&bind_gradient_editing);
+const MethodBinding gradient_editing_binding(&bind_gradient_editing);
 
 } // namespace
 

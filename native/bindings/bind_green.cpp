@@ -8,7 +8,7 @@ namespace sinew::bindings {
 
 namespace {
 
-GreenOptions options(const PointWeightOptions& weights, const std::string& outside, int exit_face)
+GreenOptions green_options(const PointWeightOptions& weights, const std::string& outside, int exit_face)
 {
     return {weights,
             choose<GreenOutside>(outside, "outside",
@@ -25,7 +25,7 @@ void bind_green(py::module_& module)
 
 They keep shapes: similarities of the cage are reproduced, shears are not. They have a closed form; the cost
 is O(points x triangles).)",
-        &options,
+        &green_options,
         R"(outside     for points outside, the map is continued through the 'nearest' triangle or through one
             'face', or an 'error' names them.
 exit_face   the face of the cage for outside='face'.
@@ -37,7 +37,7 @@ exit_face   the face of the cage for outside='face'.
             "in the unit of length of the cage.");
 }
 
-const MethodBinding binding(&bind_green);
+const MethodBinding green_binding(&bind_green);
 
 } // namespace
 

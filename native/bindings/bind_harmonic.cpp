@@ -6,8 +6,8 @@ namespace sinew::bindings {
 
 namespace {
 
-HarmonicOptions options(const PointWeightOptions& weights, const std::string& quality,
-                        const std::string& outside, const std::string& solver)
+HarmonicOptions harmonic_options(const PointWeightOptions& weights, const std::string& quality,
+                                 const std::string& outside, const std::string& solver)
 {
     return {weights,
             choose<HarmonicQuality>(quality, "quality",
@@ -31,7 +31,7 @@ void bind_harmonic(py::module_& module)
 The weights are not negative, sum to 1, have linear precision and no maximum inside. For up to 600 triangles, the
 first bind() solves for the boundary of the cage; for more, each bind() solves on a lattice inside. With boundary
 elements, bind() also raises InvalidMesh for faces without area and for faces that touch one another.)",
-        &options,
+        &harmonic_options,
         R"(quality     'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4100 or 12000 unknowns on the cage,
             with time proportional to their cube and memory to their square; or 96, 160, 256 or 384 steps
             of the lattice along the cage's longest side.
@@ -52,7 +52,7 @@ solver      'boundary' elements or a 'lattice'; 'auto' takes the lattice for mor
             "of the cage; apart from that, no error inside is larger.");
 }
 
-const MethodBinding binding(&bind_harmonic);
+const MethodBinding harmonic_binding(&bind_harmonic);
 
 } // namespace
 

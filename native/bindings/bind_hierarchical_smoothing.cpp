@@ -30,7 +30,7 @@ relaxations  sweeps on each level after its vertices have come back.
 Raises InvalidOption for a number below 0.)");
 }
 
-const MethodBinding binding(&bind_hierarchical_smoothing);
+const MethodBinding hierarchical_smoothing_binding(&bind_hierarchical_smoothing);
 
 } // namespace
 

@@ -56,7 +56,7 @@ mean_frame    of 'estimated' and 'implicit', whether to solve as seen from the m
 Raises InvalidOption for refits < 0, or another name.)");
 }
 
-const MethodBinding binding(&bind_laplacian_editing);
+const MethodBinding laplacian_editing_binding(&bind_laplacian_editing);
 
 } // namespace
 

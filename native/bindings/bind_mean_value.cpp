@@ -18,7 +18,7 @@ O(points x triangles).)",
         +[](const PointWeightOptions& weights) { return weights; }, "");
 }
 
-const MethodBinding binding(&bind_mean_value);
+const MethodBinding mean_value_binding(&bind_mean_value);
 
 } // namespace
 

@@ -108,7 +108,8 @@ void bind_mesh(py::module_& module)
         .def_readonly("component_count", &Diagnosis::component_count, "Number of connected parts.")
         .def_property_readonly(
             "clean", [](const Diagnosis& d) { return summary(d) == "clean"; }, "Nothing is unusual.")
-        .def("summary", &summary, "One line with the counts, or 'clean'.")
+        .def(
+            "summary", [](const Diagnosis& d) { return summary(d); }, "One line with the counts, or 'clean'.")
         .def("__repr__", [](const Diagnosis& d) { return "<Diagnosis: " + summary(d) + ">"; });
 
     py::class_<SurfaceMesh>(module, "SurfaceMesh", R"(A rest surface of polygons of any size.

@@ -52,7 +52,7 @@ Raises InvalidConstraint for a wrong shape or a non-finite number.)")
         });
 }
 
-const MethodBinding binding(&bind_mesh_transfer);
+const MethodBinding mesh_transfer_binding(&bind_mesh_transfer);
 
 } // namespace
 

@@ -62,7 +62,7 @@ Raises InvalidOption for a base on another mesh, or for an option out of its ran
             "set_handles().");
 }
 
-const MethodBinding binding(&bind_multiresolution);
+const MethodBinding multiresolution_binding(&bind_multiresolution);
 
 } // namespace
 

@@ -6,8 +6,8 @@ namespace sinew::bindings {
 
 namespace {
 
-PositiveMeanValueOptions options(const PointWeightOptions& weights, bool exact, int directions,
-                                 const std::string& outside)
+PositiveMeanValueOptions positive_mean_value_options(const PointWeightOptions& weights, bool exact,
+                                                     int directions, const std::string& outside)
 {
     return {weights, exact, directions, cage_outside(outside)};
 }
@@ -20,7 +20,7 @@ void bind_positive_mean_value(py::module_& module)
 
 The weights are not negative, sum to 1 and have linear precision; in a convex cage they are mean values. They are
 continuous, but their gradients jump where an edge of the cage comes into view.)",
-        &options,
+        &positive_mean_value_options,
         R"(exact       whether to cut hidden parts away exactly; False takes rays, a preview whose weights jump by
             some 1e-3.
 directions  rays per point, an even number of at least 8.
@@ -29,7 +29,7 @@ outside     points outside: 'error' names them, 'mean_value' gives them mean val
         py::arg("exact") = true, py::arg("directions") = 1024, py::arg("outside") = "error");
 }
 
-const MethodBinding binding(&bind_positive_mean_value);
+const MethodBinding positive_mean_value_binding(&bind_positive_mean_value);
 
 } // namespace
 

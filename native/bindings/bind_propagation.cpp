@@ -32,7 +32,7 @@ transfer  (k,) values of t(s) at even steps from s = 0 to s = 1, k >= 2; None fo
 Raises InvalidOption for another field, or values that are too few or not finite.)");
 }
 
-const MethodBinding binding(&bind_propagation);
+const MethodBinding propagation_binding(&bind_propagation);
 
 } // namespace
 

@@ -31,7 +31,7 @@ laplacian  'uniform' or 'cotan' (section 3.2): the weights of the edges.
 Raises InvalidOption for another one.)");
 }
 
-const MethodBinding binding(&bind_rotation_invariant_coordinates);
+const MethodBinding rotation_invariant_coordinates_binding(&bind_rotation_invariant_coordinates);
 
 } // namespace
 

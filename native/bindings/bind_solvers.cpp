@@ -20,7 +20,7 @@ struct SharedFactor
 };
 
 template <auto member>
-auto read(const SharedFactor& shared)
+auto read_of(const SharedFactor& shared)
 {
     const py::gil_scoped_release unlocked;
     const AccessLock lock = shared.reading();
@@ -108,15 +108,15 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
             py::arg("matrix"),
             "(n, n) a matrix with other values; the symbolic part is kept if the pattern is the same.\n"
             "Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemory.")
-        .def_property_readonly("size", &read<&SpdFactor::size>, "Rows of the matrix, n.")
-        .def_property_readonly("nonzeros", &read<&SpdFactor::nonzeros>, "Entries of the factor.")
-        .def_property_readonly("bytes", &read<&SpdFactor::bytes>, "Memory of the factor.")
-        .def_property_readonly("factorizations", &read<&SpdFactor::factorizations>,
+        .def_property_readonly("size", &read_of<&SpdFactor::size>, "Rows of the matrix, n.")
+        .def_property_readonly("nonzeros", &read_of<&SpdFactor::nonzeros>, "Entries of the factor.")
+        .def_property_readonly("bytes", &read_of<&SpdFactor::bytes>, "Memory of the factor.")
+        .def_property_readonly("factorizations", &read_of<&SpdFactor::factorizations>,
                                "Numeric factorisations so far.")
-        .def_property_readonly("analyses", &read<&SpdFactor::analyses>, "Symbolic factorisations so far.")
+        .def_property_readonly("analyses", &read_of<&SpdFactor::analyses>, "Symbolic factorisations so far.")
         .def("__repr__", [](const SharedFactor& shared) {
-            return "<SpdFactor: " + std::to_string(read<&SpdFactor::size>(shared)) + " rows, " +
-                   std::to_string(read<&SpdFactor::nonzeros>(shared)) + " entries>";
+            return "<SpdFactor: " + std::to_string(read_of<&SpdFactor::size>(shared)) + " rows, " +
+                   std::to_string(read_of<&SpdFactor::nonzeros>(shared)) + " entries>";
         });
 }
 

@@ -18,8 +18,8 @@ SpaceReport bind_points(SpaceMethod& method, const py::object& rest, const py::o
     return method.bind(view, ticks);
 }
 
-SpaceReport rebind(SpaceMethod& method, SpaceMethod& former, const py::object& rest,
-                   const py::object& callback)
+SpaceReport rebind_space(SpaceMethod& method, SpaceMethod& former, const py::object& rest,
+                         const py::object& callback)
 {
     const FloatArray array = floats(rest, "points");
     const PointsView view = points<InvalidConstraint>(array, "points");
@@ -28,7 +28,7 @@ SpaceReport rebind(SpaceMethod& method, SpaceMethod& former, const py::object& r
     return method.rebind(former, view, ticks);
 }
 
-bool can_reuse(const SpaceMethod& method, const py::object& former, const py::object& rest)
+bool can_reuse_space(const SpaceMethod& method, const py::object& former, const py::object& rest)
 {
     const FloatArray array = floats(rest, "points");
     const PointsView view = points<InvalidConstraint>(array, "points");
@@ -113,7 +113,7 @@ progress  None or callable(fraction, stage); returning False cancels.
 
 Raises InvalidConstraint (a point is not finite, or the method has no weights for it), OutOfMemory, ObjectInUse
 or Cancelled; the object then stays as it was.)")
-        .def("rebind", &rebind, py::arg("former"), py::arg("points"), py::arg("progress") = py::none(),
+        .def("rebind", &rebind_space, py::arg("former"), py::arg("points"), py::arg("progress") = py::none(),
              R"(As bind(), taking over the weights of another object where they are the same -> CageReport.
 
 former    SpaceMethod. If can_reuse(former, points), it has no bound points afterwards; otherwise it stays
@@ -121,7 +121,7 @@ former    SpaceMethod. If can_reuse(former, points), it has no bound points afte
 points    (n, 3); this and progress as in bind().
 
 Raises InvalidConstraint, OutOfMemory, ObjectInUse or Cancelled; both objects then stay as they were.)")
-        .def("can_reuse", &can_reuse, py::arg("former"), py::arg("points"),
+        .def("can_reuse", &can_reuse_space, py::arg("former"), py::arg("points"),
              R"(Whether rebind() would take over the weights of another method. Cost: O(n), to compare.
 
 points  (n, 3) rest points. Raises InvalidConstraint for another shape.)")

@@ -29,9 +29,9 @@ BindReport set_handles(SurfaceMethod& method, const py::object& regions, const p
     return method.set_handles(checked, ticks, options);
 }
 
-BindReport rebind(SurfaceMethod& method, SurfaceMethod& former, const py::object& regions,
-                  const py::object& weights, const py::object& continuity, const py::object& callback,
-                  const std::string& free_parts, const py::object& free_part_stiffness)
+BindReport rebind_surface(SurfaceMethod& method, SurfaceMethod& former, const py::object& regions,
+                          const py::object& weights, const py::object& continuity, const py::object& callback,
+                          const std::string& free_parts, const py::object& free_part_stiffness)
 {
     const std::vector<Handle> checked = handles(regions, weights, continuity);
     const FreeParts options = free_parts_of(free_parts, free_part_stiffness);
@@ -40,7 +40,7 @@ BindReport rebind(SurfaceMethod& method, SurfaceMethod& former, const py::object
     return method.rebind(former, checked, ticks, options);
 }
 
-bool can_reuse(const SurfaceMethod& method, const py::object& former)
+bool can_reuse_surface(const SurfaceMethod& method, const py::object& former)
 {
     if (!py::isinstance<SurfaceMethod>(former))
         return false;
@@ -95,9 +95,10 @@ free_part_stiffness
 
 Raises InvalidConstraint, InvalidOption, FactorizationFailed, ObjectInUse or Cancelled; the object then stays as
 it was.)")
-        .def("rebind", &rebind, py::arg("former"), py::arg("handles"), py::arg("weights") = py::none(),
-             py::arg("continuity") = py::none(), py::arg("progress") = py::none(), py::kw_only(),
-             py::arg("free_parts") = "stay", py::arg("free_part_stiffness") = py::none(),
+        .def("rebind", &rebind_surface, py::arg("former"), py::arg("handles"),
+             py::arg("weights") = py::none(), py::arg("continuity") = py::none(),
+             py::arg("progress") = py::none(), py::kw_only(), py::arg("free_parts") = "stay",
+             py::arg("free_part_stiffness") = py::none(),
              R"(As set_handles(), taking over from another object what is still valid -> BindReport.
 
 former   SurfaceMethod. If can_reuse(former), it has no handles afterwards; otherwise it stays as it was.
@@ -106,7 +107,7 @@ handles  (h_i,) vertex indices each; this and the others as in set_handles().
 The report's `reuse` and `changed` say how much was taken over and what differs; other free parts keep the
 factor. Raises InvalidConstraint, InvalidOption, FactorizationFailed, ObjectInUse or Cancelled; both objects then
 stay as they were.)")
-        .def("can_reuse", &can_reuse, py::arg("former"),
+        .def("can_reuse", &can_reuse_surface, py::arg("former"),
              "Whether rebind() would take anything over from another method. Cost: O(n), to compare.")
         .def("solve", &solve, py::arg("poses"), py::kw_only(), py::arg("incoming") = py::none(),
              py::arg("from_rest") = py::none(), py::arg("start") = py::none(),

@@ -58,7 +58,7 @@ Cost: a numeric factorisation; after a change on a few vertices, of the part tha
 Raises InvalidOption, FactorizationFailed or Cancelled; the object then stays as it was.)");
 }
 
-const MethodBinding binding(&bind_thin_shell);
+const MethodBinding thin_shell_binding(&bind_thin_shell);
 
 } // namespace
 

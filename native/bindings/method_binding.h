@@ -8,7 +8,8 @@ namespace sinew::bindings {
 namespace py = pybind11;
 
 /// Adds the class of one method to the module. Each bind_<method>.cpp holds one as a constant, so that
-/// module.cpp names no method.
+/// module.cpp names no method. It is named after the method, since several of these sources are compiled as
+/// one: the names in their unnamed namespaces must differ, too.
 class MethodBinding
 {
 public:

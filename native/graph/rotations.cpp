@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/graph/rotations.h"
 
+#include "native/core/symmetric.h"
 #include "native/operators/rotation_fit.h"
-
-#include <Eigen/Eigenvalues>
 
 namespace sinew {
 
@@ -17,8 +16,8 @@ std::vector<Eigen::Quaterniond> blended_rotations(const HandleGraph& graph,
         q.row(h) = Eigen::Quaterniond(fit_rotation(poses[h].leftCols<3>())).coeffs().transpose();
     // The dominant eigenvector is the mean of the rotations. A quaternion and its negative are the same
     // rotation, so those on the far side of the mean are negated.
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(q.transpose() * q);
-    const Eigen::Vector4d mean = eigen.eigenvectors().col(3);
+    const Eigen::Matrix4d sum = (q.transpose() * q).triangularView<Eigen::Lower>();
+    const Eigen::Vector4d mean = eigenvectors(sum).vectors.col(3);
     for (int h = 0; h < handles; ++h)
         if (q.row(h).dot(mean) < 0)
             q.row(h) *= -1;

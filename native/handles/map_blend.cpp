@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/handles/map_blend.h"
 
+#include "native/core/symmetric.h"
 #include "native/operators/rotation_fit.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -67,10 +66,10 @@ Eigen::Quaterniond mean_rotation(std::span<const Eigen::Quaterniond> rotations)
     Eigen::Matrix4d sum = Eigen::Matrix4d::Zero();
     for (const Eigen::Quaterniond& q : rotations)
         sum += q.coeffs() * q.coeffs().transpose();
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> eigen(sum);
-    const double gap = eigen.eigenvalues()[3] - eigen.eigenvalues()[2];
+    const Eigenvectors<4> eigen = eigenvectors(sum);
+    const double gap = eigen.values[3] - eigen.values[2];
     if (gap > half_turn * static_cast<double>(rotations.size()))
-        return Eigen::Quaterniond(Eigen::Vector4d(eigen.eigenvectors().col(3)));
+        return Eigen::Quaterniond(Eigen::Vector4d(eigen.vectors.col(3)));
     return rotations.front();
 }
 

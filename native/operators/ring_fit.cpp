@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/operators/ring_fit.h"
 
-#include <Eigen/Eigenvalues>
+#include "native/core/symmetric.h"
+
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -22,12 +23,12 @@ Matrix3 pseudo_inverse(const Matrix3& K)
     const Matrix3 scaled = K / third;
     if (scaled.determinant() > well_posed)
         return scaled.inverse() / third;
-    const Eigen::SelfAdjointEigenSolver<Matrix3> eigen(scaled);
+    const Eigenvectors<3> eigen = eigenvectors(scaled);
     Vector3 inverse = Vector3::Zero();
     for (int k = 0; k < 3; ++k)
-        if (eigen.eigenvalues()[k] > on_a_line * eigen.eigenvalues()[2])
-            inverse[k] = 1.0 / eigen.eigenvalues()[k];
-    return eigen.eigenvectors() * (inverse / third).asDiagonal() * eigen.eigenvectors().transpose();
+        if (eigen.values[k] > on_a_line * eigen.values[2])
+            inverse[k] = 1.0 / eigen.values[k];
+    return eigen.vectors * (inverse / third).asDiagonal() * eigen.vectors.transpose();
 }
 
 } // namespace

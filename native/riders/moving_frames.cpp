@@ -2,9 +2,8 @@
 #include "native/riders/moving_frames.h"
 
 #include "native/core/simd/kernel_set.h"
+#include "native/core/symmetric.h"
 #include "native/operators/rotation_fit.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <array>
 
@@ -32,11 +31,11 @@ void set_matrix(double (*entries)[4], int lane, const Matrix3& matrix)
 /// The inverse, without the directions in which C has no width: there it would return rounding errors.
 Matrix3 inverse_of(const Matrix3& C)
 {
-    const Eigen::SelfAdjointEigenSolver<Matrix3> axes(C);
+    const Eigenvectors<3> axes = eigenvectors(C);
     Matrix3 inverse = Matrix3::Zero();
     for (int k = 0; k < 3; ++k)
-        if (const double wide = axes.eigenvalues()[k]; wide > 1e-9 * axes.eigenvalues()[2])
-            inverse += axes.eigenvectors().col(k) * axes.eigenvectors().col(k).transpose() / wide;
+        if (const double wide = axes.values[k]; wide > 1e-9 * axes.values[2])
+            inverse += axes.vectors.col(k) * axes.vectors.col(k).transpose() / wide;
     return inverse;
 }
 

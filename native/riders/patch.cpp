@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/riders/patch.h"
 
+#include "native/core/symmetric.h"
 #include "native/riders/sampling.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <numeric>
@@ -41,12 +40,12 @@ void tilt(std::vector<double>& weights, const std::vector<Vector3>& points, cons
     Matrix3 spread = Matrix3::Zero();
     for (std::size_t i = 0; i < points.size(); ++i)
         spread += weights[i] * (points[i] - middle) * (points[i] - middle).transpose();
-    const Eigen::SelfAdjointEigenSolver<Matrix3> axes(spread);
+    const Eigenvectors<3> axes = eigenvectors(spread);
     Vector3 slope = Vector3::Zero();
     for (int k = 0; k < 3; ++k) { // not along an axis along which the patch has hardly any width
-        const double wide = axes.eigenvalues()[k];
-        if (wide > 1e-3 * axes.eigenvalues()[2])
-            slope += axes.eigenvectors().col(k) * (axes.eigenvectors().col(k).dot(aim - middle) / wide);
+        const double wide = axes.values[k];
+        if (wide > 1e-3 * axes.values[2])
+            slope += axes.vectors.col(k) * (axes.vectors.col(k).dot(aim - middle) / wide);
     }
     for (std::size_t i = 0; i < points.size(); ++i)
         weights[i] *= std::clamp(1.0 + (points[i] - middle).dot(slope), 0.05, 4.0);

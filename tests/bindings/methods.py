@@ -18,9 +18,9 @@ def required(method: type) -> list[str]:
 
 
 def methods_of(base: type) -> list[type]:
-    """Those that can be made, not what they have in common."""
+    """Those that can be made, not what they have in common, by name: a module holds them as it was linked."""
     classes = (value for value in vars(sn).values() if inspect.isclass(value) and issubclass(value, base))
-    return [each for each in classes if required(each)]
+    return sorted((each for each in classes if required(each)), key=lambda each: each.__name__)
 
 
 SURFACE_METHODS = methods_of(sn.SurfaceMethod)
@@ -28,10 +28,10 @@ SPACE_METHODS = methods_of(sn.SpaceMethod)
 
 
 def made(method: type, mesh: sn.SurfaceMesh, **options: object):
-    """A method on a mesh, or moved by its vertices."""
+    """A method on a mesh, or moved by its vertices, or around a thin shell."""
     given = {"mesh": mesh, "cage": mesh, "points": mesh.points}
     if "base" in required(method):
-        given["base"] = made(next(base for base in SURFACE_METHODS if "base" not in required(base)), mesh)
+        given["base"] = sn.ThinShell(mesh)
     return method(**{word: given[word] for word in required(method)}, **options)
 
 

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import json
 from pathlib import Path
 
 import pytest
@@ -44,3 +45,16 @@ def test_source_is_read_again_when_it_is_compiled_otherwise_but_not_elsewhere(so
     root = sources.parent
     assert tidy.digest(sources / "a.cpp", "g++ -O3") != tidy.digest(sources / "a.cpp", "g++ -O2")
     assert tidy.digest(sources / "a.cpp", f"g++ -I{root}") == tidy.digest(sources / "a.cpp", "g++ -I")
+
+
+def test_sources_that_are_compiled_as_one_are_read_as_one(
+    sources: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tree = sources.parent / "tree"
+    monkeypatch.setattr(tidy, "NATIVE_TREE", tree)
+    read = [sources / "a.cpp", tree / "native" / "k_baseline.cpp", tree / "CMakeFiles" / "Unity" / "0.cxx"]
+    others = [tree / "native" / "k_avx2.cpp", tree / "benchmarks" / "CMakeFiles" / "Unity" / "0.cxx"]
+    tree.mkdir()
+    entries = [{"file": str(file), "command": "g++"} for file in (*read, *others)]
+    (tree / "compile_commands.json").write_text(json.dumps(entries))
+    assert set(tidy.commands()) == set(read)

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs clang-tidy on each source of native/, and again only if the source or what it depends on has changed.
 
-Kernels, which are compiled once for each set of instructions, are read as compiled for the baseline.
+Kernels, which are compiled once for each set of instructions, are read as compiled for the baseline. Sources
+that are compiled as one are also read as one, so that the headers of others are read once.
 
 For each source that passed, an empty file is kept beside the files of ccache. Its name is a digest of the
 compile command, the settings, and the source with all files of this repository that it includes.
@@ -47,14 +48,20 @@ def tidy() -> bool:
 
 
 def commands() -> dict[Path, str]:
-    """The commands by which the dev preset compiles native/; of the kernels, only their baseline."""
+    """The commands by which the dev preset compiles native/; of the kernels, only their baseline.
+
+    Sources that are compiled as one stand in a file of CMake, which includes them.
+    """
     entries = json.loads((NATIVE_TREE / "compile_commands.json").read_text(encoding="utf-8"))
     found = {Path(entry["file"]): entry["command"] for entry in entries}
     native, kernels = ROOT / "native", NATIVE_TREE / "native"
+    several = NATIVE_TREE / "CMakeFiles"
     return {
         file: command
         for file, command in found.items()
-        if file.is_relative_to(native) or (file.is_relative_to(kernels) and file.stem.endswith("_baseline"))
+        if file.is_relative_to(native)
+        or (file.is_relative_to(kernels) and file.stem.endswith("_baseline"))
+        or (file.is_relative_to(several) and file.parent.name == "Unity")
     }
 
 

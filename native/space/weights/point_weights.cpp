@@ -5,9 +5,8 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/core/symmetric.h"
 #include "native/space/weights/products.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <array>
@@ -36,12 +35,11 @@ std::size_t blocks_of(int points, int block)
 /// M^-1 b on the range of M, which is positive semi-definite.
 Vector4 solve_on_range(const Matrix4& M, const Vector4& b)
 {
-    const Eigen::SelfAdjointEigenSolver<Matrix4> eigen(M);
-    Vector4 inner = eigen.eigenvectors().transpose() * b;
+    const Eigenvectors<4> eigen = eigenvectors(M);
+    Vector4 inner = eigen.vectors.transpose() * b;
     for (int i = 0; i < 4; ++i)
-        inner[i] =
-            eigen.eigenvalues()[i] > 1e-9 * eigen.eigenvalues()[3] ? inner[i] / eigen.eigenvalues()[i] : 0.0;
-    return eigen.eigenvectors() * inner;
+        inner[i] = eigen.values[i] > 1e-9 * eigen.values[3] ? inner[i] / eigen.values[i] : 0.0;
+    return eigen.vectors * inner;
 }
 
 } // namespace

@@ -3,11 +3,10 @@
 
 #include "native/core/errors.h"
 #include "native/operators/laplacian.h"
+#include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
-
-#include <Eigen/LU>
 
 namespace sinew {
 
@@ -55,8 +54,7 @@ TEST(HeldSystem, finds_what_dense_matrices_find_and_reports_its_energy)
             else
                 d.row(v) = wanted(v, regions.hard(v));
         }
-        const MatrixX rhs = (b - K * d)(free, Eigen::all);
-        d(free, Eigen::all) = MatrixX(K(free, free)).fullPivLu().solve(rhs);
+        d = dense::solution(K, b, d, free);
         double energy = 0.5 * (d.transpose() * A * d).trace() - (source.transpose() * d).trace() + 0.5 * 1000;
         for (const SoftConstraint& s : regions.soft())
             energy += 0.5 * s.stiffness() * A(s.vertex, s.vertex) *

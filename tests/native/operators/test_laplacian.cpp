@@ -4,9 +4,9 @@
 #include "native/core/errors.h"
 #include "native/mesh/components.h"
 #include "native/operators/gradient.h"
+#include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 
-#include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,11 +21,6 @@ constexpr auto cotan = Discretization::cotan;
 constexpr auto voronoi = Discretization::cotan_voronoi;
 
 double largest(const MatrixX& m) { return m.cwiseAbs().maxCoeff(); }
-
-VectorX eigenvalues(const SparseMatrix& L)
-{
-    return Eigen::SelfAdjointEigenSolver<MatrixX>(MatrixX(L), Eigen::EigenvaluesOnly).eigenvalues();
-}
 
 double total_area(const SurfaceMesh& mesh)
 {
@@ -126,7 +121,7 @@ TEST(Laplacian, has_one_zero_eigenvalue_a_component)
                        shapes::mesh({{0, 0, 0}}, {}), {9, 9, 9});
     for (const SurfaceMesh& mesh : {several, shapes::messy(), shapes::cube()})
         for (Discretization kind : every) {
-            const VectorX values = eigenvalues(laplacian_matrix(mesh, kind));
+            const VectorX values = dense::eigenvalues(laplacian_matrix(mesh, kind));
             // Rounding gives some 1e-15 of the largest. The floored triangles of `messy` have
             // cotangents of 1e5, its smallest true eigenvalue is about 1e-7 of the largest.
             const double zero = 1e-11 * values.maxCoeff();
@@ -141,7 +136,7 @@ TEST(Laplacian, is_semi_definite_on_slivers_and_faces_without_area)
         for (Discretization kind : every) {
             const SparseMatrix L = laplacian_matrix(mesh, kind);
             ASSERT_TRUE(MatrixX(L).allFinite());
-            const VectorX values = eigenvalues(L);
+            const VectorX values = dense::eigenvalues(L);
             // Rounding of entries the size of the largest; n of them in a row at most.
             EXPECT_GE(values.minCoeff(), -1e-14 * std::max(1e-300, values.maxCoeff()));
         }
@@ -150,7 +145,7 @@ TEST(Laplacian, is_semi_definite_on_slivers_and_faces_without_area)
 TEST(Laplacian, a_face_without_area_still_ties_its_corners)
 {
     const SurfaceMesh mesh = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}});
-    const VectorX values = eigenvalues(laplacian_matrix(mesh, cotan));
+    const VectorX values = dense::eigenvalues(laplacian_matrix(mesh, cotan));
     EXPECT_EQ((values.array() < 1e-12 * values.maxCoeff()).count(), 1);
     EXPECT_EQ(triangle_metric(mesh).degenerate, std::vector{0});
     EXPECT_EQ(triangle_metric(mesh).area[0], 0.0);
@@ -267,7 +262,7 @@ TEST(LaplacianPower, is_symmetric_and_semi_definite)
             const SparseMatrix power = laplacian_power(mesh, order, kind);
             const MatrixX dense = power;
             EXPECT_LT(largest(dense - dense.transpose()), 1e-14 * largest(dense));
-            const VectorX values = eigenvalues(power);
+            const VectorX values = dense::eigenvalues(power);
             EXPECT_GT(values.minCoeff(), -1e-13 * values.maxCoeff());
             EXPECT_LT(std::abs(values[0]), 1e-12 * values.maxCoeff()); // constants
             EXPECT_GT(values[1], 0.0);

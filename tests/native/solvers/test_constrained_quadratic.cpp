@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/constrained_quadratic.h"
 
+#include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -31,7 +31,7 @@ MatrixX dense_kkt(const SparseMatrix& A, const std::vector<bool>& free, const Ma
         K(n + k, fixed[k]) = K(fixed[k], n + k) = 1;
         rhs.row(n + k) = given.row(fixed[k]);
     }
-    return K.fullPivLu().solve(rhs).topRows(n);
+    return dense::solution(K, rhs).topRows(n);
 }
 
 std::vector<bool> random_choice(shapes::Random& random, int n, double share)

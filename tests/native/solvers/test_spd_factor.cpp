@@ -2,10 +2,10 @@
 #include "native/solvers/spd_factor.h"
 
 #include "native/solvers/engines/cholmod_factor.h"
+#include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -45,7 +45,7 @@ protected:
 /// Largest difference to a dense LU solve, relative to the solution.
 double error_of(const SpdFactor& factor, const SparseMatrix& A, const MatrixX& b)
 {
-    const MatrixX expected = MatrixX(A).fullPivLu().solve(b);
+    const MatrixX expected = dense::solution(A, b);
     return (factor.solve(b) - expected).cwiseAbs().maxCoeff() / expected.cwiseAbs().maxCoeff();
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/multiresolution/details/deformation_transfer.h"
 
+#include "tests/native/dense.h"
 #include "tests/native/multiresolution/codings.h"
 
 #include <Eigen/LU>
@@ -56,16 +57,12 @@ TEST(DeformationTransfer, solves_as_dense_gradients_do)
             side->col(2) /= std::sqrt(side->col(2).norm());
         goal.middleRows<3>(3 * f) = G.middleRows<3>(3 * f) * mesh.points() * (B1 * B.inverse()).transpose();
     }
-    MatrixX x = moved;
     std::vector<int> free;
     for (int v = 0; v < n; ++v)
-        if (study.regions.is_free(v)) {
+        if (study.regions.is_free(v))
             free.push_back(v);
-            x.row(v).setZero();
-        }
     const MatrixX L = G.transpose() * D.asDiagonal() * G;
-    const MatrixX rhs = (G.transpose() * D.asDiagonal() * goal - L * x)(free, Eigen::all);
-    x(free, Eigen::all) = MatrixX(L(free, free)).fullPivLu().solve(rhs);
+    const MatrixX x = dense::solution(L, G.transpose() * D.asDiagonal() * goal, moved, free);
     EXPECT_LT(shapes::distance(bumps::detailed(*traits().make(study), study.fine(), study.base, moved), x),
               1e-11);
 }

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/multiresolution/details/fairing.h"
 
+#include "tests/native/dense.h"
 #include "tests/native/multiresolution/bumpy_plate.h"
 
 #include <gtest/gtest.h>
-
-#include <Eigen/LU>
 
 namespace sinew {
 
@@ -62,11 +61,7 @@ TEST(Fairing, smooths_as_dense_matrices_do)
         if (regions.is_free(v))
             free.push_back(v);
     ASSERT_EQ(free.size(), 23u); // 5 x 5 inside the two outer rings, less two
-    MatrixX expected = y;
-    for (int v : free)
-        expected.row(v).setZero();
-    const MatrixX rhs = (M.asDiagonal() * MatrixX(y) - A * expected)(free, Eigen::all);
-    expected(free, Eigen::all) = MatrixX(A(free, free)).fullPivLu().solve(rhs);
+    const MatrixX expected = dense::solution(A, M.asDiagonal() * MatrixX(y), y, free);
     EXPECT_LT(shapes::distance(smoothed({mesh, regions, wavelength}, y), expected), 1e-11);
 }
 

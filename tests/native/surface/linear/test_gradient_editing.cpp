@@ -4,7 +4,7 @@
 #include "native/handles/held_system.h"
 #include "native/operators/laplacian.h"
 #include "tests/native/allocations.h"
-#include "tests/native/dense_weights.h"
+#include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
 #include "tests/native/surface/linear/study_tube.h"
@@ -96,7 +96,7 @@ public:
         MatrixX s = MatrixX::Zero(n_, 1);
         for (int v = 0; v < n_; ++v)
             s(v, 0) = held_[v] == 1;
-        field_ = solve(with_positive_weights(L_), s, MatrixX::Zero(n_, 1));
+        field_ = solve(dense::with_positive_weights(L_), s, MatrixX::Zero(n_, 1));
     }
 
     /// \param R, S, move  of the second handle; the first rests.
@@ -129,13 +129,9 @@ public:
 
 private:
     int triangles() const { return static_cast<int>(mesh_.triangles().size()); }
-    MatrixX solve(const MatrixX& L, MatrixX x, const MatrixX& b) const
+    MatrixX solve(const MatrixX& L, const MatrixX& x, const MatrixX& b) const
     {
-        for (int v : free_)
-            x.row(v).setZero();
-        const MatrixX rhs = (b - L * x)(free_, Eigen::all);
-        x(free_, Eigen::all) = MatrixX(L(free_, free_)).fullPivLu().solve(rhs);
-        return x;
+        return dense::solution(L, b, x, free_);
     }
 
     const SurfaceMesh& mesh_;

@@ -3,6 +3,7 @@
 
 #include "native/surface/linear/thin_shell.h"
 #include "tests/native/allocations.h"
+#include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
@@ -134,7 +135,7 @@ TEST(HierarchicalSmoothing, without_levels_solves_as_dense_second_differences_do
         for (int v = 0; v < n; ++v)
             if (!held[v])
                 free.push_back(v);
-        d(free, Eigen::all) = -MatrixX(H(free, free)).fullPivLu().solve(MatrixX((H * d)(free, Eigen::all)));
+        d = dense::solution(H, MatrixX::Zero(n, 3), d, free);
         SolveReport report;
         const Points q = solved(mesh, handles, {.poses = {shapes::still(), shapes::shift(1, -2, 3)}},
                                 {.levels = 0}, &report);

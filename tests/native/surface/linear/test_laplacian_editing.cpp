@@ -3,7 +3,7 @@
 
 #include "native/surface/linear/thin_shell.h"
 #include "tests/native/allocations.h"
-#include "tests/native/dense_weights.h"
+#include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
@@ -13,8 +13,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 #include <Eigen/SVD>
 
 #include <cmath>
@@ -144,10 +142,7 @@ public:
                     pulls.emplace_back(s, Eigen::RowVector4d(v, target.x(), target.y(), target.z()));
                 }
             }
-        for (int v : free_)
-            x.row(v).setZero();
-        const MatrixX rhs = (b - K * x)(free_, Eigen::all);
-        x(free_, Eigen::all) = MatrixX(K(free_, free_)).fullPivLu().solve(rhs);
+        x = dense::solution(K, b, x, free_);
         const MatrixX misfit = m_.cwiseInverse().asDiagonal() * (L_ * x) - turned;
         *energy = 0.5 * (misfit.transpose() * m_.asDiagonal() * misfit).trace();
         for (const auto& [s, at] : pulls)
@@ -176,13 +171,11 @@ public:
     /// The harmonic field of the second of two hard handles.
     VectorX field() const
     {
-        const MatrixX L = with_positive_weights(L_);
+        const MatrixX L = dense::with_positive_weights(L_);
         VectorX s = VectorX::Zero(n_);
         for (int v : handles_[1].vertices)
             s[v] = 1;
-        const VectorX rhs = (-L * s)(free_);
-        s(free_) = MatrixX(L(free_, free_)).fullPivLu().solve(rhs);
-        return s;
+        return dense::solution(L, VectorX::Zero(n_), s, free_);
     }
 
 private:
@@ -253,8 +246,7 @@ TEST(LaplacianEditing, estimates_rotations_as_dense_matrices_do)
                         const Eigen::Vector4d q = Eigen::Quaterniond(pose.leftCols<3>()).coeffs();
                         sum += q * q.transpose();
                     }
-                    const Eigen::Vector4d mean =
-                        Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(sum).eigenvectors().col(3);
+                    const Eigen::Vector4d mean = dense::eigenvectors(sum).col(3);
                     const Matrix3 R =
                         mean_frame ? Eigen::Quaterniond(mean).toRotationMatrix() : Matrix3::Identity();
                     double energy = 0.0;

@@ -3,15 +3,13 @@
 
 #include "native/operators/laplacian.h"
 #include "tests/native/allocations.h"
-#include "tests/native/dense_weights.h"
+#include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/surface/contract.h"
 #include "tests/native/surface/linear/study_tube.h"
 
 #include <gtest/gtest.h>
-
-#include <Eigen/LU>
 
 #include <cmath>
 #include <limits>
@@ -68,14 +66,14 @@ SurfaceTraits traits()
 VectorX harmonic_field(const SurfaceMesh& mesh, const std::vector<Handle>& handles)
 {
     const int n = mesh.vertex_count();
-    MatrixX A = with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
+    MatrixX A = dense::with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
     VectorX b = VectorX::Zero(n);
     for (int h : {0, 1})
         for (int v : handles[h].vertices) {
             A.row(v) = VectorX::Unit(n, v).transpose();
             b[v] = h;
         }
-    return A.fullPivLu().solve(b);
+    return dense::solution(A, b);
 }
 
 } // namespace

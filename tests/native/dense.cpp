@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/native/dense.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+namespace sinew::dense {
+
+MatrixX solution(const MatrixX& A, const MatrixX& b) { return A.fullPivLu().solve(b); }
+
+MatrixX solution(const MatrixX& A, const MatrixX& b, MatrixX x, const std::vector<int>& free)
+{
+    for (int row : free)
+        x.row(row).setZero();
+    const MatrixX rhs = (b - A * x)(free, Eigen::all);
+    x(free, Eigen::all) = solution(A(free, free), rhs);
+    return x;
+}
+
+VectorX eigenvalues(const MatrixX& symmetric)
+{
+    return Eigen::SelfAdjointEigenSolver<MatrixX>(symmetric, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+MatrixX eigenvectors(const MatrixX& symmetric)
+{
+    return Eigen::SelfAdjointEigenSolver<MatrixX>(symmetric).eigenvectors();
+}
+
+MatrixX with_positive_weights(const MatrixX& L)
+{
+    MatrixX found = L.unaryExpr([](double entry) { return entry > 1e-9 ? -1e-6 * entry : entry; });
+    found.diagonal().setZero();
+    found.diagonal() = -found.rowwise().sum().eval();
+    return found;
+}
+
+} // namespace sinew::dense

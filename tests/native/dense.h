@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/types.h"
+
+#include <vector>
+
+/// Dense matrices for oracles. Eigen's factorisations take seconds to compile, so that one source has them.
+namespace sinew::dense {
+
+/// x of A x = b, by an LU factorisation with full pivoting.
+MatrixX solution(const MatrixX& A, const MatrixX& b);
+
+/// x whose rows of `free` fulfil A x = b; the others stay.
+MatrixX solution(const MatrixX& A, const MatrixX& b, MatrixX x, const std::vector<int>& free);
+
+/// The eigenvalues of a symmetric matrix, smallest first.
+VectorX eigenvalues(const MatrixX& symmetric);
+
+/// The eigenvectors of a symmetric matrix as columns, that of the smallest eigenvalue first.
+MatrixX eigenvectors(const MatrixX& symmetric);
+
+/// A Laplacian whose negative weights became positive ones of a millionth of their size.
+MatrixX with_positive_weights(const MatrixX& L);
+
+} // namespace sinew::dense

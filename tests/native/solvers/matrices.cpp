@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/native/solvers/matrices.h"
+
+namespace sinew::matrices {
+
+SparseMatrix shuffled_grid(int side, double shift)
+{
+    shapes::Random random(11);
+    std::vector<int> name(side * side);
+    for (int i = 0; i < side * side; ++i)
+        name[i] = i;
+    for (int i = side * side - 1; i > 0; --i)
+        std::swap(name[i], name[random.below(i + 1)]);
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto add = [&](int i, int j, double value) { entries.emplace_back(name[i], name[j], value); };
+    for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x) {
+            const int i = y * side + x;
+            add(i, i, shift);
+            for (int j : {x + 1 < side ? i + 1 : -1, y + 1 < side ? i + side : -1})
+                if (j >= 0) {
+                    add(i, i, 1);
+                    add(j, j, 1);
+                    add(i, j, -1);
+                    add(j, i, -1);
+                }
+        }
+    SparseMatrix matrix(side * side, side * side);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    return matrix;
+}
+
+SparseMatrix random_spd(int n, int seed, int entries_per_row)
+{
+    shapes::Random random(seed);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int i = 0; i < n; ++i)
+        for (int k = 0; k < entries_per_row; ++k)
+            entries.emplace_back(i, random.below(n), random.signed_unit());
+    SparseMatrix B(n, n);
+    B.setFromTriplets(entries.begin(), entries.end());
+    SparseMatrix identity(n, n);
+    identity.setIdentity();
+    return SparseMatrix(SparseMatrix(B.transpose()) * B) + 0.5 * identity;
+}
+
+SparseMatrix diagonal(const std::vector<double>& values)
+{
+    const int n = static_cast<int>(values.size());
+    SparseMatrix matrix(n, n);
+    for (int i = 0; i < n; ++i)
+        matrix.insert(i, i) = values[i];
+    matrix.makeCompressed();
+    return matrix;
+}
+
+} // namespace sinew::matrices
