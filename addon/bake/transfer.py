@@ -5,6 +5,8 @@ Both meshes rest as they are in Edit Mode, without shape keys and modifiers. A t
 only, no Blender data, and ``cancel`` leaves the disk and the scene as they were.
 """
 
+from collections.abc import Callable
+
 import bpy
 import numpy as np
 from bpy.types import Modifier, Object, Scene
@@ -98,7 +100,7 @@ def _check(source: Object, target: Object) -> None:
         raise SinewError(f"{source.name} is hidden - show the object and its collection")
 
 
-def _prepared(source: Object, target: Object):
+def _prepared(source: Object, target: Object) -> Callable[[np.ndarray], np.ndarray]:
     """The native transfer between the meshes as they rest."""
     shapes = []
     for obj in (source, target):

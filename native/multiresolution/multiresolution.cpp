@@ -67,7 +67,7 @@ struct Multiresolution::Impl
         case DetailKind::displacement_vectors:
             break;
         }
-        return std::make_unique<DisplacementVectors>(rings);
+        return std::make_unique<DisplacementVectors>(rings, view(coarse));
     }
 };
 

@@ -193,16 +193,16 @@ SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions)
         positions = targets.base();
         return SolveReport{.converged = true};
     }
-    const bool in_steps = request.substeps > 1 && stepping() != Stepping::none;
-    const SolveReport report =
-        in_steps ? deform_in_steps(request, targets, positions) : deform(request, targets, positions);
+    const Stepping kind = request.substeps > 1 ? stepping() : Stepping::none;
+    const SolveReport report = kind == Stepping::none ? deform(request, targets, positions)
+                                                      : deform_in_steps(kind, request, targets, positions);
     riders_->move(request.incoming, positions);
     return report;
 }
 
 std::unique_ptr<SurfaceMethod> SurfaceMethod::made_anew(const SurfaceMesh& /*rest*/) const { return nullptr; }
 
-SolveReport SurfaceMethod::deform_in_steps(const SolveRequest& request, const Targets& targets,
+SolveReport SurfaceMethod::deform_in_steps(Stepping kind, const SolveRequest& request, const Targets& targets,
                                            Points& positions) const
 {
     const int count = request.substeps;
@@ -219,7 +219,7 @@ SolveReport SurfaceMethod::deform_in_steps(const SolveRequest& request, const Ta
         SolveRequest step = request;
         step.poses = k < count ? path.at(static_cast<double>(k) / count) : request.poses;
         const Poses now = step.poses;
-        if (k > 1 && stepping() == Stepping::anew) {
+        if (k > 1 && kind == Stepping::anew) {
             const std::unique_ptr<SurfaceMethod> method = made_anew(with_points(*rest_, last));
             method->set_handles(regions_.handles(),
                                 Progress([&](double fraction, const char*) { return tick(fraction); }));

@@ -149,7 +149,8 @@ private:
     };
     Comparison compare(const SurfaceMethod& former) const;
     void swap_all(SurfaceMethod& other);
-    SolveReport deform_in_steps(const SolveRequest& request, const Targets& targets, Points& positions) const;
+    SolveReport deform_in_steps(Stepping kind, const SolveRequest& request, const Targets& targets,
+                                Points& positions) const;
     /// The last riders if they serve these handles, too.
     std::shared_ptr<const Riders> riders_for(const Regions& regions, const FreeParts& free_parts,
                                              const Progress& progress) const;

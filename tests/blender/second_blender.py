@@ -36,6 +36,16 @@ finally:
     os._exit(0)
 """
 
+# Fills ``seen`` with what the viewport shows of each object, what a render does, and the viewport once more.
+LOOK = """
+import probe
+bpy.ops.wm.open_mainfile(filepath={path!r})
+for name in {names!r}:
+    obj = bpy.data.objects[name]
+    seen[name] = [evaluated_points(obj).tolist(), probe.render()[-1][name].tolist()]
+    seen[name].append(evaluated_points(obj).tolist())
+"""
+
 
 def another_blender(script: str, folder: Path, addon_name: str = "", prelude: str = "") -> dict:
     """Run ``script`` in a new Blender of this version; the dictionary ``seen`` that it fills.

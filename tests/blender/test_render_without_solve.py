@@ -29,16 +29,8 @@ from rig import (
     update,
 )
 from rigs import HandleRig
-from second_blender import another_blender
+from second_blender import LOOK, another_blender
 
-LOOK = """
-import probe
-bpy.ops.wm.open_mainfile(filepath={path!r})
-for name in {names!r}:
-    obj = bpy.data.objects[name]
-    seen[name] = [evaluated_points(obj).tolist(), probe.render()[-1][name].tolist()]
-    seen[name].append(evaluated_points(obj).tolist())
-"""
 NO_MODULE = """
 class Missing:
     def find_spec(self, name, path=None, target=None):

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 from baking import FRAMES, animate, played
-from rig import Rig, linked, make_active, push
+from rig import Rig, linked, make_active, push, save
+from second_blender import LOOK, another_blender
 
 
 def stout(source: bpy.types.Object, shape) -> bpy.types.Object:
@@ -98,7 +100,61 @@ def test_what_cannot_be_transferred_is_said_and_changes_nothing(pair, tmp_path: 
     plate.obj.hide_set(False)
     empty = linked(bpy.data.objects.new("Empty", None))
     refused("convert it to a mesh", source=empty)
+    bare = linked(bpy.data.objects.new("Bare", bpy.data.meshes.new("Bare")))
+    refused("no vertices", source=bare)
     with pytest.raises(RuntimeError, match="There is no object Nobody"):
         transfer(plate.obj, target, path, source="Nobody")
     with pytest.raises(RuntimeError, match="Save the file first"):
         transfer(plate.obj, target, None)
+
+
+def test_a_source_that_is_not_finite_in_a_frame_is_refused_and_no_file_stays(pair, tmp_path: Path):
+    plate, target = pair
+    keys = plate.obj.shape_key_add(name="Basis"), plate.obj.shape_key_add(name="Broken")
+    keys[1].data[3].co.z = float("nan")
+    for frame, value in ((3, 0.0), (4, 1.0)):
+        keys[1].value = value
+        keys[1].keyframe_insert("value", frame=frame)
+    plate.obj.modifiers.clear()
+    with pytest.raises(RuntimeError, match="NaN or infinite"):
+        transfer(plate.obj, target, tmp_path / "stout")
+    assert not list(tmp_path.iterdir())
+    assert not target.modifiers
+
+
+def test_esc_in_the_middle_of_a_transfer_leaves_all_as_it_was(pair, tmp_path: Path, room):
+    plate, target = pair
+    bpy.context.scene.frame_set(3)
+    job = room("bake").Transferring(plate.obj, target, bpy.context.scene, FRAMES, str(tmp_path / "stout"))
+    said, ended = [], []
+    operator = SimpleNamespace(
+        _job=job,
+        cancelled="cancelled",
+        report=lambda level, text: said.append((level, text)),
+        _end_modal=ended.append,
+    )
+    modal = room("operators.frame_by_frame").FrameByFrame.modal
+    operator._some_frames = lambda _context: job.step()
+    for kind in ("TIMER", "MOUSEMOVE", "TIMER"):
+        event = SimpleNamespace(type=kind, value="PRESS")
+        assert modal(operator, bpy.context, event) == {"RUNNING_MODAL"}
+    assert job.done == 2
+    assert list(tmp_path.iterdir())
+    esc = SimpleNamespace(type="ESC", value="PRESS")
+    assert modal(operator, bpy.context, esc) == {"CANCELLED"}
+    assert said == [({"WARNING"}, "cancelled")]
+    assert len(ended) == 1
+    assert not list(tmp_path.iterdir())
+    assert not target.modifiers
+    assert bpy.context.scene.frame_current == 3
+
+
+def test_a_render_without_the_add_on_shows_the_transfer(pair, tmp_path: Path):
+    plate, target = pair
+    transfer(plate.obj, target, tmp_path / "stout")
+    expected = played(target, (6,))[6]
+    bpy.context.scene.frame_set(6)
+    path = save(tmp_path / "shot.blend")
+    seen = another_blender(LOOK.format(path=path, names=[target.name]), tmp_path)
+    for shape in seen[target.name]:
+        assert np.array_equal(np.array(shape, dtype=np.float32), expected)

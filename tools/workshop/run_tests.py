@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs all layers of the tests but "neon" and "windows-*", or those that are named, and prints a summary.
+"""Runs the layers of the tests that are named, or all that do not only run by name, and prints a summary.
 
 Layers that use one core run beside each other, and print when they have ended. A layer that fails does not
 stop the next one. The last line counts all tests; the status is 1 if any failed.

@@ -100,7 +100,7 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
     One of them compares the answers of all methods with those of this machine.
     """
     build_wheel(minor)
-    here = answers_of_this_machine()
+    here = answers_of_this_machine(minor)
     python = wine.python(minor)
     files = [file for file in sorted(BINDINGS.glob("test_*.py")) if not names or file.name in names]
     left_out = [file for file in files if minor == 13 and LINALG.search(file.read_text(encoding="utf-8"))]
@@ -122,9 +122,10 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
     return found
 
 
-def answers_of_this_machine() -> Path:
+def answers_of_this_machine(minor: int) -> Path:
+    """They have a file for each of the layers that read them, as these run beside each other."""
     build_tree("dev", "sinew_native")
-    file = RESULTS / "answers.npz"
+    file = RESULTS / f"answers-3.{minor}.npz"
     python = environments.dev().make().python
     paths = f"{DEV_MODULE}{os.pathsep}{ROOT}"
     must([python, "-m", "tests.bindings.answers", file], env={"PYTHONPATH": paths}, quiet=True)

@@ -7,11 +7,14 @@ void DisplacementVectors::apply(const Band& band, Points& detailed, SolveReport&
 {
     const auto maps = workspaces_.take([] { return std::make_unique<std::vector<Matrix3>>(); });
     detailed = band.moved;
-    rings_->fit(
-        band.coarse, band.moved, *maps, [&](int v) { return band.fine.row(v) != band.coarse.row(v); },
-        [&](int v, const Matrix3& R) {
-            detailed.row(v) += (R * (band.fine.row(v) - band.coarse.row(v)).transpose()).transpose();
-        });
+    const auto has_detail = [&](int v) { return band.fine.row(v) != band.coarse.row(v); };
+    const auto add = [&](int v, const Matrix3& R) {
+        detailed.row(v) += (R * (band.fine.row(v) - band.coarse.row(v)).transpose()).transpose();
+    };
+    if (band.at_rest)
+        rings_->fit(duals_, band.moved, *maps, has_detail, add);
+    else
+        rings_->fit(band.coarse, band.moved, *maps, has_detail, add);
 }
 
 } // namespace sinew

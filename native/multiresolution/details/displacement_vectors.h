@@ -6,6 +6,7 @@
 #include "native/multiresolution/details/ring_rotations.h"
 
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace sinew {
@@ -27,12 +28,17 @@ namespace sinew {
 class DisplacementVectors final : public DetailCoding
 {
 public:
-    explicit DisplacementVectors(std::shared_ptr<const RingRotations> rings) : rings_(std::move(rings)) {}
+    /// \param coarse  (n, 3) the base at rest.
+    DisplacementVectors(std::shared_ptr<const RingRotations> rings, const PointsView& coarse)
+        : rings_(std::move(rings)), duals_(rings_->duals(coarse))
+    {
+    }
 
     void apply(const Band& band, Points& detailed, SolveReport& report) const override;
 
 private:
     std::shared_ptr<const RingRotations> rings_;
+    std::vector<FaceDual> duals_; ///< at rest
     mutable Pool<std::vector<Matrix3>> workspaces_;
 };
 

@@ -57,7 +57,7 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 DisplacementVolumes::DisplacementVolumes(const SurfaceMesh& rest, const Regions& regions,
                                          const PointsView& fine, const PointsView& coarse,
                                          std::shared_ptr<const RingRotations> rings)
-    : rings_(std::move(rings)), vectors_(rings_), is_free_(rest.vertex_count(), 0),
+    : rings_(std::move(rings)), vectors_(rings_, coarse), is_free_(rest.vertex_count(), 0),
       mass_(divisible_mass(rest, Discretization::cotan_voronoi))
 {
     const int n = rest.vertex_count();

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace sinew {
 
@@ -20,6 +21,22 @@ constexpr double least_area = 1e-7; ///< as a share of the longest edge squared
 Vector3 direction(const Vector3& v, double length)
 {
     return length > 0 ? Vector3(v / length) : Vector3::Zero();
+}
+
+/// The edges of a triangle from its first corner.
+std::pair<Vector3, Vector3> edges_of(const PointsView& points, const Triangle& triangle)
+{
+    const auto [i, j, k] = triangle;
+    return {(points.row(j) - points.row(i)).transpose(), (points.row(k) - points.row(i)).transpose()};
+}
+
+/// area T of face_map().
+Matrix3 weighted_map(const FaceDual& dual, const PointsView& after, const Triangle& triangle)
+{
+    const auto [f1, f2] = edges_of(after, triangle);
+    const Vector3 N1 = f1.cross(f2);
+    return f1 * dual.first.transpose() + f2 * dual.second.transpose() +
+           direction(N1, N1.norm()) * dual.normal.transpose();
 }
 
 /// Vertices whose rotations are fitted together.
@@ -53,26 +70,28 @@ struct FourRings
 
 } // namespace
 
-FaceMap face_map(const PointsView& before, const PointsView& after, const Triangle& triangle)
+FaceDual face_dual(const PointsView& before, const Triangle& triangle)
 {
-    const auto [i, j, k] = triangle;
-    const Vector3 e1 = (before.row(j) - before.row(i)).transpose(),
-                  e2 = (before.row(k) - before.row(i)).transpose(),
-                  f1 = (after.row(j) - after.row(i)).transpose(),
-                  f2 = (after.row(k) - after.row(i)).transpose();
-    const Vector3 N = e1.cross(e2), N1 = f1.cross(f2);
-    const double twice = N.norm(), other = N1.norm(),
+    const auto [e1, e2] = edges_of(before, triangle);
+    const Vector3 N = e1.cross(e2);
+    const double twice = N.norm(),
                  longest = std::max({e1.squaredNorm(), e2.squaredNorm(), (e2 - e1).squaredNorm()});
     if (!(twice > 2 * least_area * longest))
+        return {Vector3::Zero(), Vector3::Zero(), Vector3::Zero()};
+    const Vector3 n = 0.5 / twice * N;
+    return {e2.cross(n), n.cross(e1), 0.5 * N};
+}
+
+FaceMap face_map(const PointsView& before, const PointsView& after, const Triangle& triangle)
+{
+    const FaceDual dual = face_dual(before, triangle);
+    const double area = dual.normal.norm();
+    if (area == 0.0)
         return {Matrix3::Zero(), 0.0, 0.0, Vector3::Zero(), Vector3::Zero()};
-    const Vector3 n = direction(N, twice), n1 = direction(N1, other);
-    FaceMap map;
-    map.weighted = 0.5 * (f1 * e2.cross(n).transpose() + f2 * n.cross(e1).transpose() + n1 * N.transpose());
-    map.area = 0.5 * twice;
-    map.other_area = 0.5 * other;
-    map.normal = n;
-    map.other_normal = n1;
-    return map;
+    const auto [f1, f2] = edges_of(after, triangle);
+    const Vector3 N1 = f1.cross(f2);
+    const double other = N1.norm();
+    return {weighted_map(dual, after, triangle), area, 0.5 * other, dual.normal / area, direction(N1, other)};
 }
 
 RingRotations::RingRotations(const SurfaceMesh& mesh)
@@ -108,13 +127,33 @@ Matrix3 RingRotations::at(const PointsView& before, const PointsView& after, int
         sum_around(vertex, [&](int t) { return face_map(before, after, triangles_[t]).weighted; }));
 }
 
+std::vector<FaceDual> RingRotations::duals(const PointsView& before) const
+{
+    std::vector<FaceDual> found(triangles_.size());
+    parallel_for(static_cast<int>(found.size()), [&](int t) { found[t] = face_dual(before, triangles_[t]); });
+    return found;
+}
+
 void RingRotations::fit(const PointsView& before, const PointsView& after, std::vector<Matrix3>& maps,
                         const Wanted& wanted, const Use& use) const
 {
+    fit_all([&](int t) { return face_dual(before, triangles_[t]); }, after, maps, wanted, use);
+}
+
+void RingRotations::fit(const std::vector<FaceDual>& before, const PointsView& after,
+                        std::vector<Matrix3>& maps, const Wanted& wanted, const Use& use) const
+{
+    fit_all([&](int t) -> const FaceDual& { return before[t]; }, after, maps, wanted, use);
+}
+
+template <class Dual>
+void RingRotations::fit_all(const Dual& dual, const PointsView& after, std::vector<Matrix3>& maps,
+                            const Wanted& wanted, const Use& use) const
+{
     maps.resize(triangles_.size());
     parallel_for(static_cast<int>(triangles_.size()),
-                 [&](int t) { maps[t] = face_map(before, after, triangles_[t]).weighted; });
-    parallel_chunks(static_cast<int>(before.rows()), 2048, [&](int begin, int end) {
+                 [&](int t) { maps[t] = weighted_map(dual(t), after, triangles_[t]); });
+    parallel_chunks(static_cast<int>(after.rows()), 2048, [&](int begin, int end) {
         FourRings rings;
         for (int v = begin; v < end; ++v)
             if (wanted(v)) {

@@ -20,6 +20,13 @@ struct FaceMap
 };
 FaceMap face_map(const PointsView& before, const PointsView& after, const Triangle& triangle);
 
+/// What the map of a triangle has from the shape before: area T = e1' first^T + e2' second^T + n' normal^T.
+struct FaceDual
+{
+    Vector3 first, second, normal; ///< all zero where the area says nothing
+};
+FaceDual face_dual(const PointsView& before, const Triangle& triangle);
+
 /// How each vertex of a surface turned from one shape to another: the rotation that is closest to the sum of
 /// the maps of its triangles, weighted by their areas.
 ///
@@ -42,6 +49,12 @@ public:
     /// \param wanted  whether a vertex needs its rotation. Called from several threads, as is `use`.
     void fit(const PointsView& before, const PointsView& after, std::vector<Matrix3>& maps,
              const Wanted& wanted, const Use& use) const;
+    /// Likewise, from what duals() returned for the shape before.
+    void fit(const std::vector<FaceDual>& before, const PointsView& after, std::vector<Matrix3>& maps,
+             const Wanted& wanted, const Use& use) const;
+
+    /// One per triangle, for a shape before that stays.
+    std::vector<FaceDual> duals(const PointsView& before) const;
 
     /// The rotation of one vertex alone.
     Matrix3 at(const PointsView& before, const PointsView& after, int vertex) const;
@@ -54,6 +67,10 @@ public:
     }
 
 private:
+    /// fit(), with one call of dual(triangle) each.
+    template <class Dual>
+    void fit_all(const Dual& dual, const PointsView& after, std::vector<Matrix3>& maps, const Wanted& wanted,
+                 const Use& use) const;
     /// The sum of map(triangle) over the triangles that decide about a vertex.
     template <class Map>
     Matrix3 sum_around(int vertex, const Map& map) const;

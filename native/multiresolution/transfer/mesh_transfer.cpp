@@ -92,6 +92,8 @@ MeshTransfer::MeshTransfer(const SurfaceMesh& source, const SurfaceMesh& target)
     std::tie(target_shares_, target_area) = shares_of(target, parts_);
     if (area > 0 && target_area > 0)
         scale_ = std::sqrt(target_area / area);
+    centres_ = centres(view(source_), parts_, shares_);
+    target_centres_ = centres(view(target_), parts_, target_shares_);
 }
 
 void MeshTransfer::transfer(const PointsView& source, Points& target) const
@@ -107,9 +109,8 @@ void MeshTransfer::transfer(const PointsView& source, Points& target) const
     for (const Triangle& t : rings_->triangles())
         sum += face_map(view(source_), source, t).weighted;
     const Matrix3 Q = fit_rotation(sum);
-    const Points goal = centres(view(target_), parts_, target_shares_) * Q.transpose() +
-                        scale_ * (centres(source, parts_, shares_) -
-                                  centres(view(source_), parts_, shares_) * Q.transpose()),
+    const Points goal = target_centres_ * Q.transpose() +
+                        scale_ * (centres(source, parts_, shares_) - centres_ * Q.transpose()),
                  moves = goal - centres(view(target), parts_, target_shares_);
     for (int v = 0; v < target.rows(); ++v)
         target.row(v) += moves.row(parts_.labels[v]);

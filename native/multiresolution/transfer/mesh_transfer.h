@@ -50,6 +50,7 @@ private:
     std::shared_ptr<const RingRotations> rings_;
     std::unique_ptr<DeformationTransfer> faces_;
     VectorX shares_, target_shares_; ///< (n) of the area of a vertex's part; their sums over a part are 1
+    Points centres_, target_centres_; ///< (k) of the parts at rest
     double scale_ = 1.0;
 };
 

@@ -65,4 +65,17 @@ TEST(RingRotations, equal_shapes_give_the_identity_also_on_messy_meshes)
     }
 }
 
+TEST(RingRotations, of_a_shape_that_stays_are_the_same_to_the_last_bit)
+{
+    const SurfaceMesh mesh = shapes::messy();
+    shapes::Random random(7);
+    const Points after = mesh.points() * random.rotation() + 0.2 * random.dense(mesh.vertex_count(), 3);
+    const RingRotations rings(mesh);
+    const std::vector<Matrix3> expected = rotations(mesh, after);
+    std::vector<Matrix3> maps;
+    rings.fit(
+        rings.duals(view(mesh.points())), view(after), maps, [](int) { return true; },
+        [&](int v, const Matrix3& R) { EXPECT_EQ(R, expected[v]) << v; });
+}
+
 } // namespace sinew
