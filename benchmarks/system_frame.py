@@ -29,5 +29,6 @@ def measured() -> dict[str, float]:
 
 
 if __name__ == "__main__":
+    found = measured()  # first, as an empty file would count as written
     with open(sys.argv[sys.argv.index("--json") + 1], "w", encoding="utf-8") as out:
-        json.dump(measured(), out)
+        json.dump(found, out)

@@ -52,5 +52,6 @@ def measured(vertices: int) -> dict[str, dict[str, float]]:
 
 
 if __name__ == "__main__":
+    found = measured(int(sys.argv[2]))  # first, as an empty file would count as written
     with open(sys.argv[1], "w", encoding="utf-8") as out:
-        json.dump(measured(int(sys.argv[2])), out)
+        json.dump(found, out)
