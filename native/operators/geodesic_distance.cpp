@@ -52,7 +52,8 @@ GeodesicDistance::GeodesicDistance(const SurfaceMesh& mesh)
             triangles_[next[v]++] = t;
 }
 
-std::vector<double> GeodesicDistance::from(const std::vector<Source>& sources) const
+std::vector<double> GeodesicDistance::from(const std::vector<Source>& sources,
+                                           std::int64_t* shortenings) const
 {
     std::vector<double> found(mesh_.vertex_count(), std::numeric_limits<double>::infinity());
     std::vector<int> times(found.size(), 0);
@@ -86,6 +87,8 @@ std::vector<double> GeodesicDistance::from(const std::vector<Source>& sources) c
             }
         }
     }
+    if (shortenings)
+        *shortenings = std::accumulate(times.begin(), times.end(), std::int64_t{0});
     return found;
 }
 

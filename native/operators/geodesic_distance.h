@@ -4,6 +4,7 @@
 #include "native/core/types.h"
 #include "native/mesh/surface_mesh.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace sinew {
@@ -37,7 +38,8 @@ public:
     };
 
     /// (n) infinity where no way leads. A source itself may be nearer to another one than it says.
-    std::vector<double> from(const std::vector<Source>& sources) const;
+    /// \param shortenings  gets how often a distance became shorter, which the time is in proportion to.
+    std::vector<double> from(const std::vector<Source>& sources, std::int64_t* shortenings = nullptr) const;
 
 private:
     const SurfaceMesh& mesh_;
