@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -120,33 +119,6 @@ def test_a_source_that_is_not_finite_in_a_frame_is_refused_and_no_file_stays(pai
         transfer(plate.obj, target, tmp_path / "stout")
     assert not list(tmp_path.iterdir())
     assert not target.modifiers
-
-
-def test_esc_in_the_middle_of_a_transfer_leaves_all_as_it_was(pair, tmp_path: Path, room):
-    plate, target = pair
-    bpy.context.scene.frame_set(3)
-    job = room("bake").Transferring(plate.obj, target, bpy.context.scene, FRAMES, str(tmp_path / "stout"))
-    said, ended = [], []
-    operator = SimpleNamespace(
-        _job=job,
-        cancelled="cancelled",
-        report=lambda level, text: said.append((level, text)),
-        _end_modal=ended.append,
-    )
-    modal = room("operators.frame_by_frame").FrameByFrame.modal
-    operator._some_frames = lambda _context: job.step()
-    for kind in ("TIMER", "MOUSEMOVE", "TIMER"):
-        event = SimpleNamespace(type=kind, value="PRESS")
-        assert modal(operator, bpy.context, event) == {"RUNNING_MODAL"}
-    assert job.done == 2
-    assert list(tmp_path.iterdir())
-    esc = SimpleNamespace(type="ESC", value="PRESS")
-    assert modal(operator, bpy.context, esc) == {"CANCELLED"}
-    assert said == [({"WARNING"}, "cancelled")]
-    assert len(ended) == 1
-    assert not list(tmp_path.iterdir())
-    assert not target.modifiers
-    assert bpy.context.scene.frame_current == 3
 
 
 def test_a_render_without_the_add_on_shows_the_transfer(pair, tmp_path: Path):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender with a window: from a blank file to a rendered pose, by mouse and keyboard.
 
-Then the same way back by undo, Grab Region, and a bind that is cancelled.
+Then the same way back by undo, Grab Region, and a bind and a transfer that are cancelled.
 """
 
 import bmesh
@@ -431,6 +431,36 @@ def heavy_bind():
     seen["bound_again"] = heavy.status
 
 
+def cancelled_transfer():
+    """Esc in the middle of a transfer of five thousand frames leaves neither a file nor a modifier."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=40, y_subdivisions=40)
+    source = bpy.context.object
+    target = bpy.data.objects.new("Target", source.data.copy())
+    bpy.context.collection.objects.link(target)
+    bpy.context.view_layer.objects.active = target
+    bpy.context.scene.frame_set(3)
+    folder = OUTPUT / "transfer"
+    folder.mkdir(exist_ok=True)
+    with in_view():
+        bpy.ops.sinew.transfer_deformation(
+            "INVOKE_DEFAULT",
+            source=source.name,
+            filepath=str(folder / "stout"),
+            frame_start=1,
+            frame_end=5000,
+        )
+    yield from rest()
+    seen["transfer_files"] = len(list(folder.iterdir()))
+    seen["transfer_frame"] = bpy.context.scene.frame_current
+    press("ESC")
+    yield from rest()
+    seen["transfer_left"] = [
+        *(path.name for path in folder.iterdir()),
+        *(modifier.name for modifier in target.modifiers),
+    ]
+    seen["transfer_frame_after"] = bpy.context.scene.frame_current
+
+
 def journey():
     yield from blank_file()
     yield from mark_regions()
@@ -441,6 +471,7 @@ def journey():
     yield from undo_all()
     yield from grab_region()
     yield from heavy_bind()
+    yield from cancelled_transfer()
     seen["pixels_moved"] = differing("4-moved", "3-ready")
     seen["pixels_not_undone"] = differing("5-undone", "3-ready")
 

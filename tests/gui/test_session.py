@@ -126,3 +126,10 @@ def test_a_heavy_mesh_binds_in_a_thread_and_esc_cancels(seen: dict):
     assert "160,801 vertices, 1 handle, 1 fixed, " in seen["heavy_status"]
     assert "cancelled" in seen["cancelled"]
     assert "bound in" in seen["bound_again"]
+
+
+def test_esc_in_the_middle_of_a_transfer_leaves_all_as_it_was(seen: dict):
+    assert seen["transfer_files"] == 1
+    assert 3 < seen["transfer_frame"] < 5000
+    assert seen["transfer_left"] == []
+    assert seen["transfer_frame_after"] == 3
