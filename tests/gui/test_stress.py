@@ -70,7 +70,7 @@ def test_the_viewport_is_right_after_an_unlocked_render(seen: dict, engine: str)
 def test_many_frames_with_an_unlocked_viewport_do_not_crash(seen: dict, engine: str, frames: int):
     assert seen[f"{engine}_unlocked"]
     assert seen[f"{engine}_frames"] == frames
-    assert seen[f"{engine}_moves"] >= frames
+    assert seen[f"{engine}_moves"] > 2 * frames
 
 
 def test_blenders_own_autosave_opens_with_the_pose_and_lives_on(seen: dict, tmp_path: Path):
