@@ -19,6 +19,7 @@ METHODS = {
     "Rotation-Invariant": "rotation_invariant_coordinates",
     "Laplacian Editing": "laplacian_editing",
     "Hierarchical": "hierarchical_smoothing",
+    "Subdivision": "subdivision_editing",
     "Propagation": "propagation",
 }
 # The axis between foot and head becomes an arc of its own length.

@@ -94,6 +94,13 @@ class RotationInvariantCoordinates(SurfaceMethod):
 class HierarchicalSmoothing(SurfaceMethod):
     def __init__(self, mesh: SurfaceMesh, *, levels: int = 64, relaxations: int = 4) -> None: ...
 
+class SubdivisionEditing(SurfaceMethod):
+    def __init__(
+        self, mesh: SurfaceMesh, *, coarsening: Literal["automatic", "levels"] = "automatic", levels: int = 2
+    ) -> None: ...
+    def level_counts(self) -> list[int]: ...
+    def control_mesh(self) -> SurfaceMesh: ...
+
 class LaplacianEditing(SurfaceMethod):
     def __init__(
         self,
