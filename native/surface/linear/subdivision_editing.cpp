@@ -234,8 +234,7 @@ SolveReport SubdivisionEditing::deform(const SolveRequest& /*request*/, const Ta
 
 std::vector<std::string> SubdivisionEditing::changed_options(const SurfaceMethod& former) const
 {
-    const auto &own = impl_->options,
-               &other = static_cast<const SubdivisionEditing&>(former).impl_->options;
+    const auto &own = impl_->options, &other = static_cast<const SubdivisionEditing&>(former).impl_->options;
     return names_of({{"coarsening", own.coarsening != other.coarsening},
                      {"levels", own.coarsening == Coarsening::levels &&
                                     other.coarsening == Coarsening::levels && own.levels != other.levels}});

@@ -29,7 +29,7 @@ void smooth_points(const SparseRows& S, const PointsView& y, Points& points)
     });
 }
 
-void ControlMotion::factorize(const SurfaceMesh& control, SparseRows S, const Regions& regions,
+void ControlMotion::factorize(const SurfaceMesh& control, SparseRows&& S, const Regions& regions,
                               const std::vector<int>& levels, std::vector<int> group)
 {
     const SparseMatrix A = plate_energy(control);

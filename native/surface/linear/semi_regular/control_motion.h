@@ -33,7 +33,7 @@ public:
     /// \param levels   (constraints) how often the part of each was coarsened.
     /// \param group    (control vertices) of the groups of handles; -1 where none touches a part.
     /// \throw FactorizationFailed  the element of the error is a control vertex.
-    void factorize(const SurfaceMesh& control, SparseRows S, const Regions& regions,
+    void factorize(const SurfaceMesh& control, SparseRows&& S, const Regions& regions,
                    const std::vector<int>& levels, std::vector<int> group);
 
     /// What is kept from call to call.

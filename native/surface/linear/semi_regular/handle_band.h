@@ -11,13 +11,14 @@
 
 namespace sinew {
 
-/// Brings a surface to its handles where it has come close to them. The smoothest displacement, that of a thin
-/// plate, meets hard handles exactly, yields to soft ones, and ends without a crease as many edges away
+/// Brings a surface to its handles where it has come close to them. The smoothest displacement, that of a
+/// thin plate, meets hard handles exactly, yields to soft ones, and ends without a crease as many edges away
 /// from them as there are between two control points.
 class HandleBand
 {
 public:
-    /// \param levels  (n) how often the part of each vertex was coarsened. Parts that were not are left alone.
+    /// \param levels  (n) how often the part of each vertex was coarsened. Parts that were not are left
+    /// alone.
     /// \throw FactorizationFailed  the element of the error is a vertex of the mesh.
     void factorize(const SurfaceMesh& mesh, const Regions& regions, const std::vector<int>& levels);
 

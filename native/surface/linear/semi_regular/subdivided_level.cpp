@@ -10,8 +10,8 @@ namespace sinew {
 namespace {
 
 /// Added to the diagonal of P^T P, whose eigenvalues are at least .05 where it is not singular. Each step of
-/// the fit leaves this share of the error over the eigenvalue, so two leave 1e-11; and one over it is how much
-/// rounding errors grow where P^T P is singular.
+/// the fit leaves this share of the error over the eigenvalue, so two leave 1e-11; and one over it is how
+/// much rounding errors grow where P^T P is singular.
 constexpr double damping = 1e-7;
 constexpr int steps = 2;
 

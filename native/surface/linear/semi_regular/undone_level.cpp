@@ -218,8 +218,8 @@ private:
 
     bool has_quads_only(std::span<const int> vertices) const
     {
-        return std::ranges::all_of(
-            vertices, [&](int v) { return role_[v] != Role::face || corners_.count[v] == 4; });
+        return std::ranges::all_of(vertices,
+                                   [&](int v) { return role_[v] != Role::face || corners_.count[v] == 4; });
     }
 
     const Corners& corners_;
@@ -282,8 +282,8 @@ public:
     void add(int v, Row& row)
     {
         const bool closed = corners_.fan(v, fan_);
-        const bool triangles = corners_.first[corners_.face[fan_[0]] + 1] -
-                                   corners_.first[corners_.face[fan_[0]]] == 3;
+        const bool triangles =
+            corners_.first[corners_.face[fan_[0]] + 1] - corners_.first[corners_.face[fan_[0]]] == 3;
         if (roles_(v) == Role::face) {
             roles_.around(v, list_);
             row.mean(list_, 1.0);
@@ -349,9 +349,8 @@ void tangents(const Corners& corners, int v, std::vector<int>& fan, std::vector<
     }
     const bool quads = corners.first[corners.face[fan[0]] + 1] - corners.first[corners.face[fan[0]]] == 4;
     const double step = 2 * pi / faces;
-    const double edge = !quads ? 1.0
-                               : 1.0 + std::cos(step) +
-                                     std::cos(0.5 * step) * std::sqrt(2.0 * (9.0 + std::cos(step)));
+    const double edge =
+        !quads ? 1.0 : 1.0 + std::cos(step) + std::cos(0.5 * step) * std::sqrt(2.0 * (9.0 + std::cos(step)));
     for (int k = 0; k < faces; ++k) {
         const double a = step * k, b = step * (k + 1);
         found.push_back({corners.vertex[corners.next(fan[k])], edge * std::cos(a), edge * std::sin(a)});
@@ -382,8 +381,8 @@ UndoneLevel undo_subdivision(const SurfaceMesh& mesh, const std::vector<int>& pa
     for (std::size_t p = 0; p < parts; ++p) {
         if (undoing[p] != Undoing::wanted)
             continue;
-        undoing[p] = sound[p] && !faces[p].empty() ? roles.choose(faces[p], vertices[p], least)
-                                                   : Undoing::irregular;
+        undoing[p] =
+            sound[p] && !faces[p].empty() ? roles.choose(faces[p], vertices[p], least) : Undoing::irregular;
         if (undoing[p] == Undoing::undone)
             for (int v : vertices[p])
                 entries += 2 * corners.count[v];

@@ -34,7 +34,7 @@ enum class Undoing : char {
 /// quads; one that keeps the lowest vertex; and the one whose lowest kept vertex is lowest.
 struct UndoneLevel
 {
-    std::vector<int> kept;            ///< the vertices of the coarser level, ascending: its vertex k was kept[k]
+    std::vector<int> kept; ///< the vertices of the coarser level, ascending: its vertex k was kept[k]
     std::vector<int> counts, corners; ///< its faces
     SparseRows rule; ///< (n, kept) one step of subdivision, borders as curves; identity where carried over
     std::vector<int> made; ///< the vertices of the parts that are undone

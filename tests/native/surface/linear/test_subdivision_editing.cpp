@@ -140,12 +140,20 @@ SurfaceMesh torus(int around, int across)
 /// A pentagon, a triangle and quads in an open surface, no vertex of which is like another.
 SurfaceMesh polygons()
 {
-    return shapes::mesh({{0, 0, 0}, {2, 0, .1}, {4, 0, 0}, {0, 2, .3}, {2, 2, 1}, {4, 2, .2}, {1, 4, 0}, {3, 4, .4},
+    return shapes::mesh({{0, 0, 0},
+                         {2, 0, .1},
+                         {4, 0, 0},
+                         {0, 2, .3},
+                         {2, 2, 1},
+                         {4, 2, .2},
+                         {1, 4, 0},
+                         {3, 4, .4},
                          {6, 1, 0}},
                         {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 5, 7, 6}, {2, 8, 5}});
 }
 
-SubdivisionEditing bound(const SurfaceMesh& mesh, int levels, const std::vector<Handle>& handles = {{{0}, {}}})
+SubdivisionEditing bound(const SurfaceMesh& mesh, int levels,
+                         const std::vector<Handle>& handles = {{{0}, {}}})
 {
     SubdivisionEditing editing(mesh, {Coarsening::levels, levels});
     editing.set_handles(handles);
@@ -168,9 +176,9 @@ struct Case
 std::vector<Case> control_meshes()
 {
     constexpr auto quads = SubdivisionScheme::catmull_clark, triangles = SubdivisionScheme::loop;
-    return {{shapes::cube(), quads},          {polygons(), quads},
-            {shapes::bar(5, 2), quads},       {torus(7, 5), quads},
-            {rough_hill(5, 3), quads},        {shapes::octahedron(), quads},
+    return {{shapes::cube(), quads},           {polygons(), quads},
+            {shapes::bar(5, 2), quads},        {torus(7, 5), quads},
+            {rough_hill(5, 3), quads},         {shapes::octahedron(), quads},
             {shapes::octahedron(), triangles}, {shapes::hill(5, 4), triangles},
             {shapes::sphere(1), triangles}};
 }
@@ -202,8 +210,7 @@ TEST(SubdivisionEditing, finds_control_meshes_whatever_the_order_of_the_vertices
 {
     const SurfaceMesh control = shapes::bar(5, 2);
     for (std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8}) {
-        const SurfaceMesh fine =
-            shuffled(refined(control, SubdivisionScheme::catmull_clark, 2), seed);
+        const SurfaceMesh fine = shuffled(refined(control, SubdivisionScheme::catmull_clark, 2), seed);
         const SurfaceMesh found = bound(fine, 2).control_mesh();
         ASSERT_EQ(found.vertex_count(), control.vertex_count());
         ASSERT_EQ(found.face_count(), control.face_count());
@@ -324,7 +331,8 @@ TEST(SubdivisionEditing, details_turn_with_the_surface)
                       across = (base.row(v + 65) - base.row(v - 65)).transpose();
         const Vector3 normal = along.cross(across).normalized();
         const auto height = [&](const Points& x) -> Vector3 {
-            return (x.row(v) - 0.25 * (x.row(v - 1) + x.row(v + 1) + x.row(v - 65) + x.row(v + 65))).transpose();
+            return (x.row(v) - 0.25 * (x.row(v - 1) + x.row(v + 1) + x.row(v - 65) + x.row(v + 65)))
+                .transpose();
         };
         worst = std::max(worst, (height(q) - height(base) - 0.1 * normal).norm());
         steepest = std::max(steepest, std::acos(normal.z()));
@@ -359,7 +367,8 @@ TEST(SubdivisionEditing, sculpted_meshes_rest_and_move_rigidly_with_all_their_de
 
 TEST(SubdivisionEditing, a_part_that_cannot_be_undone_stays_whole_and_the_others_do_not_mind)
 {
-    const SurfaceMesh ball = shapes::sphere(3), box = refined(shapes::cube(), SubdivisionScheme::catmull_clark, 3);
+    const SurfaceMesh ball = shapes::sphere(3),
+                      box = refined(shapes::cube(), SubdivisionScheme::catmull_clark, 3);
     Faces cut = shapes::faces_of(box);
     cut.pop_back(); // one quad is missing
     const SurfaceMesh holed = shapes::over(box.points(), cut);
@@ -406,7 +415,8 @@ TEST(SubdivisionEditing, tiny_and_odd_parts_are_no_subdivisions)
         fans.push_back(face);
     }
     Points p(17, 3);
-    p << shapes::grid_points(2, 2), shapes::grid_points(2, 2).bottomRows(8).rowwise() + Eigen::RowVector3d(2, 2, 0);
+    p << shapes::grid_points(2, 2),
+        shapes::grid_points(2, 2).bottomRows(8).rowwise() + Eigen::RowVector3d(2, 2, 0);
     EXPECT_EQ(bound(shapes::over(p, fans), 1).level_counts(), std::vector<int>{0});
     EXPECT_EQ(bound(shapes::quad_grid(2, 2), 1).level_counts(), std::vector<int>{1});
 }
