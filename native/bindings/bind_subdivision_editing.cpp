@@ -27,7 +27,7 @@ frame is O(n) and a solve around the handles. Rigid motions of all handles are r
                  const py::gil_scoped_release unlocked;
                  return std::make_shared<SubdivisionEditing>(mesh, options);
              }),
-             py::arg("mesh"), py::kw_only(), py::arg("coarsening") = "automatic", py::arg("levels") = 2, R"(
+             py::arg("mesh"), py::kw_only(), py::arg("coarsening") = "automatic", py::arg("levels") = 1, R"(
 mesh        SurfaceMesh, the rest shape.
 coarsening  'automatic': each part is coarsened as often as it keeps 64 vertices; 'levels': as often as `levels` says.
 levels      >= 0, of 'levels': how often, if there are so many levels; 0 solves on the mesh itself.

@@ -382,7 +382,7 @@ ROWS = (
             ),
             Int(
                 "levels",
-                2,
+                1,
                 maximum=1000,
                 soft_maximum=6,
                 rebinds=True,

@@ -235,9 +235,8 @@ SolveReport SubdivisionEditing::deform(const SolveRequest& /*request*/, const Ta
 std::vector<std::string> SubdivisionEditing::changed_options(const SurfaceMethod& former) const
 {
     const auto &own = impl_->options, &other = static_cast<const SubdivisionEditing&>(former).impl_->options;
-    return names_of({{"coarsening", own.coarsening != other.coarsening},
-                     {"levels", own.coarsening == Coarsening::levels &&
-                                    other.coarsening == Coarsening::levels && own.levels != other.levels}});
+    return names_of(
+        {{"coarsening", own.coarsening != other.coarsening}, {"levels", own.levels != other.levels}});
 }
 
 bool SubdivisionEditing::updates(const std::string& /*option*/) const { return true; }

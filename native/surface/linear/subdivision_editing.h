@@ -18,7 +18,7 @@ enum class Coarsening {
 struct SubdivisionEditingOptions
 {
     Coarsening coarsening = Coarsening::automatic;
-    int levels = 2; ///< of Coarsening::levels: 0 is the mesh itself
+    int levels = 1; ///< of Coarsening::levels: 0 is the mesh itself
 };
 
 /// Multiresolution editing of meshes that come from subdividing a coarse one: the handles move a control

@@ -24,7 +24,7 @@ using Faces = std::vector<std::vector<int>>;
 
 const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {18, 0, 0}, {-1, 0.5, 2})};
 
-auto maker(Coarsening coarsening, int levels = 2)
+auto maker(Coarsening coarsening, int levels = 1)
 {
     return [=](const SurfaceMesh& mesh) {
         return std::make_shared<SubdivisionEditing>(mesh, SubdivisionEditingOptions{coarsening, levels});
