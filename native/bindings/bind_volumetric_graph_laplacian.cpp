@@ -21,14 +21,16 @@ one solve for x, y and z.)")
                  const py::gil_scoped_release unlocked;
                  return std::make_shared<VolumetricGraphLaplacian>(mesh, options);
              }),
-             py::arg("mesh"), py::kw_only(), py::arg("volume") = 1.0, py::arg("laplacian") = "cotan_voronoi", R"(
+             py::arg("mesh"), py::kw_only(), py::arg("volume") = 1.0, py::arg("laplacian") = "cotan_voronoi",
+             R"(
 mesh       SurfaceMesh, the rest shape. Inside is where its faces wind around more than half.
 volume     >= 0, how much the graph counts beside the surface; 0 leaves the surface alone.
 laplacian  'uniform', 'cotan' or 'cotan_voronoi' (section 3.2), of the surface.
 
 Raises InvalidOption for another volume or name.)")
         .def(
-            "inner_points", [](const VolumetricGraphLaplacian& method) { return to_numpy(method.inner_points()); },
+            "inner_points",
+            [](const VolumetricGraphLaplacian& method) { return to_numpy(method.inner_points()); },
             "(g, 3) the points inside at rest, a copy; none before the first set_handles().");
 }
 

@@ -13,7 +13,7 @@ namespace sinew {
 namespace {
 
 constexpr int leaf = 8;
-constexpr double far = 2.5; ///< in radii of a group
+constexpr double far = 4.0; ///< in radii of a group
 
 Vector3 centroid(const Corners& t) { return (t[0] + t[1] + t[2]) / 3; }
 Vector3 area_vector(const Corners& t) { return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]); }
@@ -85,8 +85,8 @@ double WindingTree::at(const Vector3& point) const
         if (square > far * far * node.radius * node.radius) {
             const double distance = std::sqrt(square);
             const Vector3 u = r / distance;
-            sum += (node.normal.dot(u) +
-                    (node.moment.trace() - 3 * u.dot(node.moment * u)) / distance) / square;
+            sum +=
+                (node.normal.dot(u) + (node.moment.trace() - 3 * u.dot(node.moment * u)) / distance) / square;
         } else if (node.second == 0) {
             for (int t = node.begin; t < node.end; ++t)
                 sum += solid_angle(triangles_[t], point);

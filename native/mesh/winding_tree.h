@@ -15,7 +15,7 @@ double solid_angle(const Corners& triangle, const Vector3& at);
 ///
 /// G. Barill et al. "Fast Winding Numbers for Soups and Clouds." SIGGRAPH 2018.
 ///
-/// A group is far where it is 2.5 times as far away as it is large; the errors stay below 1e-2 then. Any
+/// A group is far where it is four times as far away as it is large; the errors stay below 0.02 then. Any
 /// number of threads may ask at once.
 ///
 ///   call         cost

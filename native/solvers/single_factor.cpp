@@ -37,10 +37,7 @@ SparseMatrix ordered(const SparseMatrix& matrix, const std::vector<int>& order)
 
 } // namespace
 
-Ordering smallest_factor()
-{
-    return have_cholmod() ? Ordering::nested_dissection : Ordering::minimum_degree;
-}
+Ordering smallest_factor() { return have_cholmod() ? Ordering::nested_dissection : Ordering::minimum_degree; }
 
 std::vector<int> fill_reducing_order(const SparseMatrix& matrix)
 {

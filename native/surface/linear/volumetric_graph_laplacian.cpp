@@ -303,7 +303,8 @@ std::vector<std::string> VolumetricGraphLaplacian::changed_options(const Surface
     const VolumetricGraphLaplacianOptions &own = impl_->options,
                                           &other = static_cast<const VolumetricGraphLaplacian&>(former)
                                                        .impl_->options;
-    return names_of({{"volume", own.volume != other.volume}, {"laplacian", own.laplacian != other.laplacian}});
+    return names_of(
+        {{"volume", own.volume != other.volume}, {"laplacian", own.laplacian != other.laplacian}});
 }
 
 bool VolumetricGraphLaplacian::updates(const std::string& option) const { return option != "laplacian"; }

@@ -22,8 +22,8 @@ struct VolumetricGraphLaplacianOptions
 /// K. Zhou, J. Huang, J. Snyder, X. Liu, H. Bao, B. Guo, H.-Y. Shum. "Large Mesh Deformation Using the
 /// Volumetric Graph Laplacian." SIGGRAPH 2005. Tutorial, section 4.5.2.
 ///
-/// The nodes of the graph are the vertices and the points inside them (volume/volume_graph.h). A node with the
-/// neighbours j has the differential coordinate
+/// The nodes of the graph are the vertices and the points inside them (volume/volume_graph.h). A node with
+/// the neighbours j has the differential coordinate
 ///
 ///     (D p)_i = p_i - sum_j w_ij p_j,    w_ij proportional to 1 / |p_i - p_j|, with the sum 1,
 ///
@@ -39,11 +39,11 @@ struct VolumetricGraphLaplacianOptions
 ///
 /// In an incoming shape, each point of the graph rides on three vertices (riders/loose_vertices.h).
 ///
-/// Departs from the paper: the inner layer has fewer points than the surface; cubes in place of a body-centred
-/// lattice, with wider cells in place of edge collapses; weights by lengths, not by a quadratic program; the
-/// surface has weights of cotangents and areas unless the options say otherwise; transformations fade by
-/// harmonic fields, of any number of handles. A part without an inside, such as an open sheet, is edited as by
-/// LaplacianEditing with `from_handles`.
+/// Departs from the paper: the inner layer has fewer points than the surface; cubes in place of a
+/// body-centred lattice, with wider cells in place of edge collapses; weights by lengths, not by a quadratic
+/// program; the surface has weights of cotangents and areas unless the options say otherwise; transformations
+/// fade by harmonic fields, of any number of handles. A part without an inside, such as an open sheet, is
+/// edited as by LaplacianEditing with `from_handles`.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing

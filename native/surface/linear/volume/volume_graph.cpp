@@ -45,7 +45,8 @@ std::vector<int> cells_of_vertices(int n, const std::vector<std::array<int, 2>>&
 class Body
 {
 public:
-    Body(const Part& part, double edge) : part_(part), edge_(edge), host_(part), winding_(part.points, part.triangles)
+    Body(const Part& part, double edge)
+        : part_(part), edge_(edge), host_(part), winding_(part.points, part.triangles)
     {
         host_.prepare_tree();
         // About the centroid, so that far from the origin nothing is lost.
@@ -102,7 +103,8 @@ public:
 
 private:
     /// Nothing where there are more cells than `most`.
-    std::optional<std::vector<Cell>> flood(const std::vector<Vector3>& seeds, double width, std::size_t most) const;
+    std::optional<std::vector<Cell>> flood(const std::vector<Vector3>& seeds, double width,
+                                           std::size_t most) const;
 
     const Part& part_;
     double edge_;
@@ -234,7 +236,8 @@ VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, 
             number.emplace(Body::key(cell), static_cast<int>(in.lattice.size()));
             in.lattice.push_back(body.position(cell, lattice.width));
         }
-        std::vector<std::array<int, 6>> joined(lattice.cells.size()); // -1 - centre, or a point of the lattice
+        std::vector<std::array<int, 6>> joined(
+            lattice.cells.size()); // -1 - centre, or a point of the lattice
         in.carriers.resize(in.shell.size() + in.lattice.size());
         const auto carry = [&](int i, const Vector3& p) {
             const Triangle own = carriers_of(body.host(), body.beneath(p), p);
@@ -254,9 +257,10 @@ VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, 
                         continue;
                     }
                     const TriangleTree::Place place = body.beneath(body.position(other, lattice.width));
-                    const auto at = std::ranges::min_element(
-                        body.host().triangles()[place.triangle], {},
-                        [&](int v) { return (part.points[v] - place.point).squaredNorm(); });
+                    const auto at =
+                        std::ranges::min_element(body.host().triangles()[place.triangle], {}, [&](int v) {
+                            return (part.points[v] - place.point).squaredNorm();
+                        });
                     joined[i][side] = -1 - centre[part.vertices[*at]];
                 }
             },
@@ -291,7 +295,6 @@ VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, 
             graph.riders.add(node, carriers);
         };
         for (std::size_t i = 0; i < in.shell.size(); ++i) {
-            graph.edges.push_back({in.centres[i], shell});
             add(shell++, in.shell[i], in.carriers[i]);
         }
         for (std::size_t i = 0; i < in.lattice.size(); ++i)
@@ -301,6 +304,9 @@ VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, 
         for (const auto& [a, v] : in.links)
             graph.edges.push_back({shell_of[v] >= 0 ? shell_of[v] : v, first + a});
     }
+    for (int v = 0; v < n; ++v)
+        if (shell_of[centre[v]] >= 0)
+            graph.edges.push_back({v, shell_of[centre[v]]});
     for (const auto& [a, b] : edges)
         if (const auto [s, t] = std::minmax(shell_of[centre[a]], shell_of[centre[b]]); s >= 0 && s != t)
             graph.edges.push_back({s, t});

@@ -34,14 +34,16 @@ auto maker(const Options& options)
     };
 }
 
-/// An egg, long in x, of three different axes; with inner points in a shell and a lattice.
+/// A crooked egg, long in x, without any symmetry that leaves a choice to rounding; with inner points in a
+/// shell and a lattice.
 SurfaceMesh egg(int level)
 {
     const SurfaceMesh ball = shapes::sphere(level);
     Points p = ball.points();
     for (int v = 0; v < p.rows(); ++v) {
-        const double x = p(v, 0);
-        p.row(v) = Eigen::RowVector3d(6 * x, (3.6 + 0.5 * x) * p(v, 1) + 0.2 * x * x, (3.1 - 0.2 * x) * p(v, 2));
+        const double x = p(v, 0), y = p(v, 1), z = p(v, 2);
+        p.row(v) = Eigen::RowVector3d(6 * x, (3.6 + 0.5 * x) * y + 0.2 * x * x,
+                                      (3.1 - 0.2 * x + 0.1 * y) * z + 0.3 * x * y);
     }
     return shapes::moved(ball, p);
 }
@@ -112,7 +114,8 @@ TEST(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
     shapes::Random random(6);
     const SurfaceMesh mesh = egg(3);
     const int n = mesh.vertex_count();
-    for (Discretization kind : {Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi})
+    for (Discretization kind :
+         {Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi})
         for (double weight : {1.0, 0.6})
             for (double alpha : {1.0, 7.0}) {
                 std::vector<Handle> handles = shapes::ends(mesh, 2);
@@ -172,7 +175,8 @@ TEST(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
                     if (!held[i])
                         free.push_back(i);
                 s = dense::solution(L, b, s, free);
-                const MatrixX delta = m.cwiseInverse().asDiagonal() * (surface * mesh.points()), inner = D * p;
+                const MatrixX delta = m.cwiseInverse().asDiagonal() * (surface * mesh.points()),
+                              inner = D * p;
                 MatrixX turned = delta, inside = inner;
                 for (int i = 0; i < nodes; ++i) {
                     const Matrix3 T =
@@ -207,13 +211,15 @@ TEST(VolumetricGraphLaplacian, keeps_more_of_the_volume_of_a_bent_tube_than_the_
     const SurfaceMesh mesh = study_tube();
     const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
     const Poses poses{shapes::still(), study_bend()};
-    const auto loss = [&](const Points& q) { return 1 - enclosed_volume(mesh, q) / enclosed_volume(mesh, mesh.points()); };
+    const auto loss = [&](const Points& q) {
+        return 1 - enclosed_volume(mesh, q) / enclosed_volume(mesh, mesh.points());
+    };
     const double surface = loss(on_the_surface_only(mesh, handles, poses));
     const Points q = solved(mesh, handles, {.poses = poses});
-    EXPECT_NEAR(surface, .043, .002);
-    EXPECT_LT(loss(q), .85 * surface);
+    EXPECT_NEAR(surface, .0429, .0005);
+    EXPECT_LT(loss(q), .6 * surface) << "measured: .021";
     EXPECT_GT(loss(q), 0);
-    printf("LOSS %g %g a10 %g strain %g\n", surface, loss(q), loss(solved(mesh, handles, {.poses = poses}, {.volume=10})), rms_edge_ratio(mesh, q));
+    EXPECT_NEAR(rms_edge_ratio(mesh, q), .0572, .0005) << "the isometric bend of the axis has .0580";
 }
 
 TEST(VolumetricGraphLaplacian, one_affine_map_of_all_handles_is_exact)
@@ -274,7 +280,7 @@ TEST(VolumetricGraphLaplacian, keeps_the_volume_of_a_scan_with_a_hole)
     const Points inner = method.inner_points();
     int at_the_hole = 0;
     for (int k = 0; k < inner.rows(); ++k) {
-        EXPECT_GT(winding_number(points, scan.triangles(), inner.row(k).transpose()), .49);
+        EXPECT_GT(std::abs(winding_number(points, scan.triangles(), inner.row(k).transpose())), .45);
         at_the_hole += std::abs(inner(k, 0) - 10) < 1;
     }
     EXPECT_GT(at_the_hole, 10);
