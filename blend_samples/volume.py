@@ -38,7 +38,7 @@ def make() -> bpy.types.Scene:
     for obj, label in zip(row, METHODS):
         studio.add_label(scene, label, (obj.location.x + 0.2, -1.0, 0.0), 0.13)
         share = f"{100 * volume(obj) / whole:.1f} % of the volume"
-        studio.add_label(scene, share, (obj.location.x + 0.2, -1.0, -0.2), 0.11)
+        studio.add_label(scene, share, (obj.location.x + 0.2, -2.0, 0.0), 0.11)
     studio.set_up_render(scene, samples=64, width=1680, height=460)
     studio.open_at(scene, pillars.POSE_FRAME, row[-1])
     return scene

@@ -18,7 +18,7 @@ std::vector<Vector3> list(const SurfaceMesh& mesh)
 }
 
 /// The largest difference from the sum over all triangles, at points in and around the mesh.
-double worst_error(const SurfaceMesh& mesh, std::vector<Triangle> triangles, int count)
+double worst_error(const SurfaceMesh& mesh, const std::vector<Triangle>& triangles, int count)
 {
     const std::vector<Vector3> points = list(mesh);
     const WindingTree tree(points, triangles);
