@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One pillar, bent by surface methods and by one that fills it with points: how much of its volume is left."""
+"""One pillar, bent by surface methods and by one that fills it with points: how much volume each keeps."""
 
 from __future__ import annotations
 
