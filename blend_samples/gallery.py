@@ -11,12 +11,21 @@ import bpy
 import numpy as np
 
 from . import studio
-from .comparison import CASES, Matrix, igl_arap, page, picture, raster, registry_rows
+from .comparison import (
+    CASES,
+    Matrix,
+    Solve,
+    all_figures,
+    igl_arap,
+    native_solve,
+    page,
+    picture,
+    raster,
+    registry_rows,
+)
 
-REST = "At rest"
 # The rows of the overview, which are those of the tutorial's figure 17 and its first line.
 OVERVIEW = (
-    REST,
     "As-Rigid-As-Possible",
     "Multiresolution: Deformation Transfer",
     "Gradient Editing",
@@ -31,16 +40,18 @@ def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Gallery")
     matrix = compared()
     matrix.write(OUTPUT / "gallery.json")
+    studio.progress("drawing the sheets")
     sheets = [
-        picture.Sheet("gallery", OVERVIEW, lines=1),
-        *picture.paged(matrix.rows, 6, "gallery"),
+        picture.of_matrix(matrix, OVERVIEW, "gallery", lines=1, rest="At rest"),
+        *picture.paged(matrix, 6, "gallery"),
+        picture.of_figures(list(all_figures(ours)), "gallery-figures"),
     ]
     picture.add_camera(scene)
-    picture.add_sheets(scene, matrix, sheets)
+    picture.add_sheets(scene, sheets)
     studio.set_up_render(scene, samples=SAMPLES)
     scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
     scene.view_settings.exposure = 0.0
-    picture.look_at(scene, matrix, sheets, 0)
+    picture.look_at(scene, sheets, 0)
     _made[:] = [matrix, sheets]
     return scene
 
@@ -50,7 +61,7 @@ def compared() -> Matrix:
     matrix = Matrix(refusals=(native().Error,), progress=studio.progress)
     for name, case in CASES.items():
         matrix.compare(name, case())
-    for name, solve in registry_rows(importlib.import_module("sinew.core.methods"), native()):
+    for name, solve in registry_rows(registry(), native()):
         matrix.compare(name, solve)
     matrix.compare("Laplacian Deform of Blender", picture.laplacian_deform)
     arap = igl_arap()
@@ -61,6 +72,16 @@ def compared() -> Matrix:
     return matrix
 
 
+def ours(name: str, **options: object) -> Solve:
+    """A row of the registry, with its defaults but for these options."""
+    return native_solve(registry(), native(), name, **options)
+
+
+def registry():
+    """The method registry of the add-on that is installed."""
+    return importlib.import_module("sinew.core.methods")
+
+
 def native():
     """The compiled module of the add-on that is installed."""
     return importlib.import_module("sinew.backend").availability().module
@@ -68,9 +89,9 @@ def native():
 
 def pictures(scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
     """One picture per sheet: its name and its light (height, width, 3)."""
-    matrix, every = _made
+    _matrix, every = _made
     for number, sheet in enumerate(every):
-        picture.look_at(scene, matrix, every, number)
+        picture.look_at(scene, every, number)
         bpy.context.view_layer.update()
         yield sheet.name, raster.draw(scene)
 
@@ -78,4 +99,4 @@ def pictures(scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
 def publish() -> None:
     """Write the figures of all rows into the page of the comparison."""
     matrix, every = _made
-    page.write(matrix, [sheet.name for sheet in every[1:]])
+    page.write(matrix, [sheet.name for sheet in every[1:-1]])

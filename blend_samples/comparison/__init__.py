@@ -2,6 +2,7 @@
 """The comparison of surface methods: cases, measures and rows, with NumPy and without Blender."""
 
 from .cases import CASES, Case
+from .figures import Figure, all_figures
 from .matrix import Cell, Matrix, filled
 from .measures import Distortion, distortion
 from .rows import Solve, igl_arap, native_solve, registry_rows
@@ -11,8 +12,10 @@ __all__ = (
     "Case",
     "Cell",
     "Distortion",
+    "Figure",
     "Matrix",
     "Solve",
+    "all_figures",
     "distortion",
     "filled",
     "igl_arap",

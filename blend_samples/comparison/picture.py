@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A matrix as sheets in a Blender scene: a row per method, a picture per case, and figures below each."""
+"""Sheets in a Blender scene: rows of shapes, such as those of a matrix, with figures below each."""
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import radians
@@ -13,8 +14,9 @@ from mathutils import Euler
 
 from .. import materials, studio
 from .cases import Case
+from .figures import Figure
 from .matrix import Cell, Matrix
-from .measures import Distortion
+from .measures import Distortion, distortion
 
 PLAIN = (0.56, 0.52, 0.46)
 PIXELS = 100  # per unit of the scene
@@ -25,12 +27,39 @@ APART = 40.0  # between two sheets
 
 
 @dataclass(frozen=True)
+class View:
+    """One shape of a case, or why there is none; with lines below it."""
+
+    case: Case
+    shape: np.ndarray | None
+    frame: Frame
+    lines: Sequence[str]
+
+
+@dataclass(frozen=True)
 class Sheet:
-    """One picture: rows of a matrix, under a number of lines of figures."""
+    """One picture: a line of headings, and rows of views, each with a title."""
 
     name: str
-    rows: Sequence[str]
-    lines: int = 3
+    heads: Sequence[str]
+    rows: Mapping[str, Sequence[View]]
+
+    @property
+    def lines(self) -> int:
+        return max(len(view.lines) for views in self.rows.values() for view in views)
+
+    @property
+    def row_height(self) -> float:
+        return HEADING + PICTURE + self.lines * LINE + 0.12
+
+    @property
+    def top(self) -> float:
+        return MARGIN + (0.35 if self.heads else 0.0)
+
+    @property
+    def size(self) -> tuple[float, float]:
+        across = max(len(views) for views in self.rows.values())
+        return 2 * MARGIN + CELL * across, self.top + MARGIN + self.row_height * len(self.rows)
 
 
 def figures(found: Distortion) -> tuple[str, str, str]:
@@ -43,44 +72,61 @@ def figures(found: Distortion) -> tuple[str, str, str]:
     )
 
 
-def add_sheets(scene: bpy.types.Scene, matrix: Matrix, sheets: Sequence[Sheet]) -> None:
-    """Fill the scene with the sheets, side by side, and light them alike."""
+def of_matrix(matrix: Matrix, rows: Sequence[str], name: str, lines: int = 3, rest: str = "") -> Sheet:
+    """A sheet of some rows of a matrix; the row ``rest``, if it is named, comes first."""
     frames = {name: Frame.around(case, matrix.column(name)) for name, case in matrix.columns.items()}
+    found: dict[str, list[View]] = {}
+    if rest:
+        found[rest] = [View(case, case.points, frames[key], ()) for key, case in matrix.columns.items()]
+    for row in rows:
+        found[row] = [
+            _view(matrix.cells[row, key], case, frames[key], lines) for key, case in matrix.columns.items()
+        ]
+    return Sheet(name, [case.name for case in matrix.columns.values()], found)
+
+
+def _view(cell: Cell, case: Case, frame: Frame, lines: int) -> View:
+    if cell.distortion is None:
+        words = textwrap.wrap(cell.refusal, 30)[:6]
+        return View(case, None, frame, ["cannot do this:", *words][: max(lines, 1)])
+    return View(case, cell.shape, frame, figures(cell.distortion)[:lines])
+
+
+def of_figures(every: Sequence[Figure], name: str) -> Sheet:
+    """A sheet with a row per figure of the tutorial."""
+    rows = {}
+    for figure in every:
+        frame = Frame.around(figure.views[0][1], [shape for _caption, _case, shape in figure.views])
+        rows[figure.title] = [
+            View(case, shape, frame, (caption, *_strain(case, shape)))
+            for caption, case, shape in figure.views
+        ]
+    return Sheet(name, (), rows)
+
+
+def _strain(case: Case, shape: np.ndarray) -> Sequence[str]:
+    return () if shape is case.points else figures(distortion(case, shape))[:1]
+
+
+def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
+    """Fill the scene with the sheets, side by side, and light them alike."""
     material = _material()
     for number, sheet in enumerate(sheets):
-        left = APART * number
-        for across, case in enumerate(matrix.columns.values()):
-            x = left + MARGIN + CELL * (across + 0.5)
-            add_text(scene, case.name, (x, -MARGIN - TITLE), TITLE, "CENTER")
-        top = -MARGIN - 0.35
-        for row in sheet.rows:
-            add_text(scene, row, (left + MARGIN, top - 0.24), TITLE, "LEFT")
-            for across, (name, case) in enumerate(matrix.columns.items()):
-                x = left + MARGIN + CELL * (across + 0.5)
-                cell = matrix.cells.get((row, name)) or Cell(case.points, None)
-                _add_cell(
-                    scene,
-                    f"{row} {name}",
-                    cell,
-                    case,
-                    frames[name],
-                    (x, top - HEADING),
-                    sheet.lines,
-                    material,
-                )
-            top -= row_height(sheet.lines)
+        left = APART * number + MARGIN
+        for across, head in enumerate(sheet.heads):
+            add_text(scene, head, (left + CELL * (across + 0.5), -MARGIN - TITLE), TITLE, "CENTER")
+        for down, (title, views) in enumerate(sheet.rows.items()):
+            top = -sheet.top - sheet.row_height * down
+            add_text(scene, title, (left, top - 0.24), TITLE, "LEFT")
+            for across, view in enumerate(views):
+                place = left + CELL * (across + 0.5), top - HEADING
+                _add_view(scene, f"{title} {across}", view, place, material)
     _add_wall_and_light(scene, APART * len(sheets))
 
 
-def row_height(lines: int) -> float:
-    return HEADING + PICTURE + lines * LINE + 0.12
-
-
-def look_at(scene: bpy.types.Scene, matrix: Matrix, sheets: Sequence[Sheet], number: int) -> None:
+def look_at(scene: bpy.types.Scene, sheets: Sequence[Sheet], number: int) -> None:
     """Point the camera at a sheet, and set the size of its picture."""
-    sheet = sheets[number]
-    width = 2 * MARGIN + CELL * len(matrix.columns)
-    height = 2 * MARGIN + 0.35 + row_height(sheet.lines) * len(sheet.rows)
+    width, height = sheets[number].size
     camera = scene.camera
     camera.data.ortho_scale = max(width, height)
     camera.location = (APART * number + 0.5 * width, -50.0, -0.5 * height)
@@ -126,38 +172,29 @@ class Frame:
         return self.scale * (points @ self.turn.T - self.centre) + (x, 0.0, z)
 
 
-def _add_cell(
-    scene: bpy.types.Scene,
-    name: str,
-    cell: Cell,
-    case: Case,
-    frame: Frame,
-    corner: tuple[float, float],
-    lines: int,
-    material: bpy.types.Material,
+def _add_view(
+    scene: bpy.types.Scene, name: str, view: View, corner: tuple[float, float], material: bpy.types.Material
 ) -> None:
     x, top = corner
-    if cell.shape is None:
-        words = [cell.refusal[k : k + 34] for k in range(0, min(len(cell.refusal), 170), 34)]
-        for number, line in enumerate(["cannot do this:", *words]):
-            add_text(scene, line, (x, top - 0.6 - LINE * number), TEXT, "CENTER")
+    for number, line in enumerate(view.lines):
+        add_text(scene, line, (x, top - PICTURE - LINE * (number + 0.8)), TEXT, "CENTER")
+    if view.shape is None:
         return
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(frame.place(cell.shape, x, top - 0.5 * PICTURE).tolist(), [], case.triangles.tolist())
+    case, mesh = view.case, bpy.data.meshes.new(name)
+    placed = view.frame.place(view.shape, x, top - 0.5 * PICTURE)
+    mesh.from_pydata(placed.tolist(), [], case.triangles.tolist())
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     mesh.use_auto_smooth, mesh.auto_smooth_angle = True, radians(50.0)
     for field, handle in zip(("fixed", "handle"), case.handles):
         values = np.full(len(case.points), -1.0, np.float32)
         values[handle] = 1.0
         mesh.attributes.new(field, "FLOAT", "POINT").data.foreach_set("value", values)
-    height = np.zeros((len(case.points), 3), np.float32) + 0.25
-    height[:, 0] = case.points[:, 2] if case.closed else 0.25
+    height = np.full((len(case.points), 3), 0.25, np.float32)  # between two lines
+    if case.closed:
+        height[:, 0] = case.points[:, 2]
     mesh.attributes.new("rest", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", height.ravel())
     mesh.materials.append(material)
     scene.collection.objects.link(bpy.data.objects.new(name, mesh))
-    if cell.distortion is not None:
-        for number, line in enumerate(figures(cell.distortion)[:lines]):
-            add_text(scene, line, (x, top - PICTURE - LINE * (number + 0.8)), TEXT, "CENTER")
 
 
 def _material() -> bpy.types.Material:
@@ -221,11 +258,10 @@ def laplacian_deform(case: Case) -> np.ndarray:
     return points.reshape(-1, 3).astype(np.float64)
 
 
-def paged(rows: Mapping[str, object], count: int, name: str) -> Iterator[Sheet]:
-    """Sheets of at most ``count`` rows each, of about the same length."""
-    names = list(rows)
+def paged(matrix: Matrix, count: int, name: str) -> Iterator[Sheet]:
+    """All rows of a matrix, on sheets of at most ``count`` rows each, of about the same length."""
+    names = list(matrix.rows)
     pages = -(-len(names) // count)
     for page in range(pages):
-        yield Sheet(
-            f"{name}-{page + 1}", names[len(names) * page // pages : len(names) * (page + 1) // pages]
-        )
+        shown = names[len(names) * page // pages : len(names) * (page + 1) // pages]
+        yield of_matrix(matrix, shown, f"{name}-{page + 1}")

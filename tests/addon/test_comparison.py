@@ -24,6 +24,8 @@ sys.path.insert(0, str(ROOT))
 from blend_samples.comparison import CASES, Case, Matrix, distortion, filled, native_solve, registry_rows  # noqa: E402
 from blend_samples.comparison import igl_arap as libigl  # noqa: E402
 from blend_samples.comparison.cases import bar, cylinder, plane  # noqa: E402
+from blend_samples.comparison.figures import bent_bumps, lifted_ring, uneven_strip  # noqa: E402
+from blend_samples.comparison.numpy_rows import apart, turned_triangles, unrotated_gradients  # noqa: E402
 
 sn = pytest.importorskip("sinew_native")
 
@@ -48,23 +50,6 @@ def case(name: str) -> Case:
 def measured(edit: Case, solve):
     matrix = filled([("edit", edit)], [("method", solve)])
     return matrix.cells["method", "edit"].distortion
-
-
-def unrotated_gradients(edit: Case) -> np.ndarray:
-    """Anyone's NumPy method: the gradients at rest, new places of the handles, and a dense Poisson solve."""
-    points, faces = edit.points, edit.triangles
-    L = np.zeros((len(points), len(points)))
-    for k in range(3):
-        i, j, corner = (faces[:, (k + step) % 3] for step in (1, 2, 0))
-        u, v = points[i] - points[corner], points[j] - points[corner]
-        weight = 0.5 * (u * v).sum(1) / np.linalg.norm(np.cross(u, v), axis=1)
-        for a, b, sign in ((i, j, -1), (j, i, -1), (i, i, 1), (j, j, 1)):
-            np.add.at(L, (a, b), sign * weight)
-    free, shape = np.flatnonzero(edit.free), edit.targets
-    shape[free] = np.linalg.solve(
-        L[np.ix_(free, free)], (L @ points)[free] - L[np.ix_(free, edit.held)] @ shape[edit.held]
-    )
-    return shape
 
 
 # The measures.
@@ -195,7 +180,7 @@ def test_substeps_made_anew_mend_the_twist(mean_frame: bool) -> None:
 
 def test_normal_displacements_distort_where_others_do_not() -> None:
     """Bumps on the inner side of a tight bend: they are pressed together along the normals of the base."""
-    edit = plane(angle=140.0, bumps=0.12)
+    edit = bent_bumps(0.12, 140.0)
     found = {
         item[0]: measured(edit, ours("multiresolution", details=item[0], wavelength=20.0))
         for item in methods.BY_ID["multiresolution"].parameters[0].items
@@ -207,13 +192,59 @@ def test_normal_displacements_distort_where_others_do_not() -> None:
 
 
 def test_unrotated_gradients_distort() -> None:
-    """Figure 15 b and d: a cylinder bent by 90 degrees."""
+    """Figure 15, b to d: a cylinder bent by 90 degrees."""
     edit = cylinder(28, angle=90.0)
     matrix = filled([("bend", edit)], [("b", unrotated_gradients), ("d", ours("gradient_editing"))])
     unrotated, rotated = (matrix.cells[row, "bend"].distortion for row in "bd")
     assert unrotated.edge_rms > 1.5 * rotated.edge_rms
     assert unrotated.volume < 0.9 * rotated.volume
     assert unrotated.edge_least < 0.7 * rotated.edge_least
+    pieces = turned_triangles(edit)
+    assert distortion(apart(edit), pieces).edge_rms < 1e-12  # turned, not stretched
+    top = np.isin(edit.triangles.ravel(), edit.handles[1]).reshape(-1, 3).all(1).repeat(3)
+    arms = (pieces - pieces.reshape(-1, 3, 3).mean(1).repeat(3, axis=0))[top]
+    rest = edit.points[edit.triangles]
+    wanted = (rest - rest.mean(1, keepdims=True)).reshape(-1, 3)[top] @ edit.poses[1][:, :3].T
+    np.testing.assert_allclose(arms, wanted, atol=1e-12)
+
+
+def test_the_cotangent_laplacian_with_areas_sees_the_surface_and_not_its_faces() -> None:
+    """Figure 5. A lifted thin plate is a cubic in x, whatever its faces are."""
+    edit = uneven_strip()
+    along = np.clip((edit.points[:, 0] - 0.2) / 1.6, 0.0, 1.0)
+    cubic = 0.8 * (3.0 * along**2 - 2.0 * along**3)
+    off = [
+        np.abs(ours("thin_shell", laplacian=kind)(edit)[:, 2] - cubic).max()
+        for kind in ("uniform", "cotan", "cotan_voronoi")
+    ]
+    assert off[0] > 2.0 * off[1] > 10.0 * off[2]
+    assert off[2] < 0.0125 * 0.8  # of the lift; the rest is what the coarse faces at the right cost
+
+
+def test_propagation_by_distance_dents_the_inside_of_a_handle() -> None:
+    """Figure 8. Inside a lifted ring, only the distance field falls again; a thin shell is smooth."""
+    edit = lifted_ring()
+    inside = np.linalg.norm(edit.points[:, :2] - 1.0, axis=1) < 0.4
+    height = {
+        name: solve(edit)[inside, 2]
+        for name, solve in (
+            ("geodesic", ours("propagation", field="geodesic")),
+            ("harmonic", ours("propagation")),
+            ("shell", ours("thin_shell")),
+        )
+    }
+    assert height["geodesic"].min() < 0.75 * 0.5
+    np.testing.assert_allclose(height["harmonic"], 0.5, atol=1e-9)
+    assert 0.5 < height["shell"].min() < height["shell"].max() < 1.05 * 0.5
+
+
+def test_local_frames_turn_details() -> None:
+    """Figure 13: a bend by 90 degrees, with displacements in the frames of the base and without."""
+    edit = bent_bumps()
+    alone, framed = measured(edit, ours("thin_shell")), measured(edit, ours("multiresolution"))
+    assert framed.edge_rms < 0.65 * alone.edge_rms
+    assert framed.edge_least > 2.0 * alone.edge_least
+    assert framed.angle_max < 0.5 * alone.angle_max
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -377,18 +377,22 @@ UndoneLevel undo_subdivision(const SurfaceMesh& mesh, const std::vector<int>& pa
         return corners.first[f] < corners.first[f + 1] ? wanted(part[mesh.face(f).front()]) : -1;
     });
     const auto vertices = by_part(n, parts, [&](int v) { return wanted(part[v]); });
-    std::int64_t entries = 0;
+    std::int64_t bytes = 0;
+    std::vector<int> around;
     for (std::size_t p = 0; p < parts; ++p) {
         if (undoing[p] != Undoing::wanted)
             continue;
-        undoing[p] =
-            sound[p] && !faces[p].empty() ? roles.choose(faces[p], vertices[p], least) : Undoing::irregular;
-        if (undoing[p] == Undoing::undone)
-            for (int v : vertices[p])
-                entries += 2 * corners.count[v];
+        undoing[p] = sound[p] && !faces[p].empty() ? roles.choose(faces[p], vertices[p], least)
+                                                   : Undoing::irregular;
+        if (undoing[p] != Undoing::undone)
+            continue;
+        const int quads = mesh.face(faces[p].front()).size() == 4 ? 2 : 1;
+        for (int v : vertices[p]) // the frame, the detail, and at least two weights that are kept twice
+            bytes += static_cast<std::int64_t>(sizeof(RingFrames::Neighbour)) * corners.count[v] *
+                         (corners.fan(v, around) ? quads : 1) +
+                     72;
     }
-    // Per vertex, about ten weights twice and their products, and as many neighbours in a frame; details.
-    require_memory(entries * 64 + static_cast<std::int64_t>(n) * 200, "the levels");
+    require_memory(bytes, "the levels");
 
     UndoneLevel level;
     std::vector<int> number(n, Corners::none);
@@ -403,7 +407,6 @@ UndoneLevel undo_subdivision(const SurfaceMesh& mesh, const std::vector<int>& pa
         for (int v : loop)
             level.corners.push_back(number[v]);
     };
-    std::vector<int> around;
     for (int f = 0; f < mesh.face_count(); ++f)
         if (!is_undone(mesh.face(f).front()))
             add_face(mesh.face(f));
