@@ -382,8 +382,8 @@ UndoneLevel undo_subdivision(const SurfaceMesh& mesh, const std::vector<int>& pa
     for (std::size_t p = 0; p < parts; ++p) {
         if (undoing[p] != Undoing::wanted)
             continue;
-        undoing[p] = sound[p] && !faces[p].empty() ? roles.choose(faces[p], vertices[p], least)
-                                                   : Undoing::irregular;
+        undoing[p] =
+            sound[p] && !faces[p].empty() ? roles.choose(faces[p], vertices[p], least) : Undoing::irregular;
         if (undoing[p] != Undoing::undone)
             continue;
         const int quads = mesh.face(faces[p].front()).size() == 4 ? 2 : 1;
