@@ -255,6 +255,38 @@ def mesh_transfer(source: Shape, target: Shape) -> Callable[[np.ndarray], np.nda
     return transfer
 
 
+def sketched_part(
+    shape: Shape, stroke: np.ndarray, axes: np.ndarray, eye: np.ndarray | None, edges: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """The part of a silhouette that a stroke (s, 3) redraws, or None if there is none near it.
+
+    Its points lie on ``edges`` (k, 2), at the shares (k,) between their ends, and go to targets (k, 3).
+    ``axes`` (3, 3) are rows to the right, up and toward the viewer; ``eye`` (3,) is for a perspective view.
+    With ``edges`` (e, 2), a line along these is taken instead of silhouettes.
+    """
+    native = _module()
+    with _translated(native):
+        mesh = native.SurfaceMesh(shape.points, shape.faces)
+        return native.fit_stroke(mesh, stroke, axes, eye, edges)
+
+
+def sketched(
+    shape: Shape,
+    line: tuple[np.ndarray, np.ndarray, np.ndarray],
+    held: np.ndarray,
+    sharpness: float,
+) -> np.ndarray:
+    """The shape (n, 3) with a line, as ``sketched_part`` gives it, at its targets.
+
+    The vertices ``held`` (h,) stay.
+    """
+    edges, shares, targets = line
+    native = _module()
+    with _translated(native):
+        mesh = native.SurfaceMesh(shape.points, shape.faces)
+        return native.SilhouetteSketch(mesh, edges, shares, held, sharpness=sharpness).solve(targets)
+
+
 def connected_parts(count: int, faces: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """The part (n,) that each of ``count`` vertices belongs to. ``faces`` are (counts, corners)."""
     native = _module()

@@ -41,6 +41,7 @@ class SINEW_MT_object(Menu):
         for role, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[role][1])
         layout.separator()
+        layout.operator(Operators.SILHOUETTE_SKETCH, icon="GREASEPENCIL")
         _draw_common(layout)
 
 

@@ -25,6 +25,7 @@ NATIVE_RANKS = {
     "riders": 3,
     "surface": 4,
     "surface/linear": 5,
+    "surface/sketch": 5,
     "space/lattice": 5,
     "space/cage": 5,
     "space/points": 5,

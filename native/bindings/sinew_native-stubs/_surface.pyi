@@ -135,3 +135,30 @@ class Multiresolution(SurfaceMethod):
 class MeshTransfer:
     def __init__(self, source: SurfaceMesh, target: SurfaceMesh) -> None: ...
     def transfer(self, source: ArrayLike) -> Floats: ...
+
+class SilhouetteSketch:
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        edges: ArrayLike,
+        shares: ArrayLike,
+        held: ArrayLike,
+        *,
+        laplacian: str = "cotan_voronoi",
+        refits: int = 2,
+        sharpness: float = 0.0,
+        weight: float = 0.99,
+    ) -> None: ...
+    def solve(self, targets: ArrayLike) -> Floats: ...
+
+def silhouette_lines(
+    mesh: SurfaceMesh, axes: ArrayLike, eye: ArrayLike | None = None
+) -> list[tuple[Ints, Floats, bool]]: ...
+def fit_stroke(
+    mesh: SurfaceMesh,
+    stroke: ArrayLike,
+    axes: ArrayLike,
+    eye: ArrayLike | None = None,
+    edges: ArrayLike | None = None,
+    nearness: float = 0.5,
+) -> tuple[Ints, Floats, Floats] | None: ...

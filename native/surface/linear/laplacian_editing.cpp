@@ -8,6 +8,7 @@
 #include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
 #include "native/operators/fit_kernels.h"
+#include "native/operators/laplacian_at.h"
 #include "native/operators/ring_fit.h"
 #include "native/operators/rotation_fit.h"
 #include "native/solvers/sparse_columns.h"
@@ -26,20 +27,6 @@ constexpr double least_frame = 1e-9;
 
 /// A transformation that shortens a differential coordinate more than this is none.
 constexpr double least_length = 1e-9;
-
-/// Row i of L f, without the rounding errors of values far from zero.
-template <class Values>
-Vector3 laplacian_at(const SparseMatrix& L, const Values& f, int i)
-{
-    double sum[3] = {0, 0, 0};
-    const double* const own = f.data() + 3 * static_cast<std::ptrdiff_t>(i);
-    for (SparseMatrix::InnerIterator it(L, i); it; ++it) {
-        const double* const other = f.data() + 3 * it.row();
-        for (int axis = 0; axis < 3; ++axis)
-            sum[axis] += it.value() * (other[axis] - own[axis]);
-    }
-    return {sum[0], sum[1], sum[2]};
-}
 
 /// delta = M^-1 L y.
 void differentiate(const SparseMatrix& L, const VectorX& mass, const PointsView& y, Points& delta)
