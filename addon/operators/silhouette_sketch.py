@@ -84,7 +84,7 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
         soft_min=0.001,
         options={"SKIP_SAVE"},
         description="How far from the line, along the surface, vertices follow; the others stay. "
-        "By default half of the length of the line",
+        "By default a quarter of the length of the line, or as far as it moves",
     )
     unlimited: BoolProperty(
         name="Whole Surface",

@@ -27,7 +27,7 @@ NO_EDGES_NEAR = "No line of selected edges is near both ends of the stroke - beg
 TOO_SHORT = "The stroke is too short - draw a longer one"
 NO_EDGES = "No edges are selected - select the line to redraw in Edit Mode"
 _RINGS = 3  # the energy depends on vertices two edges away, and their normals on one more
-_SHARE = 0.5  # of the length of the line: how far the surface follows unless told otherwise
+_SHARE = 0.25  # of the length of the line: how far the surface follows unless told otherwise
 
 
 @dataclass(frozen=True)

@@ -96,11 +96,14 @@ std::vector<SurfaceLine> traced_edges(const SurfaceMesh& mesh, std::span<const S
 VectorX facing(const SurfaceMesh& mesh, const SketchView& view)
 {
     Points normals = Points::Zero(mesh.vertex_count(), 3);
-    for (const Triangle& t : mesh.triangles()) {
-        const Vector3 area = (mesh.point(t[1]) - mesh.point(t[0])).cross(mesh.point(t[2]) - mesh.point(t[0]));
-        for (int v : t)
-            normals.row(v) += area.transpose();
-    }
+    for (const Triangle& t : mesh.triangles())
+        for (int k = 0; k < 3; ++k) {
+            const Vector3 a = mesh.point(t[(k + 1) % 3]) - mesh.point(t[k]),
+                          b = mesh.point(t[(k + 2) % 3]) - mesh.point(t[k]);
+            const double squares = a.squaredNorm() * b.squaredNorm();
+            if (squares > 0)
+                normals.row(t[k]) += a.cross(b).transpose() / squares;
+        }
     VectorX found(mesh.vertex_count());
     for (int v = 0; v < mesh.vertex_count(); ++v) {
         const Vector3 toward = view.toward(mesh.point(v));

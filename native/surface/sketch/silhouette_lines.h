@@ -59,8 +59,9 @@ struct SurfaceLine
 /// and the direction v to the viewer; and its borders. Hidden ones are among them.
 ///
 /// A. Hertzmann, D. Zorin. "Illustrating Smooth Surfaces." SIGGRAPH 2000, section 4. The normals at the
-/// vertices are the sums of the area vectors of their triangles. Where a border meets another, lines end, and
-/// so they do at faces that share an edge with more than one other, and behind the viewer. Cost: O(n log n).
+/// vertices are those of N. Max, "Weights for Computing Vertex Normals from Facet Normals", Journal of
+/// Graphics Tools 4(2), 1999, which are exact on spheres. Lines end at borders, at edges with more than two
+/// triangles, and behind the viewer. Cost: O(n log n).
 std::vector<SurfaceLine> silhouette_lines(const SurfaceMesh& mesh, const SketchView& view);
 
 /// The lines along edges that were chosen. They end where more or fewer than two of these meet.

@@ -16,7 +16,7 @@ namespace {
 SketchView turned(int seed)
 {
     shapes::Random random(seed);
-    return {.axes = random.rotation()};
+    return {random.rotation(), {}};
 }
 
 Points places(const SurfaceMesh& mesh, const std::vector<LinePoint>& line)
@@ -220,7 +220,7 @@ TEST(FitStroke, refuses_what_is_no_stroke_and_no_view)
     EXPECT_STREQ(fit(stroke), "stroke: NaN or infinite coordinates");
     view.eye->x() = std::numeric_limits<double>::infinity();
     EXPECT_THROW(silhouette_lines(ball, view), InvalidOption);
-    EXPECT_THROW(silhouette_lines(ball, {.axes = 2 * Matrix3::Identity(), .eye = {}}), InvalidOption);
+    EXPECT_THROW(silhouette_lines(ball, {2 * Matrix3::Identity(), {}}), InvalidOption);
 }
 
 } // namespace sinew
