@@ -124,7 +124,7 @@ def journey():
         press("Z", ctrl=True, shift=name == "redone")
         yield from rest(3)
         seen[name] = [keys(), apart(shown_points(head()), shape)]
-    bpy.ops.sinew.silhouette_sketch(points=places, **repeated)
+    bpy.ops.sinew.silhouette_sketch("EXEC_DEFAULT", True, points=places, **repeated)
     yield from rest(3)
     seen["repeated"] = [keys(), apart(shown_points(head()), kept)]
     press("Z", ctrl=True)
