@@ -7,8 +7,8 @@
 #include "native/core/simd/kernel_set.h"
 #include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
+#include "native/operators/differential_coordinates.h"
 #include "native/operators/fit_kernels.h"
-#include "native/operators/laplacian_at.h"
 #include "native/operators/ring_fit.h"
 #include "native/operators/rotation_fit.h"
 #include "native/solvers/sparse_columns.h"
@@ -27,14 +27,6 @@ constexpr double least_frame = 1e-9;
 
 /// A transformation that shortens a differential coordinate more than this is none.
 constexpr double least_length = 1e-9;
-
-/// delta = M^-1 L y.
-void differentiate(const SparseMatrix& L, const VectorX& mass, const PointsView& y, Points& delta)
-{
-    const int n = static_cast<int>(y.rows());
-    delta.resize(n, 3);
-    parallel_for(n, [&](int i) { delta.row(i) = laplacian_at(L, y, i).transpose() / mass[i]; });
-}
 
 /// T d, with the length of d.
 Vector3 lengthened(const LinearSimilarity& T, const Vector3& d)

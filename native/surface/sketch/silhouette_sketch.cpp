@@ -5,7 +5,7 @@
 #include "native/core/finite.h"
 #include "native/core/parallel.h"
 #include "native/mesh/components.h"
-#include "native/operators/laplacian_at.h"
+#include "native/operators/differential_coordinates.h"
 #include "native/operators/rotation_fit.h"
 #include "native/solvers/sparse_columns.h"
 
@@ -88,15 +88,13 @@ SilhouetteSketch::SilhouetteSketch(const SurfaceMesh& rest, std::vector<LinePoin
         throw InvalidConstraint("line: there is no vertex of it that may move");
 
     SparseMatrix A;
-    VectorX inverse_mass;
     {
         const TriangleMetric metric = triangle_metric(rest, least_area_for_order(2));
         L_ = laplacian_matrix(rest, options.laplacian, metric);
-        inverse_mass = divisible_mass(rest, options.laplacian, metric).cwiseInverse();
-        A = sparse_product(L_, inverse_mass, L_);
+        const VectorX mass = divisible_mass(rest, options.laplacian, metric);
+        A = sparse_product(L_, mass.cwiseInverse(), L_);
+        differentiate(L_, mass, view(rest_), delta_);
     }
-    delta_.resize(n, 3);
-    parallel_for(n, [&](int v) { delta_.row(v) = inverse_mass[v] * laplacian_at(L_, rest_, v).transpose(); });
 
     const VectorX diagonal = A.diagonal();
     const double stiffness = options.weight / (1 - options.weight);

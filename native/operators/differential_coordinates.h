@@ -3,12 +3,10 @@
 
 #include "native/core/types.h"
 
-#include <cstddef>
-
 namespace sinew {
 
-/// (L f)_i without the rounding errors of values far from zero.
-/// \param f  (n, 3), row-major.
+/// Row i of L f for f (n, 3), without the rounding errors of values far from zero.
+/// \param L  (n, n) its column i has the weights of row i, negative but for the diagonal, and sums to zero.
 template <class Values>
 Vector3 laplacian_at(const SparseMatrix& L, const Values& f, int i)
 {
@@ -21,5 +19,8 @@ Vector3 laplacian_at(const SparseMatrix& L, const Values& f, int i)
     }
     return {sum[0], sum[1], sum[2]};
 }
+
+/// delta = M^-1 L y, the differential coordinates of y.
+void differentiate(const SparseMatrix& L, const VectorX& mass, const PointsView& y, Points& delta);
 
 } // namespace sinew
