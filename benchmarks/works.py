@@ -89,6 +89,20 @@ WORKS = (
         at_most=True,
     ),
     Work(
+        "volumetric_bind",
+        "binding `VolumetricGraphLaplacian`",
+        "binding `ThinShell`",
+        {ANY: 15.0},
+        at_most=True,
+    ),
+    Work(
+        "volumetric_frame",
+        "a frame of `VolumetricGraphLaplacian`",
+        "`ThinShell.solve` without its basis",
+        {ANY: 8.0},
+        at_most=True,
+    ),
+    Work(
         "multiresolution_displacement_vectors",
         "a frame of `Multiresolution` with displacement vectors",
         "`ThinShell.solve` of its base",

@@ -33,17 +33,22 @@ def main() -> None:
     sample = importlib.import_module(f"blend_samples.{wanted.sample}")
     studio = importlib.import_module("blend_samples.studio")
     denoise = importlib.import_module("blend_samples.denoise")
+    OUTPUT.mkdir(exist_ok=True)
     scene = sample.make()
     bpy.context.preferences.filepaths.save_version = 0  # no .blend1 beside it
-    OUTPUT.mkdir(exist_ok=True)
-    picture = OUTPUT / f"{wanted.sample}.png"
-    scene.render.filepath = f"//{picture.name}"
+    scene.render.filepath = f"//{wanted.sample}.png"
     bpy.ops.wm.save_as_mainfile(filepath=str(OUTPUT / f"{wanted.sample}.blend"), compress=True)
     studio.progress(f"rendering {scene.render.resolution_x} x {scene.render.resolution_y} pixels")
-    light = denoise.render_clean(scene)
-    denoise.write_picture(scene, light, picture)
-    if wanted.publish:
-        denoise.write_picture(scene, light, PICTURES / f"{wanted.sample}.jpg")
+    if hasattr(sample, "pictures"):  # by its own means
+        pictures = sample.pictures(scene)
+    else:
+        pictures = [(wanted.sample, denoise.render_clean(scene))]
+    for name, light in pictures:
+        denoise.write_picture(scene, light, OUTPUT / f"{name}.png")
+        if wanted.publish:
+            denoise.write_picture(scene, light, PICTURES / f"{name}.jpg")
+    if wanted.publish and hasattr(sample, "publish"):
+        sample.publish()
 
 
 main()

@@ -32,6 +32,11 @@ METHODS: dict[str, tuple[Maker, str, str]] = {
     "HierarchicalSmoothing": (sinew_native.HierarchicalSmoothing, "linear_bind", "hierarchical_frame"),
     "LaplacianEditing, explicit": (_laplacian("explicit"), "linear_bind", "explicit_frame"),
     "LaplacianEditing, estimated": (_laplacian("estimated"), "linear_bind", "estimated_frame"),
+    "VolumetricGraphLaplacian": (
+        sinew_native.VolumetricGraphLaplacian,
+        "volumetric_bind",
+        "volumetric_frame",
+    ),
     "LaplacianEditing, implicit": (_laplacian("implicit"), "implicit_bind", "implicit_frame"),
 }
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from mathutils.kdtree import KDTree
 
 from .shapes import Shape, Vector
 
@@ -132,39 +131,11 @@ def neighbour_mean(values: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return (mean / np.maximum(count, 1)[:, None]).reshape(values.shape)
 
 
-def lobes(points: np.ndarray, spacing: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Cells around scattered points: offset (n, 3) from it, distance (n,) to the border, cell (n,)."""
-    centres = points[scatter(points, spacing, seed)]
-    tree = KDTree(len(centres))
-    for i, centre in enumerate(centres):
-        tree.insert(centre, i)
-    tree.balance()
-    found = [tree.find_n(point, 2) for point in points]
-    gap = np.array([second[2] - first[2] for first, second in found])
-    cell = np.array([first[1] for first, _ in found])
-    return points - centres[cell], gap, cell
-
-
 def vertex_normals(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
     """Unit normals (n, 3), weighted by area."""
     across = np.cross(points[quads[:, 2]] - points[quads[:, 0]], points[quads[:, 3]] - points[quads[:, 1]])
     total = np.stack([sum(np.bincount(quads[:, i], c, len(points)) for i in range(4)) for c in across.T], 1)
     return total / np.maximum(np.linalg.norm(total, axis=1), 1e-12)[:, None]
-
-
-def scatter(points: np.ndarray, spacing: float, seed: int) -> np.ndarray:
-    """Indices of points at least ``spacing`` apart, chosen at random but the same each time."""
-    tree = KDTree(len(points))
-    for i, point in enumerate(points):
-        tree.insert(point, i)
-    tree.balance()
-    free = np.ones(len(points), bool)
-    kept = []
-    for i in np.random.default_rng(seed).permutation(len(points)):
-        if free[i]:
-            kept.append(int(i))
-            free[[near[1] for near in tree.find_range(points[i], spacing)]] = False
-    return np.array(kept)
 
 
 def ball(centre: Vector, radius: float, cuts: int = 10) -> tuple[np.ndarray, np.ndarray]:

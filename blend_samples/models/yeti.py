@@ -8,7 +8,8 @@ import numpy as np
 from mathutils import Vector
 
 from .objects import Sculpture, eye_colours, soften, to_object
-from .sculpt import Clay, ball, lobes, neighbour_mean, vertex_normals, weld_lists
+from .scatter import lobes
+from .sculpt import Clay, ball, neighbour_mean, vertex_normals, weld_lists
 from .shapes import Ellipsoid, Mirrored, Squashed, Tube, smoothstep
 
 SKIN, EYE = 0, 1  # material slots

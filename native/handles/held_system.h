@@ -37,6 +37,8 @@ struct LinearResponse
 class HeldSystem
 {
 public:
+    explicit HeldSystem(const FactorOptions& options = {}) : equations_(options) {}
+
     /// Takes another A and other handles, and then calls `completed`. Leaves everything as it was if one of
     /// the two throws.
     /// \param A  (n, n) symmetric positive semi-definite, without soft pulls.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/triangle_tree.h"
 
+#include "native/mesh/winding_tree.h"
+
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -96,13 +98,10 @@ std::vector<std::array<int, 2>> meeting_pairs(const std::vector<Vector3>& points
 double winding_number(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles,
                       const Vector3& at)
 {
-    double sum = 0.0; // of half solid angles: A. van Oosterom, J. Strackee 1983
-    for (const auto& [i, j, k] : triangles) {
-        const Vector3 a = points[i] - at, b = points[j] - at, c = points[k] - at;
-        const double u = a.norm(), v = b.norm(), w = c.norm();
-        sum += std::atan2(a.dot(b.cross(c)), u * v * w + a.dot(b) * w + b.dot(c) * u + c.dot(a) * v);
-    }
-    return sum / (2 * std::numbers::pi);
+    double sum = 0.0;
+    for (const Triangle& t : triangles)
+        sum += solid_angle(corners_of(points, t), at);
+    return sum / (4 * std::numbers::pi);
 }
 
 struct TriangleTree::Impl

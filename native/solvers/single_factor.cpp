@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/solvers/engines/cholmod_factor.h"
+#include "native/solvers/smallest_factor.h"
 #include "native/solvers/supernodal/kernels.h"
 
 #include <algorithm>
@@ -36,13 +37,14 @@ SparseMatrix ordered(const SparseMatrix& matrix, const std::vector<int>& order)
 
 } // namespace
 
+Ordering smallest_factor() { return have_cholmod() ? Ordering::nested_dissection : Ordering::minimum_degree; }
+
 std::vector<int> fill_reducing_order(const SparseMatrix& matrix)
 {
     if (matrix.cols() == 0)
         return {};
     try {
-        return elimination_order(matrix,
-                                 have_cholmod() ? Ordering::nested_dissection : Ordering::minimum_degree);
+        return elimination_order(matrix, smallest_factor());
     } catch (const std::bad_alloc&) {
         throw OutOfMemory("memory ran out before the size of the factor was known: use fewer vertices");
     }

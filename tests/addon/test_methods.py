@@ -34,7 +34,7 @@ def test_numbers_in_files_never_change():
     known = {"thin_shell": 1, "arap": 2, "mean_value": 3, "positive_mean_value": 4, "harmonic": 5, "green": 6}
     known |= {"gradient_editing": 7, "rotation_invariant_coordinates": 8, "propagation": 9}
     known |= {"multiresolution": 20}
-    known |= {"laplacian_editing": 10, "hierarchical_smoothing": 11}
+    known |= {"laplacian_editing": 10, "hierarchical_smoothing": 11, "volumetric_graph_laplacian": 12}
     assert known.items() <= {method.id: method.number for method in METHODS}.items()
 
 

@@ -107,6 +107,12 @@ class LaplacianEditing(SurfaceMethod):
         mean_frame: bool = True,
     ) -> None: ...
 
+class VolumetricGraphLaplacian(SurfaceMethod):
+    def __init__(
+        self, mesh: SurfaceMesh, *, volume: float = 1.0, laplacian: Discretization = "cotan_voronoi"
+    ) -> None: ...
+    def inner_points(self) -> Floats: ...
+
 class Arap(SurfaceMethod):
     def __init__(
         self,

@@ -7,6 +7,7 @@
 #include "native/core/simd/kernel_set.h"
 #include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
+#include "native/operators/differential_coordinates.h"
 #include "native/operators/fit_kernels.h"
 #include "native/operators/ring_fit.h"
 #include "native/operators/rotation_fit.h"
@@ -26,28 +27,6 @@ constexpr double least_frame = 1e-9;
 
 /// A transformation that shortens a differential coordinate more than this is none.
 constexpr double least_length = 1e-9;
-
-/// Row i of L f, without the rounding errors of values far from zero.
-template <class Values>
-Vector3 laplacian_at(const SparseMatrix& L, const Values& f, int i)
-{
-    double sum[3] = {0, 0, 0};
-    const double* const own = f.data() + 3 * static_cast<std::ptrdiff_t>(i);
-    for (SparseMatrix::InnerIterator it(L, i); it; ++it) {
-        const double* const other = f.data() + 3 * it.row();
-        for (int axis = 0; axis < 3; ++axis)
-            sum[axis] += it.value() * (other[axis] - own[axis]);
-    }
-    return {sum[0], sum[1], sum[2]};
-}
-
-/// delta = M^-1 L y.
-void differentiate(const SparseMatrix& L, const VectorX& mass, const PointsView& y, Points& delta)
-{
-    const int n = static_cast<int>(y.rows());
-    delta.resize(n, 3);
-    parallel_for(n, [&](int i) { delta.row(i) = laplacian_at(L, y, i).transpose() / mass[i]; });
-}
 
 /// T d, with the length of d.
 Vector3 lengthened(const LinearSimilarity& T, const Vector3& d)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/native/surface/linear/study_tube.h"
 
+#include <Eigen/Geometry>
+
 namespace sinew {
 
 SurfaceMesh study_tube()
@@ -38,6 +40,14 @@ double rms_edge_ratio(const SurfaceMesh& mesh, const Points& q)
         sum += (ratio - 1) * (ratio - 1);
     }
     return std::sqrt(sum / static_cast<double>(edges.size()));
+}
+
+double enclosed_volume(const SurfaceMesh& mesh, const Points& q)
+{
+    double six = 0.0;
+    for (const auto& [a, b, c] : mesh.triangles())
+        six += q.row(a).cross(q.row(b)).dot(q.row(c));
+    return six / 6;
 }
 
 Pose study_bend()

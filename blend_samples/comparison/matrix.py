@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The matrix of methods and cases, with one function that adds a row or a column."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .cases import Case
+from .measures import Distortion, distortion
+from .rows import Solve
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A shape (n, 3) with its distortion, or why there is none."""
+
+    shape: np.ndarray | None
+    distortion: Distortion | None
+    refusal: str = ""
+
+
+@dataclass
+class Matrix:
+    """Methods down, cases across. ``refusals`` are the errors by which a method may decline a case."""
+
+    refusals: tuple[type[Exception], ...] = ()
+    progress: Callable[[str], None] = lambda _text: None
+    rows: dict[str, Solve] = field(default_factory=dict)
+    columns: dict[str, Case] = field(default_factory=dict)
+    cells: dict[tuple[str, str], Cell] = field(default_factory=dict)
+
+    def compare(self, name: str, entry: Solve | Case) -> None:
+        """Add a row, ``entry(case) -> points`` (n, 3), or a column, a case; and compute its cells."""
+        if isinstance(entry, Case):
+            self.columns[name] = entry
+            pairs = [(row, name) for row in self.rows]
+        else:
+            self.rows[name] = entry
+            pairs = [(name, column) for column in self.columns]
+        for row, column in pairs:
+            self.progress(f"{row}: {column}")
+            self.cells[row, column] = self._cell(self.rows[row], self.columns[column])
+
+    def _cell(self, solve: Solve, case: Case) -> Cell:
+        try:
+            shape = np.asarray(solve(case), dtype=np.float64)
+        except self.refusals as error:
+            return Cell(None, None, str(error))
+        if shape.shape != case.points.shape:
+            return Cell(None, None, f"gave points {shape.shape}, not {case.points.shape}")
+        if not np.isfinite(shape).all():
+            return Cell(None, None, "gave points that are not finite")
+        return Cell(shape, distortion(case, shape))
+
+    def column(self, name: str) -> list[np.ndarray]:
+        """The shapes of a case by all methods that gave one."""
+        return [
+            cell.shape for (_row, at), cell in self.cells.items() if at == name and cell.shape is not None
+        ]
+
+    def numbers(self) -> dict[str, object]:
+        """What was measured, ready for JSON."""
+        return {
+            "columns": {
+                name: {
+                    "edit": case.name,
+                    "vertices": len(case.points),
+                    "triangles": len(case.triangles),
+                    "free_vertices": int(case.free.sum()),
+                }
+                for name, case in self.columns.items()
+            },
+            "rows": {row: {name: self._entry(row, name) for name in self.columns} for row in self.rows},
+        }
+
+    def _entry(self, row: str, column: str) -> dict[str, object]:
+        cell = self.cells[row, column]
+        if cell.distortion is None:
+            return {"refused": cell.refusal}
+        return {key: _rounded(value) for key, value in cell.distortion.as_dict().items()}
+
+    def write(self, path: Path) -> None:
+        path.write_text(json.dumps(self.numbers(), indent=1) + "\n", encoding="utf-8")
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else float(f"{value:.4g}")
+
+
+def filled(cases: Iterable[tuple[str, Case]], rows: Iterable[tuple[str, Solve]], **options: object) -> Matrix:
+    """A matrix of these cases and rows."""
+    matrix = Matrix(**options)
+    for name, entry in (*cases, *rows):
+        matrix.compare(name, entry)
+    return matrix

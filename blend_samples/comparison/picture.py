@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sheets in a Blender scene: rows of shapes, such as those of a matrix, with figures below each."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from math import radians
+
+import bpy
+import numpy as np
+from mathutils import Euler
+
+from .. import materials, studio
+from .cases import Case
+from .figures import Figure
+from .matrix import Cell, Matrix
+from .measures import Distortion, distortion
+
+PLAIN = (0.56, 0.52, 0.46)
+PIXELS = 100  # per unit of the scene
+CELL, PICTURE, LINE, HEADING, MARGIN = 3.0, 2.1, 0.21, 0.36, 0.2
+TEXT, TITLE = 0.185, 0.235
+TILT = 16.0  # degrees by which one looks down
+APART = 40.0  # between two sheets
+
+
+@dataclass(frozen=True)
+class View:
+    """One shape of a case, or why there is none; with lines below it."""
+
+    case: Case
+    shape: np.ndarray | None
+    frame: Frame
+    lines: Sequence[str]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """One picture: a line of headings, and rows of views, each with a title."""
+
+    name: str
+    heads: Sequence[str]
+    rows: Mapping[str, Sequence[View]]
+
+    @property
+    def lines(self) -> int:
+        return max(len(view.lines) for views in self.rows.values() for view in views)
+
+    @property
+    def row_height(self) -> float:
+        return HEADING + PICTURE + self.lines * LINE + 0.12
+
+    @property
+    def top(self) -> float:
+        return MARGIN + (0.35 if self.heads else 0.0)
+
+    @property
+    def size(self) -> tuple[float, float]:
+        across = max(len(views) for views in self.rows.values())
+        return 2 * MARGIN + CELL * across, self.top + MARGIN + self.row_height * len(self.rows)
+
+
+def figures(found: Distortion) -> tuple[str, str, str]:
+    """What is written below a picture."""
+    volume = "" if found.volume is None else f"   volume {found.volume:.2f}"
+    return (
+        f"edges {found.edge_rms:.3f} rms,  {found.edge_least:.2f} to {found.edge_largest:.2f}",
+        f"angles {found.angle_mean:.1f}° mean,  {found.angle_max:.0f}° most",
+        f"area {found.area:.2f}{volume}",
+    )
+
+
+def of_matrix(matrix: Matrix, rows: Sequence[str], name: str, lines: int = 3, rest: str = "") -> Sheet:
+    """A sheet of some rows of a matrix; the row ``rest``, if it is named, comes first."""
+    frames = {name: Frame.around(case, matrix.column(name)) for name, case in matrix.columns.items()}
+    found: dict[str, list[View]] = {}
+    if rest:
+        found[rest] = [View(case, case.points, frames[key], ()) for key, case in matrix.columns.items()]
+    for row in rows:
+        found[row] = [
+            _view(matrix.cells[row, key], case, frames[key], lines) for key, case in matrix.columns.items()
+        ]
+    return Sheet(name, [case.name for case in matrix.columns.values()], found)
+
+
+def _view(cell: Cell, case: Case, frame: Frame, lines: int) -> View:
+    if cell.distortion is None:
+        words = textwrap.wrap(cell.refusal, 30)[:6]
+        return View(case, None, frame, ["cannot do this:", *words][: max(lines, 1)])
+    return View(case, cell.shape, frame, figures(cell.distortion)[:lines])
+
+
+def of_figures(every: Sequence[Figure], name: str) -> Sheet:
+    """A sheet with a row per figure of the tutorial."""
+    rows = {}
+    for figure in every:
+        frame = Frame.around(figure.views[0][1], [shape for _caption, _case, shape in figure.views])
+        rows[figure.title] = [
+            View(case, shape, frame, (caption, *_strain(case, shape)))
+            for caption, case, shape in figure.views
+        ]
+    return Sheet(name, (), rows)
+
+
+def _strain(case: Case, shape: np.ndarray) -> Sequence[str]:
+    return () if shape is case.points else figures(distortion(case, shape))[:1]
+
+
+def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
+    """Fill the scene with the sheets, side by side, and light them alike."""
+    material = _material()
+    for number, sheet in enumerate(sheets):
+        left = APART * number + MARGIN
+        for across, head in enumerate(sheet.heads):
+            add_text(scene, head, (left + CELL * (across + 0.5), -MARGIN - TITLE), TITLE, "CENTER")
+        for down, (title, views) in enumerate(sheet.rows.items()):
+            top = -sheet.top - sheet.row_height * down
+            add_text(scene, title, (left, top - 0.24), TITLE, "LEFT")
+            for across, view in enumerate(views):
+                place = left + CELL * (across + 0.5), top - HEADING
+                _add_view(scene, f"{title} {across}", view, place, material)
+    _add_wall_and_light(scene, APART * len(sheets))
+
+
+def look_at(scene: bpy.types.Scene, sheets: Sequence[Sheet], number: int) -> None:
+    """Point the camera at a sheet, and set the size of its picture."""
+    width, height = sheets[number].size
+    camera = scene.camera
+    camera.data.ortho_scale = max(width, height)
+    camera.location = (APART * number + 0.5 * width, -50.0, -0.5 * height)
+    scene.render.resolution_x, scene.render.resolution_y = round(PIXELS * width), round(PIXELS * height)
+
+
+def add_camera(scene: bpy.types.Scene) -> None:
+    data = bpy.data.cameras.new("Camera")
+    data.type, data.clip_end = "ORTHO", 200.0
+    scene.camera = bpy.data.objects.new("Camera", data)
+    scene.camera.rotation_euler = (radians(90.0), 0.0, 0.0)
+    studio.studio_collection(scene).objects.link(scene.camera)
+
+
+@dataclass(frozen=True)
+class Frame:
+    """How all shapes of a case are placed in their cells: turned, then moved and scaled alike."""
+
+    turn: np.ndarray  # (3, 3)
+    centre: np.ndarray  # (3,)
+    scale: float
+
+    @staticmethod
+    def around(case: Case, shapes: Sequence[np.ndarray]) -> Frame:
+        """Every shape has room, unless it is much larger than the edit."""
+        tilt = (
+            Euler((radians(TILT), 0.0, 0.0)).to_matrix()
+            @ Euler((0.0, 0.0, radians(case.heading))).to_matrix()
+        )
+        turn = np.array(tilt)
+        wanted = np.vstack((case.points, case.targets)) @ turn.T
+        low, high = wanted.min(0), wanted.max(0)
+        room = 0.35 * (high - low)
+        for shape in shapes:
+            seen = shape @ turn.T
+            low = np.maximum(np.minimum(low, seen.min(0)), low - room)
+            high = np.minimum(np.maximum(high, seen.max(0)), high + room)
+        size = high - low
+        scale = min(0.92 * CELL / size[0], 0.96 * PICTURE / size[2])
+        return Frame(turn, 0.5 * (low + high), scale)
+
+    def place(self, points: np.ndarray, x: float, z: float) -> np.ndarray:
+        return self.scale * (points @ self.turn.T - self.centre) + (x, 0.0, z)
+
+
+def _add_view(
+    scene: bpy.types.Scene, name: str, view: View, corner: tuple[float, float], material: bpy.types.Material
+) -> None:
+    x, top = corner
+    for number, line in enumerate(view.lines):
+        add_text(scene, line, (x, top - PICTURE - LINE * (number + 0.8)), TEXT, "CENTER")
+    if view.shape is None:
+        return
+    case, mesh = view.case, bpy.data.meshes.new(name)
+    placed = view.frame.place(view.shape, x, top - 0.5 * PICTURE)
+    mesh.from_pydata(placed.tolist(), [], case.triangles.tolist())
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    mesh.use_auto_smooth, mesh.auto_smooth_angle = True, radians(50.0)
+    for field, handle in zip(("fixed", "handle"), case.handles):
+        values = np.full(len(case.points), -1.0, np.float32)
+        values[handle] = 1.0
+        mesh.attributes.new(field, "FLOAT", "POINT").data.foreach_set("value", values)
+    height = np.full((len(case.points), 3), 0.25, np.float32)  # between two lines
+    if case.closed:
+        height[:, 0] = case.points[:, 2]
+    mesh.attributes.new("rest", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", height.ravel())
+    mesh.materials.append(material)
+    scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+
+
+def _material() -> bpy.types.Material:
+    patches = (("handle", materials.HANDLE_COLOUR, 0.05), ("fixed", materials.FIXED_COLOUR, 0.05))
+    material = materials.patched_material("Surface", PLAIN, patches, roughness=0.6)
+    materials.rule_lines(material, cell=0.5, line=0.06)
+    return material
+
+
+def add_text(scene: bpy.types.Scene, text: str, place: tuple[float, float], size: float, align: str) -> None:
+    curve = bpy.data.curves.new(text, "FONT")
+    curve.body, curve.font, curve.size, curve.align_x = text, studio.label_font(), size, align
+    curve.materials.append(materials.ink_material())
+    label = bpy.data.objects.new(f"Text {text}", curve)
+    label.location = (place[0], -6.0, place[1])
+    label.rotation_euler = (radians(90.0), 0.0, 0.0)
+    label.hide_select, label.visible_shadow = True, False
+    studio.studio_collection(scene).objects.link(label)
+
+
+def _add_wall_and_light(scene: bpy.types.Scene, width: float) -> None:
+    mesh = bpy.data.meshes.new("Wall")
+    corners = [(-20, 4, -60), (width + 20, 4, -60), (width + 20, 4, 20), (-20, 4, 20)]
+    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
+    mesh.materials.append(materials.backdrop_material((0.78, 0.77, 0.74)))
+    wall = bpy.data.objects.new("Wall", mesh)
+    wall.hide_select = True
+    sun = bpy.data.lights.new("Sun", "SUN")
+    sun.energy, sun.angle = 2.6, radians(12.0)
+    lamp = bpy.data.objects.new("Sun", sun)
+    lamp.rotation_euler = Euler((radians(48.0), radians(-28.0), 0.0))
+    for obj in (wall, lamp):
+        studio.studio_collection(scene).objects.link(obj)
+    scene.world = bpy.data.worlds.new("Sky")
+    scene.world.use_nodes = True
+    background = scene.world.node_tree.nodes["Background"].inputs
+    background["Color"].default_value, background["Strength"].default_value = (0.75, 0.82, 0.95, 1.0), 0.55
+
+
+def laplacian_deform(case: Case) -> np.ndarray:
+    """Blender's own Laplacian Deform modifier, with its default of one repetition."""
+    mesh = bpy.data.meshes.new("Peer")
+    mesh.from_pydata(case.points.tolist(), [], case.triangles.tolist())
+    peer = bpy.data.objects.new("Peer", mesh)
+    bpy.context.scene.collection.objects.link(peer)
+    peer.vertex_groups.new(name="Anchors").add(case.held.tolist(), 1.0, "REPLACE")
+    modifier = peer.modifiers.new("Laplacian Deform", "LAPLACIANDEFORM")
+    modifier.vertex_group = "Anchors"
+    bpy.context.view_layer.update()
+    with bpy.context.temp_override(object=peer, active_object=peer):
+        bpy.ops.object.laplaciandeform_bind(modifier=modifier.name)
+    bpy.context.view_layer.update()
+    mesh.vertices.foreach_set("co", case.targets.astype(np.float32).ravel())
+    mesh.update()
+    peer.update_tag()
+    points = np.empty(3 * len(case.points), np.float32)
+    seen = peer.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    seen.vertices.foreach_get("co", points)
+    bpy.data.objects.remove(peer)
+    bpy.data.meshes.remove(mesh)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+def paged(matrix: Matrix, count: int, name: str) -> Iterator[Sheet]:
+    """All rows of a matrix, on sheets of at most ``count`` rows each, of about the same length."""
+    names = list(matrix.rows)
+    pages = -(-len(names) // count)
+    for page in range(pages):
+        shown = names[len(names) * page // pages : len(names) * (page + 1) // pages]
+        yield of_matrix(matrix, shown, f"{name}-{page + 1}")
