@@ -166,6 +166,15 @@ class Factor:
         with _translated(self._native):
             return method.influence(vertices)
 
+    def control_grids(self, poses: np.ndarray, **options) -> list[np.ndarray]:
+        """The control grids (rows, columns, 3) as handles move them; none if the method has no grid."""
+        with self._lock:
+            method = self._bound_method()
+        if not hasattr(method, "control_grids"):
+            return []
+        with _translated(self._native):
+            return method.control_grids(poses, **options)
+
     def _bound_method(self) -> Any:
         if self._method is None:
             raise CancelledError("The mesh is being bound again")

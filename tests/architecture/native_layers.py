@@ -16,6 +16,7 @@ NATIVE_RANKS = {
     "mesh": 1,
     "solvers": 1,
     "space": 1,
+    "splines": 1,
     "enclosure": 2,
     "operators": 2,
     "subdivision": 2,

@@ -94,6 +94,26 @@ class RotationInvariantCoordinates(SurfaceMethod):
 class HierarchicalSmoothing(SurfaceMethod):
     def __init__(self, mesh: SurfaceMesh, *, levels: int = 64, relaxations: int = 4) -> None: ...
 
+class SplineSurface(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        degree: int = 3,
+        columns: int = 8,
+        rows: int = 8,
+        smoothing: float = 1e-3,
+        margin: float = 0.2,
+        uv_map: ArrayLike | None = None,
+    ) -> None: ...
+    def control_grids(
+        self,
+        poses: ArrayLike,
+        *,
+        incoming: ArrayLike | None = None,
+        from_rest: ArrayLike | None = None,
+    ) -> list[Floats]: ...
+
 class LaplacianEditing(SurfaceMethod):
     def __init__(
         self,
