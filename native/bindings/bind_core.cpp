@@ -142,6 +142,11 @@ void bind_core(py::module_& module)
         .def_readonly("detail_vectors", &BindReport::detail_vectors,
                       "Number of details that are vectors, because 'normal_displacements' of Multiresolution "
                       "found no\nplace on the base for them.")
+        .def_readonly("irregular_parts", &BindReport::irregular_parts,
+                      "Number of parts with a handle that SubdivisionEditing found no subdivision in.")
+        .def_property_readonly(
+            "irregular_vertices", [](const BindReport& r) { return to_numpy(r.irregular_vertices); },
+            "(i,) the vertices of those parts.")
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
                       "Number of faces with a triangle of (nearly) no area, whose area was raised.")
         .def_readonly("factorizations", &BindReport::factorizations,

@@ -15,9 +15,9 @@ void bind_subdivision_editing(py::module_& module)
 
 For meshes that come from subdividing a coarse one, by Catmull-Clark's or Loop's rules, and were sculpted then. The bind
 undoes the levels; the handles move the control mesh as a thin plate, and what was sculpted on each finer level rides on
-it in frames of the limit surface. Parts that do not come from subdivision move as a thin plate on the mesh itself; for
-them, level_counts() is 0. set_handles() costs a factorisation per level below the finest, and one around the handles; a
-frame is O(n) and a solve around the handles. Rigid motions of all handles are reproduced.)")
+it in frames of the limit surface. Parts that do not come from subdivision move as a thin plate on the mesh itself;
+BindReport.irregular_parts counts them. set_handles() costs a factorisation per level below the finest, and one around
+the handles; a frame is O(n) and a solve around the handles. Rigid motions of all handles are reproduced.)")
         .def(py::init([](const SurfaceMesh& mesh, const std::string& coarsening, int levels) {
                  const SubdivisionEditingOptions options{
                      choose<Coarsening>(

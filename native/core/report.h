@@ -61,6 +61,8 @@ struct BindReport
     std::vector<int> riding_vertices; ///< the vertices of those parts
     /// Details that a method around another one stores as vectors, because its coding has none for them.
     int detail_vectors = 0;
+    int irregular_parts = 0; ///< parts with a handle that a method for subdivided meshes could not coarsen
+    std::vector<int> irregular_vertices; ///< the vertices of those parts
     int degenerate_faces = 0;       ///< faces with a triangle of (nearly) no area, whose area was raised
     int factorizations = 0;         ///< numeric factorisations so far, with those of earlier objects
     int analyses = 0;               ///< symbolic factorisations so far, likewise

@@ -74,9 +74,9 @@ struct SubdivisionEditing::Impl
     SubdivisionEditingOptions options;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 
-    /// Undoes the levels of all parts with handles.
+    /// Undoes the levels of all parts with handles, and tells which parts have none.
     void coarsen(const SurfaceMesh& rest, const Regions& regions, const Components& parts, Binding& next,
-                 const Progress& progress) const
+                 BindReport& report, const Progress& progress) const
     {
         const bool automatic = options.coarsening == Coarsening::automatic;
         std::vector<int> part = parts.labels, group = next.groups.group;
@@ -90,6 +90,8 @@ struct SubdivisionEditing::Impl
         for (int k = 0; automatic || k < options.levels; ++k) {
             progress.tick(0.1 + 0.4 * k / (k + 1.0), "undoing the levels");
             UndoneLevel undone = undo_subdivision(*next.control, part, undoing, automatic ? enough : 1);
+            if (k == 0)
+                tell(parts, undoing, report);
             bool any = false;
             for (int p = 0; p < parts.count; ++p) {
                 const bool done = undoing[p] == Undoing::undone;
@@ -110,6 +112,19 @@ struct SubdivisionEditing::Impl
             group = at(group, level.subdivided.kept());
             next.control.emplace(std::move(points), std::move(counts), std::move(corners));
         }
+    }
+
+    static void tell(const Components& parts, const std::vector<Undoing>& undoing, BindReport& report)
+    {
+        std::vector<int> size(parts.count, 0);
+        for (int p : parts.labels)
+            ++size[p];
+        const auto told = [&](int p) { return undoing[p] == Undoing::irregular && size[p] > 1; };
+        for (int p = 0; p < parts.count; ++p)
+            report.irregular_parts += told(p);
+        for (std::size_t v = 0; v < parts.labels.size(); ++v)
+            if (told(parts.labels[v]))
+                report.irregular_vertices.push_back(static_cast<int>(v));
     }
 };
 
@@ -140,7 +155,7 @@ void SubdivisionEditing::bind(const Regions& regions, BindReport& report, const 
     auto next = std::make_unique<Binding>();
     const Components parts = connected_components(rest());
     next->groups = HandleGroups(regions, parts);
-    impl_->coarsen(rest(), regions, parts, *next, progress);
+    impl_->coarsen(rest(), regions, parts, *next, report, progress);
 
     const std::vector<Constraint> constraints = regions.constraints();
     SparseRows smooth(static_cast<Eigen::Index>(constraints.size()), rest().vertex_count());

@@ -39,7 +39,7 @@ struct SubdivisionEditingOptions
 ///      one face of the control mesh reaches (semi_regular/handle_band.h).
 ///
 /// A part that does not come from subdivision is its own control mesh: it moves as a thin plate on the mesh
-/// itself, and level_counts() says so. An artist who joins a sculpted head and a scanned hat wants both to
+/// itself, and the report names it. An artist who joins a sculpted head and a scanned hat wants both to
 /// move; an error would hold up the head, and one edge that was cut into a mesh would end all work with it.
 ///
 /// Departs from the paper: handles hold and pull, instead of dragging control points one by one; analysis

@@ -73,6 +73,13 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
         text = "1 loose part stays at rest" if staying == 1 else f"{staying:,} loose parts stay at rest"
         elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
         lines.append(Status(Level.WARNING, text, elements))
+    irregular = report.irregular_parts
+    if irregular:
+        text = "1 part is no subdivision" if irregular == 1 else f"{irregular:,} parts are no subdivisions"
+        elements = (
+            Elements(Owner.TARGET, "vertex", report.irregular_vertices) if request.on_base else NO_ELEMENTS
+        )
+        lines.append(Status(Level.WARNING, f"{text}: bent as a plain plate", elements))
     vectors = report.detail_vectors
     if vectors:
         text = "1 detail is a vector" if vectors == 1 else f"{vectors:,} details are vectors"

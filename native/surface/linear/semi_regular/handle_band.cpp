@@ -14,8 +14,8 @@ namespace {
 constexpr int fewest_rings = 4;
 constexpr int seam = 2; ///< rings around the band whose triangles the plate's equations in it need
 
-/// Adds the neighbours of the marked vertices, face by face.
-void widen(const SurfaceMesh& mesh, std::vector<char>& marked, const auto& may)
+/// Adds the neighbours of the marked vertices, face by face. Returns whether there are any.
+bool widen(const SurfaceMesh& mesh, std::vector<char>& marked, const auto& may)
 {
     std::vector<int> fresh;
     for (int f = 0; f < mesh.face_count(); ++f) {
@@ -27,6 +27,7 @@ void widen(const SurfaceMesh& mesh, std::vector<char>& marked, const auto& may)
     }
     for (int v : fresh)
         marked[v] = 1;
+    return !fresh.empty();
 }
 
 } // namespace
@@ -43,7 +44,8 @@ void HandleBand::factorize(const SurfaceMesh& mesh, const Regions& regions, cons
             (regions.hard(each.vertex) >= 0 ? held_ : pulled_).push_back(each);
         }
     for (int ring = 0; ring < rings; ++ring)
-        widen(mesh, marked, [&](int v) { return ring < std::max(fewest_rings, 1 << levels[v]); });
+        if (!widen(mesh, marked, [&](int v) { return ring < std::max(fewest_rings, 1 << levels[v]); }))
+            break;
     std::vector<char> around(n);
     for (int v = 0; v < n; ++v)
         around[v] = marked[v] = marked[v] && regions.hard(v) < 0;

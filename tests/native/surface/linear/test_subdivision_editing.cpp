@@ -376,11 +376,18 @@ TEST(SubdivisionEditing, a_part_that_cannot_be_undone_stays_whole_and_the_others
     const int n = ball.vertex_count(), m = box.vertex_count();
     const std::vector<Handle> handles{{{0, n, n + m}, {}}, {{1, n + 1, n + m + 1}, {}}};
     SubdivisionEditing editing(all, {Coarsening::levels, 2});
-    editing.set_handles(handles);
+    const BindReport report = editing.set_handles(handles);
     EXPECT_EQ(editing.level_counts(), (std::vector<int>{2, 0, 2}));
+    EXPECT_EQ(report.irregular_parts, 1);
+    ASSERT_EQ(static_cast<int>(report.irregular_vertices.size()), m);
+    EXPECT_EQ(report.irregular_vertices.front(), n);
     const Poses poses{shapes::still(), shapes::turn({1, 2, 3}, 30, {0, 0, 0}, {0.1, 0.2, 0.3})};
     const Points q = solved(editing, poses);
     EXPECT_LT(shapes::distance(q.topRows(n), solved(bound(ball, 2, {{{0}, {}}, {{1}, {}}}), poses)), 1e-9);
+    // With nothing to undo, nothing is told; and a small part is not an irregular one.
+    EXPECT_EQ(SubdivisionEditing(all, {Coarsening::levels, 0}).set_handles(handles).irregular_parts, 0);
+    const SurfaceMesh small = refined(shapes::cube(), SubdivisionScheme::catmull_clark, 1);
+    EXPECT_EQ(SubdivisionEditing(small).set_handles({{{0}, {}}}).irregular_parts, 0);
 }
 
 TEST(SubdivisionEditing, tiny_and_odd_parts_are_no_subdivisions)
