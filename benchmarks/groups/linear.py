@@ -29,6 +29,7 @@ METHODS: dict[str, tuple[Maker, str, str]] = {
         "linear_frame",
     ),
     "Propagation": (sinew_native.Propagation, "linear_bind", "linear_frame"),
+    "SplineSurface": (sinew_native.SplineSurface, "linear_bind", "linear_frame"),
     "HierarchicalSmoothing": (sinew_native.HierarchicalSmoothing, "linear_bind", "hierarchical_frame"),
     "LaplacianEditing, explicit": (_laplacian("explicit"), "linear_bind", "explicit_frame"),
     "LaplacianEditing, estimated": (_laplacian("estimated"), "linear_bind", "estimated_frame"),
