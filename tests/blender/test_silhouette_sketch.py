@@ -195,13 +195,8 @@ def test_an_edited_stroke_redraws_its_key():
 def test_a_drawn_stroke_may_be_kept_as_a_curve():
     obj = ball()
     element = dict.fromkeys(("pressure", "size", "time", "x_tilt", "y_tilt"), 0.0)
-    element |= {
-        "name": "",
-        "mouse": (0.0, 0.0),
-        "mouse_event": (0.0, 0.0),
-        "pen_flip": False,
-        "is_start": False,
-    }
+    element |= dict.fromkeys(("mouse", "mouse_event"), (0.0, 0.0))
+    element |= {"name": "", "pen_flip": False, "is_start": False}
     points = [{**element, "location": place} for place in arc(bump).tolist()]
     answer = bpy.ops.sinew.silhouette_sketch(points=points, view=FRONT, reach=0.6, keep_stroke=True)
     assert answer == {"FINISHED"}
