@@ -40,7 +40,7 @@ SUB_RANKS = {
     "core": {"": 0, "simd": 1},
     "solvers": {"dense": 0, "descent": 0, "supernodal": 0, "engines": 1, "": 2},
     "space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
-    "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "volume": 0, "": 1},
+    "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
     "surface/nonlinear": {"arap": 0, "": 1},
     "multiresolution": {"details": 0, "transfer": 1, "": 1},
 }
@@ -54,6 +54,7 @@ INTERNAL = {
     "space/cage/visibility",
     "surface/linear/propagation",
     "surface/linear/pyramid",
+    "surface/linear/semi_regular",
     "surface/linear/volume",
     "surface/nonlinear/arap",
     "multiresolution/details",

@@ -473,4 +473,49 @@ ROWS = (
             ),
         ),
     ),
+    Method(
+        id="subdivision_editing",
+        number=13,
+        label="Subdivision Editing",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="SubdivisionEditing",
+        section="4.3",
+        paper="Zorin, Schröder & Sweldens 1997",
+        summary="Edits any level of a subdivided mesh, and keeps what was sculpted on the finer ones",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.05),
+        reproduces=Reproduced.RIGID_MOTIONS,
+        parameters=(
+            Choice(
+                "coarsening",
+                "automatic",
+                (
+                    (
+                        "automatic",
+                        "Automatic",
+                        "Undoes subdivision as often as each loose part keeps 64 vertices",
+                    ),
+                    ("levels", "Levels", "Undoes subdivision as often as Levels says"),
+                ),
+                rebinds=True,
+                label="Coarsening",
+                description="On which level of the subdivided mesh the handles pull. Coarse levels carry "
+                "large details, which then turn with the surface; fine ones follow the handles more closely",
+            ),
+            Int(
+                "levels",
+                1,
+                maximum=1000,
+                soft_maximum=6,
+                rebinds=True,
+                unit="levels",
+                only_with=("coarsening", ("levels",)),
+                label="Levels",
+                description="How often subdivision is undone, where the mesh has so many levels. "
+                "0 bends the mesh itself as a plate",
+            ),
+        ),
+    ),
 )

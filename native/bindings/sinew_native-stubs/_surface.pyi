@@ -114,6 +114,13 @@ class SplineSurface(SurfaceMethod):
         from_rest: ArrayLike | None = None,
     ) -> list[Floats]: ...
 
+class SubdivisionEditing(SurfaceMethod):
+    def __init__(
+        self, mesh: SurfaceMesh, *, coarsening: Literal["automatic", "levels"] = "automatic", levels: int = 1
+    ) -> None: ...
+    def level_counts(self) -> list[int]: ...
+    def control_mesh(self) -> SurfaceMesh: ...
+
 class LaplacianEditing(SurfaceMethod):
     def __init__(
         self,
