@@ -31,6 +31,7 @@ class Operators:
     PART_REGIONS = "sinew.part_regions"
     GRAB_REGION = "sinew.grab_region"
     DRAG = "sinew.drag"
+    SILHOUETTE_SKETCH = "sinew.silhouette_sketch"
     BAKE = "sinew.bake"
     UNBAKE = "sinew.unbake"
     TRANSFER = "sinew.transfer_deformation"

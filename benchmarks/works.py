@@ -103,6 +103,13 @@ WORKS = (
         at_most=True,
     ),
     Work(
+        "subdivision_editing_frame",
+        "a frame of `SubdivisionEditing`",
+        "`ThinShell.solve` without its basis",
+        {ANY: 1.3},
+        at_most=True,
+    ),
+    Work(
         "multiresolution_displacement_vectors",
         "a frame of `Multiresolution` with displacement vectors",
         "`ThinShell.solve` of its base",

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import studio
+from . import posing, studio
 from .comparison import (
     CASES,
     Matrix,
@@ -52,6 +52,7 @@ def make() -> bpy.types.Scene:
     scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
     scene.view_settings.exposure = 0.0
     picture.look_at(scene, sheets, 0)
+    studio.look_through_camera()
     _made[:] = [matrix, sheets]
     return scene
 
@@ -84,7 +85,10 @@ def registry():
 
 def native():
     """The compiled module of the add-on that is installed."""
-    return importlib.import_module("sinew.backend").availability().module
+    found = importlib.import_module("sinew.backend").availability()
+    if found.module is None:
+        raise posing.SampleError(found.remedy)
+    return found.module
 
 
 def pictures(scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:

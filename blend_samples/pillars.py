@@ -19,6 +19,7 @@ METHODS = {
     "Rotation-Invariant": "rotation_invariant_coordinates",
     "Laplacian Editing": "laplacian_editing",
     "Hierarchical": "hierarchical_smoothing",
+    "Subdivision": "subdivision_editing",
     "Propagation": "propagation",
 }
 # The axis between foot and head becomes an arc of its own length.
@@ -43,11 +44,11 @@ def make() -> bpy.types.Scene:
             pose(obj, method)
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.55, 0.0, 0.92), distance=28.0, elevation=10.0, width=13.3)
+    studio.add_camera(scene, target=(0.55, 0.0, 0.92), distance=28.0, elevation=10.0, width=15.2)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=9.0)
     for obj, label in zip(pillars, METHODS):
         studio.add_label(scene, label, (obj.location.x + 0.2, -1.0, 0.0), 0.17)
-    studio.set_up_render(scene, samples=64, width=1680, height=352)
+    studio.set_up_render(scene, samples=64, width=1920, height=352)
     studio.open_at(scene, POSE_FRAME, pillars[-1])
     return scene
 

@@ -196,10 +196,18 @@ def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None
         if control:
             control.select_set(True)
     bpy.context.view_layer.objects.active = posed
-    for screen in bpy.data.screens:
-        for space in (area.spaces.active for area in screen.areas if area.type == "VIEW_3D"):
-            space.region_3d.view_perspective = "CAMERA"
-            space.region_3d.view_camera_zoom = 12.0
-            space.show_region_ui = True
-            space.shading.color_type = "VERTEX" if posed.data.color_attributes else "MATERIAL"
-            space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
+    for space in look_through_camera():
+        space.shading.color_type = "VERTEX" if posed.data.color_attributes else "MATERIAL"
+
+
+def look_through_camera() -> list[bpy.types.SpaceView3D]:
+    """Let every 3D view of the file open with the camera's view, and return them."""
+    areas = (area for screen in bpy.data.screens for area in screen.areas)
+    spaces = [area.spaces.active for area in areas if area.type == "VIEW_3D"]
+    for space in spaces:
+        space.region_3d.view_perspective = "CAMERA"
+        space.region_3d.view_camera_zoom = 12.0
+        space.show_region_ui = True
+        space.shading.color_type = "MATERIAL"
+        space.overlay.show_floor = space.overlay.show_axis_x = space.overlay.show_axis_y = False
+    return spaces

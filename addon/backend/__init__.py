@@ -15,6 +15,8 @@ from .native import (
     limit_memory,
     limit_threads,
     mesh_transfer,
+    sketched,
+    sketched_part,
 )
 from .recipes import Base, Cage, CageReport, ControlPoints, HandlePoints, Handles, Progress, Recipe, Shape
 from .self_check import Check, check_installation, last_check
@@ -45,4 +47,6 @@ __all__ = (
     "limit_memory",
     "limit_threads",
     "mesh_transfer",
+    "sketched",
+    "sketched_part",
 )

@@ -166,6 +166,15 @@ class Factor:
         with _translated(self._native):
             return method.influence(vertices)
 
+    def control_grids(self, poses: np.ndarray, **options) -> list[np.ndarray]:
+        """The control grids (rows, columns, 3) as handles move them; none if the method has no grid."""
+        with self._lock:
+            method = self._bound_method()
+        if not hasattr(method, "control_grids"):
+            return []
+        with _translated(self._native):
+            return method.control_grids(poses, **options)
+
     def _bound_method(self) -> Any:
         if self._method is None:
             raise CancelledError("The mesh is being bound again")
@@ -253,6 +262,38 @@ def mesh_transfer(source: Shape, target: Shape) -> Callable[[np.ndarray], np.nda
             return made.transfer(deformed)
 
     return transfer
+
+
+def sketched_part(
+    shape: Shape, stroke: np.ndarray, axes: np.ndarray, eye: np.ndarray | None, edges: np.ndarray | None
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """The part of a silhouette that a stroke (s, 3) redraws, or None if there is none near it.
+
+    Its points lie on ``edges`` (k, 2), at the shares (k,) between their ends, and go to targets (k, 3).
+    ``axes`` (3, 3) are rows to the right, up and toward the viewer; ``eye`` (3,) is for a perspective view.
+    With ``edges`` (e, 2), a line along these is taken instead of silhouettes.
+    """
+    native = _module()
+    with _translated(native):
+        mesh = native.SurfaceMesh(shape.points, shape.faces)
+        return native.fit_stroke(mesh, stroke, axes, eye, edges)
+
+
+def sketched(
+    shape: Shape,
+    line: tuple[np.ndarray, np.ndarray, np.ndarray],
+    held: np.ndarray,
+    sharpness: float,
+) -> np.ndarray:
+    """The shape (n, 3) with a line, as ``sketched_part`` gives it, at its targets.
+
+    The vertices ``held`` (h,) stay.
+    """
+    edges, shares, targets = line
+    native = _module()
+    with _translated(native):
+        mesh = native.SurfaceMesh(shape.points, shape.faces)
+        return native.SilhouetteSketch(mesh, edges, shares, held, sharpness=sharpness).solve(targets)
 
 
 def connected_parts(count: int, faces: tuple[np.ndarray, np.ndarray]) -> np.ndarray:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read and replace rest meshes: points, faces and the weights of vertex groups."""
+"""Read and replace rest meshes: points, faces, the weights of vertex groups, and UV maps."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -22,7 +22,8 @@ class RestShape:
     """The shape that entered the modifier at bind.
 
     ``points`` float64 (n, 3). ``counts`` (m,) are the corners per face, and ``corners`` their vertex indices,
-    face after face. ``weights`` float32 (n,), by the name of the vertex group, are filled on demand.
+    face after face. ``weights`` float32 (n,), by the name of the vertex group, and
+    ``uv_maps`` float64 (n, 2), by their names, are filled on demand.
     ``not_finite`` (k,) are the vertices whose coordinates are NaN or infinite in Blender; ``points`` has
     finite places near their neighbours instead. ``structure`` describes what an object that is not a mesh
     consists of, as a text that can be compared.
@@ -33,6 +34,7 @@ class RestShape:
     counts: np.ndarray
     corners: np.ndarray
     weights: dict[str, np.ndarray] = field(default_factory=dict)
+    uv_maps: dict[str, np.ndarray] = field(default_factory=dict)
     not_finite: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     point_type: PointType = MESH
     structure: str = ""
@@ -87,12 +89,14 @@ def replace_rest(held: Mesh, new: Mesh) -> None:
 def _copy_weights(held: Mesh, new: Mesh) -> bool:
     """Copy only the weights, which takes a tenth of the time; False if that is not enough.
 
-    It is enough if the shapes are equal and all weights are stored as attributes.
+    It is enough if the shapes and UV maps are equal and all weights are stored as attributes.
     """
     wanted = [weights_attribute(index) for index in range(len(group_names(new)))]
     if not all(name in new.attributes for name in wanted):
         return False
     if not same_topology(held, new) or not np.array_equal(read_positions(held), read_positions(new)):
+        return False
+    if not _same_uv_maps(held, new):
         return False
     for name in [attribute.name for attribute in held.attributes]:
         if name.startswith(_WEIGHTS):
@@ -102,6 +106,36 @@ def _copy_weights(held: Mesh, new: Mesh) -> bool:
         new.attributes[name].data.foreach_get("value", weights)
         held.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", weights)
     return True
+
+
+def _same_uv_maps(held: Mesh, new: Mesh) -> bool:
+    """Whether two meshes with the same faces have the same UV maps."""
+    names = [layer.name for layer in new.uv_layers]
+    return names == [layer.name for layer in held.uv_layers] and all(
+        np.array_equal(_corner_places(held, name), _corner_places(new, name)) for name in names
+    )
+
+
+def _corner_places(mesh: Mesh, name: str) -> np.ndarray:
+    """u and v of each corner of the faces, float32 (c, 2)."""
+    flat = np.empty(len(mesh.loops) * 2, dtype=np.float32)
+    mesh.uv_layers[name].data.foreach_get("uv", flat)
+    return flat.reshape(-1, 2)
+
+
+def read_uv_map(mesh: Mesh, name: str) -> np.ndarray | None:
+    """u and v of each vertex at its first corner, float64 (n, 2); None without a map of this name.
+
+    NaN for a vertex in no face, and for one whose place on the map is not finite.
+    """
+    if name not in mesh.uv_layers:
+        return None
+    at_corners = _corner_places(mesh, name).astype(np.float64)
+    at_corners[~np.isfinite(at_corners).all(axis=1)] = np.nan
+    vertices, first = np.unique(read_faces(mesh)[1], return_index=True)
+    places = np.full((len(mesh.vertices), 2), np.nan)
+    places[vertices] = at_corners[first]
+    return places
 
 
 def same_topology(a: Mesh, b: Mesh) -> bool:

@@ -24,6 +24,7 @@ from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
+from .silhouette_sketch import SINEW_OT_silhouette_sketch
 from .target import explain_no_target, target_of
 from .transfer import SINEW_OT_transfer_deformation
 
@@ -67,6 +68,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_select_problems,
         SINEW_OT_grab_region,
         SINEW_OT_drag,
+        SINEW_OT_silhouette_sketch,
         SINEW_OT_repair,
         SINEW_OT_part_regions,
         SINEW_OT_select_distorted,

@@ -13,7 +13,7 @@ from .modal.moving import Moving
 from .modal.shell import Outcome
 
 _STEP = 1.1  # factor of the radius, as in proportional editing, where wheel down enlarges it, too
-_RESIZE = {
+RESIZE = {  # by the event
     "WHEELDOWNMOUSE": _STEP,
     "PAGE_UP": _STEP,
     "WHEELUPMOUSE": 1.0 / _STEP,
@@ -24,7 +24,7 @@ _RESIZE = {
 class Grabbing(Moving):
     """The selection that is being grabbed."""
 
-    REPEATS = (*_RESIZE, *Moving.REPEATS)
+    REPEATS = (*RESIZE, *Moving.REPEATS)
 
     def __init__(
         self, grab: session.Grab, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray, radius: float
@@ -48,8 +48,8 @@ class Grabbing(Moving):
 
     def press(self, event: Event) -> None:
         """Page Up, Page Down and the wheel change the radius; A switches to the whole surface."""
-        if event.type in _RESIZE:
-            self._finite *= _RESIZE[event.type]
+        if event.type in RESIZE:
+            self._finite *= RESIZE[event.type]
             self._follow(self._finite)
         elif event.type == "A":
             self._follow(self._finite if math.isinf(self.radius) else math.inf)

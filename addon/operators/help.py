@@ -20,6 +20,7 @@ PAGES = (
     ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
     ("overlays", "Overlays", "Colours of regions, of influence, and of distortion"),
     ("grab-region", "Grab Region", "Move vertices once, without a handle that stays"),
+    ("silhouette-sketch", "Silhouette Sketch", "Draw the outline of a mesh anew, and its surface follows"),
     ("scripting", "Scripting", "Operators, properties, and the Python module"),
 )
 

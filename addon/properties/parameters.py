@@ -23,6 +23,7 @@ from ..core.methods import (
     Method,
     Parameter,
     Pointer,
+    UvMap,
     group_property,
     wrapped,
 )
@@ -51,6 +52,8 @@ def declare(parameter: Parameter):
         return setting(PointerProperty, type=NodeTree, poll=_holds_curve, **names)
     if isinstance(parameter, Pointer):
         return setting(PointerProperty, type=Object, poll=_poll_for(parameter.types), **names)
+    if isinstance(parameter, UvMap):
+        return setting(StringProperty, **names)
     common = {**names, "default": parameter.default}
     if isinstance(parameter, Choice):
         items = tuple((*item, number) for number, item in enumerate(parameter.items))

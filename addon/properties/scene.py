@@ -26,6 +26,7 @@ OVERLAYS = (
         "MESH_CUBE",
         5,
     ),
+    ("GRID", "Control Grid", "The grid of a method that has one, as the handles move it", "MESH_GRID", 6),
     ("DISTORTION", "Distortion", "Where the surface was stretched or compressed", "MOD_CLOTH", 4),
 )
 

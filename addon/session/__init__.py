@@ -38,11 +38,13 @@ from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
 from .memory.sessions import find, forget_shapes, is_refining, is_suspended, note_edit, suspended, unsettled
 from .tools.grab import NOTHING_FREE, Grab
+from .tools.sketch import TOO_SHORT, Sight, Sketch, keep_stroke, stroke_of
 
 __all__ = (
     "CAGE_METHODS",
     "CANCELLED",
     "NOTHING_FREE",
+    "TOO_SHORT",
     "Brush",
     "Cures",
     "Drag",
@@ -50,6 +52,8 @@ __all__ = (
     "Hit",
     "MirrorOptions",
     "Mirrored",
+    "Sight",
+    "Sketch",
     "Work",
     "add_cage_object",
     "add_deformer",
@@ -94,6 +98,7 @@ __all__ = (
     "is_suspended",
     "is_waiting",
     "job",
+    "keep_stroke",
     "key_partners",
     "label",
     "lost_controls",
@@ -130,6 +135,7 @@ __all__ = (
     "store",
     "store_shown",
     "stray_modifiers",
+    "stroke_of",
     "summary",
     "suspended",
     "tidy",

@@ -158,6 +158,7 @@ def add_entry(layout: UILayout, role: str, text: str, icon: str, control: str = 
 
 def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.GRAB_REGION, icon="VIEW_PAN")
+    layout.operator(Operators.SILHOUETTE_SKETCH, icon="GREASEPENCIL")
     layout.separator()
     layout.operator(Operators.BIND, icon="FILE_REFRESH")
     layout.operator(Operators.UNBIND, icon="X")

@@ -19,6 +19,7 @@ from ..session.shown import final_mesh, result
 from ..session.shown.result import Result
 from . import overlay_colours as colours
 from .overlay_colours import Colour, Legend
+from .overlay_grid import grid_mesh
 
 _SUPPORT = "support"  # key of the fixed region around a support, see ``session/control/handles/regions.py``
 _MOST_ROWS = 12
@@ -96,6 +97,13 @@ class OverlayCache:
         shape = result.shape_shown(obj, deformer)
         if not len(shape.triangles):
             return None
+        grids = result.control_grids(deformer) if settings.overlay == "GRID" else []
+        if grids:
+            numbers = sorted({f"{grid.shape[1]} x {grid.shape[0]} points" for grid in grids})
+            legend = Legend("Control Grid", note=", ".join(numbers))
+            self._meshes[deformer.uid] = OverlayMesh(key, source, *grid_mesh(grids, settings.opacity), legend)
+            self.computed += 1
+            return self._meshes[deformer.uid]
         painted, legend = _paint(obj, deformer, settings, shape)
         drawn = final_mesh.find(obj, depsgraph, deformer, shape)
         if drawn.origin is not None:
@@ -164,6 +172,7 @@ def _paint(
         "PARAMETER": _parameter,
         "MASK": _mask,
         "CAGE": _cage,
+        "GRID": _no_grid,
         "DISTORTION": _distortion,
     }[settings.overlay](obj, deformer, settings, shape)
 
@@ -261,6 +270,13 @@ def _cage(
         f"{len(found.outside):,} outside the cage" if len(found.outside) else "",
     ]
     return painted, colours.field_legend(title, note=", ".join(filter(None, notes)))
+
+
+def _no_grid(
+    _obj: Object, deformer: SinewDeformer, _settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
+    bare = np.zeros((len(shape.points), 4), dtype=np.float32)
+    return bare, Legend("Control Grid", note=f"{deformer.definition.label} has no control grid")
 
 
 def _distortion(

@@ -4,7 +4,7 @@
 from bpy.types import PropertyGroup, UILayout
 
 from .. import session
-from ..core.methods import Curve, Parameter, group_property
+from ..core.methods import Curve, Parameter, UvMap, group_property
 from ..ids import Operators
 
 
@@ -14,6 +14,9 @@ def draw_parameter(layout: UILayout, values: PropertyGroup, parameter: Parameter
         _draw_curve(layout, values, parameter)
         return
     row = layout.row(align=True)
+    if isinstance(parameter, UvMap):
+        row.prop_search(values, parameter.id, values.id_data.data, "uv_layers", icon="GROUP_UVS")
+        return
     row.prop(values, parameter.id)
     if parameter.paintable:
         obj = values.id_data

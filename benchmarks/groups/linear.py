@@ -5,7 +5,7 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
-from cases import bar
+from cases import SLAB, Case, bar
 from record import Row
 from timing import Work, alternate, rounds
 
@@ -29,7 +29,9 @@ METHODS: dict[str, tuple[Maker, str, str]] = {
         "linear_frame",
     ),
     "Propagation": (sinew_native.Propagation, "linear_bind", "linear_frame"),
+    "SplineSurface": (sinew_native.SplineSurface, "linear_bind", "linear_frame"),
     "HierarchicalSmoothing": (sinew_native.HierarchicalSmoothing, "linear_bind", "hierarchical_frame"),
+    "SubdivisionEditing": (sinew_native.SubdivisionEditing, "linear_bind", "subdivision_editing_frame"),
     "LaplacianEditing, explicit": (_laplacian("explicit"), "linear_bind", "explicit_frame"),
     "LaplacianEditing, estimated": (_laplacian("estimated"), "linear_bind", "estimated_frame"),
     "VolumetricGraphLaplacian": (
@@ -52,7 +54,7 @@ def plan(options: Options) -> list[Task]:
 
 def measure(size: int, threads: list[int], method: str) -> list[Row]:
     make, bind_work, frame_work = METHODS[method]
-    case = bar("bend 90", size)
+    case = _subdivided(size) if method == "SubdivisionEditing" else bar("bend 90", size)
     mesh = sinew_native.SurfaceMesh(case.points, case.faces)
     makers = {
         "ours": lambda: make(mesh),
@@ -76,6 +78,18 @@ def measure(size: int, threads: list[int], method: str) -> list[Row]:
             best = {name: times[name].best for name in makers}
             rows.append({"work": work, "case": method, **best, **common})
     return rows
+
+
+def _subdivided(vertices: int) -> Case:
+    """A coarser bar, subdivided three times by Loop's rules."""
+    coarse = bar("bend 90", vertices // 64)
+    mesh = sinew_native.SurfaceMesh(coarse.points, coarse.faces)
+    surface = sinew_native.SubdivisionSurface(mesh, scheme="loop", level=3)
+    points, faces = surface.refine(coarse.points), surface.faces
+    assert isinstance(faces, np.ndarray)
+    x = points[:, 0]
+    handles = [np.flatnonzero(x <= SLAB), np.flatnonzero(x >= coarse.points[:, 0].max() - SLAB)]
+    return Case(coarse.name, points, faces, handles, coarse.poses)
 
 
 class _Binder:

@@ -39,15 +39,16 @@ def uneven_strip(cells: int = 40) -> Case:
     return Case("Uneven strip, lifted", points, triangles, handles, poses, 24.0, closed=False)
 
 
-def lifted_ring(cells: int = 60) -> Case:
-    """A flat square with a fixed frame and a ring of vertices as handle, which is lifted."""
+def lifted_disc(cells: int = 60, hollow: bool = False) -> Case:
+    """A flat square with a fixed frame and a disc, or only its rim, as handle, which is lifted."""
     points, triangles = sheet(cells, cells, 2.0, 2.0)
     beside = points[:, :2] - 1.0
-    ring = np.abs(np.linalg.norm(beside, axis=1) - 0.45) < 1.5 / cells
+    outside = np.linalg.norm(beside, axis=1) - 0.45
+    disc = (np.abs(outside) if hollow else outside) < 1.5 / cells
     frame = np.abs(beside).max(1) > 0.9
     poses = np.stack((STILL, moved(0.0, 0.0, 0.5)))
-    handles = np.flatnonzero(frame), np.flatnonzero(ring)
-    return Case("Ring, lifted", points, triangles, handles, poses, 24.0, closed=False)
+    handles = np.flatnonzero(frame), np.flatnonzero(disc)
+    return Case("Disc, lifted", points, triangles, handles, poses, 24.0, closed=False)
 
 
 def beast(voxel: float = 0.075) -> Case:
@@ -92,7 +93,17 @@ def all_figures(ours: Ours) -> Iterator[Figure]:
             *((name, strip, ours(shell, laplacian=kind)(strip)) for kind, name in discretizations),
         ),
     )
-    ring = lifted_ring()
+    disc, spline = lifted_disc(), "spline_surface"
+    yield Figure(
+        "Figure 6: a grid of splines",
+        (
+            ("Spline Surface, degree 1", disc, ours(spline, degree=1)(disc)),
+            ("Spline Surface, 8 x 8", disc, ours(spline)(disc)),
+            ("Spline Surface, 20 x 20", disc, ours(spline, columns=20, rows=20)(disc)),
+            ("Thin Shell", disc, ours(shell)(disc)),
+        ),
+    )
+    ring = lifted_disc(hollow=True)
     yield Figure(
         "Figure 8: a dent inside the handle",
         (

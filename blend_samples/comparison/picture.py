@@ -62,17 +62,18 @@ class Sheet:
         return 2 * MARGIN + CELL * across, self.top + MARGIN + self.row_height * len(self.rows)
 
 
-def figures(found: Distortion) -> tuple[str, str, str]:
+def figures(found: Distortion) -> tuple[str, ...]:
     """What is written below a picture."""
     volume = "" if found.volume is None else f"   volume {found.volume:.2f}"
     return (
         f"edges {found.edge_rms:.3f} rms,  {found.edge_least:.2f} to {found.edge_largest:.2f}",
         f"angles {found.angle_mean:.1f}° mean,  {found.angle_max:.0f}° most",
+        f"faces ±{found.face_area_mean:.2f} mean,  {found.face_area_max:.2f} most",
         f"area {found.area:.2f}{volume}",
     )
 
 
-def of_matrix(matrix: Matrix, rows: Sequence[str], name: str, lines: int = 3, rest: str = "") -> Sheet:
+def of_matrix(matrix: Matrix, rows: Sequence[str], name: str, lines: int = 4, rest: str = "") -> Sheet:
     """A sheet of some rows of a matrix; the row ``rest``, if it is named, comes first."""
     frames = {name: Frame.around(case, matrix.column(name)) for name, case in matrix.columns.items()}
     found: dict[str, list[View]] = {}

@@ -24,7 +24,7 @@ sys.path.insert(0, str(ROOT))
 from blend_samples.comparison import CASES, Case, Matrix, distortion, filled, native_solve, registry_rows  # noqa: E402
 from blend_samples.comparison import igl_arap as libigl  # noqa: E402
 from blend_samples.comparison.cases import bar, cylinder, plane  # noqa: E402
-from blend_samples.comparison.figures import bent_bumps, lifted_ring, uneven_strip  # noqa: E402
+from blend_samples.comparison.figures import bent_bumps, lifted_disc, uneven_strip  # noqa: E402
 from blend_samples.comparison.numpy_rows import apart, turned_triangles, unrotated_gradients  # noqa: E402
 
 sn = pytest.importorskip("sinew_native")
@@ -223,7 +223,7 @@ def test_the_cotangent_laplacian_with_areas_sees_the_surface_and_not_its_faces()
 
 def test_propagation_by_distance_dents_the_inside_of_a_handle() -> None:
     """Figure 8. Inside a lifted ring, only the distance field falls again; a thin shell is smooth."""
-    edit = lifted_ring()
+    edit = lifted_disc(hollow=True)
     inside = np.linalg.norm(edit.points[:, :2] - 1.0, axis=1) < 0.4
     height = {
         name: solve(edit)[inside, 2]

@@ -35,6 +35,8 @@ def test_numbers_in_files_never_change():
     known |= {"gradient_editing": 7, "rotation_invariant_coordinates": 8, "propagation": 9}
     known |= {"multiresolution": 20}
     known |= {"laplacian_editing": 10, "hierarchical_smoothing": 11, "volumetric_graph_laplacian": 12}
+    known |= {"subdivision_editing": 13}
+    known |= {"spline_surface": 14}
     assert known.items() <= {method.id: method.number for method in METHODS}.items()
 
 

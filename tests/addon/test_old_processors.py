@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The native module on emulated processors: without AVX2, and on those that lack what all of it needs."""
 
+import os
 import platform
+import shlex
 import shutil
 import subprocess
 import sys
@@ -11,6 +13,10 @@ import pytest
 
 QEMU = shutil.which("qemu-x86_64-static")
 HERE = Path(__file__).parent
+# The layer of the tests for Windows names a Python there, the folder of its native module, and its drive.
+PYTHON = shlex.split(os.environ.get("SINEW_EMULATED_PYTHON", shlex.quote(sys.executable)))
+MODULE = os.environ.get("SINEW_EMULATED_MODULE")
+DRIVE = "Z:" if MODULE else ""
 
 pytestmark = pytest.mark.skipif(
     QEMU is None or platform.machine() != "x86_64", reason="there is no qemu-x86_64-static for this processor"
@@ -45,11 +51,11 @@ print(found.remedy)
 
 def run_on(processor: str, script: str) -> str:
     """What a script prints on this processor, with the module that the other tests use."""
-    module = pytest.importorskip("sinew_native")
-    folders = [str(HERE), str(Path(module.__file__).parent)]
-    head = f"import sys; sys.path[:0] = {folders}; ADDON = {str(HERE.parents[1] / 'addon')!r}\n"
-    command = [QEMU, "-cpu", processor, sys.executable, "-c", head + script]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    module = MODULE or Path(pytest.importorskip("sinew_native").__file__).parent
+    folders, addon = [f"{DRIVE}{HERE}", f"{DRIVE}{module}"], f"{DRIVE}{HERE.parents[1] / 'addon'}"
+    head = f"import sys; sys.path[:0] = {folders}; ADDON = {addon!r}\n"
+    command = [QEMU, "-cpu", processor, *PYTHON, "-c", head + script]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

@@ -21,6 +21,9 @@ FORBIDDEN = {
     "a wide catch": r"\bexcept(?:\s+(?:Base)?Exceptio[n]\b[^:]*)?\s*:|catch\s*\(\s*\.\.\.",
 }
 
+# What a compiler defines for one operating system, or for its C library.
+SYSTEM = r"\b(?:_WIN(?:32|64)|_MSC_VER|__MINGW\w+|__APPLE__|__linux__|__unix__|__GLIBC__)\b"
+
 
 def sources(root: Path) -> Iterator[Path]:
     """Everything that a person wrote for a machine to read."""
@@ -58,6 +61,17 @@ def word_offences(root: Path) -> list[str]:
         for number, line in lines(path)
         for what, pattern in FORBIDDEN.items()
         if re.search(pattern, line)
+    ]
+
+
+def system_offences(root: Path) -> list[str]:
+    """The same C++ compiles for every system; what differs between systems stands in ``core``."""
+    return [
+        f"{path.relative_to(root)}:{number}: only native/core may ask for a system: {line.strip()}"
+        for path in files(root, "native", ".h", ".cpp", ".inl", ".in")
+        if path.relative_to(root).parts[1] != "core"
+        for number, line in lines(path)
+        if re.search(SYSTEM, line)
     ]
 
 

@@ -9,6 +9,7 @@ from .sources import (
     door_plate_offences,
     licence_offences,
     size_offences,
+    system_offences,
     versions,
     word_offences,
 )
@@ -31,6 +32,12 @@ def test_missing_licence_is_found(tmp_path: Path, path: str) -> None:
 def test_long_file_is_found(tmp_path: Path) -> None:
     grow(tmp_path, {"native/core/a.h": "\n" * LONGEST, "native/core/b.h": "\n" * (LONGEST + 1)})
     assert size_offences(tmp_path) == [f"native/core/b.h: {LONGEST + 1} lines"]
+
+
+def test_only_the_core_asks_for_a_system(tmp_path: Path) -> None:
+    asked = dict.fromkeys(["native/core/a.cpp", "native/mesh/a.cpp"], "int a;\n#ifdef __linux__\n#endif\n")
+    (offence,) = system_offences(grow(tmp_path, asked))
+    assert offence.startswith("native/mesh/a.cpp:2:")
 
 
 @pytest.mark.parametrize(

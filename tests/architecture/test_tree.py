@@ -16,6 +16,7 @@ from .sources import (
     licence_offences,
     size_offences,
     sources,
+    system_offences,
     word_offences,
 )
 from .tree import ROOT, files, listed
@@ -28,6 +29,7 @@ RULES = (
     licence_offences,
     size_offences,
     word_offences,
+    system_offences,
     door_plate_offences,
     link_offences,
 )

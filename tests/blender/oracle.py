@@ -326,6 +326,7 @@ def options_of(deformer, row, weights: Weights) -> dict[str, object]:
     """
     values = getattr(deformer, row.id)
     options = {parameter.id: getattr(values, parameter.id) for parameter in row.parameters}
+    options = {name: None if value == "" else value for name, value in options.items()}  # no map is chosen
     if row.wraps:
         base = BY_ID[values.base]
         options["base"] = base, options_of(deformer, base, weights)

@@ -246,8 +246,8 @@ def test_every_operator_has_its_undo_tested():
     names = set(dir(bpy.ops.sinew))
     options = {name: getattr(getattr(bpy.types, f"SINEW_OT_{name}"), "bl_options", ()) for name in names}
     with_undo = {name for name in names if "UNDO" in options[name]}
-    # In test_words, test_methods and test_transfer.
-    elsewhere = {"control_new", "preset_apply", "curve_edit", "transfer_deformation"}
+    # In test_words, test_methods, test_transfer and test_silhouette_sketch.
+    elsewhere = {"control_new", "preset_apply", "curve_edit", "transfer_deformation", "silhouette_sketch"}
     assert with_undo == set(OPERATORS) | set(IN_EDIT_MODE) | elsewhere
     assert names - with_undo <= {"cancel", "check_installation", "help", "preset_add", "watch"}
 

@@ -19,7 +19,7 @@ from rig import Rig, add_group, base_points, in_mode, make_active, move_world, n
 
 OPACITY = 0.5
 SLACK = 1e-4  # a fortieth of what a screen can show; Blender's own conversion is a fast approximation
-KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "DISTORTION")
+KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "GRID", "DISTORTION")
 
 
 @pytest.fixture
@@ -95,6 +95,31 @@ def ticks(picture) -> list[str]:
 def others(*groups: np.ndarray) -> np.ndarray:
     """The vertices of the plate that are in none of these."""
     return np.setdiff1d(np.arange(121), np.concatenate(groups))
+
+
+def test_a_control_grid_moves_with_the_handles(paint, plate: Rig):
+    plate.bind("spline_surface")
+    plate.deformer.parameters.columns, plate.deformer.parameters.rows = 7, 5
+    update()
+
+    def points() -> np.ndarray:
+        """The middle of the bead of each control point; beads come after the 58 bars."""
+        picture = paint(plate.obj, overlay="GRID")
+        assert picture.legend.note == "7 x 5 points"
+        assert len(picture.points) == 8 * 58 + 6 * 35
+        assert np.isfinite(picture.points).all()
+        assert picture.triangles.max() == len(picture.points) - 1
+        return picture.points[8 * 58 :].reshape(35, 6, 3).mean(axis=1)
+
+    at_rest = points()
+    assert np.abs(at_rest[:, 2]).max() < 1e-4
+    plate.lift(1.0)
+    lifted = points() - at_rest
+    assert np.abs(lifted[:, :2]).max() < 1e-4
+    assert lifted[:, 2].max() > 0.9
+    assert np.abs(lifted[:, 2]).min() < 0.1
+    plate.deformer.method = "thin_shell"
+    assert paint(plate.obj, overlay="GRID").legend.note == "Thin Shell has no control grid"
 
 
 def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate: Rig):

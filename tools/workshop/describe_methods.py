@@ -35,7 +35,7 @@ CONTROLS = {
 class Entry:
     """A line of the tables.
 
-    ``link`` is its page or its header, relative to the root; empty if it is planned.
+    ``link`` is its page or, without one, its header, relative to the root; empty if it is planned.
     """
 
     id: str
@@ -71,8 +71,9 @@ def entries(root: Path) -> list[Entry]:
     for words in tomllib.loads((root / CATALOGUE).read_text(encoding="utf-8"))["method"]:
         if words["id"] not in known:
             name = words.pop("header", "")
+            page = f"{PAGES}/{words['id']}.md"
             header = _header(root, name).relative_to(root).as_posix() if name else ""
-            found.append(Entry(**words, link=header))
+            found.append(Entry(**words, link=page if (root / page).is_file() else header))
     groups = [family.value for family in registry(root).Family]
     groups += [entry.group for entry in found if entry.group not in groups]
     return sorted(found, key=lambda entry: (groups.index(entry.group), entry.section))

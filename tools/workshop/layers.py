@@ -186,6 +186,7 @@ LAYERS = (
     windows_layer("bindings", windows_tests.bindings, only_by_name=False),
     windows_layer("blender", windows_tests.blender, only_by_name=False),
     windows_layer("bindings-3.13", windows_tests.bindings_313),
+    Layer("windows-processors", 420, windows_tests.old_processors, one_process=True, only_by_name=True),
     Layer("windows-blender-5", 900, windows_tests.blender_5, one_process=True, only_by_name=True),
     Layer("neon", 600, neon, only_by_name=True),
 )

@@ -14,17 +14,19 @@ from .archives import write_zip
 from .blenders import INSIDE, RUN_PYTEST, blender_module, conditions
 from .cross_libraries import build, libraries
 from .cross_wheels import configure
-from .debian import GOOGLETEST, install
+from .debian import GOOGLETEST, QEMU, install
 from .dev import build_tree
 from .package import extension_files, manual_files, package
 from .places import BUILD, DEV_MODULE, ROOT, version
 from .results import Outcome, outcome
-from .shell import jobs, must, one_at_a_time
+from .shell import jobs, must, one_at_a_time, run
 from .suites import OPTIONS, RESULTS, emptied, googletest, new_junit
 from .windows_libraries import WINDOWS
 from .windows_wheels import TARGET
 
 BINDINGS = ROOT / "tests" / "bindings"
+OLD_PROCESSORS = ROOT / "tests" / "addon" / "test_old_processors.py"
+LOADER = Path("/usr/lib/wine/wine64")  # the program itself; "wine" is a script around it
 LINALG = re.compile(r"^(?:import|from) scipy\.(?:sparse\.)?linalg", flags=re.MULTILINE)
 # Python 3.11 runs all tests of the bindings; 3.13 these, which call every method and convert every argument.
 CORE_BINDINGS = (
@@ -88,6 +90,25 @@ def bindings_313(whole: bool, timeout: float) -> Outcome:
     return bindings_in(13, () if whole else CORE_BINDINGS, timeout)
 
 
+def old_processors(timeout: float) -> Outcome:
+    """Known answers and messages of the wheel on emulated processors without AVX2, and without SSE4.2."""
+    install(QEMU)
+    wine.set_up()
+    build_wheel(11)
+    junit = new_junit("windows-processors")
+    env = wine.SETTINGS | {
+        "WINELOADERNOEXEC": "1",  # else Wine starts itself again, outside of the emulator
+        "SINEW_EMULATED_PYTHON": f"{LOADER} {wine.python(11)}",
+        "SINEW_EMULATED_MODULE": unpacked_wheel(11),
+    }
+    command = [environments.dev().make().python, "-m", "pytest", OLD_PROCESSORS, *OPTIONS]
+    return outcome(junit, run([*command, f"--junitxml={junit}"], env=env, timeout=timeout))
+
+
+def unpacked_wheel(minor: int) -> Path:
+    return WINDOWS.tree / "wheel-check" / f"cp3{minor}"
+
+
 def build_wheel(minor: int) -> Path:
     """The wheel for one Python alone. That of the other takes minutes more to compile."""
     builder = environments.build313() if minor == 13 else environments.build()
@@ -105,13 +126,12 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
     files = [file for file in sorted(BINDINGS.glob("test_*.py")) if not names or file.name in names]
     left_out = [file for file in files if minor == 13 and LINALG.search(file.read_text(encoding="utf-8"))]
     junit = new_junit(f"windows-bindings-3.{minor}")
-    unpacked = WINDOWS.tree / "wheel-check" / f"cp3{minor}"
     status = wine.run_in_windows(
         [
             *(python, "-m", "pytest", *(file for file in files if file not in left_out)),
             *(*OPTIONS, f"--junitxml=Z:{junit}"),
         ],
-        env={"PYTHONPATH": f"Z:{unpacked}", "SINEW_ANSWERS": f"Z:{here}"},
+        env={"PYTHONPATH": f"Z:{unpacked_wheel(minor)}", "SINEW_ANSWERS": f"Z:{here}"},
         timeout=timeout,
     )
     found = outcome(junit, status)

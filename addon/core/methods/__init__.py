@@ -20,6 +20,7 @@ from .schema import (
     Parameter,
     Pointer,
     Reproduced,
+    UvMap,
     following,
     group_property,
 )
@@ -42,6 +43,7 @@ __all__ = (
     "Parameter",
     "Pointer",
     "Reproduced",
+    "UvMap",
     "following",
     "group_property",
     "wrapped",

@@ -142,6 +142,17 @@ class Pointer(Parameter):
     default: None = None
 
 
+@dataclass(frozen=True, kw_only=True)
+class UvMap(Parameter):
+    """A UV map of the target, by its name.
+
+    The native module gets u and v of each vertex, (n, 2) float64, NaN for a vertex in no face, or None if no
+    map is chosen. A vertex of a seam has several places on the map and takes that of its first corner.
+    """
+
+    default: None = None
+
+
 BindSeconds = Callable[[int, int, Mapping[str, Any]], float]
 
 
@@ -201,7 +212,9 @@ class Method:
     @cached_property
     def references(self) -> tuple[Parameter, ...]:
         """The parameters whose value is stored in another datablock."""
-        return tuple(parameter for parameter in self.parameters if isinstance(parameter, Curve | Pointer))
+        return tuple(
+            parameter for parameter in self.parameters if isinstance(parameter, Curve | Pointer | UvMap)
+        )
 
     @cached_property
     def paintable(self) -> tuple[Parameter, ...]:

@@ -16,6 +16,7 @@ from .schema import (
     Method,
     Moved,
     Reproduced,
+    UvMap,
     factorising,
 )
 
@@ -82,6 +83,13 @@ def _substeps(which: str, only_with: tuple[str, tuple[str, ...]] | None = None) 
 
 def _laplacian_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     return factorising(0.7 if options["transforms"] == "implicit" else 0.05)(points, size, options)
+
+
+def _spline_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
+    grid = int(options["columns"] * options["rows"])
+    return (
+        factorising(0.02)(points, size, options) + (5e-9 if options["smoothing"] == 0.0 else 2e-10) * grid**3
+    )
 
 
 ROWS = (
@@ -350,6 +358,87 @@ ROWS = (
         ),
     ),
     Method(
+        id="spline_surface",
+        number=14,
+        label="Spline Surface",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="SplineSurface",
+        section="4.1",
+        paper="Farin 1997",
+        summary="Displaces the surface by a grid of smooth bumps over a UV map or a plane; best for sheets",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=_spline_bind_seconds,
+        parameters=(
+            Int(
+                "degree",
+                3,
+                minimum=1,
+                maximum=5,
+                soft_maximum=5,
+                rebinds=True,
+                unit="polynomial degree",
+                label="Degree",
+                description="1 joins straight pieces with creases; a higher degree is smoother, and each "
+                "control point moves a larger rectangle",
+            ),
+            Int(
+                "columns",
+                8,
+                minimum=2,
+                maximum=32,
+                soft_maximum=32,
+                rebinds=True,
+                unit="control points",
+                label="Columns",
+                description="Control points along the longer side of the plane, or along u of the UV map; "
+                "at least one more than the degree",
+            ),
+            Int(
+                "rows",
+                8,
+                minimum=2,
+                maximum=32,
+                soft_maximum=32,
+                rebinds=True,
+                unit="control points",
+                label="Rows",
+                description="Control points across it, or along v of the UV map; at least one more than the "
+                "degree",
+            ),
+            UvMap(
+                "uv_map",
+                rebinds=True,
+                label="UV Map",
+                description="Where the grid lies; if empty, on the plane that fits the surface best",
+            ),
+            Float(
+                "smoothing",
+                1e-3,
+                soft_maximum=1.0,
+                precision=4,
+                step=0.001,
+                rebinds=True,
+                unit="relative weight",
+                label="Smoothing",
+                description="How much the control grid resists being bent. With 0 it follows the regions by "
+                "least squares alone, and may overshoot",
+            ),
+            Float(
+                "margin",
+                0.2,
+                soft_maximum=1.0,
+                rebinds=True,
+                advanced=True,
+                unit="share of the size",
+                label="Margin",
+                description="How far the grid reaches into handles and fixed regions, as a share of the size "
+                "of the free surface. More makes the surface leave them more smoothly",
+            ),
+        ),
+    ),
+    Method(
         id="volumetric_graph_laplacian",
         number=12,
         label="Volumetric Graph Laplacian",
@@ -381,6 +470,51 @@ ROWS = (
                 rebinds=True,
                 label="Laplacian",
                 description="How the faces are taken into account",
+            ),
+        ),
+    ),
+    Method(
+        id="subdivision_editing",
+        number=13,
+        label="Subdivision Editing",
+        family=Family.SURFACE_LINEAR,
+        control=Control.HANDLES,
+        native="SubdivisionEditing",
+        section="4.3",
+        paper="Zorin, Schröder & Sweldens 1997",
+        summary="Edits any level of a subdivided mesh, and keeps what was sculpted on the finer ones",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.05),
+        reproduces=Reproduced.RIGID_MOTIONS,
+        parameters=(
+            Choice(
+                "coarsening",
+                "automatic",
+                (
+                    (
+                        "automatic",
+                        "Automatic",
+                        "Undoes subdivision as often as each loose part keeps 64 vertices",
+                    ),
+                    ("levels", "Levels", "Undoes subdivision as often as Levels says"),
+                ),
+                rebinds=True,
+                label="Coarsening",
+                description="On which level of the subdivided mesh the handles pull. Coarse levels carry "
+                "large details, which then turn with the surface; fine ones follow the handles more closely",
+            ),
+            Int(
+                "levels",
+                1,
+                maximum=1000,
+                soft_maximum=6,
+                rebinds=True,
+                unit="levels",
+                only_with=("coarsening", ("levels",)),
+                label="Levels",
+                description="How often subdivision is undone, where the mesh has so many levels. "
+                "0 bends the mesh itself as a plate",
             ),
         ),
     ),

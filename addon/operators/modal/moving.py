@@ -10,9 +10,9 @@ from ...core.transform.typed_motion import TypedMotion, View
 from ...session import Work
 from .shell import Outcome
 
-_CANCEL = ("RIGHTMOUSE", "ESC")
-_WHEEL = ("WHEELUPMOUSE", "WHEELDOWNMOUSE")
-_NAVIGATE = ("MIDDLEMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM")
+CANCEL = ("RIGHTMOUSE", "ESC")
+WHEEL = ("WHEELUPMOUSE", "WHEELDOWNMOUSE")
+NAVIGATE = ("MIDDLEMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM")
 
 
 class Moving(ABC):
@@ -37,9 +37,9 @@ class Moving(ABC):
         key, pressed = event.type, event.value == "PRESS"
         if key == "TIMER":
             return self.tick(obj)
-        if key in _NAVIGATE or key.startswith("NDOF") or (event.ctrl and key in _WHEEL):
+        if key in NAVIGATE or key.startswith("NDOF") or (event.ctrl and key in WHEEL):
             return Outcome.PASS
-        if key in _CANCEL and pressed:
+        if key in CANCEL and pressed:
             self.restore(obj)
             return Outcome.CANCELLED
         if self._ending:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parameters whose value lies in another datablock: curves that an artist draws, and objects.
+"""Parameters whose value lies in another datablock: curves that an artist draws, objects, and UV maps.
 
 No property of Blender holds a curve, so each curve is held by the single node of a node tree of its own. A
 parameter without a tree has its default curve.
@@ -13,7 +13,7 @@ from bpy.types import CurveMapping, NodeTree, Object, PropertyGroup, ShaderNodeF
 
 from ...core.errors import OptionError
 from ...core.geometry import frames
-from ...core.methods import METHODS, Curve, Parameter, Pointer
+from ...core.methods import METHODS, Curve, Parameter, Pointer, UvMap
 from ...ids import Datablocks, Keys
 from ...properties import SinewDeformer
 
@@ -79,6 +79,15 @@ def pointed(deformer: SinewDeformer) -> Iterator[Object]:
             yield obj
 
 
+def uv_maps(settings: SinewDeformer) -> dict[str, Parameter]:
+    """The UV maps that parameters name, each with one of these parameters."""
+    return {
+        getattr(values, parameter.id): parameter
+        for values, parameter in _referring(settings)
+        if isinstance(parameter, UvMap) and getattr(values, parameter.id)
+    }
+
+
 def _referring(settings: SinewDeformer) -> Iterator[tuple[PropertyGroup, Parameter]]:
     for method, values in settings.methods:
         for parameter in method.references:
@@ -89,6 +98,8 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
     """The value of a parameter in a form that can be compared."""
     if isinstance(parameter, Curve):
         return _points(values, parameter)
+    if isinstance(parameter, UvMap):
+        return getattr(values, parameter.id)
     frame = value(values, parameter)
     return None if frame is None else frame.tobytes()
 
@@ -96,7 +107,7 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
 def placed(settings: SinewDeformer) -> list[object]:
     """The same for all parameters, but quicker: the points of curves, and the matrices of objects."""
     return [
-        _points(values, parameter) if isinstance(parameter, Curve) else _matrix(values, parameter)
+        _matrix(values, parameter) if isinstance(parameter, Pointer) else compared(values, parameter)
         for values, parameter in _referring(settings)
     ]
 

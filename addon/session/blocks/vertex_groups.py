@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The names and weights of the vertex groups that a deformer uses."""
+"""The names and weights of the vertex groups that a deformer uses, and the UV maps."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,8 +10,9 @@ from bpy.types import Mesh, Object
 from ... import compat
 from ...core.methods import group_property
 from ...ids import Datablocks, Keys
-from ...mesh_io import RestShape, group_names, group_weights
+from ...mesh_io import RestShape, group_names, group_weights, read_uv_map
 from ...properties import SinewDeformer
+from . import references
 from .node_group import attach
 from .nodes import Builder
 
@@ -53,10 +54,14 @@ def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
 
 
 def read_weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
-    """Read the vertex groups in use that have not been read yet."""
+    """Read the vertex groups and UV maps in use that have not been read yet."""
     wanted = groups_in_use(settings) - rest.weights.keys()
     if wanted:
         rest.weights.update(group_weights(mesh, group_names(mesh), wanted))
+    for name in references.uv_maps(settings).keys() - rest.uv_maps.keys():
+        places = read_uv_map(mesh, name)
+        if places is not None:
+            rest.uv_maps[name] = places
 
 
 @contextmanager

@@ -8,7 +8,7 @@ import numpy as np
 from bpy.types import PropertyGroup
 
 from ...backend import Base, Recipe
-from ...core.methods import METHODS, Curve, Float, Method, Parameter, Pointer, group_property
+from ...core.methods import METHODS, Curve, Float, Method, Parameter, Pointer, UvMap, group_property
 from ...core.status import Level, Status
 from ...mesh_io import RestShape
 from ...properties import BASE, SinewDeformer
@@ -38,7 +38,7 @@ class BindInput:
 
     ``control`` names what moves the mesh, as the panel says it. ``handles``, ``names`` and ``indices`` are
     the keys, names and vertices of the bound handles, in their order; a cage has none. ``unused`` has a line
-    for the panel per region that holds no vertex, ``unpainted`` one per parameter whose vertex group is gone.
+    for the panel per region that holds no vertex, ``unpainted`` one per parameter whose group or map is gone.
     """
 
     key: tuple
@@ -81,6 +81,9 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
     for parameter in method.parameters:
         if not parameter.rebinds:
             continue
+        if isinstance(parameter, UvMap):
+            found[parameter.id] = rest.uv_maps.get(getattr(values, parameter.id))
+            continue
         value = _value(values, parameter)
         painted = rest.weights.get(getattr(values, group_property(parameter), ""))
         if isinstance(parameter, Float) and painted is not None:
@@ -90,8 +93,16 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
 
 
 def unpainted(settings: SinewDeformer, rest: RestShape) -> tuple[Status, ...]:
-    """A line for the panel per painted parameter whose vertex group is not on the mesh."""
-    return tuple(
+    """A line for the panel per parameter whose vertex group or UV map is not on the mesh."""
+    unmapped = tuple(
+        Status(
+            Level.WARNING,
+            f"{parameter.label} '{name}' is not on the mesh: a plane is used instead - pick another",
+        )
+        for name, parameter in references.uv_maps(settings).items()
+        if name not in rest.uv_maps
+    )
+    return unmapped + tuple(
         Status(
             Level.WARNING,
             f"{parameter.label} is not painted: vertex group '{group}' is not on the mesh - pick another",

@@ -110,8 +110,9 @@ def _same_weights(old: Mesh | None, new: Mesh | None, deformer: SinewDeformer) -
     before, after = read_rest(old), read_rest(new)
     vertex_groups.read_weights(before, old, deformer)
     vertex_groups.read_weights(after, new, deformer)
-    return before.weights.keys() == after.weights.keys() and all(
-        np.array_equal(before.weights[name], after.weights[name]) for name in before.weights
+    return all(
+        old.keys() == new.keys() and all(np.array_equal(old[name], new[name], equal_nan=True) for name in old)
+        for old, new in ((before.weights, after.weights), (before.uv_maps, after.uv_maps))
     )
 
 

@@ -40,6 +40,7 @@ class Question:
     incoming: np.ndarray | None  # float32 (n, 3), None for rest
     displacement: bool
     control: np.ndarray  # as ``Factor.solve`` takes it
+    further: dict[str, Any]  # what belongs to the control, and is among the options
     options: dict[str, Any]
     early: bool
     final: bool
@@ -107,7 +108,7 @@ def _question(
         options["max_iterations"] = min(evaluation.session.steps, options["max_iterations"])
         if shown.positions is not None and not shown.displacement:
             options["start"] = shown.positions
-    return Question(signature, incoming, displacement, control, options, early, final)
+    return Question(signature, incoming, displacement, control, further, options, early, final)
 
 
 def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
@@ -127,6 +128,7 @@ def _show(
     if not fits:
         raise TopologyChangedError(TOPOLOGY_CHANGED)
     shown.signature, shown.incoming = question.signature, question.incoming
+    shown.control, shown.further = question.control, question.further
     shown.hold(shape)
     shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged
     if evaluation.in_viewport and status.current(evaluation.deformer.uid).level is not Level.INFO:

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
 import bpy
 import numpy as np
@@ -44,6 +45,8 @@ class Shown:
     incoming: np.ndarray | None = None  # float32 (n, 3); None means the rest shape
     shape: np.ndarray | None = None  # float32 (n + 1, 3), a ``shape_array``
     positions: np.ndarray | None = None  # float32 (n, 3), a view of it: positions, or displacements
+    control: np.ndarray | None = None  # where the control is, as ``Factor.solve`` takes it
+    further: dict[str, Any] = field(default_factory=dict)  # and what belongs to it
     displacement: bool = False
     factor: float = 0.0
     converged: bool = True

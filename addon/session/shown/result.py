@@ -133,6 +133,17 @@ def influence(deformer: SinewDeformer) -> Influence | None:
     return kinds.kind_of_method(session.bound.factor.recipe.method).influence(deformer, session.bound)
 
 
+def control_grids(deformer: SinewDeformer) -> list[np.ndarray]:
+    """The control grids of the shape shown, (rows, columns, 3) in object space; none without a grid."""
+    session = sessions.find(deformer.uid)
+    if session is None or session.bound is None or session.bound.factor.is_released:
+        return []
+    bound, shown = session.bound, session.view("VIEWPORT")
+    if shown.control is None or not shown.signature or shown.signature[0] != bound.key:
+        return []  # another factor made this shape
+    return bound.factor.control_grids(shown.control, incoming=shown.incoming, **shown.further)
+
+
 def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | None:
     """The weights of a vertex group, float32 (n,); None if there is none.
 

@@ -94,6 +94,33 @@ class RotationInvariantCoordinates(SurfaceMethod):
 class HierarchicalSmoothing(SurfaceMethod):
     def __init__(self, mesh: SurfaceMesh, *, levels: int = 64, relaxations: int = 4) -> None: ...
 
+class SplineSurface(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        degree: int = 3,
+        columns: int = 8,
+        rows: int = 8,
+        smoothing: float = 1e-3,
+        margin: float = 0.2,
+        uv_map: ArrayLike | None = None,
+    ) -> None: ...
+    def control_grids(
+        self,
+        poses: ArrayLike,
+        *,
+        incoming: ArrayLike | None = None,
+        from_rest: ArrayLike | None = None,
+    ) -> list[Floats]: ...
+
+class SubdivisionEditing(SurfaceMethod):
+    def __init__(
+        self, mesh: SurfaceMesh, *, coarsening: Literal["automatic", "levels"] = "automatic", levels: int = 1
+    ) -> None: ...
+    def level_counts(self) -> list[int]: ...
+    def control_mesh(self) -> SurfaceMesh: ...
+
 class LaplacianEditing(SurfaceMethod):
     def __init__(
         self,
@@ -141,3 +168,30 @@ class Multiresolution(SurfaceMethod):
 class MeshTransfer:
     def __init__(self, source: SurfaceMesh, target: SurfaceMesh) -> None: ...
     def transfer(self, source: ArrayLike) -> Floats: ...
+
+class SilhouetteSketch:
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        edges: ArrayLike,
+        shares: ArrayLike,
+        held: ArrayLike,
+        *,
+        laplacian: str = "cotan_voronoi",
+        refits: int = 2,
+        sharpness: float = 0.0,
+        weight: float = 0.99,
+    ) -> None: ...
+    def solve(self, targets: ArrayLike) -> Floats: ...
+
+def silhouette_lines(
+    mesh: SurfaceMesh, axes: ArrayLike, eye: ArrayLike | None = None
+) -> list[tuple[Ints, Floats, bool]]: ...
+def fit_stroke(
+    mesh: SurfaceMesh,
+    stroke: ArrayLike,
+    axes: ArrayLike,
+    eye: ArrayLike | None = None,
+    edges: ArrayLike | None = None,
+    nearness: float = 0.5,
+) -> tuple[Ints, Floats, Floats] | None: ...

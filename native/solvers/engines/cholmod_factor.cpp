@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
+#include "native/core/pages.h"
 #include "native/solvers/supernodal/factor.h"
 #include "native/solvers/supernodal/kernels.h"
 #include "native/solvers/supernodal/solve.h"
@@ -12,12 +13,6 @@
 #include <cholmod.h>
 #ifdef SINEW_HAVE_OPENMP
 #include <omp.h>
-#endif
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
-#ifdef __GLIBC__
-#include <malloc.h>
 #endif
 #ifdef __ELF__
 // These exist only if the BLAS is OpenBLAS. Other formats of binaries have no references that may stay open.
@@ -90,19 +85,6 @@ private:
     int levels_ = 1;
 #endif
 };
-
-/// A factor is written once and read as a whole in every frame. Large pages save a page fault per 4 KB when
-/// it is written, and most address translations when it is read.
-void ask_for_large_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes)
-{
-#ifdef __linux__
-    constexpr std::uintptr_t page = 1 << 21;
-    const auto begin = (reinterpret_cast<std::uintptr_t>(memory) + page - 1) / page * page;
-    const auto end = (reinterpret_cast<std::uintptr_t>(memory) + bytes) / page * page;
-    if (begin < end) // an operating system without large pages ignores this
-        madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-#endif
-}
 
 /// A cholmod_common. It is only a workspace, so each call has its own, and several may solve at once.
 class Workspace
@@ -320,10 +302,7 @@ private:
     int factorize_supernodes(const PrincipalBlock& block, cholmod_common* common)
     {
         if (!factor_->x) {
-#ifdef __GLIBC__
-            malloc_trim(
-                0); // returns the memory of ordering and analysis before the large factor is allocated
-#endif
+            return_freed_memory(); // that of ordering and analysis, before the large factor is allocated
             factor_->x = cholmod_malloc(factor_->xsize + SupernodalFactor::padding, sizeof(double), common);
             if (!factor_->x)
                 refuse(common->status);

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Spline surfaces against SciPy's B-splines and pseudo-inverse."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import BSpline
+
+import sinew_native as sn
+
+from .meshes import STILL, grid, shift
+
+
+def design(t: np.ndarray, degree: int, count: int) -> np.ndarray:
+    """(n, count) uniform B-splines, with the box of the places t divided into count - degree spans."""
+    t = (t - t.min()) / (t.max() - t.min())
+    knots = (np.arange(count + degree + 1) - degree) / (count - degree)
+    return BSpline.design_matrix(t, knots, degree).toarray()
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 4, 5])
+def test_few_handles_move_the_spline_of_scipys_pseudo_inverse(degree: int) -> None:
+    points, faces = grid(14)
+    rng = np.random.default_rng(degree)
+    uv = rng.random((len(points), 2))
+    held = rng.choice(len(points), 9, replace=False)
+    moves = rng.normal(size=(9, 3))
+    columns, rows = degree + 5, degree + 3
+    B = np.einsum("nj,ni->nji", design(uv[:, 1], degree, rows), design(uv[:, 0], degree, columns))
+    B = B.reshape(len(points), -1)
+    mean = moves.mean(0)
+    expected = points + B @ (np.linalg.pinv(B[held]) @ (moves - mean)) + mean
+
+    surface = sn.SplineSurface(
+        sn.SurfaceMesh(points, faces), degree=degree, columns=columns, rows=rows, smoothing=0, uv_map=uv
+    )
+    surface.set_handles([[vertex] for vertex in held])
+    found, report = surface.solve(np.stack([shift(*move) for move in moves]))
+    # Normal equations square the condition number of nine rows, at most some hundreds.
+    np.testing.assert_allclose(found, expected, atol=1e-8)
+    assert report.residual < 1e-9
+    at_rest = surface.control_grids(np.stack([STILL] * 9))
+    posed = surface.control_grids(np.stack([shift(*move) for move in moves]))
+    assert [shown.shape for shown in posed] == [(rows, columns, 3)]
+    displaced = B @ (posed[0] - at_rest[0]).reshape(-1, 3)
+    np.testing.assert_allclose(points + displaced, expected, atol=1e-8)
+
+
+def test_a_map_is_read_from_any_real_array_and_vertices_without_a_place_are_named() -> None:
+    points, faces = grid(6)
+    mesh, handles = sn.SurfaceMesh(points, faces), [[0, 1], [47, 48]]
+    poses = np.stack([STILL, shift(0, 0, 1)])
+    shapes = []
+    for uv in (points[:, :2], points[:, :2].astype(np.float32).tolist(), np.asfortranarray(points[:, :2])):
+        surface = sn.SplineSurface(mesh, uv_map=uv)
+        surface.set_handles(handles)
+        shapes.append(surface.solve(poses)[0])
+    np.testing.assert_allclose(shapes[1:], [shapes[0]] * 2, atol=1e-5)  # float32 in the second
+    for wrong in (points, points[:5, :2], np.zeros((0, 2))):
+        with pytest.raises(sn.InvalidOption, match="uv_map"):
+            sn.SplineSurface(mesh, uv_map=wrong)
+    lost = points[:, :2].copy()
+    lost[[3, 20]] = np.nan
+    with pytest.raises(sn.InvalidOption, match="3, 20") as caught:
+        sn.SplineSurface(mesh, uv_map=lost).set_handles(handles)
+    assert (caught.value.element_kind, list(caught.value.elements)) == ("vertex", [3, 20])
