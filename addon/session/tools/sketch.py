@@ -71,6 +71,7 @@ class Sketch:
                 Remedy.REPAIR,
             )
         self._points = self._rest.points @ world[:3, :3].T
+        self._triangles = reach.TriangleMesh(len(self._points), self._rest.counts, self._rest.corners)
         self._edges = _selected_edges(obj) if along_edges else None
         self._line: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
@@ -113,11 +114,10 @@ class Sketch:
         counts, corners = self._rest.counts, self._rest.corners
         sources, barred = np.zeros((2, len(self._points)), dtype=bool)
         sources[edges] = True
-        mesh = reach.TriangleMesh(len(sources), counts, corners)
         if np.isinf(radius):
-            free = mesh.connected(sources, barred)
+            free = self._triangles.connected(sources, barred)
         else:
-            free = mesh.lengths(self._points, sources, barred, radius) <= radius
+            free = self._triangles.lengths(self._points, sources, barred, radius) <= radius
         members, faces = reach.submesh(counts, corners, reach.with_rings(counts, corners, free, _RINGS))
         place = np.full(len(sources), -1, dtype=np.int32)
         place[members] = np.arange(len(members), dtype=np.int32)
