@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 
 namespace sinew {
 
@@ -205,19 +206,19 @@ TEST(FitStroke, refuses_what_is_no_stroke_and_no_view)
 {
     const SurfaceMesh ball = shapes::sphere(1);
     SketchView view;
-    const auto fit = [&](const Points& stroke) {
+    const auto fit = [&](const Points& stroke) -> std::string {
         return refusal<InvalidConstraint>(
                    [&] { fit_stroke(ball, silhouette_lines(ball, view), view, sinew::view(stroke)); })
             .what();
     };
     Points stroke = Points::Zero(3, 3);
-    EXPECT_STREQ(fit(stroke.topRows(1)), "stroke: it has fewer than two points");
+    EXPECT_EQ(fit(stroke.topRows(1)), "stroke: it has fewer than two points");
     stroke(1, 2) = 2.0; // along the line of sight
-    EXPECT_STREQ(fit(stroke), "stroke: it has no length in this view");
+    EXPECT_EQ(fit(stroke), "stroke: it has no length in this view");
     view.eye = Vector3(0, 0, 1.5);
-    EXPECT_STREQ(fit(stroke), "stroke: a point is behind the viewer");
+    EXPECT_EQ(fit(stroke), "stroke: a point is behind the viewer");
     stroke(1, 2) = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_STREQ(fit(stroke), "stroke: NaN or infinite coordinates");
+    EXPECT_EQ(fit(stroke), "stroke: NaN or infinite coordinates");
     view.eye->x() = std::numeric_limits<double>::infinity();
     EXPECT_THROW(silhouette_lines(ball, view), InvalidOption);
     EXPECT_THROW(silhouette_lines(ball, {2 * Matrix3::Identity(), {}}), InvalidOption);
