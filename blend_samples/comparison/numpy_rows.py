@@ -87,15 +87,15 @@ def _least_residual(
     L = cotan_laplacian(points, faces) / mass[:, None]
     delta = L @ points
     A = np.einsum("ij,ab->iajb", L, np.eye(3))
-    for i in range(count):
-        ring = np.unique(faces[(faces == i).any(1)])  # with the vertex itself
-        arm = points[ring] - points[ring].mean(0)
-        inertia = (arm**2).sum() * np.eye(3) - arm.T @ arm
-        cross = np.stack([_cross_matrix(each) for each in arm])
-        turn = np.linalg.pinv(inertia, rcond=1e-9, hermitian=True) @ cross  # h = sum of turn[k] x'[k]
-        scale = arm / (arm**2).sum()  # s = sum of scale[k] . x'[k]
-        rows = delta[i][:, None] * scale[:, None, :] - _cross_matrix(delta[i]) @ turn
-        A[i][:, ring] -= rows.transpose(1, 0, 2)
+    i, j = _rings(faces, count)
+    members = np.bincount(i, minlength=count)[:, None]
+    arm = points[j] - (np.stack([np.bincount(i, x[j], count) for x in points.T], 1) / members)[i]
+    square = np.bincount(i, (arm**2).sum(1), count)
+    inertia = square[:, None, None] * np.eye(3)
+    np.subtract.at(inertia, i, arm[:, :, None] * arm[:, None, :])
+    turn = np.linalg.pinv(inertia, rcond=1e-9, hermitian=True)[i] @ _cross_matrix(arm)  # h = sum of turn x'
+    scale = arm / square[i][:, None]  # s = sum of scale . x'
+    A[i, :, j] -= delta[i][:, :, None] * scale[:, None, :] - _cross_matrix(delta[i]) @ turn
     A = (A * np.sqrt(mass)[:, None, None, None]).reshape(3 * count, 3 * count)
     open_rows = np.repeat(free, 3)
     normal, found = A.T @ A, target.ravel().copy()
@@ -104,8 +104,19 @@ def _least_residual(
     return found.reshape(-1, 3)
 
 
+def _rings(faces: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """All pairs of a vertex and a member of its ring, to which it belongs itself; (p,) each."""
+    ends = np.concatenate([faces[:, [k, (k + step) % 3]] for k in range(3) for step in (1, 2)])
+    itself = np.repeat(np.arange(count)[:, None], 2, axis=1)
+    return tuple(np.unique(np.concatenate((ends, itself)), axis=0).T)
+
+
 def _cross_matrix(v: np.ndarray) -> np.ndarray:
-    return np.array(((0.0, -v[2], v[1]), (v[2], 0.0, -v[0]), (-v[1], v[0], 0.0)))
+    """The matrices (k, 3, 3) of the cross products with vectors (k, 3)."""
+    x, y, z = v.T
+    none = np.zeros_like(x)
+    rows = ((none, -z, y), (z, none, -x), (-y, x, none))
+    return np.stack([np.stack(row, 1) for row in rows], 1)
 
 
 def _axis_and_angle(turn: np.ndarray) -> tuple[np.ndarray, float]:
