@@ -127,13 +127,14 @@ def copied(addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 
 
 BROKEN = """
-import sys
+import ctypes, os, sys
 from pathlib import Path
 from types import SimpleNamespace
 sys.path.insert(0, here)
 from sheet import Sheet
 module, addon_folder = Path(module), Path(addon_folder)
 kept = module.with_name("kept")
+READ, OPEN_EXISTING = 0x80000000, 3  # of CreateFile
 
 def look(fault):
     assert addon_utils.enable(addon, default_set=True) is not None
@@ -173,7 +174,18 @@ for fitting in wheels.glob("*.kept"):
     fitting.rename(fitting.with_suffix(".whl"))
 module.write_bytes(bytes([127]) + b"ELF" + bytes(60))
 look("damaged")
+if os.name == "nt":
+    python = f"python3{sys.version_info.minor}.dll"
+    module.write_bytes(kept.read_bytes().replace(python.encode(), b"nowhere" + python[7:].encode()))
+    look("without a DLL")
+    module.replace(module.with_name("refused"))  # it stays open
 kept.replace(module)
+if os.name == "nt":  # as a virus scanner keeps it
+    hold = ctypes.windll.kernel32.CreateFileW
+    hold.restype = ctypes.c_void_p
+    handle = hold(str(module), ctypes.c_uint32(READ), 0, None, OPEN_EXISTING, 0, None)
+    look("blocked")
+    ctypes.windll.kernel32.CloseHandle(ctypes.c_void_p(handle))
 libraries = list(module.parent.glob("sinew_native.libs/*"))
 if libraries:  # their folder stays, as the system remembers for the rest of a process that one is missing
     libraries[0].rename(libraries[0].with_name("elsewhere"))
@@ -207,12 +219,17 @@ def test_a_broken_installation_says_what_to_do(
         "missing": "is missing",
         "of another system": "the installed zip holds ",
         "damaged": "does not load",
+        "without a DLL": "does not load",
+        "blocked": "does not load",
         "without its libraries": "does not load",
     }
     for fault, word in words.items():
         said = found.get(fault)
         if said is None:
-            assert fault == "without its libraries"  # in a build for developers
+            if os.name == "nt":
+                assert fault == "without its libraries"  # it has none
+            else:
+                assert fault in {"without a DLL", "blocked", "without its libraries"}  # the last: developers
             continue
         assert close(np.array(said["points"]), shown, posed_plate.tolerance), fault
         for text in (said["page"], said["status"]):
