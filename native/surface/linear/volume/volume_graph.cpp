@@ -26,18 +26,28 @@ constexpr double inside = 0.5;  ///< winding number
 constexpr int least_triangles = 4; ///< that enclose anything
 constexpr int most_cells = 1 << 20; ///< of a lattice along an axis
 
-/// For each vertex the centre of its cell: itself where no lower neighbour is one, else the lowest of these.
+/// For each vertex the centre of its cell, at most two edges away: the lowest one next to it, else that of
+/// its lowest neighbour that has one next to it. A vertex is a centre where none lower is within two edges.
 std::vector<int> cells_of_vertices(int n, const std::vector<std::array<int, 2>>& edges)
 {
-    std::vector<std::vector<int>> lower(n);
-    for (const auto& [a, b] : edges)
-        lower[b].push_back(a);
-    std::vector<int> centre(n);
-    for (int v = 0; v < n; ++v) {
-        std::ranges::sort(lower[v]);
-        const auto first = std::ranges::find_if(lower[v], [&](int u) { return centre[u] == u; });
-        centre[v] = first == lower[v].end() ? v : *first;
+    std::vector<std::vector<int>> around(n);
+    for (const auto& [a, b] : edges) {
+        around[a].push_back(b);
+        around[b].push_back(a);
     }
+    std::vector<int> nearby(n, -1), centre(n);
+    for (int v = 0; v < n; ++v) {
+        std::ranges::sort(around[v]);
+        if (nearby[v] >= 0 || std::ranges::any_of(around[v], [&](int u) { return nearby[u] >= 0; }))
+            continue;
+        nearby[v] = v;
+        for (int u : around[v])
+            nearby[u] = v;
+    }
+    for (int v = 0; v < n; ++v)
+        centre[v] = nearby[v] >= 0
+                        ? nearby[v]
+                        : nearby[*std::ranges::find_if(around[v], [&](int u) { return nearby[u] >= 0; })];
     return centre;
 }
 
@@ -307,6 +317,12 @@ VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, 
     for (int v = 0; v < n; ++v)
         if (shell_of[centre[v]] >= 0)
             graph.edges.push_back({v, shell_of[centre[v]]});
+    for (const auto& [a, b] : edges) {
+        if (shell_of[centre[b]] >= 0)
+            graph.edges.push_back({a, shell_of[centre[b]]});
+        if (shell_of[centre[a]] >= 0)
+            graph.edges.push_back({b, shell_of[centre[a]]});
+    }
     for (const auto& [a, b] : edges)
         if (const auto [s, t] = std::minmax(shell_of[centre[a]], shell_of[centre[b]]); s >= 0 && s != t)
             graph.edges.push_back({s, t});

@@ -16,16 +16,18 @@ namespace sinew {
 ///
 ///   a shell   x_v - h n_v beneath some vertices, the centres, where that is inside, and no other piece of
 ///   the
-///             part is nearer than h / 2. No two centres are neighbours, and every vertex is or has one.
+///             part is nearer than h / 2. No two centres are within two edges of each other, and each vertex
+///             is in the cell of a centre that is.
 ///   a lattice of cubes along the principal axes of the part, farther inside than h and half a cell. A cell
 ///             is 2 h wide, or more where there would be more points than one per eight vertices.
 ///
 /// Inside is where the winding number is above 1/2 (mesh/winding_tree.h), so borders and holes are no special
 /// cases. A part whose faces look inward counts as turned inside out; open sheets have no inside.
 ///
-/// Each vertex is in the cell of a centre. Edges join each point of the shell to the vertices of its cell and
-/// to the points beneath adjacent cells; points of the lattice to their up to six neighbours, and in place of
-/// each missing one to the shell next to where it would be. So every point is joined to the surface.
+/// Edges join each point of the shell to the vertices of its cell and their neighbours, so that most vertices
+/// hang on several points around them, and to the points beneath adjacent cells; points of the lattice to
+/// their up to six neighbours, and in place of each missing one to the shell next to where it would be. So
+/// every point is joined to the surface.
 struct VolumeGraph
 {
     Points points;                       ///< (g, 3) graph point k is node n + k

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/mesh/triangle_tree.h"
+#include "native/solvers/smallest_factor.h"
 #include "native/surface/linear/laplacian_editing.h"
 #include "native/surface/linear/thin_shell.h"
 #include "tests/native/allocations.h"
@@ -112,98 +113,99 @@ INSTANTIATE_TEST_SUITE_P(VolumetricGraphLaplacian, SurfaceContract,
 TEST(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
 {
     shapes::Random random(6);
-    const SurfaceMesh mesh = egg(3);
-    const int n = mesh.vertex_count();
-    for (Discretization kind :
-         {Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi})
-        for (double weight : {1.0, 0.6})
-            for (double alpha : {1.0, 7.0}) {
-                std::vector<Handle> handles = shapes::ends(mesh, 2);
-                handles[1].weights.assign(handles[1].vertices.size(), weight);
-                VolumetricGraphLaplacian method(mesh, {.volume = alpha, .laplacian = kind});
-                method.set_handles(handles);
-                const int nodes = n + static_cast<int>(method.inner_points().rows());
-                ASSERT_GT(nodes, n + 60);
-                Points p(nodes, 3);
-                p << mesh.points(), method.inner_points();
+    for (const SurfaceMesh& mesh : {egg(3), shapes::bar(8, 6)})
+        for (Discretization kind :
+             {Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi})
+            for (double weight : {1.0, 0.6})
+                for (double alpha : {1.0, 7.0}) {
+                    const int n = mesh.vertex_count();
+                    std::vector<Handle> handles = shapes::ends(mesh, 2);
+                    handles[1].weights.assign(handles[1].vertices.size(), weight);
+                    VolumetricGraphLaplacian method(mesh, {.volume = alpha, .laplacian = kind});
+                    method.set_handles(handles);
+                    const int nodes = n + static_cast<int>(method.inner_points().rows());
+                    ASSERT_GT(nodes, n + 15);
+                    Points p(nodes, 3);
+                    p << mesh.points(), method.inner_points();
 
-                MatrixX W = MatrixX::Zero(nodes, nodes), D = W, L = W;
-                double mean_edge = 0.0;
-                for (const auto& [a, b] : mesh.edges())
-                    mean_edge += (p.row(a) - p.row(b)).norm() / static_cast<double>(mesh.edges().size());
-                for (const auto& [a, b] : method.graph_edges())
-                    W(a, b) = W(b, a) = mean_edge / (p.row(a) - p.row(b)).norm();
-                for (int i = 0; i < nodes; ++i)
-                    if (const double sum = W.row(i).sum(); sum > 0) {
-                        D.row(i) = -W.row(i) / sum;
-                        D(i, i) = 1;
-                    }
-                const MatrixX surface = dense_laplacian(mesh, kind);
-                const VectorX m = dense_mass(mesh, kind);
-                L.topLeftCorner(n, n) = dense::with_positive_weights(surface);
-                L += MatrixX(W.rowwise().sum().asDiagonal()) - W;
-                MatrixX A = alpha / m.mean() * D.transpose() * D;
-                A.topLeftCorner(n, n) += surface * m.cwiseInverse().asDiagonal() * surface;
+                    MatrixX W = MatrixX::Zero(nodes, nodes), D = W, L = W;
+                    double mean_edge = 0.0;
+                    for (const auto& [a, b] : mesh.edges())
+                        mean_edge += (p.row(a) - p.row(b)).norm() / static_cast<double>(mesh.edges().size());
+                    for (const auto& [a, b] : method.graph_edges())
+                        W(a, b) = W(b, a) = mean_edge / (p.row(a) - p.row(b)).norm();
+                    for (int i = 0; i < nodes; ++i)
+                        if (const double sum = W.row(i).sum(); sum > 0) {
+                            D.row(i) = -W.row(i) / sum;
+                            D(i, i) = 1;
+                        }
+                    const MatrixX surface = dense_laplacian(mesh, kind);
+                    const VectorX m = dense_mass(mesh, kind);
+                    L.topLeftCorner(n, n) = dense::with_positive_weights(surface);
+                    L += MatrixX(W.rowwise().sum().asDiagonal()) - W;
+                    MatrixX A = alpha / m.mean() * D.transpose() * D;
+                    A.topLeftCorner(n, n) += surface * m.cwiseInverse().asDiagonal() * surface;
 
-                // The field of the second handle; a soft one pulls it as it pulls positions.
-                VectorX s = VectorX::Zero(nodes), b = s;
-                Points x = p, rhs = Points::Zero(nodes, 3);
-                MatrixX K = A;
-                const Matrix3 R = shapes::rotation({1, 2, 0}, 130), B = random.matrix(),
-                              S = Matrix3::Identity() + 0.2 * (B + B.transpose());
-                const Pose pose = shapes::affine(R * S, {1, 2, -3});
-                std::vector<bool> held(nodes, false);
-                for (int v : handles[0].vertices)
-                    held[v] = true;
-                double energy = 0.0;
-                for (int v : handles[1].vertices) {
-                    const Vector3 target = apply(pose, mesh.point(v));
-                    if (weight == 1.0) {
+                    // The field of the second handle; a soft one pulls it as it pulls positions.
+                    VectorX s = VectorX::Zero(nodes), b = s;
+                    Points x = p, rhs = Points::Zero(nodes, 3);
+                    MatrixX K = A;
+                    const Matrix3 R = shapes::rotation({1, 2, 0}, 130), B = random.matrix(),
+                                  S = Matrix3::Identity() + 0.2 * (B + B.transpose());
+                    const Pose pose = shapes::affine(R * S, {1, 2, -3});
+                    std::vector<bool> held(nodes, false);
+                    for (int v : handles[0].vertices)
                         held[v] = true;
-                        s[v] = 1;
-                        x.row(v) = target.transpose();
-                    } else {
-                        const double pull = weight / (1 - weight);
-                        b[v] = pull * L(v, v);
-                        L(v, v) *= 1 + pull;
-                        rhs.row(v) = pull * A(v, v) * target.transpose();
-                        K(v, v) *= 1 + pull;
+                    double energy = 0.0;
+                    for (int v : handles[1].vertices) {
+                        const Vector3 target = apply(pose, mesh.point(v));
+                        if (weight == 1.0) {
+                            held[v] = true;
+                            s[v] = 1;
+                            x.row(v) = target.transpose();
+                        } else {
+                            const double pull = weight / (1 - weight);
+                            b[v] = pull * L(v, v);
+                            L(v, v) *= 1 + pull;
+                            rhs.row(v) = pull * A(v, v) * target.transpose();
+                            K(v, v) *= 1 + pull;
+                        }
                     }
-                }
-                std::vector<int> free;
-                for (int i = 0; i < nodes; ++i)
-                    if (!held[i])
-                        free.push_back(i);
-                s = dense::solution(L, b, s, free);
-                const MatrixX delta = m.cwiseInverse().asDiagonal() * (surface * mesh.points()),
-                              inner = D * p;
-                MatrixX turned = delta, inside = inner;
-                for (int i = 0; i < nodes; ++i) {
-                    const Matrix3 T =
-                        Eigen::Quaterniond::Identity().slerp(s[i], Eigen::Quaterniond(R)).toRotationMatrix() *
-                        (s[i] * S + (1 - s[i]) * Matrix3::Identity());
-                    if (i < n)
-                        turned.row(i) = (T * delta.row(i).transpose()).transpose();
-                    inside.row(i) = (T * inner.row(i).transpose()).transpose();
-                }
-                rhs.topRows(n) += surface * turned;
-                rhs += alpha / m.mean() * D.transpose() * inside;
-                x = dense::solution(K, rhs, x, free);
-                const MatrixX misfit = m.cwiseInverse().asDiagonal() * (surface * x.topRows(n)) - turned;
-                energy = 0.5 * (misfit.transpose() * m.asDiagonal() * misfit).trace() +
-                         0.5 * alpha / m.mean() * (D * x - inside).squaredNorm();
-                if (weight < 1.0)
-                    for (int v : handles[1].vertices)
-                        energy += 0.5 * weight / (1 - weight) * A(v, v) *
-                                  (x.row(v).transpose() - apply(pose, mesh.point(v))).squaredNorm();
+                    std::vector<int> free;
+                    for (int i = 0; i < nodes; ++i)
+                        if (!held[i])
+                            free.push_back(i);
+                    s = dense::solution(L, b, s, free);
+                    const MatrixX delta = m.cwiseInverse().asDiagonal() * (surface * mesh.points()),
+                                  inner = D * p;
+                    MatrixX turned = delta, inside = inner;
+                    for (int i = 0; i < nodes; ++i) {
+                        const Matrix3 T = Eigen::Quaterniond::Identity()
+                                              .slerp(s[i], Eigen::Quaterniond(R))
+                                              .toRotationMatrix() *
+                                          (s[i] * S + (1 - s[i]) * Matrix3::Identity());
+                        if (i < n)
+                            turned.row(i) = (T * delta.row(i).transpose()).transpose();
+                        inside.row(i) = (T * inner.row(i).transpose()).transpose();
+                    }
+                    rhs.topRows(n) += surface * turned;
+                    rhs += alpha / m.mean() * D.transpose() * inside;
+                    x = dense::solution(K, rhs, x, free);
+                    const MatrixX misfit = m.cwiseInverse().asDiagonal() * (surface * x.topRows(n)) - turned;
+                    energy = 0.5 * (misfit.transpose() * m.asDiagonal() * misfit).trace() +
+                             0.5 * alpha / m.mean() * (D * x - inside).squaredNorm();
+                    if (weight < 1.0)
+                        for (int v : handles[1].vertices)
+                            energy += 0.5 * weight / (1 - weight) * A(v, v) *
+                                      (x.row(v).transpose() - apply(pose, mesh.point(v))).squaredNorm();
 
-                Points found;
-                const SolveReport report = method.solve({{shapes::still(), pose}}, found);
-                // Condition numbers are up to 1e7.
-                EXPECT_LT(shapes::distance(found, x.topRows(n)), 1e-8 * shapes::size(found));
-                EXPECT_NEAR(report.energy, energy, 1e-8 * energy);
-                EXPECT_LT(report.residual, 1e-9);
-            }
+                    Points found;
+                    const SolveReport report = method.solve({{shapes::still(), pose}}, found);
+                    // Condition numbers are up to 1e7.
+                    EXPECT_LT(shapes::distance(found, x.topRows(n)), 1e-8 * shapes::size(found));
+                    EXPECT_NEAR(report.energy, energy, 1e-8 * energy);
+                    EXPECT_LT(report.residual, 1e-9);
+                }
 }
 
 TEST(VolumetricGraphLaplacian, keeps_more_of_the_volume_of_a_bent_tube_than_the_surface_alone)
@@ -217,9 +219,9 @@ TEST(VolumetricGraphLaplacian, keeps_more_of_the_volume_of_a_bent_tube_than_the_
     const double surface = loss(on_the_surface_only(mesh, handles, poses));
     const Points q = solved(mesh, handles, {.poses = poses});
     EXPECT_NEAR(surface, .0429, .0005);
-    EXPECT_LT(loss(q), .6 * surface) << "measured: .021";
+    EXPECT_LT(loss(q), .75 * surface) << "measured: .029";
     EXPECT_GT(loss(q), 0);
-    EXPECT_NEAR(rms_edge_ratio(mesh, q), .0572, .0005) << "the isometric bend of the axis has .0580";
+    EXPECT_NEAR(rms_edge_ratio(mesh, q), .0561, .0005) << "the isometric bend of the axis has .0580";
 }
 
 TEST(VolumetricGraphLaplacian, one_affine_map_of_all_handles_is_exact)
@@ -378,6 +380,19 @@ TEST(VolumetricGraphLaplacian, refuses_a_volume_that_is_no_weight)
 {
     for (double volume : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()})
         EXPECT_THROW(VolumetricGraphLaplacian(shapes::cube(), {.volume = volume}), InvalidOption);
+}
+
+TEST(VolumetricGraphLaplacian, has_factors_of_less_than_four_thin_shells)
+{
+    if (smallest_factor() != Ordering::nested_dissection)
+        GTEST_SKIP() << "needs nested dissection; with minimum degree there are 4.15";
+    const SurfaceMesh mesh = egg(6);
+    ThinShell shell(mesh);
+    VolumetricGraphLaplacian method(mesh);
+    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
+    const auto alone = static_cast<double>(shell.set_handles(handles).factor_bytes),
+               together = static_cast<double>(method.set_handles(handles).factor_bytes);
+    EXPECT_LT(together, 4.0 * alone) << "measured: 3.88";
 }
 
 TEST(VolumetricGraphLaplacian, solves_after_the_first_allocate_nothing_in_proportion_to_the_mesh)
