@@ -75,6 +75,12 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
         options={"SKIP_SAVE", "HIDDEN"},
         description="Whether the view by a matrix is that of a near eye rather than orthographic",
     )
+    shape_key: StringProperty(
+        name="Shape Key",
+        description="The name of a shape key to redraw, for example after its stroke was edited; "
+        "if empty, a new one is made",
+        options={"SKIP_SAVE"},
+    )
     line: EnumProperty(name="Line", items=_LINES, description="What the stroke redraws")
     reach: FloatProperty(
         name="Reach",
@@ -119,7 +125,7 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
     def execute(self, context: Context) -> set[str]:
         obj = context.object
         stroke, sight = self._stroke(context), self._sight(context)
-        sketch = session.Sketch(obj, self.line == "EDGES")
+        sketch = session.Sketch(obj, self.line == "EDGES", self.shape_key)
         radius = sketch.draw(stroke, sight)
         if not self.properties.is_property_set("reach"):
             self.reach = radius
@@ -136,7 +142,7 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
 
     def start(self, context: Context, _event: Event) -> set[str]:
         obj = context.object
-        sketch = session.Sketch(obj, self.line == "EDGES")
+        sketch = session.Sketch(obj, self.line == "EDGES", self.shape_key)
         tool = Sketching(sketch, _pivot(context, obj), self.sharpness)
         return self.begin(context, tool, obj, partial(_draw, tool))
 

@@ -7,7 +7,7 @@ import numpy as np
 
 _BAR = 0.012  # half the thickness of a bar, as a share of the mean distance of neighbouring points
 _BEAD = 0.05
-_LINE_COLOUR = (0.09, 0.09, 0.10)
+_LINE_COLOUR = (0.30, 0.55, 0.90)
 _POINT_COLOUR = (0.98, 0.80, 0.25)
 _AXES = np.concatenate((np.eye(3), -np.eye(3)))
 _OCTAHEDRON = np.array(

@@ -11,6 +11,8 @@ namespace sinew {
 namespace {
 
 constexpr double equal = 0.02; ///< variances, as shares of the largest
+constexpr double least_hint =
+    0.1; ///< in the plane, as a share of half the longest side of the box around the points
 
 /// The unit vector in the span of orthonormal columns that is nearest to x or y or z, tried in turn from
 /// `first` on.
@@ -50,7 +52,7 @@ PrincipalFrame principal_frame(const Points& points, const std::vector<int>& ver
         plane.col(0) = normal.unitOrthogonal();
         plane.col(1) = normal.cross(Vector3(plane.col(0)));
         const Vector3 inside = plane * (plane.transpose() * hint);
-        first = inside.norm() > 1e-3 * hint.norm() ? inside.normalized() : nearest_axis(plane, 0);
+        first = inside.norm() > least_hint * size ? inside.normalized() : nearest_axis(plane, 0);
     }
     frame.axes << first, normal.cross(first), normal;
     return frame;

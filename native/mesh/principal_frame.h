@@ -19,8 +19,8 @@ struct PrincipalFrame
 };
 
 /// Directions along which the points are spread equally, up to a fiftieth of the variance, leave the frame
-/// open. Then the normal is as near as possible to z, and the first axis to `hint`, or to x if the hint is
-/// across the plane.
+/// open. Then the normal is as near as possible to z, and the first axis to `hint`, or to x if less of the
+/// hint lies in the plane than a twentieth of the longest side of the box around the points.
 /// \param vertices  rows of `points`, one or more.
 PrincipalFrame principal_frame(const Points& points, const std::vector<int>& vertices,
                                const Vector3& hint = Vector3::Zero());

@@ -25,7 +25,12 @@ from blend_samples.comparison import CASES, Case, Matrix, distortion, filled, na
 from blend_samples.comparison import igl_arap as libigl  # noqa: E402
 from blend_samples.comparison.cases import bar, cylinder, plane  # noqa: E402
 from blend_samples.comparison.figures import bent_bumps, lifted_disc, uneven_strip  # noqa: E402
-from blend_samples.comparison.numpy_rows import apart, turned_triangles, unrotated_gradients  # noqa: E402
+from blend_samples.comparison.numpy_rows import (  # noqa: E402
+    apart,
+    implicit_first_stage,
+    turned_triangles,
+    unrotated_gradients,
+)
 
 sn = pytest.importorskip("sinew_native")
 
@@ -176,6 +181,17 @@ def test_substeps_made_anew_mend_the_twist(mean_frame: bool) -> None:
     rms = [measured(edit, implicit(mean_frame=mean_frame, substeps=k)).edge_rms for k in (1, 4, 16)]
     assert rms[0] > rms[1] > rms[2]
     assert rms[1] < (0.9 if mean_frame else 0.6) * rms[0]
+
+
+def test_the_first_stage_alone_degrades_faster_and_is_mended_too() -> None:
+    """In NumPy, as the paper has it, before details get their lengths back."""
+    angles = (45.0, 90.0, 135.0)
+    alone = [measured(bar(3, angle), implicit_first_stage).edge_rms for angle in angles]
+    both = [measured(bar(3, angle), implicit(mean_frame=False)).edge_rms for angle in angles]
+    shares = [first / second for first, second in zip(alone, both)]
+    assert 1.2 < shares[0] < shares[1] < 1.7
+    steps = [measured(bar(3), lambda edit, k=k: implicit_first_stage(edit, k)).edge_rms for k in (4, 16)]
+    assert alone[2] > 2.0 * steps[0] > 2.0 * steps[1]
 
 
 def test_normal_displacements_distort_where_others_do_not() -> None:

@@ -163,6 +163,51 @@ def test_shape_keys_add_up_and_each_can_be_removed():
     assert close(evaluated_points(obj), before)
 
 
+def test_an_edited_stroke_redraws_its_key():
+    obj = ball()
+    obj.shape_key_add(name="Basis")
+    own = obj.shape_key_add(name="Own")
+    own.value = 1.0
+    for point in own.data:
+        point.co.z *= 0.9
+    stroke = curve(arc(bump))
+    sketch(stroke, reach=0.6)
+    first = evaluated_points(obj)
+    for point in stroke.data.splines[0].points:
+        point.co.x *= 1.2
+    update()
+    key = obj.data.shape_keys.key_blocks["Silhouette"]
+    key.mute = True
+    assert sketch(stroke, reach=0.8, shape_key="Silhouette") == {"FINISHED"}
+    assert key.mute
+    key.mute = False
+    again = evaluated_points(obj)
+    assert not close(again, first, 0.1)
+    assert key_names(obj) == ["Basis", "Own", "Silhouette"]
+    obj.shape_key_remove(key)
+    sketch(stroke, reach=0.8)
+    assert close(evaluated_points(obj), again)
+    for name in ("Nothing", "Basis"):
+        with pytest.raises(RuntimeError, match=f"no shape key {name}"):
+            sketch(stroke, shape_key=name)
+
+
+def test_a_drawn_stroke_may_be_kept_as_a_curve():
+    obj = ball()
+    element = dict.fromkeys(("pressure", "size", "time", "x_tilt", "y_tilt"), 0.0)
+    element |= dict.fromkeys(("mouse", "mouse_event"), (0.0, 0.0))
+    element |= {"name": "", "pen_flip": False, "is_start": False}
+    points = [{**element, "location": place} for place in arc(bump).tolist()]
+    answer = bpy.ops.sinew.silhouette_sketch(points=points, view=FRONT, reach=0.6, keep_stroke=True)
+    assert answer == {"FINISHED"}
+    drawn = evaluated_points(obj)
+    kept = bpy.data.objects["Silhouette Stroke"]
+    assert close(np.array([point.co[:3] for point in kept.data.splines[0].points]), arc(bump))
+    make_active(obj)
+    assert sketch(kept, reach=0.6, shape_key="Silhouette") == {"FINISHED"}
+    assert close(evaluated_points(obj), drawn)
+
+
 def test_undo_and_redo_of_a_sketch():
     obj = ball()
     stroke = curve(arc(bump))
@@ -292,7 +337,7 @@ def test_what_is_no_view_or_no_target_is_refused():
 class Hand:
     """A person at the mouse, before a front view where a pixel is a centimetre."""
 
-    def __init__(self, room, obj: bpy.types.Object) -> None:
+    def __init__(self, room, obj: bpy.types.Object, replaced: str = "") -> None:
         typed, sketching = room("core.transform.typed_motion"), room("operators.sketching")
         self.obj, self.outcomes, self.stages = obj, sketching.Outcome, sketching.Stage
         self.view = typed.View(
@@ -302,7 +347,7 @@ class Hand:
             pixel=0.01,
             centre=(400.0, 300.0),
         )
-        self.tool = sketching.Sketching(room("session").Sketch(obj), np.zeros(3), 0.0)
+        self.tool = sketching.Sketching(room("session").Sketch(obj, False, replaced), np.zeros(3), 0.0)
 
     def send(self, kind: str, value: str = "PRESS", place=(0.0, 0.0), **modifiers: bool):
         event = SimpleNamespace(type=kind, value=value)
@@ -342,6 +387,18 @@ def test_events_draw_adjust_and_confirm_what_a_curve_repeats(room):
     assert key_names(obj) == []
     sketch(curve(stroke), reach=hand.tool.radius, sharpness=0.1)
     assert close(evaluated_points(obj), shown, 1e-4)  # a reach in float32 may leave out a vertex
+
+
+def test_cancel_puts_back_a_key_that_was_being_redrawn(room):
+    obj = ball()
+    sketch(curve(arc(bump)), reach=0.6)
+    before = evaluated_points(obj)
+    hand = Hand(room, obj, "Silhouette")
+    hand.draw(arc(lambda angle: 2.0 - bump(angle)))
+    assert not close(evaluated_points(obj), before, 0.1)
+    hand.send("ESC")
+    assert key_names(obj) == ["Basis", "Silhouette"]
+    assert np.array_equal(evaluated_points(obj), before)
 
 
 @pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])

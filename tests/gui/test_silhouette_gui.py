@@ -4,7 +4,7 @@
 import pytest
 from blender_window import drive
 
-TIMEOUT = 200.0
+TIMEOUT = 400.0
 FLOAT32 = 4e-6  # of a head 4 units wide
 ONE_KEY = ["Basis", "Silhouette"]
 

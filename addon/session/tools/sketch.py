@@ -6,6 +6,7 @@ starts from the mesh as its shape keys show it, before all modifiers. Main threa
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 import numpy as np
@@ -48,16 +49,20 @@ class Sketch:
     world, relative to the location of the object.
     """
 
-    def __init__(self, obj: Object, along_edges: bool = False) -> None:
+    def __init__(self, obj: Object, along_edges: bool = False, replaced: str = "") -> None:
+        """Read the mesh. The shape key named ``replaced`` is redrawn; without a name a new one is made."""
         binding.require_backend()
         _require(obj)
+        if replaced and (replaced == _basis_name(obj) or replaced not in _keys(obj)):
+            raise SinewError(f"{obj.name} has no shape key {replaced} that could be redrawn")
         world = np.array(obj.matrix_world, dtype=np.float64)
         self._inverse = frames.inverse(world, obj.name)[:3, :3]
         self._origin = world[:3, 3]
-        self._key = ""
+        self._key = self._replaced = replaced
+        self._before = read_key(_keys(obj)[replaced]) if replaced else None
         self._had_keys = obj.data.shape_keys is not None
         self._active = obj.active_shape_key_index
-        self._rest = _shown(obj)
+        self._rest = _shown(obj, replaced)
         self._basis = _basis(obj)
         if len(self._rest.not_finite):
             raise MeshError(
@@ -66,6 +71,7 @@ class Sketch:
                 Remedy.REPAIR,
             )
         self._points = self._rest.points @ world[:3, :3].T
+        self._triangles = reach.TriangleMesh(len(self._points), self._rest.counts, self._rest.corners)
         self._edges = _selected_edges(obj) if along_edges else None
         self._line: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
@@ -108,11 +114,10 @@ class Sketch:
         counts, corners = self._rest.counts, self._rest.corners
         sources, barred = np.zeros((2, len(self._points)), dtype=bool)
         sources[edges] = True
-        mesh = reach.TriangleMesh(len(sources), counts, corners)
         if np.isinf(radius):
-            free = mesh.connected(sources, barred)
+            free = self._triangles.connected(sources, barred)
         else:
-            free = mesh.lengths(self._points, sources, barred, radius) <= radius
+            free = self._triangles.lengths(self._points, sources, barred, radius) <= radius
         members, faces = reach.submesh(counts, corners, reach.with_rings(counts, corners, free, _RINGS))
         place = np.full(len(sources), -1, dtype=np.int32)
         place[members] = np.arange(len(members), dtype=np.int32)
@@ -129,14 +134,17 @@ class Sketch:
 
     def restore(self, obj: Object) -> None:
         """Remove what was made."""
-        keys = obj.data.shape_keys
-        if self._key and keys is not None and self._key in keys.key_blocks:
-            if self._had_keys:
-                obj.shape_key_remove(keys.key_blocks[self._key])
+        keys = _keys(obj)
+        if self._key in keys:
+            if self._before is not None:
+                write_key(keys[self._key], self._before)
+                obj.data.update_tag()
+            elif self._had_keys:
+                obj.shape_key_remove(keys[self._key])
                 obj.active_shape_key_index = self._active
             else:
                 obj.shape_key_clear()
-        self._key = ""
+        self._key = self._replaced
 
     def _found(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         if self._line is None:
@@ -145,16 +153,15 @@ class Sketch:
 
     def _shape_key(self, obj: Object) -> ShapeKey:
         """The key of this sketch; a new one at first."""
-        keys = obj.data.shape_keys
-        if self._key and keys is not None and self._key in keys.key_blocks:
-            return keys.key_blocks[self._key]
-        if keys is None:
+        if self._key in _keys(obj):
+            return _keys(obj)[self._key]
+        if obj.data.shape_keys is None:
             obj.shape_key_add(name="Basis", from_mix=False)
         key = obj.shape_key_add(name=KEY, from_mix=False)
         key.relative_key = obj.data.shape_keys.reference_key
         key.value = 1.0
         self._key = key.name
-        obj.active_shape_key_index = obj.data.shape_keys.key_blocks.find(key.name)
+        obj.active_shape_key_index = _keys(obj).find(key.name)
         return key
 
 
@@ -205,14 +212,29 @@ def _require(obj: Object) -> None:
         raise SinewError(f"{obj.name} shows one shape key only - switch off the pin beside the keys")
 
 
-def _shown(obj: Object) -> RestShape:
-    """The mesh as its shape keys show it."""
+def _keys(obj: Object) -> Any:
+    """The shape keys by their names."""
+    keys = obj.data.shape_keys
+    return {} if keys is None else keys.key_blocks
+
+
+def _basis_name(obj: Object) -> str:
+    keys = obj.data.shape_keys
+    return "" if keys is None else keys.reference_key.name
+
+
+def _shown(obj: Object, without: str) -> RestShape:
+    """The mesh as its shape keys show it, but for one of them."""
     shape = read_rest(obj.data)
     if obj.data.shape_keys is not None:
         active = obj.active_shape_key_index
+        if without:
+            muted, _keys(obj)[without].mute = _keys(obj)[without].mute, True
         mix = obj.shape_key_add(name=KEY, from_mix=True)
         places = read_key(mix).astype(np.float64)
         obj.shape_key_remove(mix)
+        if without:
+            _keys(obj)[without].mute = muted
         obj.active_shape_key_index = active
         shape.not_finite = np.flatnonzero(~frames.are_valid(places))
         shape.points = places
