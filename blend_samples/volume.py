@@ -31,15 +31,15 @@ def make() -> bpy.types.Scene:
             obj.sinew.active.parameters.transforms = "explicit"
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.55, 0.0, 0.88), distance=24.0, elevation=10.0, width=9.2)
+    studio.add_camera(scene, target=(0.55, 0.0, 0.84), distance=24.0, elevation=10.0, width=9.2)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=9.0)
     scene.frame_set(pillars.POSE_FRAME)
     whole = volume(row[0])
     for obj, label in zip(row, METHODS):
         studio.add_label(scene, label, (obj.location.x + 0.2, -1.0, 0.0), 0.13)
         share = f"{100 * volume(obj) / whole:.1f} % of the volume"
-        studio.add_label(scene, share, (obj.location.x + 0.2, -2.0, 0.0), 0.11)
-    studio.set_up_render(scene, samples=64, width=1680, height=460)
+        studio.add_label(scene, share, (obj.location.x + 0.2, -1.5, 0.0), 0.11)
+    studio.set_up_render(scene, samples=32, width=1680, height=460)
     studio.open_at(scene, pillars.POSE_FRAME, row[-1])
     return scene
 

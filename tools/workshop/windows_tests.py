@@ -6,6 +6,7 @@ Wine is not Windows: what it does not show stands in docs/developer/decisions/wi
 
 import os
 import re
+import shlex
 import shutil
 from pathlib import Path
 
@@ -98,7 +99,7 @@ def old_processors(timeout: float) -> Outcome:
     junit = new_junit("windows-processors")
     env = wine.SETTINGS | {
         "WINELOADERNOEXEC": "1",  # else Wine starts itself again, outside of the emulator
-        "SINEW_EMULATED_PYTHON": f"{LOADER} {wine.python(11)}",
+        "SINEW_EMULATED_PYTHON": shlex.join([str(LOADER), str(wine.python(11))]),
         "SINEW_EMULATED_MODULE": unpacked_wheel(11),
     }
     command = [environments.dev().make().python, "-m", "pytest", OLD_PROCESSORS, *OPTIONS]
