@@ -33,8 +33,10 @@ def test_any_method_can_be_the_base(base: type, details: str) -> None:
     assert np.isfinite(positions).all()
     for pose, handle in zip(BENT, handles, strict=True):
         np.testing.assert_allclose(positions[handle], moved(pose, POINTS[handle]), atol=1e-12)
-    if base is not sn.ThinShell:  # which does not turn
-        pose = turn((1, 2, 3), 100, (4, 5, 6), (1, 2, 3))
+    pose = turn((1, 2, 3), 100, (4, 5, 6), (1, 2, 3))
+    alone = base(sn.SurfaceMesh(POINTS, FACES))
+    alone.set_handles(handles)
+    if np.allclose(alone.solve(np.stack([pose, pose]))[0], moved(pose, POINTS), atol=1e-8):  # it can turn
         positions, _ = method.solve(np.stack([pose, pose]))
         np.testing.assert_allclose(positions, moved(pose, POINTS), atol=1e-8)
 
