@@ -197,7 +197,9 @@ def test_a_drawn_stroke_may_be_kept_as_a_curve():
     # Which members an element has differs between releases.
     members = bpy.types.OperatorStrokeElement.bl_rna.properties
     element = {
-        member.identifier: tuple(member.default_array) if getattr(member, "is_array", False) else member.default
+        member.identifier: tuple(member.default_array)
+        if getattr(member, "is_array", False)
+        else member.default
         for member in members
         if member.identifier != "rna_type"
     }
