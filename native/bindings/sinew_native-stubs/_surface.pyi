@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 from ._core import BindReport, SolveReport
 from ._mesh import SurfaceMesh
 from ._operators import Discretization
-from ._types import Floats, Progress, Singles, Weights
+from ._types import Floats, Ints, Progress, Singles, Weights
 
 FreeParts = Literal["stay", "follow"]
 Field = Literal["harmonic", "geodesic", "euclidean"]
