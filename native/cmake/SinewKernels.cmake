@@ -4,6 +4,7 @@ set(SINEW_KERNELS
   native/core/simd/product_of_eight avx2
   native/operators/fit_kernels avx2
   native/riders/frame_kernels avx2
+  native/rotations/graph_kernels avx2
   native/solvers/dense/kernels avx2 avx512
   native/solvers/descent/kernels avx2
   native/solvers/supernodal/kernels avx2
@@ -12,5 +13,4 @@ set(SINEW_KERNELS
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2
   native/surface/linear/propagation/kernels avx2
-  native/surface/nonlinear/arap/kernels avx2
 )

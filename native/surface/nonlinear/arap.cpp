@@ -7,8 +7,8 @@
 #include "native/mesh/normal_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
-#include "native/surface/nonlinear/arap/cascade.h"
-#include "native/surface/nonlinear/arap/energy.h"
+#include "native/rotations/graph_problem.h"
+#include "native/rotations/rotation_cascade.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,11 +37,11 @@ std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 }
 
 /// The half cotangents of the corners of all triangles, kept within bounds so that no term is negative.
-std::vector<ArapTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
+std::vector<GraphTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
 {
-    std::vector<ArapTriangle> triangles;
+    std::vector<GraphTriangle> triangles;
     for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
-        ArapTriangle triangle;
+        GraphTriangle triangle;
         for (int k = 0; k < 3; ++k) {
             triangle.corner[k] = mesh.triangles()[t][k];
             triangle.across[k] = std::clamp(metric.half_cotan[t][k], least_weight * mean, most_weight * mean);
@@ -54,7 +54,7 @@ std::vector<ArapTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleM
 /// The cells and edges of a mesh, which do not depend on handles.
 struct RestGraph
 {
-    ArapCells cells;
+    GraphCells cells;
     GraphEdges edges;
 
     /// With rims, w_ij is the sum of the bounded half cotangents, so that L is exactly what bounds the
@@ -79,7 +79,7 @@ struct RestGraph
             cells.rims = true;
             cells.triangles = rim_triangles(mesh, metric, mean);
             std::vector<Eigen::Triplet<double>> entries;
-            for (const ArapTriangle& t : cells.triangles)
+            for (const GraphTriangle& t : cells.triangles)
                 for (int k = 0; k < 3; ++k) {
                     entries.emplace_back(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3], -t.across[k]);
                     entries.emplace_back(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3], -t.across[k]);
@@ -115,8 +115,8 @@ struct RestGraph
 /// The workspace of a solve.
 struct Workspace
 {
-    ArapWorkspace fine;
-    std::vector<ArapWorkspace> levels;
+    GraphWorkspace fine;
+    std::vector<GraphWorkspace> levels;
     Points incoming;
 };
 
@@ -124,9 +124,9 @@ struct Workspace
 struct Binding
 {
     double unit; ///< of the nodes, whose squares fit into single precision
-    ArapGraph graph;
+    RotationGraph graph;
     Points node_rest; ///< the rest points of the nodes
-    ArapCascade cascade;
+    RotationCascade cascade;
     mutable Pool<Workspace> workspaces;
 
     /// \param rest  (n, 3) in units of `unit`
@@ -136,7 +136,7 @@ struct Binding
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
-        cascade = ArapCascade(graph, node_rest, progress);
+        cascade = RotationCascade(graph, node_rest, progress);
     }
 
     /// The points of the first `count` nodes.
@@ -209,7 +209,7 @@ void Arap::bind(const Regions& regions, BindReport& report, const Progress& prog
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
     report.factor_bytes = self.bound->graph.factor_bytes();
-    for (const ArapLevel& level : self.bound->cascade.levels())
+    for (const RotationLevel& level : self.bound->cascade.levels())
         report.factor_bytes += level.graph.factor_bytes();
 }
 
@@ -235,12 +235,12 @@ void Arap::swap_binding(SurfaceMethod& other)
 SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Points& positions) const
 {
     const Binding& bound = *impl_->bound;
-    const ArapGraph& graph = bound.graph;
+    const RotationGraph& graph = bound.graph;
     LbfgsOptions options{.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
                          .tolerance = request.tolerance.value_or(impl_->options.tolerance)};
 
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
-    ArapWorkspace& fine = work->fine;
+    GraphWorkspace& fine = work->fine;
     const Poses poses = bound.to_nodes(given.poses);
     Targets targets{poses, view(bound.node_rest), {}, given.from_rest};
     if (given.incoming) {
@@ -252,7 +252,7 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         bound.to_vertices(view(fine.goals.targets), positions);
         return {.converged = true};
     }
-    ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
+    GraphProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
     options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
     if (request.start) {
         bound.to_nodes(*request.start, graph.free_count(), fine.x);
@@ -275,14 +275,14 @@ double Arap::energy(const PointsView& positions) const
     if (!impl_->bound)
         return 0.0;
     const Binding& bound = *impl_->bound;
-    const ArapGraph& graph = bound.graph;
+    const RotationGraph& graph = bound.graph;
     const std::vector<GraphPull>& soft = graph.nodes().pulls();
     Points all;
     bound.to_nodes(positions, graph.size(), all);
     Points pulls(soft.size(), 3); // pulls to where the nodes are, which have no energy
     for (std::size_t k = 0; k < soft.size(); ++k)
         pulls.row(k) = all.row(soft[k].node);
-    ArapProblem problem(graph, view(bound.node_rest), all, pulls);
+    GraphProblem problem(graph, view(bound.node_rest), all, pulls);
     const Points x = problem.free_rows(view(all));
     Points gradient;
     problem.fit_rotations(x);

@@ -4,7 +4,7 @@
 #include "native/core/progress.h"
 #include "native/graph/clusters.h"
 #include "native/mesh/regions.h"
-#include "native/surface/nonlinear/arap/energy.h"
+#include "native/rotations/graph_problem.h"
 
 #include <Eigen/Geometry>
 
@@ -13,32 +13,32 @@
 namespace sinew {
 
 /// One coarser problem: the clusters of the finer one's nodes.
-struct ArapLevel
+struct RotationLevel
 {
     ClusterMap map; ///< from the finer nodes to those of this level
-    ArapGraph graph;
+    RotationGraph graph;
     Points rest; ///< (nodes, 3)
 
     /// \param finer_rest  (finer nodes, 3)
     /// \throw FactorizationFailed
-    ArapLevel(const ArapGraph& finer, const Points& finer_rest, const Clusters& clusters);
+    RotationLevel(const RotationGraph& finer, const Points& finer_rest, const Clusters& clusters);
 };
 
 /// Where the handles want the held and the pulled nodes of a graph.
-struct ArapGoals
+struct GraphGoals
 {
     Points targets, pulls;
-    ArapGoals() = default;
-    ArapGoals(const ArapGraph& graph, const Targets& targets) { set(graph, targets); }
-    void set(const ArapGraph& graph, const Targets& targets);
+    GraphGoals() = default;
+    GraphGoals(const RotationGraph& graph, const Targets& targets) { set(graph, targets); }
+    void set(const RotationGraph& graph, const Targets& targets);
 };
 
 /// The workspace of a solve on one graph.
-struct ArapWorkspace
+struct GraphWorkspace
 {
-    ArapBuffers buffers;
+    GraphBuffers buffers;
     LbfgsWorkspace descent;
-    ArapGoals goals;
+    GraphGoals goals;
     Points x, base;
     std::vector<Eigen::Quaterniond> rotations;
 };
@@ -50,28 +50,28 @@ struct ArapWorkspace
 /// finer nodes, see graph_of_clusters(). On the coarsest level, the rotations of the handles are blended by
 /// harmonic weights. Then each level minimises its energy and hands its rotations down to the finer one. All
 /// levels together cost as much as 3 to 9 iterations on the mesh.
-class ArapCascade
+class RotationCascade
 {
 public:
-    ArapCascade() = default;
+    RotationCascade() = default;
     /// \param fine  the graph of the mesh, which is not kept.
     /// \param rest  (nodes, 3)
     /// \throw FactorizationFailed, Cancelled
-    ArapCascade(const ArapGraph& fine, const Points& rest, const Progress& progress);
+    RotationCascade(const RotationGraph& fine, const Points& rest, const Progress& progress);
 
     /// Sets the rotations of the fine problem, which then depend on the targets alone.
-    void start(ArapProblem& fine_problem, const ArapGraph& fine, const Targets& targets,
-               std::vector<ArapWorkspace>& work) const;
-    void start(ArapProblem& fine_problem, const ArapGraph& fine, const Targets& targets) const
+    void start(GraphProblem& fine_problem, const RotationGraph& fine, const Targets& targets,
+               std::vector<GraphWorkspace>& work) const;
+    void start(GraphProblem& fine_problem, const RotationGraph& fine, const Targets& targets) const
     {
-        std::vector<ArapWorkspace> work;
+        std::vector<GraphWorkspace> work;
         start(fine_problem, fine, targets, work);
     }
 
-    const std::vector<ArapLevel>& levels() const { return levels_; }
+    const std::vector<RotationLevel>& levels() const { return levels_; }
 
 private:
-    std::vector<ArapLevel> levels_; ///< fine to coarse
+    std::vector<RotationLevel> levels_; ///< fine to coarse
 };
 
 } // namespace sinew

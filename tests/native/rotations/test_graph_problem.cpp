@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/surface/nonlinear/arap/energy.h"
+#include "native/rotations/graph_problem.h"
 
-#include "native/surface/nonlinear/arap/cascade.h"
+#include "native/rotations/rotation_cascade.h"
+#include "tests/native/rotations/graphs.h"
 #include "tests/native/shapes.h"
-#include "tests/native/surface/nonlinear/graphs.h"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -28,20 +28,20 @@ const Poses bent{shapes::still(), shapes::turn({1, 0, 0}, 30, {0, 0, 1}, {0.2, 0
 struct Setting
 {
     SurfaceMesh mesh = shapes::sphere(2);
-    ArapGraph graph;
-    ArapGoals goals;
+    RotationGraph graph;
+    GraphGoals goals;
 
     explicit Setting(const Variant& variant)
         : graph(make(mesh, variant)), goals(graph, Targets{bent, view(mesh.points()), {}, nullptr})
     {
     }
-    ArapProblem problem() const
+    GraphProblem problem() const
     {
-        return ArapProblem(graph, view(mesh.points()), goals.targets, goals.pulls);
+        return GraphProblem(graph, view(mesh.points()), goals.targets, goals.pulls);
     }
 
 private:
-    static ArapGraph make(SurfaceMesh& mesh, const Variant& variant)
+    static RotationGraph make(SurfaceMesh& mesh, const Variant& variant)
     {
         std::vector<Handle> handles{{shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
                                     {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
@@ -60,7 +60,7 @@ Points wobbled(const Points& x, int seed)
     return result;
 }
 
-std::vector<Matrix3> rotations(const ArapProblem& problem, const ArapGraph& graph)
+std::vector<Matrix3> rotations(const GraphProblem& problem, const RotationGraph& graph)
 {
     std::vector<Matrix3> all;
     for (int i = 0; i < graph.size(); ++i)
@@ -68,14 +68,14 @@ std::vector<Matrix3> rotations(const ArapProblem& problem, const ArapGraph& grap
     return all;
 }
 
-void set_rotations(ArapProblem& problem, const std::vector<Matrix3>& rotations)
+void set_rotations(GraphProblem& problem, const std::vector<Matrix3>& rotations)
 {
     for (std::size_t i = 0; i < rotations.size(); ++i)
         problem.set_rotation(static_cast<int>(i), rotations[i]);
 }
 
 /// F with rotations that no longer move.
-double settled(ArapProblem& problem, const Points& x, Points& gradient)
+double settled(GraphProblem& problem, const Points& x, Points& gradient)
 {
     double F = problem.evaluate(x, gradient);
     for (int k = 0; k < 400; ++k) {
@@ -90,11 +90,11 @@ double settled(ArapProblem& problem, const Points& x, Points& gradient)
 
 } // namespace
 
-TEST(ArapEnergy, gradient_equals_finite_differences)
+TEST(GraphProblem, gradient_equals_finite_differences)
 {
     for (const Variant& variant : variants) {
         const Setting setting(variant);
-        ArapProblem problem = setting.problem();
+        GraphProblem problem = setting.problem();
         const Points x = wobbled(problem.free_rows(view(setting.mesh.points())), 2);
         Points gradient, unused;
         settled(problem, x, gradient);
@@ -104,7 +104,7 @@ TEST(ArapEnergy, gradient_equals_finite_differences)
                 Points up = x, down = x;
                 up(i, axis) += step;
                 down(i, axis) -= step;
-                ArapProblem above = setting.problem(), below = setting.problem();
+                GraphProblem above = setting.problem(), below = setting.problem();
                 set_rotations(above, rotations(problem, setting.graph));
                 set_rotations(below, rotations(problem, setting.graph));
                 const double slope = (settled(above, up, unused) - settled(below, down, unused)) / (2 * step);
@@ -115,11 +115,11 @@ TEST(ArapEnergy, gradient_equals_finite_differences)
     }
 }
 
-TEST(ArapEnergy, the_plain_step_in_the_metric_never_raises_it)
+TEST(GraphProblem, the_plain_step_in_the_metric_never_raises_it)
 {
     for (const Variant& variant : variants) {
         const Setting setting(variant);
-        ArapProblem problem = setting.problem();
+        GraphProblem problem = setting.problem();
         Points x = wobbled(problem.free_rows(view(setting.mesh.points())), 3), gradient, z;
         double F = problem.evaluate(x, gradient);
         for (int k = 0; k < 20; ++k) {
@@ -132,13 +132,13 @@ TEST(ArapEnergy, the_plain_step_in_the_metric_never_raises_it)
     }
 }
 
-TEST(ArapEnergy, positions_for_rotations_are_stationary)
+TEST(GraphProblem, positions_for_rotations_are_stationary)
 {
     for (const Variant& variant : variants) {
         if (variant.smoothness > 0)
             continue; // evaluate() turns the rotations on
         const Setting setting(variant);
-        ArapProblem problem = setting.problem();
+        GraphProblem problem = setting.problem();
         shapes::Random random(4);
         for (int i = 0; i < setting.graph.size(); ++i)
             problem.set_rotation(i, random.rotation());
@@ -150,11 +150,11 @@ TEST(ArapEnergy, positions_for_rotations_are_stationary)
     }
 }
 
-TEST(ArapEnergy, rotations_stay_rotations_on_turned_over_cells)
+TEST(GraphProblem, rotations_stay_rotations_on_turned_over_cells)
 {
     for (const Variant& variant : variants) {
         const Setting setting(variant);
-        ArapProblem problem = setting.problem();
+        GraphProblem problem = setting.problem();
         Points x = problem.free_rows(view(setting.mesh.points()));
         x.col(0) *= -1; // every free cell is mirrored
         Points gradient;
@@ -169,13 +169,14 @@ TEST(ArapEnergy, rotations_stay_rotations_on_turned_over_cells)
     }
 }
 
-TEST(ArapEnergy, a_rigid_motion_costs_nothing)
+TEST(GraphProblem, a_rigid_motion_costs_nothing)
 {
     for (const Variant& variant : variants) {
         const Setting setting(variant);
         const Pose pose = shapes::turn({1, 2, 3}, 130, {1, 0, 0}, {3, 4, 5});
-        const ArapGoals goals(setting.graph, Targets{{pose, pose}, view(setting.mesh.points()), {}, nullptr});
-        ArapProblem problem(setting.graph, view(setting.mesh.points()), goals.targets, goals.pulls);
+        const GraphGoals goals(setting.graph,
+                               Targets{{pose, pose}, view(setting.mesh.points()), {}, nullptr});
+        GraphProblem problem(setting.graph, view(setting.mesh.points()), goals.targets, goals.pulls);
         set_rotations(problem, std::vector<Matrix3>(setting.graph.size(), pose.leftCols<3>()));
         Points gradient;
         const Points moved = shapes::transformed(setting.mesh.points(), pose);
@@ -185,10 +186,10 @@ TEST(ArapEnergy, a_rigid_motion_costs_nothing)
     }
 }
 
-TEST(ArapEnergy, a_rejected_step_brings_the_rotations_back)
+TEST(GraphProblem, a_rejected_step_brings_the_rotations_back)
 {
     const Setting setting({0.02, false, false, false});
-    ArapProblem problem = setting.problem();
+    GraphProblem problem = setting.problem();
     const Points x = problem.free_rows(view(setting.mesh.points()));
     Points gradient;
     problem.evaluate(x, gradient);

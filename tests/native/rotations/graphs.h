@@ -3,7 +3,7 @@
 
 #include "native/mesh/components.h"
 #include "native/operators/laplacian.h"
-#include "native/surface/nonlinear/arap/graph.h"
+#include "native/rotations/rotation_graph.h"
 #include "tests/native/graph/mesh_graph.h"
 #include "tests/native/shapes.h"
 
@@ -11,11 +11,11 @@ namespace sinew::graphs {
 
 /// The graph of a mesh without obtuse angles, painted with random rigidity on request.
 /// \param[in,out] mesh  its vertices are numbered as the graph's nodes then.
-inline ArapGraph of(SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness,
-                    bool rims = false, bool painted = false)
+inline RotationGraph of(SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness,
+                        bool rims = false, bool painted = false)
 {
     const TriangleMetric metric = triangle_metric(mesh);
-    ArapCells cells;
+    GraphCells cells;
     for (double area : metric.area)
         cells.smoothing += smoothness * area;
     if (rims) {
@@ -33,7 +33,7 @@ inline ArapGraph of(SurfaceMesh& mesh, const std::vector<Handle>& handles, doubl
             r = 0.2 + random.unit();
     const Regions regions(handles, connected_components(mesh));
     const GraphHandles held(regions, [](int) { return 1.0; });
-    ArapGraph graph(HandleGraph(edges_of(mesh), held), cells, mesh.points());
+    RotationGraph graph(HandleGraph(edges_of(mesh), held), cells, mesh.points());
     const std::vector<int> renamed = new_numbers(graph.order());
     std::vector<int> corners;
     Points points(graph.size(), 3);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/surface/nonlinear/arap/cascade.h"
+#include "native/rotations/rotation_cascade.h"
 
 #include "native/core/errors.h"
+#include "tests/native/rotations/graphs.h"
 #include "tests/native/shapes.h"
-#include "tests/native/surface/nonlinear/graphs.h"
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
@@ -19,8 +19,8 @@ struct Setting
 {
     SurfaceMesh mesh;
     std::vector<Handle> handles;
-    ArapGraph graph;
-    ArapCascade cascade;
+    RotationGraph graph;
+    RotationCascade cascade;
 
     Setting()
         : mesh(shapes::joined(shapes::bar(24, 6), shapes::sphere(2), {0, 30, 0})),
@@ -33,8 +33,8 @@ struct Setting
     std::vector<Matrix3> started(const Poses& poses) const
     {
         const Targets targets{poses, view(mesh.points()), {}, nullptr};
-        const ArapGoals goals(graph, targets);
-        ArapProblem problem(graph, view(mesh.points()), goals.targets, goals.pulls);
+        const GraphGoals goals(graph, targets);
+        GraphProblem problem(graph, view(mesh.points()), goals.targets, goals.pulls);
         cascade.start(problem, graph, targets);
         std::vector<Matrix3> rotations;
         for (int i = 0; i < graph.size(); ++i)
@@ -45,12 +45,12 @@ struct Setting
 
 } // namespace
 
-TEST(ArapCascade, levels_shrink_and_none_is_tiny)
+TEST(RotationCascade, levels_shrink_and_none_is_tiny)
 {
     const Setting setting;
     int finer = setting.graph.size();
     ASSERT_GE(setting.cascade.levels().size(), 1u);
-    for (const ArapLevel& level : setting.cascade.levels()) {
+    for (const RotationLevel& level : setting.cascade.levels()) {
         EXPECT_LE(level.graph.size(), finer / 3);
         EXPECT_GE(level.graph.size(), 60);
         EXPECT_EQ(static_cast<int>(level.map.label().size()), finer);
@@ -58,7 +58,7 @@ TEST(ArapCascade, levels_shrink_and_none_is_tiny)
     }
 }
 
-TEST(ArapCascade, gives_rotations_between_those_of_the_handles)
+TEST(RotationCascade, gives_rotations_between_those_of_the_handles)
 {
     const Setting setting;
     const std::vector<Matrix3> rotations = setting.started({shapes::still(), shapes::turn({1, 0, 0}, 90)});
@@ -73,7 +73,7 @@ TEST(ArapCascade, gives_rotations_between_those_of_the_handles)
     }
 }
 
-TEST(ArapCascade, blends_half_turns_about_neighbouring_axes)
+TEST(RotationCascade, blends_half_turns_about_neighbouring_axes)
 {
     // Two half turns, six degrees apart, whose quaternions come out of their matrices with
     // opposite signs: the largest component is made positive.
@@ -89,18 +89,18 @@ TEST(ArapCascade, blends_half_turns_about_neighbouring_axes)
     }
 }
 
-TEST(ArapCascade, a_small_mesh_needs_no_levels)
+TEST(RotationCascade, a_small_mesh_needs_no_levels)
 {
     SurfaceMesh mesh = shapes::bar(6, 2);
-    const ArapGraph graph = graphs::of(mesh, shapes::ends(mesh, 1), 5e-4);
-    EXPECT_TRUE(ArapCascade(graph, mesh.points(), {}).levels().empty());
+    const RotationGraph graph = graphs::of(mesh, shapes::ends(mesh, 1), 5e-4);
+    EXPECT_TRUE(RotationCascade(graph, mesh.points(), {}).levels().empty());
 }
 
-TEST(ArapCascade, can_be_cancelled_while_clustering)
+TEST(RotationCascade, can_be_cancelled_while_clustering)
 {
     SurfaceMesh mesh = shapes::bar(24, 6);
-    const ArapGraph graph = graphs::of(mesh, shapes::ends(mesh, 2), 5e-4);
-    EXPECT_THROW(ArapCascade(graph, mesh.points(), Progress([](double, const char*) { return false; })),
+    const RotationGraph graph = graphs::of(mesh, shapes::ends(mesh, 2), 5e-4);
+    EXPECT_THROW(RotationCascade(graph, mesh.points(), Progress([](double, const char*) { return false; })),
                  Cancelled);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/surface/nonlinear/arap/energy.h"
+#include "native/rotations/graph_problem.h"
 
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
@@ -20,7 +20,8 @@ constexpr double tie = 1e-8;
 
 constexpr int entries = 9; ///< of a rotation
 using Packed = Eigen::Matrix<double, 3, 3>;
-constexpr std::size_t chunk_numbers = arap_columns * (arap_chunk + 1); ///< of the covariances of a chunk
+constexpr std::size_t chunk_numbers =
+    covariance_columns * (graph_chunk + 1); ///< of the covariances of a chunk
 
 /// Three numbers per point, and one more at the end that kernels may read.
 void pack(const PointsView& points, std::vector<double>& packed)
@@ -34,10 +35,10 @@ void pack(const PointsView& points, std::vector<double>& packed)
 
 } // namespace
 
-ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets,
-                         const Points& pulls, ArapBuffers* buffers)
-    : graph_(graph), kernels_(widest_kernels<ArapKernels>()), pulls_(pulls),
-      own_buffers_(buffers ? nullptr : std::make_unique<ArapBuffers>()),
+GraphProblem::GraphProblem(const RotationGraph& graph, const PointsView& base, const Points& targets,
+                           const Points& pulls, GraphBuffers* buffers)
+    : graph_(graph), kernels_(widest_kernels<GraphKernels>()), pulls_(pulls),
+      own_buffers_(buffers ? nullptr : std::make_unique<GraphBuffers>()),
       buffers_(buffers ? *buffers : *own_buffers_)
 {
     buffers_.energies.resize(graph.chunks().all.size());
@@ -69,39 +70,39 @@ ArapProblem::ArapProblem(const ArapGraph& graph, const PointsView& base, const P
 
 /// Fits the rotations of the cells that depend on no free node, and computes their energy; only the first
 /// call does.
-void ArapProblem::fit_fixed_cells()
+void GraphProblem::fit_fixed_cells()
 {
     if (fixed_cells_fitted_)
         return;
     fixed_cells_fitted_ = true;
     const int count = static_cast<int>(graph_.chunks().all.size()) - graph_.chunks().moving;
     parallel_chunks(count, 1, [&](int c, int) {
-        const ArapChunk& chunk = graph_.chunks().all[graph_.chunks().moving + c];
+        const GraphChunk& chunk = graph_.chunks().all[graph_.chunks().moving + c];
         std::array<double, chunk_numbers> S;
         kernels_.covariances(view_, chunk, S.data());
         for (int k = 0; k < 2; ++k) // the second fit starts at the minimum, where `tie` has no effect
             fit(chunk, S.data(), buffers_.rotations[current_], tie, buffers_.rotations[current_]);
     });
     parallel_chunks(count, 1, [&](int c, int) {
-        const ArapChunk& chunk = graph_.chunks().all[graph_.chunks().moving + c];
+        const GraphChunk& chunk = graph_.chunks().all[graph_.chunks().moving + c];
         buffers_.energies[c] = kernels_.energy(view_, chunk, buffers_.rotations[current_].data(), nullptr);
     });
     energy_of_fixed_cells_ =
         std::accumulate(buffers_.energies.begin(), buffers_.energies.begin() + count, 0.0);
 }
 
-Matrix3 ArapProblem::rotation(int i) const
+Matrix3 GraphProblem::rotation(int i) const
 {
     return Eigen::Map<const Packed>(buffers_.rotations[current_].data() +
                                     entries * static_cast<std::size_t>(i));
 }
 
-void ArapProblem::set_rotation(int i, const Matrix3& R)
+void GraphProblem::set_rotation(int i, const Matrix3& R)
 {
     Eigen::Map<Packed>(buffers_.rotations[current_].data() + entries * static_cast<std::size_t>(i)) = R;
 }
 
-void ArapProblem::move_to(const Points& x)
+void GraphProblem::move_to(const Points& x)
 {
     parallel_chunks(graph_.free_count(), 16384, [&](int begin, int end) {
         std::copy(x.data() + 3 * static_cast<std::size_t>(begin),
@@ -110,13 +111,13 @@ void ArapProblem::move_to(const Points& x)
     });
 }
 
-PointsView ArapProblem::place(const Points& x)
+PointsView GraphProblem::place(const Points& x)
 {
     move_to(x);
     return PointsView(buffers_.points.data(), graph_.size(), 3);
 }
 
-int ArapProblem::spare(int used) const
+int GraphProblem::spare(int used) const
 {
     int set = 0;
     while (set == kept_ || set == used)
@@ -124,22 +125,22 @@ int ArapProblem::spare(int used) const
     return set;
 }
 
-void ArapProblem::for_each_moving(const std::function<void(const ArapChunk&)>& body) const
+void GraphProblem::for_each_moving(const std::function<void(const GraphChunk&)>& body) const
 {
     parallel_chunks(graph_.chunks().moving, 1, [&](int c, int) { body(graph_.chunks().all[c]); });
 }
 
-void ArapProblem::fit(const ArapChunk& chunk, const double* S, const Matrices& before, double tie,
-                      Matrices& after) const
+void GraphProblem::fit(const GraphChunk& chunk, const double* S, const Matrices& before, double tie,
+                       Matrices& after) const
 {
-    bool safe[arap_chunk];
+    bool safe[graph_chunk];
     const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
     const int count = chunk.end - chunk.begin;
     kernels_.fit(S, before.data() + first, tie, count, after.data() + first, safe);
     for (int i = 0; i < count; ++i) {
         if (safe[i])
             continue;
-        const Matrix3 own = arap_covariance(S, i);
+        const Matrix3 own = covariance(S, i);
         const Matrix3 last =
             Eigen::Map<const Packed>(before.data() + first + entries * static_cast<std::size_t>(i));
         Eigen::Map<Packed>(after.data() + first + entries * static_cast<std::size_t>(i)) =
@@ -147,20 +148,20 @@ void ArapProblem::fit(const ArapChunk& chunk, const double* S, const Matrices& b
     }
 }
 
-double* ArapProblem::covariances_of(const ArapChunk& chunk) const
+double* GraphProblem::covariances_of(const GraphChunk& chunk) const
 {
     return buffers_.covariances.data() + (&chunk - graph_.chunks().all.data()) * chunk_numbers;
 }
 
 /// One linearised step of all rotations together: (moment + 4 alpha A L) omega = torque. By fits of single
 /// cells alone, a rotation would spread by only one ring per iteration.
-void ArapProblem::turn_rotation_field()
+void GraphProblem::turn_rotation_field()
 {
     const Matrices& before = buffers_.rotations[current_];
     Points& torque = buffers_.torque;
     if (torque.rows() != graph_.size())
         torque.setZero(graph_.size(), 3); // the kernels leave that of idle nodes at zero
-    for_each_moving([&](const ArapChunk& chunk) {
+    for_each_moving([&](const GraphChunk& chunk) {
         double* const S = covariances_of(chunk);
         kernels_.covariances(view_, chunk, S);
         kernels_.torques(view_, chunk, S, before.data(),
@@ -168,7 +169,7 @@ void ArapProblem::turn_rotation_field()
     });
     graph_.rotation_factor().solve(torque, torque);
     const int turned = current_ == kept_ ? spare(current_) : current_;
-    for_each_moving([&](const ArapChunk& chunk) {
+    for_each_moving([&](const GraphChunk& chunk) {
         const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
         kernels_.turn(torque.data() + 3 * static_cast<std::size_t>(chunk.begin), before.data() + first,
                       chunk.end - chunk.begin, buffers_.rotations[turned].data() + first);
@@ -176,14 +177,14 @@ void ArapProblem::turn_rotation_field()
     current_ = turned;
 }
 
-void ArapProblem::fit_rotations(const Points& x)
+void GraphProblem::fit_rotations(const Points& x)
 {
     move_to(x);
     fit_fixed_cells();
     stale_ = false;
     const Matrices& before = buffers_.rotations[current_];
     const int next = current_ == kept_ ? spare(current_) : current_;
-    for_each_moving([&](const ArapChunk& chunk) {
+    for_each_moving([&](const GraphChunk& chunk) {
         std::array<double, chunk_numbers> S;
         kernels_.covariances(view_, chunk, S.data());
         fit(chunk, S.data(), before, tie, buffers_.rotations[next]);
@@ -191,7 +192,7 @@ void ArapProblem::fit_rotations(const Points& x)
     current_ = next;
 }
 
-double ArapProblem::energy_and_gradient(Points& gradient) const
+double GraphProblem::energy_and_gradient(Points& gradient) const
 {
     gradient.resize(graph_.free_count(), 3);
     std::vector<double>& energies = buffers_.energies;
@@ -214,7 +215,7 @@ double ArapProblem::energy_and_gradient(Points& gradient) const
     return energy;
 }
 
-double ArapProblem::evaluate(const Points& x, Points& gradient)
+double GraphProblem::evaluate(const Points& x, Points& gradient)
 {
     if (graph_.is_smooth()) {
         move_to(x);
@@ -223,7 +224,7 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
         turn_rotation_field();
         const Matrices& before = buffers_.rotations[current_];
         const int next = spare(current_);
-        for_each_moving([&](const ArapChunk& chunk) {
+        for_each_moving([&](const GraphChunk& chunk) {
             double* const S = covariances_of(chunk);
             kernels_.add_neighbours(view_, chunk, before.data(), S);
             fit(chunk, S, before, 0.0, buffers_.rotations[next]);
@@ -235,12 +236,12 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
     return energy_and_gradient(gradient);
 }
 
-void ArapProblem::precondition(const Points& gradient, Points& z) const
+void GraphProblem::precondition(const Points& gradient, Points& z) const
 {
     graph_.position_factor().solve(gradient, z);
 }
 
-void ArapProblem::positions_for_rotations(Points& x)
+void GraphProblem::positions_for_rotations(Points& x)
 {
     Points& gradient = buffers_.gradient;
     x = PointsView(buffers_.points.data(), graph_.free_count(), 3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/surface/nonlinear/arap/graph.h"
+#include "native/rotations/rotation_graph.h"
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
@@ -30,7 +30,7 @@ std::vector<std::uint64_t> morton_codes(const Points& points)
     return codes;
 }
 
-double sum_of_squares(const GraphEdges& edges, const ArapCells& cells, const PointsView& base)
+double sum_of_squares(const GraphEdges& edges, const GraphCells& cells, const PointsView& base)
 {
     return parallel_sum(edges.size(), [&](int i) {
         double sum = 0.0;
@@ -42,7 +42,7 @@ double sum_of_squares(const GraphEdges& edges, const ArapCells& cells, const Poi
 
 } // namespace
 
-std::vector<double> ArapCells::laplacian(const GraphEdges& edges) const
+std::vector<double> GraphCells::laplacian(const GraphEdges& edges) const
 {
     std::vector<double> entries(edges.weights.size(), 0.0);
     if (!rims) {
@@ -57,7 +57,7 @@ std::vector<double> ArapCells::laplacian(const GraphEdges& edges) const
         if (i != j) // a face may name a vertex twice
             entries[std::lower_bound(first, last, j) - edges.neighbours.begin()] += value;
     };
-    for (const ArapTriangle& t : triangles)
+    for (const GraphTriangle& t : triangles)
         for (int k = 0; k < 3; ++k) {
             const int i = t.corner[(k + 1) % 3], j = t.corner[(k + 2) % 3];
             const double mean = (rigidity[i] + rigidity[j] + rigidity[t.corner[k]]) / 3.0;
@@ -67,12 +67,12 @@ std::vector<double> ArapCells::laplacian(const GraphEdges& edges) const
     return entries;
 }
 
-ArapChunks::ArapChunks(const GraphEdges& graph, const std::vector<ArapTriangle>& given, int moving_nodes,
-                       int nodes)
+GraphChunks::GraphChunks(const GraphEdges& graph, const std::vector<GraphTriangle>& given, int moving_nodes,
+                         int nodes)
 {
     std::vector<int> chunk_of(graph.size(), -1);
     for (int begin = 0; begin < nodes;) {
-        const int end = std::min(begin + arap_chunk, begin < moving_nodes ? moving_nodes : nodes);
+        const int end = std::min(begin + graph_chunk, begin < moving_nodes ? moving_nodes : nodes);
         std::fill(chunk_of.begin() + begin, chunk_of.begin() + end, static_cast<int>(all.size()));
         all.push_back({begin, end, 0, 0});
         moving += begin < moving_nodes;
@@ -108,18 +108,18 @@ ArapChunks::ArapChunks(const GraphEdges& graph, const std::vector<ArapTriangle>&
     }
 }
 
-/// The parts of an ArapGraph while they are made: factors in the numbers of the given graph, and the new
+/// The parts of a RotationGraph while they are made: factors in the numbers of the given graph, and the new
 /// order.
-struct ArapGraph::Parts
+struct RotationGraph::Parts
 {
     const HandleGraph& given;
-    ArapCells cells;
+    GraphCells cells;
     SingleFactor position_factor, rotation_factor;
     double rest_scale;
     std::vector<int> order;
     int moving_nodes = 0, present_nodes = 0;
 
-    Parts(const HandleGraph& graph, ArapCells own, const Points& rest)
+    Parts(const HandleGraph& graph, GraphCells own, const Points& rest)
         : given(graph), cells(std::move(own)), rest_scale(sum_of_squares(graph.edges(), cells, view(rest)))
     {
         factorize(rest);
@@ -135,7 +135,7 @@ struct ArapGraph::Parts
         for (int i : order)
             rigidity.push_back(cells.rigidity[i]);
         cells.rigidity = std::move(rigidity);
-        for (ArapTriangle& t : cells.triangles)
+        for (GraphTriangle& t : cells.triangles)
             for (int& corner : t.corner)
                 corner = renamed[corner];
     }
@@ -165,7 +165,7 @@ private:
                 if (!cells.rims)
                     moment[i] += 2.0 / 3.0 * cells.rigidity[i] * edges.weights[a] * square(i, j);
             }
-        for (const ArapTriangle& t : cells.triangles) {
+        for (const GraphTriangle& t : cells.triangles) {
             double spread = 0.0;
             for (int k = 0; k < 3; ++k)
                 spread += t.across[k] * square(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3]);
@@ -240,12 +240,12 @@ private:
     }
 };
 
-ArapGraph::ArapGraph(const HandleGraph& graph, ArapCells cells, const Points& rest)
-    : ArapGraph(Parts(graph, std::move(cells), rest))
+RotationGraph::RotationGraph(const HandleGraph& graph, GraphCells cells, const Points& rest)
+    : RotationGraph(Parts(graph, std::move(cells), rest))
 {
 }
 
-ArapGraph::ArapGraph(Parts&& parts)
+RotationGraph::RotationGraph(Parts&& parts)
     : nodes_(parts.given.renumbered(parts.order)), cells_(std::move(parts.cells)),
       laplacian_(cells_.laplacian(nodes_.edges())), position_factor_(std::move(parts.position_factor)),
       rotation_factor_(std::move(parts.rotation_factor)), rest_scale_(parts.rest_scale),
@@ -254,6 +254,9 @@ ArapGraph::ArapGraph(Parts&& parts)
 {
 }
 
-double ArapGraph::scale(const PointsView& base) const { return sum_of_squares(nodes_.edges(), cells_, base); }
+double RotationGraph::scale(const PointsView& base) const
+{
+    return sum_of_squares(nodes_.edges(), cells_, base);
+}
 
 } // namespace sinew

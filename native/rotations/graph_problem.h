@@ -2,8 +2,8 @@
 #pragma once
 
 #include "native/core/types.h"
+#include "native/rotations/rotation_graph.h"
 #include "native/solvers/descent/metric_lbfgs.h"
-#include "native/surface/nonlinear/arap/graph.h"
 
 #include <cstddef>
 #include <functional>
@@ -13,14 +13,14 @@
 namespace sinew {
 
 /// The covariance of the i-th node of a chunk, as the kernels store it.
-inline auto arap_covariance(const double* S, int i)
+inline auto covariance(const double* S, int i)
 {
-    using Lanes = Eigen::Map<const Matrix3, 0, Eigen::OuterStride<arap_columns / 3>>;
-    return Lanes(S + arap_columns * static_cast<std::size_t>(i));
+    using Lanes = Eigen::Map<const Matrix3, 0, Eigen::OuterStride<covariance_columns / 3>>;
+    return Lanes(S + covariance_columns * static_cast<std::size_t>(i));
 }
 
-/// The workspace of an ArapProblem. If it is kept from one solve to the next, it is not allocated again.
-struct ArapBuffers
+/// The workspace of a GraphProblem. If it is kept from one solve to the next, it is not allocated again.
+struct GraphBuffers
 {
     std::vector<double> base, points; ///< three numbers per node
     /// Nine numbers per node. With smoothing, one of the three holds the rotations that keep_state() keeps.
@@ -32,15 +32,15 @@ struct ArapBuffers
 
 /// The function F = E / energy_factor() of the free positions on one graph. It has the rotations as its
 /// state, and every evaluation fits them to the positions.
-class ArapProblem final : public MetricProblem
+class GraphProblem final : public MetricProblem
 {
 public:
     /// \param base     (size, 3) the shape whose edges are kept as rigid as possible.
     /// \param targets  (size, 3) where held nodes are to be; base for the idle ones; free ones are not read.
     /// \param pulls    (pulls, 3) where the soft pulls pull their nodes.
     /// \param buffers  the workspace, which may be that of an earlier problem; null for one of its own.
-    ArapProblem(const ArapGraph& graph, const PointsView& base, const Points& targets, const Points& pulls,
-                ArapBuffers* buffers = nullptr);
+    GraphProblem(const RotationGraph& graph, const PointsView& base, const Points& targets,
+                 const Points& pulls, GraphBuffers* buffers = nullptr);
 
     Matrix3 rotation(int i) const;
     /// For nodes in moving chunks at any time; for others before the first evaluation, which fits these once
@@ -89,20 +89,20 @@ private:
     void move_to(const Points& x);
     /// The index of one of the three sets of rotations that is neither kept nor `used`.
     int spare(int used) const;
-    void for_each_moving(const std::function<void(const ArapChunk&)>& body) const;
-    void fit(const ArapChunk& chunk, const double* S, const Matrices& before, double tie,
+    void for_each_moving(const std::function<void(const GraphChunk&)>& body) const;
+    void fit(const GraphChunk& chunk, const double* S, const Matrices& before, double tie,
              Matrices& after) const;
     void fit_fixed_cells();
-    double* covariances_of(const ArapChunk& chunk) const;
+    double* covariances_of(const GraphChunk& chunk) const;
     void turn_rotation_field();
     double energy_and_gradient(Points& gradient) const;
 
-    const ArapGraph& graph_;
-    const ArapKernels& kernels_;
+    const RotationGraph& graph_;
+    const GraphKernels& kernels_;
     const Points& pulls_;
-    std::unique_ptr<ArapBuffers> own_buffers_;
-    ArapBuffers& buffers_;
-    ArapView view_;
+    std::unique_ptr<GraphBuffers> own_buffers_;
+    GraphBuffers& buffers_;
+    GraphView view_;
     int current_ = 0, kept_ = -1;
     bool fixed_cells_fitted_ = false, stale_ = false;
     double energy_of_fixed_cells_ = 0.0; ///< of the cells that depend on no free node

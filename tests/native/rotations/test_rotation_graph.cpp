@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/surface/nonlinear/arap/graph.h"
+#include "native/rotations/rotation_graph.h"
 
+#include "tests/native/rotations/graphs.h"
 #include "tests/native/shapes.h"
-#include "tests/native/surface/nonlinear/graphs.h"
 
 #include <gtest/gtest.h>
 
@@ -11,14 +11,14 @@
 
 namespace sinew {
 
-TEST(ArapGraph, chunks_hold_every_edge_once_within_and_twice_across)
+TEST(RotationGraph, chunks_hold_every_edge_once_within_and_twice_across)
 {
     for (const double smoothness : {0.0, 0.02})
         for (const bool rims : {false, true}) {
             SurfaceMesh mesh = shapes::sphere(4); // several chunks
             const auto low = shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.5; });
-            const ArapGraph graph = graphs::of(mesh, {{low, {}}}, smoothness, rims);
-            const ArapChunks& chunks = graph.chunks();
+            const RotationGraph graph = graphs::of(mesh, {{low, {}}}, smoothness, rims);
+            const GraphChunks& chunks = graph.chunks();
             const GraphEdges& edges = graph.nodes().edges();
             ASSERT_GT(chunks.all.size(), 4u);
             const int moving = chunks.all[chunks.moving - 1].end;
@@ -26,7 +26,7 @@ TEST(ArapGraph, chunks_hold_every_edge_once_within_and_twice_across)
             std::vector<int> chunk_of(graph.size());
             for (std::size_t c = 0; c < chunks.all.size(); ++c) {
                 EXPECT_EQ(chunks.all[c].begin, next);
-                EXPECT_LE(chunks.all[c].end - chunks.all[c].begin, arap_chunk);
+                EXPECT_LE(chunks.all[c].end - chunks.all[c].begin, graph_chunk);
                 next = chunks.all[c].end;
                 std::fill(chunk_of.begin() + chunks.all[c].begin, chunk_of.begin() + next,
                           static_cast<int>(c));

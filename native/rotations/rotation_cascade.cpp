@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/surface/nonlinear/arap/cascade.h"
+#include "native/rotations/rotation_cascade.h"
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
@@ -19,7 +19,8 @@ constexpr int most_levels = 8;
 constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
 
 /// Sets the rotations of the next finer problem from those of a level.
-void hand_down(const ArapLevel& level, const std::vector<Eigen::Quaterniond>& rotations, ArapProblem& finer)
+void hand_down(const RotationLevel& level, const std::vector<Eigen::Quaterniond>& rotations,
+               GraphProblem& finer)
 {
     parallel_for(static_cast<int>(level.map.label().size()), [&](int i) {
         if (level.map.label()[i] >= 0)
@@ -27,7 +28,7 @@ void hand_down(const ArapLevel& level, const std::vector<Eigen::Quaterniond>& ro
     });
 }
 
-void blend_handles(ArapProblem& problem, const ArapGraph& graph, const Poses& poses)
+void blend_handles(GraphProblem& problem, const RotationGraph& graph, const Poses& poses)
 {
     const auto rotations =
         blended_rotations(graph.nodes(), graph.laplacian(), graph.position_factor(), poses);
@@ -38,7 +39,7 @@ void blend_handles(ArapProblem& problem, const ArapGraph& graph, const Poses& po
 
 } // namespace
 
-ArapLevel::ArapLevel(const ArapGraph& finer, const Points& finer_rest, const Clusters& clusters)
+RotationLevel::RotationLevel(const RotationGraph& finer, const Points& finer_rest, const Clusters& clusters)
     : map(finer.nodes(), finer_rest, clusters), graph(graph_of_clusters(finer.nodes(), finer_rest, map),
                                                       {.rigidity = map.restrict(finer.cells().rigidity),
                                                        .smoothing = finer.cells().smoothing,
@@ -49,7 +50,7 @@ ArapLevel::ArapLevel(const ArapGraph& finer, const Points& finer_rest, const Clu
     rest = map.restrict(view(finer_rest));
 }
 
-void ArapGoals::set(const ArapGraph& graph, const Targets& goal)
+void GraphGoals::set(const RotationGraph& graph, const Targets& goal)
 {
     const HandleGraph& nodes = graph.nodes();
     targets = goal.base();
@@ -61,9 +62,9 @@ void ArapGoals::set(const ArapGraph& graph, const Targets& goal)
         pulls.row(k) = goal.position(nodes.pulls()[k].node, nodes.pulls()[k].handle).transpose();
 }
 
-ArapCascade::ArapCascade(const ArapGraph& fine, const Points& rest, const Progress& progress)
+RotationCascade::RotationCascade(const RotationGraph& fine, const Points& rest, const Progress& progress)
 {
-    const ArapGraph* graph = &fine;
+    const RotationGraph* graph = &fine;
     const Points* points = &rest;
     levels_.reserve(most_levels); // so that `graph` may point into it
     // Where no node is free, nothing needs a start.
@@ -86,8 +87,8 @@ ArapCascade::ArapCascade(const ArapGraph& fine, const Points& rest, const Progre
     }
 }
 
-void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const Targets& targets,
-                        std::vector<ArapWorkspace>& work) const
+void RotationCascade::start(GraphProblem& fine_problem, const RotationGraph& fine, const Targets& targets,
+                            std::vector<GraphWorkspace>& work) const
 {
     if (levels_.empty()) {
         blend_handles(fine_problem, fine, targets.poses);
@@ -100,13 +101,13 @@ void ArapCascade::start(ArapProblem& fine_problem, const ArapGraph& fine, const 
             levels_[l].map.restrict(l == 0 ? *targets.incoming : view(work[l - 1].base), work[l].base);
 
     for (int l = count - 1; l >= 0; --l) {
-        const ArapGraph& graph = levels_[l].graph;
+        const RotationGraph& graph = levels_[l].graph;
         Targets local{targets.poses, view(levels_[l].rest), {}, targets.from_rest};
         if (targets.incoming)
             local.incoming.emplace(view(work[l].base));
-        ArapGoals& goals = work[l].goals;
+        GraphGoals& goals = work[l].goals;
         goals.set(graph, local);
-        ArapProblem problem(graph, local.base(), goals.targets, goals.pulls, &work[l].buffers);
+        GraphProblem problem(graph, local.base(), goals.targets, goals.pulls, &work[l].buffers);
         if (l + 1 == count)
             blend_handles(problem, graph, targets.poses);
         else

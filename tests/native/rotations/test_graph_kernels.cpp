@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/surface/nonlinear/arap/kernels.h"
+#include "native/rotations/graph_kernels.h"
 
 #include "native/operators/rotation_fit.h"
-#include "native/surface/nonlinear/arap/energy.h"
+#include "native/rotations/graph_problem.h"
+#include "tests/native/rotations/graphs.h"
 #include "tests/native/shapes.h"
-#include "tests/native/surface/nonlinear/graphs.h"
 #include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ std::vector<double> packed(const Points& points)
 struct Example
 {
     SurfaceMesh mesh = shapes::sphere(2);
-    ArapGraph graph;
+    RotationGraph graph;
     std::vector<double> base, points, rotations;
 
     Example(bool rims, double smoothness)
@@ -62,7 +62,7 @@ struct Example
         points = packed(moved);
         rotations = packed(turns);
     }
-    ArapView view() const
+    GraphView view() const
     {
         return {.edges = graph.chunks().edges.data(),
                 .ends = graph.chunks().ends.data(),
@@ -79,24 +79,24 @@ struct Example
 
 } // namespace
 
-TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
+TEST(GraphKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
 {
-    const auto every = every_kernels<ArapKernels>();
+    const auto every = every_kernels<GraphKernels>();
     for (bool rims : {false, true})
         for (double smoothness : {0.0, 0.02}) {
             const Example example(rims, smoothness);
             const int free = example.graph.free_count();
-            const ArapView view = example.view();
+            const GraphView view = example.view();
             const std::vector<double>& R = example.rotations;
-            for (const ArapChunk& chunk : example.graph.chunks().all) {
+            for (const GraphChunk& chunk : example.graph.chunks().all) {
                 const int count = chunk.end - chunk.begin;
                 const double* const own = R.data() + 9 * chunk.begin;
                 std::vector<std::vector<double>> S(every.size()), torque(S), turned(S), fitted(S),
                     gradient(S);
                 std::vector<double> energy(every.size());
                 for (std::size_t k = 0; k < every.size(); ++k) {
-                    const ArapKernels& kernels = *every[k];
-                    S[k].resize(arap_columns * (count + 1));
+                    const GraphKernels& kernels = *every[k];
+                    S[k].resize(covariance_columns * (count + 1));
                     kernels.covariances(view, chunk, S[k].data());
                     torque[k].resize(3 * count);
                     kernels.torques(view, chunk, S[k].data(), R.data(), torque[k].data());
@@ -110,8 +110,8 @@ TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
                     energy[k] = kernels.energy(view, chunk, R.data(), gradient[k].data());
                     for (int i = 0; i < count; ++i) // fourth lanes hold what happened to stand there
                         for (int column = 0; column < 3; ++column)
-                            S[k][arap_columns * i + 4 * column + 3] = 0.0;
-                    S[k].resize(arap_columns * count);
+                            S[k][covariance_columns * i + 4 * column + 3] = 0.0;
+                    S[k].resize(covariance_columns * count);
                     EXPECT_EQ(S[0], S[k]);
                     EXPECT_EQ(torque[0], torque[k]);
                     EXPECT_EQ(turned[0], turned[k]);
@@ -123,7 +123,7 @@ TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
         }
 }
 
-TEST(ArapKernels, fit_finds_the_closest_rotations_from_any_guess_and_says_where_it_cannot)
+TEST(GraphKernels, fit_finds_the_closest_rotations_from_any_guess_and_says_where_it_cannot)
 {
     shapes::Random random(4);
     for (int count : {1, 3, 4, 15, 16, 17, 1000}) {
@@ -149,7 +149,7 @@ TEST(ArapKernels, fit_finds_the_closest_rotations_from_any_guess_and_says_where_
         }
         std::vector<double> fitted(9 * count);
         const std::unique_ptr<bool[]> safe(new bool[count]);
-        for (const ArapKernels* kernels : every_kernels<ArapKernels>()) {
+        for (const GraphKernels* kernels : every_kernels<GraphKernels>()) {
             kernels->fit(lanes_of(S).data(), packed(before).data(), 0.0, count, fitted.data(), safe.get());
             for (int i = 0; i < count; ++i) {
                 EXPECT_TRUE(safe[i] || i % 5 == 3 || i % 5 == 4) << i; // lines have a double eigenvalue
@@ -165,7 +165,7 @@ TEST(ArapKernels, fit_finds_the_closest_rotations_from_any_guess_and_says_where_
     }
 }
 
-TEST(ArapKernels, turn_is_a_rotation_by_the_vector_to_second_order_and_by_two_arctan_a_half_at_most)
+TEST(GraphKernels, turn_is_a_rotation_by_the_vector_to_second_order_and_by_two_arctan_a_half_at_most)
 {
     shapes::Random random(5);
     for (double size : {1e-6, 1e-3, 0.5, 1.0, 30.0})
@@ -174,7 +174,7 @@ TEST(ArapKernels, turn_is_a_rotation_by_the_vector_to_second_order_and_by_two_ar
             const Matrix3 R = random.rotation();
             const std::vector<double> before = packed(std::vector{R});
             std::vector<double> after(9);
-            widest_kernels<ArapKernels>().turn(omega.data(), before.data(), 1, after.data());
+            widest_kernels<GraphKernels>().turn(omega.data(), before.data(), 1, after.data());
             const Eigen::AngleAxisd found(Matrix3(matrix(after, 0) * R.transpose()));
             const double cut = std::min(size, 1.0);
             EXPECT_NEAR(found.angle(), 2 * std::atan(0.5 * cut), 1e-9);
@@ -182,19 +182,19 @@ TEST(ArapKernels, turn_is_a_rotation_by_the_vector_to_second_order_and_by_two_ar
         }
 }
 
-TEST(ArapKernels, torques_are_the_slope_of_the_fit)
+TEST(GraphKernels, torques_are_the_slope_of_the_fit)
 {
     for (double smoothness : {0.0, 0.02}) {
         const Example example(false, smoothness);
-        const ArapView view = example.view();
-        const ArapChunk& chunk = example.graph.chunks().all.front();
+        const GraphView view = example.view();
+        const GraphChunk& chunk = example.graph.chunks().all.front();
         const int count = chunk.end - chunk.begin;
-        std::vector<double> S(arap_columns * (count + 1)), t(3 * count);
-        widest_kernels<ArapKernels>().covariances(view, chunk, S.data());
-        widest_kernels<ArapKernels>().torques(view, chunk, S.data(), example.rotations.data(), t.data());
-        widest_kernels<ArapKernels>().add_neighbours(view, chunk, example.rotations.data(), S.data());
+        std::vector<double> S(covariance_columns * (count + 1)), t(3 * count);
+        widest_kernels<GraphKernels>().covariances(view, chunk, S.data());
+        widest_kernels<GraphKernels>().torques(view, chunk, S.data(), example.rotations.data(), t.data());
+        widest_kernels<GraphKernels>().add_neighbours(view, chunk, example.rotations.data(), S.data());
         for (int i = 0; i < count; i += 7) {
-            const Matrix3 pulls = arap_covariance(S.data(), i);
+            const Matrix3 pulls = covariance(S.data(), i);
             for (int axis = 0; axis < 3; ++axis) {
                 const double step = 1e-6;
                 const auto turned = [&](double angle) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bodies of ArapKernels, compiled once for each set of instructions; see lane_types.inl.
+// The bodies of GraphKernels, compiled once for each set of instructions; see lane_types.inl.
 
 #include "native/operators/rotation_fit.inl"
 
 namespace {
 
-using sinew::ArapChunk;
-using sinew::ArapTriangle;
-using sinew::ArapView;
+using sinew::GraphChunk;
+using sinew::GraphTriangle;
+using sinew::GraphView;
 using L = Lanes<double>;
 
 struct Columns
@@ -46,13 +46,13 @@ inline void store_packed(double* matrices, int i, const Columns& m)
 /// Loads covariance i.
 inline Columns columns(const double* S, int i)
 {
-    const double* const m = S + sinew::arap_columns * static_cast<std::size_t>(i);
+    const double* const m = S + sinew::covariance_columns * static_cast<std::size_t>(i);
     return {load(m), load(m + 4), load(m + 8)};
 }
 
 inline void store(double* S, int i, const Columns& m)
 {
-    double* const to = S + sinew::arap_columns * static_cast<std::size_t>(i);
+    double* const to = S + sinew::covariance_columns * static_cast<std::size_t>(i);
     store(to, m.x);
     store(to + 4, m.y);
     store(to + 8, m.z);
@@ -87,14 +87,14 @@ inline void fetch(const double* numbers, int i)
 }
 
 /// The place of a node's sum. All nodes of other chunks share one place, behind those of this chunk.
-inline int slot(const ArapChunk& chunk, int node)
+inline int slot(const GraphChunk& chunk, int node)
 {
     const unsigned at = static_cast<unsigned>(node - chunk.begin);
     const unsigned count = static_cast<unsigned>(chunk.end - chunk.begin);
     return static_cast<int>(at < count ? at : count);
 }
 
-void covariances(const ArapView& view, const ArapChunk& chunk, double* S)
+void covariances(const GraphView& view, const GraphChunk& chunk, double* S)
 {
     const Columns zero{constant(0.0), constant(0.0), constant(0.0)};
     const int count = chunk.end - chunk.begin;
@@ -102,7 +102,7 @@ void covariances(const ArapView& view, const ArapChunk& chunk, double* S)
         store(S, i, zero);
     if (view.rims) {
         for (int k = chunk.first_triangle; k < chunk.last_triangle; ++k) {
-            const ArapTriangle& t = view.triangles[k];
+            const GraphTriangle& t = view.triangles[k];
             const int a = t.corner[0], b = t.corner[1], c = t.corner[2];
             const L p = point(view.base, a), q = point(view.points, a);
             const L e_b = point(view.base, b) - p, e_c = point(view.base, c) - p;
@@ -140,7 +140,7 @@ void covariances(const ArapView& view, const ArapChunk& chunk, double* S)
     }
 }
 
-void add_neighbours(const ArapView& view, const ArapChunk& chunk, const double* R, double* S)
+void add_neighbours(const GraphView& view, const GraphChunk& chunk, const double* R, double* S)
 {
     for (int i = chunk.begin; i < chunk.end; ++i) {
         fetch<9>(R, i);
@@ -163,9 +163,9 @@ void add_neighbours(const ArapView& view, const ArapChunk& chunk, const double* 
     }
 }
 
-void torques(const ArapView& view, const ArapChunk& chunk, const double* S, const double* R, double* t)
+void torques(const GraphView& view, const GraphChunk& chunk, const double* S, const double* R, double* t)
 {
-    L sums[sinew::arap_chunk]; // of rotated cross products, which are opposite at the two ends of an edge
+    L sums[sinew::graph_chunk]; // of rotated cross products, which are opposite at the two ends of an edge
     for (int i = chunk.begin; i < chunk.end; ++i)
         sums[i - chunk.begin] = constant(0.0);
     for (int i = chunk.begin; i < chunk.end; ++i) {
@@ -282,11 +282,11 @@ void fit(const double* S, const double* R, double tie, int count, double* to, bo
 }
 
 /// The energy of cells of triangles. Adds the gradient to `forces`, four numbers per node.
-L triangle_energy(const ArapView& view, const ArapChunk& chunk, const double* R, double* forces)
+L triangle_energy(const GraphView& view, const GraphChunk& chunk, const double* R, double* forces)
 {
     L total = constant(0.0);
     for (int k = chunk.first_triangle; k < chunk.last_triangle; ++k) {
-        const ArapTriangle& t = view.triangles[k];
+        const GraphTriangle& t = view.triangles[k];
         const int a = t.corner[0], b = t.corner[1], c = t.corner[2];
         const L p = point(view.base, a), q = point(view.points, a);
         const L e_b = point(view.base, b) - p, e_c = point(view.base, c) - p;
@@ -325,7 +325,7 @@ L triangle_energy(const ArapView& view, const ArapChunk& chunk, const double* R,
 /// The energy of edges: of stretching if `cells` consist of edges, and of bending if `smooth`. Adds the
 /// gradient to `forces`, four numbers per node.
 template <bool cells, bool smooth>
-L edge_energy(const ArapView& view, const ArapChunk& chunk, const double* R, double* forces)
+L edge_energy(const GraphView& view, const GraphChunk& chunk, const double* R, double* forces)
 {
     L total = constant(0.0), bend = constant(0.0);
     for (int i = chunk.begin; i < chunk.end; ++i) {
@@ -372,9 +372,9 @@ L edge_energy(const ArapView& view, const ArapChunk& chunk, const double* R, dou
     return total + (0.5 * view.smoothing) * bend;
 }
 
-double energy(const ArapView& view, const ArapChunk& chunk, const double* R, double* gradient)
+double energy(const GraphView& view, const GraphChunk& chunk, const double* R, double* gradient)
 {
-    double forces[4 * (sinew::arap_chunk + 1)];
+    double forces[4 * (sinew::graph_chunk + 1)];
     const int count = chunk.end - chunk.begin;
     for (int i = 0; i <= count; ++i)
         store(forces + 4 * i, constant(0.0));
@@ -395,5 +395,5 @@ double energy(const ArapView& view, const ArapChunk& chunk, const double* R, dou
 
 } // namespace
 
-const sinew::ArapKernels sinew::ArapKernels::SINEW_INSTRUCTIONS{
+const sinew::GraphKernels sinew::GraphKernels::SINEW_INSTRUCTIONS{
     ::covariances, ::add_neighbours, ::torques, ::turn, ::fit, ::energy};
