@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/graph/clusters.h"
 
+#include "native/core/parallel.h"
+
 #include <bit>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -104,11 +107,9 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted, con
 /// The share of a cluster at a node is the square of a hat function of the node's distance from the seed
 /// along the edges; at every node the shares are divided by their sum.
 ClusterMap::ClusterMap(const HandleGraph& graph, const Points& rest, const Clusters& clusters)
-    : label_(clusters.label), members_(clusters.seeds.size(), 0)
+    : label_(clusters.label)
 {
-    for (int p : label_)
-        if (p >= 0)
-            ++members_[p];
+    collect_nodes(static_cast<int>(clusters.seeds.size()));
 
     const double reach = hat_radius * clusters.radius;
     std::vector<std::vector<std::pair<int, double>>> shares(graph.size());
@@ -149,36 +150,51 @@ ClusterMap::ClusterMap(const HandleGraph& graph, const Points& rest, const Clust
     }
 }
 
+void ClusterMap::collect_nodes(int clusters)
+{
+    members_.assign(clusters + 1, 0);
+    for (int p : label_)
+        if (p >= 0)
+            ++members_[p + 1];
+    std::partial_sum(members_.begin(), members_.end(), members_.begin());
+    nodes_.resize(members_.back());
+    std::vector<int> next(members_.begin(), members_.end() - 1);
+    for (int i = 0; i < static_cast<int>(label_.size()); ++i)
+        if (label_[i] >= 0)
+            nodes_[next[label_[i]]++] = i;
+}
+
 void ClusterMap::restrict(const PointsView& points, Points& means) const
 {
-    means.setZero(cluster_count(), 3);
-    for (std::size_t i = 0; i < label_.size(); ++i)
-        if (label_[i] >= 0)
-            means.row(label_[i]) += points.row(i);
-    for (int p = 0; p < cluster_count(); ++p)
-        means.row(p) /= members_[p];
+    means.resize(cluster_count(), 3);
+    parallel_for(cluster_count(), [&](int p) {
+        Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+        for (int i : nodes(p))
+            sum += points.row(i);
+        means.row(p) = sum / static_cast<double>(nodes(p).size());
+    }, 256);
 }
 
 std::vector<double> ClusterMap::restrict(const std::vector<double>& values) const
 {
-    std::vector<double> means(cluster_count(), 0.0);
-    for (std::size_t i = 0; i < label_.size(); ++i)
-        if (label_[i] >= 0)
-            means[label_[i]] += values[i];
-    for (int p = 0; p < cluster_count(); ++p)
-        means[p] /= members_[p];
+    std::vector<double> means(cluster_count());
+    for (int p = 0; p < cluster_count(); ++p) {
+        double sum = 0.0;
+        for (int i : nodes(p))
+            sum += values[i];
+        means[p] = sum / static_cast<double>(nodes(p).size());
+    }
     return means;
 }
 
 void ClusterMap::renumber(const std::vector<int>& old)
 {
-    const std::vector<int> renamed = new_numbers(old), members = members_;
-    for (int p = 0; p < cluster_count(); ++p)
-        members_[p] = members[old[p]];
+    const std::vector<int> renamed = new_numbers(old);
     for (int& p : label_)
         p = p < 0 ? p : renamed[p];
     for (int& p : clusters_)
         p = renamed[p];
+    collect_nodes(cluster_count());
 }
 
 HandleGraph graph_of_clusters(const HandleGraph& graph, const Points& rest, const ClusterMap& map)

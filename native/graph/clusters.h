@@ -4,6 +4,7 @@
 #include "native/core/types.h"
 #include "native/graph/handle_graph.h"
 
+#include <span>
 #include <vector>
 
 namespace sinew {
@@ -35,11 +36,14 @@ public:
     /// \param rest  (nodes, 3)
     ClusterMap(const HandleGraph& graph, const Points& rest, const Clusters& clusters);
 
-    int cluster_count() const { return static_cast<int>(members_.size()); }
+    int cluster_count() const { return static_cast<int>(members_.size()) - 1; }
     /// The cluster of each node, -1 for idle nodes.
     const std::vector<int>& label() const { return label_; }
-    /// Number of nodes in each cluster.
-    const std::vector<int>& members() const { return members_; }
+    /// The nodes of a cluster, in rising order.
+    std::span<const int> nodes(int cluster) const
+    {
+        return {nodes_.data() + members_[cluster], nodes_.data() + members_[cluster + 1]};
+    }
 
     /// The clusters near a node, with weights that sum to 1.
     struct Shares
@@ -69,7 +73,10 @@ public:
     void renumber(const std::vector<int>& old);
 
 private:
-    std::vector<int> label_, members_;
+    void collect_nodes(int clusters);
+
+    std::vector<int> label_;
+    std::vector<int> members_, nodes_; ///< the nodes of cluster p begin at nodes_[members_[p]]
     std::vector<int> offsets_{0}, clusters_;
     std::vector<double> weights_;
 };

@@ -3,6 +3,7 @@
 
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/graph/rotations.h"
 #include "native/operators/rotation_fit.h"
 
 #include <algorithm>
@@ -241,16 +242,38 @@ void GraphProblem::precondition(const Points& gradient, Points& z) const
     graph_.position_factor().solve(gradient, z);
 }
 
-void GraphProblem::positions_for_rotations(Points& x)
+void GraphProblem::turn(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& turns)
+{
+    const Matrices& before = buffers_.rotations[current_];
+    const int next = current_ == kept_ ? spare(current_) : current_;
+    Matrices& after = buffers_.rotations[next];
+    for_each_moving([&](const GraphChunk& chunk) {
+        for (int i = chunk.begin; i < chunk.end; ++i) {
+            const std::size_t first = entries * static_cast<std::size_t>(i);
+            Eigen::Map<Packed>(after.data() + first) = handed_down(map, turns, i).toRotationMatrix() *
+                                                       Eigen::Map<const Packed>(before.data() + first);
+        }
+    });
+    current_ = next;
+}
+
+void GraphProblem::relax(Points& x, const Points& tilt)
 {
     Points& gradient = buffers_.gradient;
+    move_to(x);
+    energy_and_gradient(gradient);
+    if (tilt.size() > 0)
+        gradient -= tilt;
+    graph_.position_factor().solve(gradient, gradient);
+    x -= gradient;
+}
+
+void GraphProblem::positions_for_rotations(Points& x)
+{
     x = PointsView(buffers_.points.data(), graph_.free_count(), 3);
-    for (int k = 0; k < 2; ++k) { // the factor is in single precision, so each solve leaves a millionth
-        energy_and_gradient(gradient);
-        graph_.position_factor().solve(gradient, gradient);
-        x -= gradient;
-        move_to(x);
-    }
+    for (int k = 0; k < 2; ++k) // the factor is in single precision, so each solve leaves a millionth
+        relax(x, {});
+    move_to(x);
 }
 
 } // namespace sinew

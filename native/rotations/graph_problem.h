@@ -2,8 +2,11 @@
 #pragma once
 
 #include "native/core/types.h"
+#include "native/graph/clusters.h"
 #include "native/rotations/rotation_graph.h"
 #include "native/solvers/descent/metric_lbfgs.h"
+
+#include <Eigen/Geometry>
 
 #include <cstddef>
 #include <functional>
@@ -58,6 +61,14 @@ public:
     }
     /// Fits the rotation of each cell to the positions alone, without smoothing.
     void fit_rotations(const Points& x);
+
+    /// Turns the rotation of each node by what the clusters near it turn.
+    void turn(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& turns);
+    /// One step towards the free positions that minimise E - tilt . x for the current rotations.
+    /// \param tilt  (free, 3), or empty for zero.
+    void relax(Points& x, const Points& tilt);
+
+    int free_count() const { return graph_.free_count(); }
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;

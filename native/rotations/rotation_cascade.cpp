@@ -13,9 +13,10 @@ namespace sinew {
 
 namespace {
 
-constexpr int coarsening = 4;
+constexpr int coarsening = 8;
 constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
+constexpr int coarsest_iterations = 30, level_iterations = 5;
 constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
 
 /// Sets the rotations of the next finer problem from those of a level.
@@ -87,41 +88,56 @@ RotationCascade::RotationCascade(const RotationGraph& fine, const Points& rest, 
     }
 }
 
-void RotationCascade::start(GraphProblem& fine_problem, const RotationGraph& fine, const Targets& targets,
-                            std::vector<GraphWorkspace>& work) const
+CascadeSolve::CascadeSolve(const RotationCascade& cascade, GraphProblem& fine_problem, const RotationGraph& fine,
+                           const Targets& targets, std::vector<GraphWorkspace>& work)
+    : cascade_(cascade), fine_problem_(fine_problem), fine_(fine), poses_(targets.poses), work_(work)
 {
-    if (levels_.empty()) {
-        blend_handles(fine_problem, fine, targets.poses);
+    const std::vector<RotationLevel>& levels = cascade.levels();
+    const int count = static_cast<int>(levels.size());
+    work.resize(count);
+    problems_.reserve(count);
+    corrected_.reserve(count + 1);
+    corrected_.emplace_back(fine_problem);
+    for (int l = 0; l < count; ++l) {
+        const RotationGraph& graph = levels[l].graph;
+        Targets local{targets.poses, view(levels[l].rest), {}, targets.from_rest};
+        if (targets.incoming) {
+            levels[l].map.restrict(l == 0 ? *targets.incoming : view(work[l - 1].base), work[l].base);
+            local.incoming.emplace(view(work[l].base));
+        }
+        work[l].goals.set(graph, local);
+        problems_.emplace_back(graph, local.base(), work[l].goals.targets, work[l].goals.pulls,
+                               &work[l].buffers);
+        floors_.push_back(1e-14 * (targets.incoming ? graph.scale(local.base()) : graph.rest_scale()));
+        corrected_.emplace_back(problems_.back());
+        corrected_[l].correct_by(corrected_[l + 1], levels[l].map, work[l].descent);
+    }
+}
+
+void CascadeSolve::start()
+{
+    const std::vector<RotationLevel>& levels = cascade_.levels();
+    const int count = static_cast<int>(levels.size());
+    if (count == 0) {
+        blend_handles(fine_problem_, fine_, poses_);
         return;
     }
-    const int count = static_cast<int>(levels_.size());
-    work.resize(count);
-    if (targets.incoming) // takes its means on every level, from fine to coarse
-        for (int l = 0; l < count; ++l)
-            levels_[l].map.restrict(l == 0 ? *targets.incoming : view(work[l - 1].base), work[l].base);
-
+    blend_handles(problems_.back(), levels.back().graph, poses_);
     for (int l = count - 1; l >= 0; --l) {
-        const RotationGraph& graph = levels_[l].graph;
-        Targets local{targets.poses, view(levels_[l].rest), {}, targets.from_rest};
-        if (targets.incoming)
-            local.incoming.emplace(view(work[l].base));
-        GraphGoals& goals = work[l].goals;
-        goals.set(graph, local);
-        GraphProblem problem(graph, local.base(), goals.targets, goals.pulls, &work[l].buffers);
-        if (l + 1 == count)
-            blend_handles(problem, graph, targets.poses);
-        else
-            hand_down(levels_[l + 1], work[l + 1].rotations, problem);
-        problem.positions_for_rotations(work[l].x);
-        const double scale = targets.incoming ? graph.scale(local.base()) : graph.rest_scale();
-        minimize(problem, work[l].x, {.max_iterations = 20, .tolerance = 1e-4, .floor = 1e-14 * scale}, {},
-                 &work[l].descent);
-        problem.refresh(work[l].x);
-        work[l].rotations.resize(graph.size());
-        parallel_for(graph.size(),
-                     [&](int i) { work[l].rotations[i] = Eigen::Quaterniond(problem.rotation(i)); });
+        GraphProblem& problem = problems_[l];
+        problem.positions_for_rotations(work_[l].x);
+        minimize(corrected_[l + 1], work_[l].x,
+                 {.max_iterations = l + 1 == count ? coarsest_iterations : level_iterations,
+                  .tolerance = 1e-4,
+                  .floor = floors_[l],
+                  .correction_period = correction_period},
+                 {}, &work_[l].descent);
+        problem.refresh(work_[l].x);
+        work_[l].rotations.resize(levels[l].graph.size());
+        parallel_for(levels[l].graph.size(),
+                     [&](int i) { work_[l].rotations[i] = Eigen::Quaterniond(problem.rotation(i)); });
+        hand_down(levels[l], work_[l].rotations, l == 0 ? fine_problem_ : problems_[l - 1]);
     }
-    hand_down(levels_.front(), work.front().rotations, fine_problem);
 }
 
 } // namespace sinew

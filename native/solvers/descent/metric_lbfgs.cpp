@@ -123,6 +123,16 @@ public:
         return slope;
     }
 
+    /// trial - x becomes s of the next pair.
+    void take(const Points& x, const Points& trial)
+    {
+        if (window_ == 0)
+            return;
+        parallel_for(numbers_, [&, s = at(size_).s.get()](int i) {
+            s[i] = static_cast<float>(trial.data()[i] - x.data()[i]);
+        });
+    }
+
     /// trial = x - t d. The step becomes s of the next pair.
     void step(const Points& x, const Points& z, double t, Points& trial)
     {
@@ -178,6 +188,8 @@ LbfgsWorkspace::LbfgsWorkspace() : history(std::make_unique<History>()) {}
 LbfgsWorkspace::~LbfgsWorkspace() = default;
 LbfgsWorkspace::LbfgsWorkspace(LbfgsWorkspace&&) noexcept = default;
 
+bool MetricProblem::correct(const Points&, const Points&, Points&) { return false; }
+
 SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress,
                      LbfgsWorkspace* work)
 {
@@ -189,7 +201,8 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
     auto& [g, z, trial, trial_g, trial_z, kept] = *work;
     LbfgsWorkspace::History& history = *kept;
     history.reset(std::min(options.window, most_window), x.size());
-    int small_steps = 0;
+    int small_steps = 0, next_correction = 0;
+    bool corrected = false;
 
     double F = problem.evaluate(x, g);
     const auto done = [&] {
@@ -205,8 +218,22 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
 
         double F_trial = F;
         bool accepted = false;
+        if (options.correction_period > 0 && (report.iterations >= next_correction || small_steps > 0) &&
+            !corrected && problem.correct(x, g, trial)) {
+            next_correction = report.iterations + options.correction_period;
+            F_trial = problem.evaluate(trial, trial_g);
+            ++report.iterations;
+            accepted = corrected = F_trial < F;
+            if (accepted)
+                history.take(x, trial);
+            else {
+                ++report.rejected;
+                problem.restore_state();
+            }
+        } else
+            corrected = false;
         double t = 1.0;
-        for (int k = 0; k < most_trials && history.size() > 0; ++k) {
+        for (int k = 0; !accepted && report.iterations < options.max_iterations && k < most_trials && history.size() > 0; ++k) {
             if (!(slope > 0))
                 break;
             history.step(x, z, t, trial);

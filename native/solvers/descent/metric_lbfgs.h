@@ -25,6 +25,12 @@ public:
     /// Keeps a copy of the state, and restores it after a rejected step.
     virtual void keep_state() = 0;
     virtual void restore_state() = 0;
+
+    /// Computes a point that may be better than x in another way than by a step in the metric; may change the
+    /// state.
+    /// \param gradient  at x.
+    /// \return whether there is such a way.
+    virtual bool correct(const Points& x, const Points& gradient, Points& better);
 };
 
 struct LbfgsOptions
@@ -32,6 +38,8 @@ struct LbfgsOptions
     int max_iterations = 40;  ///< trial steps, rejected ones included
     double tolerance = 1e-4;  ///< stop when the relative decrease of F is below this twice in succession
     double floor = 0.0;       ///< stop when F is below this
+    /// How many iterations pass from one correction to the next, the correction included; 0 for none.
+    int correction_period = 0;
     int window = 5;           ///< number of correction pairs, at most 16
 };
 

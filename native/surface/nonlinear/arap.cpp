@@ -254,15 +254,17 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     }
     GraphProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
     options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
+    CascadeSolve cascade(bound.cascade, problem, graph, targets, work->levels);
+    options.correction_period = correction_period;
     if (request.start) {
         bound.to_nodes(*request.start, graph.free_count(), fine.x);
         if (graph.is_smooth()) // without smoothing, the first evaluation fits them
             problem.fit_rotations(fine.x);
     } else {
-        bound.cascade.start(problem, graph, targets, work->levels);
+        cascade.start();
         problem.positions_for_rotations(fine.x);
     }
-    SolveReport report = minimize(problem, fine.x, options, request.progress, &fine.descent);
+    SolveReport report = minimize(cascade.corrected(), fine.x, options, request.progress, &fine.descent);
     report.energy = bound.energy(report.energy);
     bound.to_vertices(problem.place(fine.x), positions);
     return report;

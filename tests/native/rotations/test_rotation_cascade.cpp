@@ -35,7 +35,8 @@ struct Setting
         const Targets targets{poses, view(mesh.points()), {}, nullptr};
         const GraphGoals goals(graph, targets);
         GraphProblem problem(graph, view(mesh.points()), goals.targets, goals.pulls);
-        cascade.start(problem, graph, targets);
+        std::vector<GraphWorkspace> work;
+        CascadeSolve(cascade, problem, graph, targets, work).start();
         std::vector<Matrix3> rotations;
         for (int i = 0; i < graph.size(); ++i)
             rotations.push_back(problem.rotation(i));
