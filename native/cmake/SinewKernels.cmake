@@ -5,6 +5,7 @@ set(SINEW_KERNELS
   native/operators/fit_kernels avx2
   native/riders/frame_kernels avx2
   native/rotations/graph_kernels avx2
+  native/rotations/row_kernels avx2
   native/solvers/dense/kernels avx2 avx512
   native/solvers/descent/kernels avx2
   native/solvers/supernodal/kernels avx2

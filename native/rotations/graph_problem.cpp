@@ -4,7 +4,7 @@
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
 #include "native/graph/rotations.h"
-#include "native/operators/rotation_fit.h"
+#include "native/rotations/cell_fits.h"
 
 #include <algorithm>
 #include <array>
@@ -14,25 +14,6 @@
 namespace sinew {
 
 namespace {
-
-/// A cell whose edges lie on one line says nothing about the rotation around that line. Therefore this share
-/// of its former rotation is added. At the minimum, where rotations no longer change, it has no effect.
-constexpr double tie = 1e-8;
-
-constexpr int entries = 9; ///< of a rotation
-using Packed = Eigen::Matrix<double, 3, 3>;
-constexpr std::size_t chunk_numbers =
-    covariance_columns * (graph_chunk + 1); ///< of the covariances of a chunk
-
-/// Three numbers per point, and one more at the end that kernels may read.
-void pack(const PointsView& points, std::vector<double>& packed)
-{
-    packed.resize(points.size() + 1);
-    parallel_for(static_cast<int>(points.rows()), [&](int i) {
-        for (int k = 0; k < 3; ++k)
-            packed[3 * static_cast<std::size_t>(i) + k] = points(i, k);
-    });
-}
 
 } // namespace
 
@@ -63,7 +44,7 @@ GraphProblem::GraphProblem(const RotationGraph& graph, const PointsView& base, c
         rotations.resize(entries * static_cast<std::size_t>(graph.size()) + 1);
         const int first = k == 0 ? 0 : present; // no evaluation writes those of idle nodes in any of the sets
         parallel_for(graph.size() - first, [&](int i) {
-            Eigen::Map<Packed>(rotations.data() + entries * static_cast<std::size_t>(first + i))
+            Eigen::Map<Matrix3>(rotations.data() + entries * static_cast<std::size_t>(first + i))
                 .setIdentity();
         });
     }
@@ -94,13 +75,13 @@ void GraphProblem::fit_fixed_cells()
 
 Matrix3 GraphProblem::rotation(int i) const
 {
-    return Eigen::Map<const Packed>(buffers_.rotations[current_].data() +
-                                    entries * static_cast<std::size_t>(i));
+    return Eigen::Map<const Matrix3>(buffers_.rotations[current_].data() +
+                                     entries * static_cast<std::size_t>(i));
 }
 
 void GraphProblem::set_rotation(int i, const Matrix3& R)
 {
-    Eigen::Map<Packed>(buffers_.rotations[current_].data() + entries * static_cast<std::size_t>(i)) = R;
+    Eigen::Map<Matrix3>(buffers_.rotations[current_].data() + entries * static_cast<std::size_t>(i)) = R;
 }
 
 void GraphProblem::move_to(const Points& x)
@@ -134,19 +115,8 @@ void GraphProblem::for_each_moving(const std::function<void(const GraphChunk&)>&
 void GraphProblem::fit(const GraphChunk& chunk, const double* S, const Matrices& before, double tie,
                        Matrices& after) const
 {
-    bool safe[graph_chunk];
     const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
-    const int count = chunk.end - chunk.begin;
-    kernels_.fit(S, before.data() + first, tie, count, after.data() + first, safe);
-    for (int i = 0; i < count; ++i) {
-        if (safe[i])
-            continue;
-        const Matrix3 own = covariance(S, i);
-        const Matrix3 last =
-            Eigen::Map<const Packed>(before.data() + first + entries * static_cast<std::size_t>(i));
-        Eigen::Map<Packed>(after.data() + first + entries * static_cast<std::size_t>(i)) =
-            fit_rotation_svd(own + tie * own.norm() * last);
-    }
+    fit_cells(S, before.data() + first, tie, chunk.end - chunk.begin, after.data() + first);
 }
 
 double* GraphProblem::covariances_of(const GraphChunk& chunk) const

@@ -15,13 +15,6 @@
 
 namespace sinew {
 
-/// The covariance of the i-th node of a chunk, as the kernels store it.
-inline auto covariance(const double* S, int i)
-{
-    using Lanes = Eigen::Map<const Matrix3, 0, Eigen::OuterStride<covariance_columns / 3>>;
-    return Lanes(S + covariance_columns * static_cast<std::size_t>(i));
-}
-
 /// The workspace of a GraphProblem. If it is kept from one solve to the next, it is not allocated again.
 struct GraphBuffers
 {

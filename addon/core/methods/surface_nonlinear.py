@@ -73,7 +73,7 @@ ROWS = (
             ),
             Float(
                 "tolerance",
-                1e-5,
+                1e-4,
                 maximum=1.0,
                 soft_maximum=0.001,
                 precision=6,

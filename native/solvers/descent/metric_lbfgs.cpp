@@ -18,6 +18,7 @@ namespace {
 
 constexpr int most_trials = 3;
 constexpr double armijo = 1e-4;
+constexpr double shorter = 0.3; ///< a plain step than the one before
 /// A relative rise of F that may come from rounding.
 constexpr double rounding = 1e-12;
 /// The least s.y / (|s| |y|) of a pair that is kept. Rounding to single precision could change the sign of a
@@ -151,6 +152,15 @@ public:
         });
     }
 
+    /// The trial of step() has been moved: makes the way to it s of the next pair.
+    void moved(const Points& x, const Points& trial)
+    {
+        if (window_ > 0)
+            parallel_for(numbers_, [&, s = at(size_).s.get()](int i) {
+                s[i] = static_cast<float>(trial.data()[i] - x.data()[i]);
+            });
+    }
+
 private:
     struct Pair
     {
@@ -205,6 +215,13 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
     bool corrected = false;
 
     double F = problem.evaluate(x, g);
+    const auto try_step = [&](double t) {
+        history.step(x, z, t, trial);
+        if (problem.admit(trial))
+            history.moved(x, trial);
+        ++report.iterations;
+        return problem.evaluate(trial, trial_g);
+    };
     const auto done = [&] {
         report.converged = report.converged || F <= options.floor || small_steps >= 2;
         return report.converged || report.iterations >= options.max_iterations;
@@ -236,9 +253,7 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         for (int k = 0; !accepted && report.iterations < options.max_iterations && k < most_trials && history.size() > 0; ++k) {
             if (!(slope > 0))
                 break;
-            history.step(x, z, t, trial);
-            F_trial = problem.evaluate(trial, trial_g);
-            ++report.iterations;
+            F_trial = try_step(t);
             accepted = F_trial <= F - armijo * t * slope;
             if (accepted || report.iterations >= options.max_iterations)
                 break;
@@ -247,14 +262,22 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
             const double parabola = slope * t * t / (2 * (F_trial - F + slope * t));
             t = std::clamp(parabola, 0.1 * t, 0.6 * t);
         }
-        if (!accepted && report.iterations < options.max_iterations) {
-            history.clear();
-            history.step(x, z, 1.0, trial);
-            F_trial = problem.evaluate(trial, trial_g);
-            ++report.iterations;
+        t = 1.0;
+        for (int k = 0; k < options.plain_steps && !accepted && report.iterations < options.max_iterations;
+             ++k) {
+            if (k == 0) {
+                history.clear();
+            } else {
+                ++report.rejected;
+                problem.restore_state();
+                t *= shorter;
+            }
+            F_trial = try_step(t);
             accepted = F_trial < F;
             // At the minimum, the plain step changes F by rounding only, or not at all.
             report.converged = !accepted && F_trial <= F + rounding * std::abs(F);
+            if (report.converged)
+                break;
         }
         if (!accepted) {
             ++report.rejected;

@@ -31,6 +31,11 @@ public:
     /// \param gradient  at x.
     /// \return whether there is such a way.
     virtual bool correct(const Points& x, const Points& gradient, Points& better);
+
+    /// Moves a trial point onto the constraints of the problem, for example to a given volume. Such a problem
+    /// gives the gradient along its constraints.
+    /// \return whether the point has moved.
+    virtual bool admit(Points&) { return false; }
 };
 
 struct LbfgsOptions
@@ -41,6 +46,9 @@ struct LbfgsOptions
     /// How many iterations pass from one correction to the next, the correction included; 0 for none.
     int correction_period = 0;
     int window = 5;           ///< number of correction pairs, at most 16
+    /// How many plain steps are tried before the end, of lengths 1, 0.3, 0.09, ... One is enough where L
+    /// bounds the Hessian.
+    int plain_steps = 1;
 };
 
 /// The workspace of minimize(). If it is kept from one call to the next, it is not allocated again.
@@ -65,8 +73,8 @@ struct LbfgsWorkspace
 /// The history keeps s and L^-1 y for each correction pair, so that an iteration applies L^-1 only once. It
 /// also keeps their inner products, so that an iteration reads the pairs only twice. The pairs are in single
 /// precision, as they affect the direction of the steps only. A step must pass an Armijo test and has up to
-/// three trials. If all fail, the plain step x - L^-1 g is taken and the history is cleared. If the plain
-/// step raises F, too, the iteration ends, so no accepted step ever raises F.
+/// three trials. If all fail, the plain step x - L^-1 g is taken and the history is cleared. If all plain
+/// steps raise F, too, the iteration ends, so no accepted step ever raises F.
 ///
 /// \param[in,out] x  (n, 3) the start at first, the best point afterwards.
 /// \param work       the workspace of an earlier call; null for a new one.

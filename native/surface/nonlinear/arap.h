@@ -20,7 +20,7 @@ struct ArapOptions
     std::vector<double> rigidity{1.0};
     int max_iterations = 40; ///< iterations on the mesh per solve, rejected trials included
     /// solve() ends when the relative decrease of the energy is below this twice in succession.
-    double tolerance = 1e-5;
+    double tolerance = 1e-4;
 };
 
 /// As-rigid-as-possible surface deformation with smooth rotations.
@@ -43,16 +43,17 @@ struct ArapOptions
 /// Departs from the papers: a weight w_ij below 1e-6 of the mean weight (or negative) is raised to
 /// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
 /// computed from the poses alone, by a cascade of clustered graphs. The steps are those of L-BFGS in the
-/// metric of the Laplacian, with a test of the energy. Before rotations are fitted to their cells, one linear
+/// metric of the Laplacian, with a test of the energy, and corrections by the coarser graphs. Before rotations are fitted to their cells, one linear
 /// solve moves all of them together.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)
 ///   set_handles()  another set of handles        two factorisations, and those of the cascade; the first
 ///                                                call also computes the weights
-///   solve()        the handles moved             as much as 5 to 9 iterations for the start, then its
+///   solve()        the handles moved             as much as 3 to 5 iterations for the start, then its
 ///                                                iterations: two solves for x, y and z and n rotation fits
-///                                                each
+///                                                each; every third one is a correction by the coarser
+///                                                graphs and costs three times as much
 class Arap final : public SurfaceMethod
 {
 public:

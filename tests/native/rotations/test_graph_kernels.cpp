@@ -2,6 +2,7 @@
 #include "native/rotations/graph_kernels.h"
 
 #include "native/operators/rotation_fit.h"
+#include "native/rotations/cell_fits.h"
 #include "native/rotations/graph_problem.h"
 #include "tests/native/rotations/graphs.h"
 #include "tests/native/shapes.h"

@@ -297,4 +297,53 @@ TEST(MetricLbfgs, its_wide_kernels_agree_with_the_plain_ones_to_the_last_bit)
     }
 }
 
+TEST(MetricLbfgs, admitted_points_keep_a_constraint_and_reach_the_least_value_on_it)
+{
+    /// 1 + 1/2 |x - c|^2 on the sphere |x| = 1, least at c / |c|.
+    class OnSphere final : public MetricProblem
+    {
+    public:
+        Points c = Points::Zero(4, 3);
+        int outside = 0;
+        double evaluate(const Points& x, Points& gradient) override
+        {
+            outside += std::abs(x.norm() - 1) > 1e-12;
+            gradient = x - c;
+            gradient -= (gradient.cwiseProduct(x).sum()) * x;
+            return 1 + 0.5 * (x - c).squaredNorm();
+        }
+        void precondition(const Points& gradient, Points& z) const override { z = 0.5 * gradient; }
+        void keep_state() override {}
+        void restore_state() override {}
+        bool admit(Points& x) override
+        {
+            x /= x.norm();
+            return true;
+        }
+    } problem;
+    problem.c = shapes::Random(1).dense(4, 3);
+    Points x = shapes::Random(2).dense(4, 3);
+    problem.admit(x);
+    const SolveReport report = minimize(problem, x, {.max_iterations = 60, .tolerance = 1e-15});
+    EXPECT_EQ(problem.outside, 0);
+    EXPECT_LE(report.iterations, 30);
+    EXPECT_LT(shapes::distance(x, Points(problem.c / problem.c.norm())), 1e-6); // the root of the tolerance
+}
+
+TEST(MetricLbfgs, shorter_plain_steps_help_where_the_metric_is_too_small)
+{
+    const MatrixX A = 5 * MatrixX::Identity(6, 6);
+    for (const int steps : {1, 4}) {
+        Quadratic problem(A, MatrixX::Identity(6, 6)); // x - L^-1 g goes five times too far
+        Points x = Points::Zero(6, 3);
+        const SolveReport report =
+            minimize(problem, x, {.max_iterations = 50, .tolerance = 1e-14, .plain_steps = steps});
+        EXPECT_EQ(report.converged, steps == 4);
+        if (steps == 1)
+            EXPECT_EQ(x, Points::Zero(6, 3)) << "nothing was gained";
+        else
+            EXPECT_LT(shapes::distance(x, problem.minimum()), 1e-6);
+    }
+}
+
 } // namespace sinew
