@@ -167,12 +167,15 @@ void ClusterMap::collect_nodes(int clusters)
 void ClusterMap::restrict(const PointsView& points, Points& means) const
 {
     means.resize(cluster_count(), 3);
-    parallel_for(cluster_count(), [&](int p) {
-        Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-        for (int i : nodes(p))
-            sum += points.row(i);
-        means.row(p) = sum / static_cast<double>(nodes(p).size());
-    }, 256);
+    parallel_for(
+        cluster_count(),
+        [&](int p) {
+            Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+            for (int i : nodes(p))
+                sum += points.row(i);
+            means.row(p) = sum / static_cast<double>(nodes(p).size());
+        },
+        256);
 }
 
 std::vector<double> ClusterMap::restrict(const std::vector<double>& values) const

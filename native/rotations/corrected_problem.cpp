@@ -78,11 +78,9 @@ bool CorrectedProblem::correct(const Points& x, const Points& gradient, Points& 
     coarse.refresh(x_);
     tilt.resize(0, 3);
 
-    parallel_for(clusters,
-                 [&](int p) {
-                     turns_[p] = Eigen::Quaterniond(coarse.rotation(p) * before_[p].transpose());
-                 },
-                 grain);
+    parallel_for(
+        clusters, [&](int p) { turns_[p] = Eigen::Quaterniond(coarse.rotation(p) * before_[p].transpose()); },
+        grain);
     problem_.turn(map, turns_);
     better = x;
     problem_.relax(better, tilt_);

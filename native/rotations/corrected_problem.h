@@ -12,8 +12,8 @@
 
 namespace sinew {
 
-/// The iterations from one correction to the next, the correction included. More seldom, soft changes lag; more
-/// often, the steps between cannot smooth what a correction leaves.
+/// The iterations from one correction to the next, the correction included. More seldom, soft changes lag;
+/// more often, the steps between cannot smooth what a correction leaves.
 constexpr int correction_period = 3;
 
 /// The problem of one graph with corrections by that of a coarser one, whose nodes are clusters of its nodes.

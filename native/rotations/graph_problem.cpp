@@ -220,8 +220,8 @@ void GraphProblem::turn(const ClusterMap& map, const std::vector<Eigen::Quaterni
     for_each_moving([&](const GraphChunk& chunk) {
         for (int i = chunk.begin; i < chunk.end; ++i) {
             const std::size_t first = entries * static_cast<std::size_t>(i);
-            Eigen::Map<Packed>(after.data() + first) = handed_down(map, turns, i).toRotationMatrix() *
-                                                       Eigen::Map<const Packed>(before.data() + first);
+            Eigen::Map<Matrix3>(after.data() + first) = handed_down(map, turns, i).toRotationMatrix() *
+                                                        Eigen::Map<const Matrix3>(before.data() + first);
         }
     });
     current_ = next;

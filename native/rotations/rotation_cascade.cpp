@@ -88,8 +88,9 @@ RotationCascade::RotationCascade(const RotationGraph& fine, const Points& rest, 
     }
 }
 
-CascadeSolve::CascadeSolve(const RotationCascade& cascade, GraphProblem& fine_problem, const RotationGraph& fine,
-                           const Targets& targets, std::vector<GraphWorkspace>& work)
+CascadeSolve::CascadeSolve(const RotationCascade& cascade, GraphProblem& fine_problem,
+                           const RotationGraph& fine, const Targets& targets,
+                           std::vector<GraphWorkspace>& work)
     : cascade_(cascade), fine_problem_(fine_problem), fine_(fine), poses_(targets.poses), work_(work)
 {
     const std::vector<RotationLevel>& levels = cascade.levels();

@@ -49,8 +49,8 @@ struct GraphWorkspace
 ///
 /// Each level has an eighth of the nodes of the finer one, and at least 60; its nodes are clusters of the
 /// finer nodes, see graph_of_clusters(). On the coarsest level, the rotations of the handles are blended by
-/// harmonic weights. Then each level minimises its energy, with corrections by the coarser ones, and hands its
-/// rotations down to the finer one. All levels together cost as much as 2 to 4 iterations on the mesh.
+/// harmonic weights. Then each level minimises its energy, with corrections by the coarser ones, and hands
+/// its rotations down to the finer one. All levels together cost as much as 2 to 4 iterations on the mesh.
 class RotationCascade
 {
 public:

@@ -124,16 +124,6 @@ public:
         return slope;
     }
 
-    /// trial - x becomes s of the next pair.
-    void take(const Points& x, const Points& trial)
-    {
-        if (window_ == 0)
-            return;
-        parallel_for(numbers_, [&, s = at(size_).s.get()](int i) {
-            s[i] = static_cast<float>(trial.data()[i] - x.data()[i]);
-        });
-    }
-
     /// trial = x - t d. The step becomes s of the next pair.
     void step(const Points& x, const Points& z, double t, Points& trial)
     {
@@ -237,20 +227,24 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         bool accepted = false;
         if (options.correction_period > 0 && (report.iterations >= next_correction || small_steps > 0) &&
             !corrected && problem.correct(x, g, trial)) {
+            corrected = true;
             next_correction = report.iterations + options.correction_period;
             F_trial = problem.evaluate(trial, trial_g);
             ++report.iterations;
-            accepted = corrected = F_trial < F;
-            if (accepted)
-                history.take(x, trial);
-            else {
+            accepted = F_trial < F;
+            if (!accepted) {
                 ++report.rejected;
                 problem.restore_state();
+                continue;
             }
-        } else
+            history.moved(x, trial);
+        } else {
             corrected = false;
+        }
         double t = 1.0;
-        for (int k = 0; !accepted && report.iterations < options.max_iterations && k < most_trials && history.size() > 0; ++k) {
+        for (int k = 0;
+             !accepted && report.iterations < options.max_iterations && k < most_trials && history.size() > 0;
+             ++k) {
             if (!(slope > 0))
                 break;
             F_trial = try_step(t);
@@ -285,7 +279,7 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
             break;
         }
 
-        report.residual = F > 0 ? (F - F_trial) / F : 0.0;
+        report.residual = F != 0 ? (F - F_trial) / std::abs(F) : 0.0;
         small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
         if (report.iterations < options.max_iterations && small_steps < 2) {
             problem.precondition(trial_g, trial_z);

@@ -43,8 +43,8 @@ struct ArapOptions
 /// Departs from the papers: a weight w_ij below 1e-6 of the mean weight (or negative) is raised to
 /// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
 /// computed from the poses alone, by a cascade of clustered graphs. The steps are those of L-BFGS in the
-/// metric of the Laplacian, with a test of the energy, and corrections by the coarser graphs. Before rotations are fitted to their cells, one linear
-/// solve moves all of them together.
+/// metric of the Laplacian, with a test of the energy, and corrections by the coarser graphs. Before
+/// rotations are fitted to their cells, one linear solve moves all of them together.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)

@@ -265,6 +265,20 @@ TEST(Arap, is_near_its_minimum_after_ten_iterations)
     }
 }
 
+TEST(Arap, six_iterations_settle_soft_bends_and_twists)
+{
+    // A slab bends softly; steps in the metric alone leave .2 to .4 % of the box after six iterations.
+    for (const SurfaceMesh& mesh : {shapes::bar(40, 10), shapes::bar(60, 6)}) {
+        const double length = mesh.points().col(0).maxCoeff(), size = shapes::size(mesh.points());
+        const Arap arap = bound(mesh, {}, shapes::ends(mesh, 3));
+        for (const Poses& poses : {bend(60, length), Poses{shapes::still(), shapes::turn({1, 0, 0}, 90)}}) {
+            const Points limit = solve(arap, poses, {.max_iterations = 600, .tolerance = 1e-12}).positions;
+            const Points six = solve(arap, poses, {.max_iterations = 6, .tolerance = 0.0}).positions;
+            EXPECT_LT(shapes::distance(six, limit), 1e-3 * size);
+        }
+    }
+}
+
 TEST(Arap, last_bits_of_poses_and_of_the_rest_shape_stay_small)
 {
     // Symmetric meshes, whose clusters and diagonals are decided between equals; by poses that end within the
