@@ -149,7 +149,7 @@ class Arap(SurfaceMethod):
         cells: Literal["spokes", "rims"] = "spokes",
         rigidity: ArrayLike = 1.0,
         max_iterations: int = 40,
-        tolerance: float = 1e-5,
+        tolerance: float = 1e-4,
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
