@@ -56,7 +56,8 @@ SurfaceTraits traits()
         .slack = 0.0,
         .rest = 1e-13,
         .incoming = 1e-12,
-        .translation = 1e-10,
+        // One held vertex leaves a condition of 1e6, and bands are solved one after the other.
+        .translation = 1e-9,
         .similar = 1e-9,
         .scaled = 1e-9,
         .updates = "wavelength",
