@@ -13,6 +13,8 @@ import sinew_native as sn
 from .meshes import BENT, STILL, ends, grid, shift, sphere
 from .methods import EVERY_SPACE_METHOD, EVERY_SURFACE_METHOD, called, inside, made
 
+DETAILS = ("normal_displacements", "displacement_volumes", "deformation_transfer")  # beside the default
+
 
 def given() -> dict[str, np.ndarray]:
     """The input. It is stored with the answers, since sines of two systems may differ in the last bit."""
@@ -30,13 +32,21 @@ def answers(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     found = {}
     for name in ("hill", "ball"):
         mesh = sn.SurfaceMesh(of[name], of[f"{name}_faces"])
+        handles = ends(of[name], 0.3 if name == "ball" else 1.6)
+        poses = of["poses"] if name == "hill" else np.stack([STILL, shift(0, 0.3, 0.1)])
         for method, options in EVERY_SURFACE_METHOD:
             surface = made(method, mesh, **options)
-            surface.set_handles(ends(of[name], 0.3 if name == "ball" else 1.6))
-            poses = of["poses"] if name == "hill" else np.stack([STILL, shift(0, 0.3, 0.1)])
+            surface.set_handles(handles)
             found[f"solve {called(method)} {called(options)} {name}"] = surface.solve(poses)[0]
+        for details in DETAILS:
+            surface = sn.Multiresolution(mesh, sn.ThinShell(mesh), details=details)
+            surface.set_handles(handles)
+            found[f"solve Multiresolution details={details} {name}"] = surface.solve(poses)[0]
         fine = sn.SubdivisionSurface(mesh, level=2)
         found[f"subdivision {name}"] = fine.refine(of[name])
+        found |= sketched(of[name], mesh, name)
+        transfer = sn.MeshTransfer(mesh, sn.SurfaceMesh(of[name] * (1.0, 1.5, 0.8), of[f"{name}_faces"]))
+        found[f"solve MeshTransfer {name}"] = transfer.transfer(of[name] + 0.1 * of[name][:, ::-1] ** 2)
     cage = sn.SurfaceMesh(of["cage"], of["cage_faces"])
     for method, options in EVERY_SPACE_METHOD:
         coordinates = made(method, cage, **options)
@@ -45,6 +55,21 @@ def answers(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     ball = sn.SurfaceMesh(of["ball"], of["ball_faces"])
     for count in (60, 100, 300):
         found[f"automatic cage {count}"] = sn.automatic_cage(ball, count, 0.1)[0]
+    return found
+
+
+def sketched(points: np.ndarray, mesh: sn.SurfaceMesh, name: str) -> dict[str, np.ndarray]:
+    """The outline seen from above, how a stroke beside half of it fits it, and the shapes that follow it."""
+    edges, shares, _closed = max(sn.silhouette_lines(mesh, np.eye(3)), key=lambda line: len(line[0]))
+    on_it = points[edges[:, 0]] + shares[:, None] * (points[edges[:, 1]] - points[edges[:, 0]])
+    size = np.ptp(points, axis=0).max()
+    stroke = on_it[: len(on_it) // 2] + size * np.array([0.03, 0.05, 0.0])
+    edges, shares, targets = sn.fit_stroke(mesh, stroke, np.eye(3))
+    found = {f"outline {name}": on_it, f"stroke {name}": targets}
+    held = np.flatnonzero(np.linalg.norm(points - stroke.mean(0), axis=1) > 0.8 * size)
+    for laplacian in ("cotan_voronoi", "uniform"):
+        sketch = sn.SilhouetteSketch(mesh, edges, shares, held, laplacian=laplacian)
+        found[f"solve SilhouetteSketch laplacian={laplacian} {name}"] = sketch.solve(targets)
     return found
 
 
