@@ -63,8 +63,6 @@ struct BindReport
     int detail_vectors = 0;
     int irregular_parts = 0; ///< parts with a handle that a method for subdivided meshes could not coarsen
     std::vector<int> irregular_vertices; ///< the vertices of those parts
-    /// Vertices whose ring overlaps when it is projected, of a method that projects them.
-    std::vector<int> folded_rings;
     int degenerate_faces = 0;       ///< faces with a triangle of (nearly) no area, whose area was raised
     int factorizations = 0;         ///< numeric factorisations so far, with those of earlier objects
     int analyses = 0;               ///< symbolic factorisations so far, likewise

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -203,13 +204,20 @@ void PyramidCoordinates::bind(const Regions& regions, BindReport& report, const 
     self.bound = std::move(next);
     self.factorizations += 1;
     report.factorizations = self.factorizations;
-    report.folded_rings = self.assembled->weights.folded;
-    if (self.assembled->morph) {
-        std::vector<int> both;
-        std::ranges::set_union(report.folded_rings, self.assembled->morph->folded(), std::back_inserter(both));
-        report.folded_rings = std::move(both);
-    }
     report.factor_bytes = self.bound->cells.factor().bytes() + self.bound->start.factor_bytes();
+}
+
+std::vector<int> PyramidCoordinates::folded_rings() const
+{
+    const AccessLock shared = reading();
+    std::vector<int> both;
+    if (!impl_->assembled)
+        return both;
+    const std::vector<int>& own = impl_->assembled->weights.folded;
+    if (!impl_->assembled->morph)
+        return own;
+    std::ranges::set_union(own, impl_->assembled->morph->folded(), std::back_inserter(both));
+    return both;
 }
 
 std::vector<std::string> PyramidCoordinates::changed_options(const SurfaceMethod& former) const

@@ -50,7 +50,7 @@ struct PyramidCoordinatesOptions
 /// Departs from the papers: rotations take the place of normals that are computed again and again, which needs
 /// one factor only; there the lengths of projected edges are kept by a term of their own. The start is that
 /// of a cascade of clustered graphs instead of the shape of the last frame. At open borders and edges of three
-/// faces weights are equal, as they are where the projection of a ring overlaps; the report names the latter.
+/// faces weights are equal, as they are where the projection of a ring overlaps: see folded_rings().
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)
@@ -66,6 +66,10 @@ public:
     explicit PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoordinatesOptions& options = {});
     ~PyramidCoordinates() override;
     PyramidCoordinates(PyramidCoordinates&&) noexcept;
+
+    /// The vertices whose ring overlaps in its projection, at rest or in the target shape: they have equal
+    /// weights. None before set_handles().
+    std::vector<int> folded_rings() const;
 
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
