@@ -261,7 +261,8 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
     if (morph || targets.incoming) {
         shape = &work->shape;
         if (morph)
-            morph->mix(cells, self.assembled->rings, targets.base(), request.morph, work->shape, work->turns);
+            morph->mix(cells, self.assembled->rings, targets.rest, targets.base(), request.morph, work->shape,
+                       work->turns);
         else
             cells.keep(targets.base(), work->shape);
     }
@@ -273,8 +274,13 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
             work->x.row(p) = request.start->row(cells.order()[p]) / bound.unit;
         });
     } else {
-        bound.start.rotations(targets, work->cascade, work->rotations);
+        // The cascade keeps sizes, so where rings may grow it gets poses without their mean size.
         const double scale = self.options.similarity ? scale_of(targets.poses) : 1.0;
+        Poses poses = targets.poses;
+        for (Pose& pose : poses)
+            pose /= scale;
+        bound.start.rotations({poses, targets.rest, targets.incoming, targets.from_rest}, work->cascade,
+                              work->rotations);
         parallel_for(cells.cell_count(), [&](int c) {
             Eigen::Quaterniond R = work->rotations[cells.order()[c]];
             if (morph)
@@ -296,7 +302,10 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
         const PointsView goal = view(work->goals.held);
         const RigidFit motion(part, view(positions), goal);
         for (const int v : part)
-            positions.row(v) = morph ? motion(positions.row(v).transpose()).transpose() : goal.row(v);
+            if (morph)
+                positions.row(v) = motion(positions.row(v).transpose()).transpose();
+            else
+                positions.row(v) = goal.row(v);
     }
     positions *= bound.unit;
     return report;

@@ -17,7 +17,7 @@ struct PyramidCoordinatesOptions
     /// Whether rings may also grow and shrink, from half to twice their size.
     bool similarity = false;
     /// Another shape of the same mesh, to which solve() can morph: SolveRequest::morph.
-    std::shared_ptr<const SurfaceMesh> target_shape;
+    std::shared_ptr<const SurfaceMesh> target_shape{};
     int max_iterations = 40; ///< iterations per solve, rejected trials included
     /// solve() ends when the relative decrease of the energy is below this twice in succession.
     double tolerance = 1e-4;

@@ -44,8 +44,8 @@ PyramidMorph::PyramidMorph(const Rings& rings, const std::vector<double>& shares
         differences_[a] -= shares[a];
 }
 
-void PyramidMorph::mix(const PyramidCells& cells, const Rings& rings, const PointsView& base, double t,
-                       PyramidShape& shape, std::vector<Eigen::Quaterniond>& turns) const
+void PyramidMorph::mix(const PyramidCells& cells, const Rings& rings, const PointsView& rest,
+                       const PointsView& base, double t, PyramidShape& shape, std::vector<Eigen::Quaterniond>& turns) const
 {
     cells.keep(base, shape);
     turns.resize(cells.cell_count());
@@ -68,7 +68,8 @@ void PyramidMorph::mix(const PyramidCells& cells, const Rings& rings, const Poin
             }
             Eigen::Map<Vector3> own(shape.tips.data() + 3 * static_cast<std::size_t>(c));
             own = (1 - t) * own + t * other + tip;
-            turns[c] = Eigen::Quaterniond::Identity().slerp(t, turn);
+            const bool moved = base.data() != rest.data();
+            turns[c] = Eigen::Quaterniond::Identity().slerp(t, moved ? rings.turn(rest, base, i) * turn : turn);
         },
         512);
 }

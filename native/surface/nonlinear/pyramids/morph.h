@@ -56,12 +56,14 @@ public:
     /// The vertices where the second shape gives no mean-value weights; see Rings.
     const std::vector<int>& folded() const { return weights_.folded; }
 
-    /// \param base        (n, 3) the first shape.
+    /// \param rest        (n, 3) the shape that the target belongs to.
+    /// \param base        (n, 3) the first shape: what `rest` has become.
     /// \param t           in [0, 1].
     /// \param[out] shape  the mixture.
-    /// \param[out] turns  one per cell: the rotation of its ring from the first shape to the mixture.
-    void mix(const PyramidCells& cells, const Rings& rings, const PointsView& base, double t,
-             PyramidShape& shape, std::vector<Eigen::Quaterniond>& turns) const;
+    /// \param[out] turns  one per cell: the rotation of its ring from the first shape to the mixture, if the
+    ///                    target goes where the rest went.
+    void mix(const PyramidCells& cells, const Rings& rings, const PointsView& rest, const PointsView& base,
+             double t, PyramidShape& shape, std::vector<Eigen::Quaterniond>& turns) const;
 
 private:
     Points target_;

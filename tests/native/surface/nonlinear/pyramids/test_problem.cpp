@@ -15,7 +15,7 @@ namespace sinew {
 
 namespace {
 
-struct Setup
+struct Scene
 {
     SurfaceMesh mesh;
     Rings rings;
@@ -26,7 +26,7 @@ struct Setup
     PyramidShape shape;
     Points noisy, pulls;
 
-    explicit Setup(const SurfaceMesh& of)
+    explicit Scene(const SurfaceMesh& of)
         : mesh(of), rings(mesh), weights(rings.mean_value_weights(view(mesh.points()))),
           stiffness(mesh, rings, weights, 0.05), moving(some(rings)),
           cells(rings, weights.shares, stiffness, moving, {{2, 0, 0.5}}), noisy(mesh.points()),
@@ -60,7 +60,7 @@ struct Setup
 TEST(PyramidProblem, agrees_with_the_table_of_rows)
 {
     for (const SurfaceMesh& mesh : {shapes::sphere(2), shapes::hill(9, 7), shapes::messy()}) {
-        const Setup own(mesh);
+        const Scene own(mesh);
         const int n = mesh.vertex_count();
         RotationRows rows(n, n);
         std::vector<bool> held(n);
@@ -94,7 +94,7 @@ TEST(PyramidProblem, agrees_with_the_table_of_rows)
 
 TEST(PyramidProblem, gradient_is_that_of_the_energy)
 {
-    const Setup own(shapes::hill(8, 7));
+    const Scene own(shapes::hill(8, 7));
     for (const bool scaled : {false, true}) {
         PyramidBuffers buffers;
         PyramidProblem problem(own.cells, own.shape, scaled, own.noisy, own.pulls, buffers);
@@ -115,7 +115,7 @@ TEST(PyramidProblem, gradient_is_that_of_the_energy)
 
 TEST(PyramidProblem, kernels_agree_to_the_last_bit)
 {
-    const Setup own(shapes::sphere(3));
+    const Scene own(shapes::sphere(3));
     const PyramidKernels* const wide = kernels_with<PyramidKernels>(Instructions::avx2);
     if (!wide)
         GTEST_SKIP() << "no wide instructions here";
@@ -204,7 +204,7 @@ TEST(Rings, known_weights)
 TEST(PyramidMorph, mixes_weights_heights_and_edges)
 {
     const SurfaceMesh mesh = shapes::hill(8, 7);
-    const Setup own(mesh);
+    const Scene own(mesh);
     Points other = shapes::transformed(mesh.points(), shapes::turn({1, 2, 3}, 50));
     shapes::Random random(9);
     for (int i = 0; i < other.rows(); ++i)
@@ -214,7 +214,7 @@ TEST(PyramidMorph, mixes_weights_heights_and_edges)
     PyramidShape shape;
     std::vector<Eigen::Quaterniond> turns;
     for (const double t : {0.0, 0.3, 1.0}) {
-        morph.mix(own.cells, own.rings, view(mesh.points()), t, shape, turns);
+        morph.mix(own.cells, own.rings, view(mesh.points()), view(mesh.points()), t, shape, turns);
         for (int c = 0; c < own.cells.cell_count(); ++c) {
             const int i = own.cells.order()[c], first = own.rings.offsets()[i];
             // By weights that are mixed, the tip of the mixed edges is the mixture of the tips.
