@@ -81,6 +81,14 @@ def pointed(deformer: SinewDeformer) -> Iterator[Object]:
             yield obj
 
 
+def has_mesh_shape(settings: SinewDeformer) -> bool:
+    """Whether a parameter of its methods names another shape of the mesh."""
+    return any(
+        isinstance(parameter, MeshShape) and getattr(values, parameter.id) is not None
+        for values, parameter in _referring(settings)
+    )
+
+
 def uv_maps(settings: SinewDeformer) -> dict[str, Parameter]:
     """The UV maps that parameters name, each with one of these parameters."""
     return {
