@@ -13,6 +13,8 @@ namespace sinew {
 
 namespace {
 
+constexpr double unstrained = 1e-8; ///< energy, as a share of that of a shape shrunk to a point
+
 Eigen::Map<Matrix3> at(std::vector<double>& rotations, int cell)
 {
     return Eigen::Map<Matrix3>(rotations.data() + entries * static_cast<std::size_t>(cell));
@@ -115,9 +117,11 @@ void PyramidProblem::precondition(const Points& gradient, Points& z) const
 void PyramidProblem::positions_for_rotations(Points& x)
 {
     x = PointsView(buffers_.points.data(), cells_.moving_count(), 3);
-    // The factor is in single precision, so each solve leaves a share of the error.
+    // The factor is in single precision, so each solve leaves a share of the error. That counts where hardly
+    // anything is strained; elsewhere the descent goes on from here anyway.
     for (int k = 0; k < 3; ++k) {
-        pass(false, buffers_.gradient);
+        if (pass(false, buffers_.gradient) > unstrained * scale_ && k > 1)
+            break;
         cells_.factor().solve(buffers_.gradient, buffers_.gradient);
         x -= buffers_.gradient;
         move_to(x);
