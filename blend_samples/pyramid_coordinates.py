@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Half-way to a twisted Spot: pyramid coordinates keep the body whole, where straight lines make it shrink."""
+"""Half-way to a twisted Spot: pyramid coordinates keep the body whole, straight lines make it shrink."""
 
 from __future__ import annotations
 
@@ -68,5 +68,7 @@ def pose(cow: bpy.types.Object, target: bpy.types.Object) -> None:
         scene.frame_set(frame)
         wanted = np.array([vertex.co for vertex in mesh.vertices])
         if np.abs(posing.shape(cow) - wanted).max() > 1e-4:
-            raise posing.SampleError(f"frame {frame} is not the shape at that end: {posing.deformer_line(cow)}")
+            raise posing.SampleError(
+                f"frame {frame} is not the shape at that end: {posing.deformer_line(cow)}"
+            )
     scene.frame_set(MIDDLE_FRAME)

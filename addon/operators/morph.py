@@ -93,5 +93,7 @@ class SINEW_OT_morph(BindingOperator, Operator):
             found = others[0]
             self.target = found.name
         if found.type != "MESH" or found == context.object:
-            raise SinewError(f"{context.object.name} cannot morph to {found.name} - choose another mesh object")
+            raise SinewError(
+                f"{context.object.name} cannot morph to {found.name} - choose another mesh object"
+            )
         return found

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pyramid coordinates: an iteration next to one of ARAP, a whole frame, and how many iterations settle a bar.
 
-The counts depend on no machine: iterations until the points are within 1 % of their way to the converged shape,
-in the mean square, from the poses alone.
+The counts depend on no machine: iterations until the points are within 1 % of their way to the converged
+shape, in the mean square, from the poses alone.
 """
 
 import numpy as np
@@ -83,9 +83,7 @@ def _iteration(case: Case, threads: tuple[int, ...]) -> list[Row]:
 def _frame(case: Case, threads: tuple[int, ...]) -> list[Row]:
     method = _bound(sinew_native.PyramidCoordinates, case)
     works = {
-        count: Work(
-            lambda: method.solve(case.poses), lambda count=count: sinew_native.limit_threads(count)
-        )
+        count: Work(lambda: method.solve(case.poses), lambda count=count: sinew_native.limit_threads(count))
         for count in threads
     }
     alternate(works)

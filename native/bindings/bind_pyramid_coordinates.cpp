@@ -39,9 +39,9 @@ tolerance       >= 0: stop when the relative decrease of the energy is below it 
 Raises InvalidOption; InvalidMesh if the target shape has another number of vertices or other faces, which the error
 names.)")
         .def_property_readonly(
-            "folded_rings",
-            [](const PyramidCoordinates& method) { return to_numpy(method.folded_rings()); },
-            "(f,) vertices whose ring overlaps in its projection, at rest or in the target shape, so that they "
+            "folded_rings", [](const PyramidCoordinates& method) { return to_numpy(method.folded_rings()); },
+            "(f,) vertices whose ring overlaps in its projection, at rest or in the target shape, so that "
+            "they "
             "have equal\nweights; none before set_handles().");
 }
 

@@ -57,8 +57,9 @@ py::tuple solve(const SurfaceMethod& method, const py::object& poses, const py::
     Poses maps = bindings::poses(poses);
     std::optional<std::vector<bool>> aims = flags(from_rest, maps.size());
     const OptionalPoints entering(incoming, "incoming"), first(start, "start");
-    const SolveRequest request{std::move(maps), entering.view, std::move(aims),    first.view,
-                               max_iterations,  tolerance,     progress(callback), substeps, morph};
+    const SolveRequest request{std::move(maps),    entering.view,  std::move(aims),
+                               first.view,         max_iterations, tolerance,
+                               progress(callback), substeps,       morph};
     return solved(out, method.rest().vertex_count(),
                   [&](Points& positions) { return method.solve(request, positions); });
 }

@@ -127,8 +127,7 @@ void morph_goals(const Binding& bound, const Regions& regions, const Targets& ta
     };
     for (int h = 0; h < regions.handle_count(); ++h) {
         const std::vector<int>& vertices = regions.handles()[h].vertices;
-        const PointsView base =
-            targets.from_rest && (*targets.from_rest)[h] ? targets.rest : targets.base();
+        const PointsView base = targets.from_rest && (*targets.from_rest)[h] ? targets.rest : targets.base();
         const RegionMorph morph = region(vertices, base);
         const auto goal = [&](int v) {
             return apply(targets.poses[h], morph.at(base.row(v).transpose(), carried.row(v).transpose()));
@@ -225,7 +224,7 @@ std::vector<std::string> PyramidCoordinates::changed_options(const SurfaceMethod
     const PyramidCoordinatesOptions &own = impl_->options,
                                     &other = static_cast<const PyramidCoordinates&>(former).impl_->options;
     const bool same_target = own.target_shape && other.target_shape ? *own.target_shape == *other.target_shape
-                                                                   : own.target_shape == other.target_shape;
+                                                                    : own.target_shape == other.target_shape;
     return names_of({{"side", own.side != other.side}, {"target_shape", !same_target}});
 }
 
@@ -270,9 +269,8 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
                            work->buffers);
     if (request.start) {
         work->x.resize(cells.moving_count(), 3);
-        parallel_for(cells.moving_count(), [&](int p) {
-            work->x.row(p) = request.start->row(cells.order()[p]) / bound.unit;
-        });
+        parallel_for(cells.moving_count(),
+                     [&](int p) { work->x.row(p) = request.start->row(cells.order()[p]) / bound.unit; });
     } else {
         // The cascade keeps sizes, so where rings may grow it gets poses without their mean size.
         const double scale = self.options.similarity ? scale_of(targets.poses) : 1.0;

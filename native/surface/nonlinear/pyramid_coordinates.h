@@ -39,18 +39,18 @@ struct PyramidCoordinatesOptions
 /// with the weights w of the rest shape, c_i = side / valence, and k_i = A / (866 l_i^2), where A is the
 /// area of the part and l_i^2 the mean square of the ring's edges: 1 for a part of 1000 even triangles'
 /// vertices. So bending resists as much on a fine mesh as on a coarse one. k_i is bounded such that
-/// k_i |d_i|^2 <= 2 side l_i^2 at rest; otherwise a crease would resist more on a finer mesh. With `similarity`,
-/// s_i R_i takes the place of R_i, 1/2 <= s_i <= 2.
+/// k_i |d_i|^2 <= 2 side l_i^2 at rest; otherwise a crease would resist more on a finer mesh. With
+/// `similarity`, s_i R_i takes the place of R_i, 1/2 <= s_i <= 2.
 ///
 /// Morphing mixes the coordinates of the base with those of the target shape, (1 - t) of one and t of the
 /// other, and reconstructs; the two rings of a vertex are turned onto each other before. Handles take their
 /// vertices along, by a rigid motion and a rest. Parts without a handle are morphed, too, and lie where they
 /// fit both shapes best. So t = 0 gives the base and t = 1 the target shape, both moved by the handles.
 ///
-/// Departs from the papers: rotations take the place of normals that are computed again and again, which needs
-/// one factor only; there the lengths of projected edges are kept by a term of their own. The start is that
-/// of a cascade of clustered graphs instead of the shape of the last frame. At open borders and edges of three
-/// faces weights are equal, as they are where the projection of a ring overlaps: see folded_rings().
+/// Departs from the papers: rotations take the place of normals that are computed again and again, which
+/// needs one factor only; there the lengths of projected edges are kept by a term of their own. The start is
+/// that of a cascade of clustered graphs instead of the shape of the last frame. At open borders and edges of
+/// three faces weights are equal, as they are where the projection of a ring overlaps: see folded_rings().
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)

@@ -69,7 +69,8 @@ PyramidStiffness::PyramidStiffness(const SurfaceMesh& mesh, const Rings& rings, 
         if (!(sums[part] > 0))
             continue;
         const double square = std::max(squares[i], least_ring * sums[part] / counts[part]);
-        const double wanted = areas[part] > 0 ? areas[part] / (reference_vertices * vertex_area * square) : 1.0;
+        const double wanted =
+            areas[part] > 0 ? areas[part] / (reference_vertices * vertex_area * square) : 1.0;
         const double crease = most_crease * side * square;
         tips[i] = wanted * depths[i] > crease ? crease / depths[i] : wanted;
     }
@@ -117,8 +118,8 @@ PyramidCells::PyramidCells(const Rings& rings, const std::vector<double>& shares
             const auto first = rings.neighbours().begin() + rings.offsets()[j],
                        last = rings.neighbours().begin() + rings.offsets()[j + 1];
             if (ends_[a] < cells)
-                backs_[a] = offsets_[ends_[a]] +
-                            static_cast<int>(std::lower_bound(first, last, order_[p]) - first);
+                backs_[a] =
+                    offsets_[ends_[a]] + static_cast<int>(std::lower_bound(first, last, order_[p]) - first);
         }
     });
     for (std::size_t k = 0; k < soft.size(); ++k)

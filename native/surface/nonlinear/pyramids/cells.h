@@ -42,7 +42,8 @@ struct PyramidShape
 class PyramidCells
 {
 public:
-    /// \param moving  (n) the points to solve for. Each is connected with one that does not move or is pulled.
+    /// \param moving  (n) the points to solve for. Each is connected with one that does not move or is
+    /// pulled.
     /// \throw FactorizationFailed  names a vertex.
     PyramidCells(const Rings& rings, const std::vector<double>& shares, const PyramidStiffness& stiffness,
                  const std::vector<bool>& moving, const std::vector<SoftConstraint>& soft);

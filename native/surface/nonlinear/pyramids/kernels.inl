@@ -20,8 +20,7 @@ void covariances(const PyramidView& view, int begin, int end, double* S)
             tip = tip - view.shares[a] * y;
             s = s + outer(y, point(view.edges, a));
         }
-        store(S, i - begin,
-              scaled(view.sides[i], s) + outer(view.stiffness[i] * tip, point(view.tips, i)));
+        store(S, i - begin, scaled(view.sides[i], s) + outer(view.stiffness[i] * tip, point(view.tips, i)));
     }
 }
 

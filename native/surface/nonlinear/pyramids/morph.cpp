@@ -29,7 +29,8 @@ RigidFit::RigidFit(std::span<const int> vertices, const PointsView& before, cons
     R = fit_rotation(covariance);
 }
 
-RegionMorph::RegionMorph(std::span<const int> vertices, const PointsView& from, const PointsView& to, double t)
+RegionMorph::RegionMorph(std::span<const int> vertices, const PointsView& from, const PointsView& to,
+                         double t)
     : fit_(vertices, from, to), t_(t), middle_((1 - t) * fit_.from + t * fit_.to),
       turn_(t < 1 ? Eigen::Quaterniond::Identity().slerp(t, Eigen::Quaterniond(fit_.R)).toRotationMatrix()
                   : fit_.R)
@@ -45,7 +46,8 @@ PyramidMorph::PyramidMorph(const Rings& rings, const std::vector<double>& shares
 }
 
 void PyramidMorph::mix(const PyramidCells& cells, const Rings& rings, const PointsView& rest,
-                       const PointsView& base, double t, PyramidShape& shape, std::vector<Eigen::Quaterniond>& turns) const
+                       const PointsView& base, double t, PyramidShape& shape,
+                       std::vector<Eigen::Quaterniond>& turns) const
 {
     cells.keep(base, shape);
     turns.resize(cells.cell_count());
@@ -69,7 +71,8 @@ void PyramidMorph::mix(const PyramidCells& cells, const Rings& rings, const Poin
             Eigen::Map<Vector3> own(shape.tips.data() + 3 * static_cast<std::size_t>(c));
             own = (1 - t) * own + t * other + tip;
             const bool moved = base.data() != rest.data();
-            turns[c] = Eigen::Quaterniond::Identity().slerp(t, moved ? rings.turn(rest, base, i) * turn : turn);
+            turns[c] =
+                Eigen::Quaterniond::Identity().slerp(t, moved ? rings.turn(rest, base, i) * turn : turn);
         },
         512);
 }

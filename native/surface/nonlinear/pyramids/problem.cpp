@@ -84,9 +84,8 @@ double PyramidProblem::pass(bool fit, Points& gradient)
                                        least_scale, most_scale);
             }
         }
-        buffers_.energies[begin / graph_chunk] =
-            kernels_.forces(view_, begin, end, buffers_.rotations.data(), buffers_.forces.data(),
-                            buffers_.sums.data());
+        buffers_.energies[begin / graph_chunk] = kernels_.forces(
+            view_, begin, end, buffers_.rotations.data(), buffers_.forces.data(), buffers_.sums.data());
     });
     double energy = 0.5 * std::accumulate(buffers_.energies.begin(), buffers_.energies.end(), 0.0);
     gradient.resize(cells_.moving_count(), 3);

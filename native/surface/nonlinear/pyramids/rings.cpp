@@ -40,7 +40,8 @@ Rings::Rings(const SurfaceMesh& mesh)
     }
 
     const auto directed = [&](int from, int to) {
-        const auto first = neighbours_.begin() + offsets_[from], last = neighbours_.begin() + offsets_[from + 1];
+        const auto first = neighbours_.begin() + offsets_[from],
+                   last = neighbours_.begin() + offsets_[from + 1];
         return static_cast<int>(std::lower_bound(first, last, to) - neighbours_.begin());
     };
     first_corner_.assign(n + 1, 0);
@@ -112,7 +113,8 @@ Rings::Weights Rings::mean_value_weights(const PointsView& points) const
                 for (int c = first_corner_[i]; c < first_corner_[i + 1]; ++c) {
                     const Vector3 &a = flat[corners_[c][0] - first], &b = flat[corners_[c][1] - first];
                     const double along = a.norm(), beyond = b.norm();
-                    const double tangent = a.cross(b).dot(N) / (along * beyond + a.dot(b)); // of half the angle
+                    const double tangent =
+                        a.cross(b).dot(N) / (along * beyond + a.dot(b)); // of half the angle
                     found.shares[corners_[c][0]] += tangent / along;
                     found.shares[corners_[c][1]] += tangent / beyond;
                 }

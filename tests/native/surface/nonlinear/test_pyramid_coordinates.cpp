@@ -156,7 +156,8 @@ TEST(PyramidCoordinates, unrelated_starts_meet)
             const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 2), {.similarity = similarity});
             const Points limit = solve(method, poses, {.max_iterations = 2000, .tolerance = 1e-14}).positions;
             const Points other =
-                solve(method, poses, {.start = view(rest), .max_iterations = 4000, .tolerance = 1e-14}).positions;
+                solve(method, poses, {.start = view(rest), .max_iterations = 4000, .tolerance = 1e-14})
+                    .positions;
             EXPECT_LT(shapes::distance(limit, other), 1e-4 * size) << similarity;
         }
 }
@@ -169,10 +170,12 @@ TEST(PyramidCoordinates, energy_never_rises_along_the_iterations)
     for (const bool similarity : {false, true})
         for (const std::vector<Handle>& handles : {shapes::ends(mesh, 2), soft}) {
             const PyramidCoordinates method = bound(mesh, handles, {.similarity = similarity});
-            for (const Poses& poses : {bend(120), twist(135), Poses{shapes::still(), shapes::shift(-6, 8, 0)}}) {
+            for (const Poses& poses :
+                 {bend(120), twist(135), Poses{shapes::still(), shapes::shift(-6, 8, 0)}}) {
                 double before = std::numeric_limits<double>::infinity();
                 for (int k = 0; k <= 16; ++k) {
-                    const SolveReport s = solve(method, poses, {.max_iterations = k, .tolerance = 0.0}).report;
+                    const SolveReport s =
+                        solve(method, poses, {.max_iterations = k, .tolerance = 0.0}).report;
                     EXPECT_LE(s.iterations, k);
                     EXPECT_LE(s.energy, before * (1 + 1e-12)) << "iteration " << k;
                     before = s.energy;
@@ -201,11 +204,12 @@ TEST(PyramidCoordinates, bends_alike_on_coarse_and_fine_meshes)
 {
     std::vector<double> middles;
     for (const int across : {4, 8, 16}) {
-        const SurfaceMesh mesh = shapes::moved(shapes::bar(4 * across, across),
-                                               shapes::bar(4 * across, across).points() / across);
+        const SurfaceMesh mesh =
+            shapes::moved(shapes::bar(4 * across, across), shapes::bar(4 * across, across).points() / across);
         const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 0.25));
         const Points shape = solve(method, {shapes::still(), shapes::shift(-1, 1.5, 0)},
-                                   {.max_iterations = 400, .tolerance = 1e-10}).positions;
+                                   {.max_iterations = 400, .tolerance = 1e-10})
+                                 .positions;
         double sum = 0.0;
         int count = 0;
         for (int v = 0; v < shape.rows(); ++v)
@@ -228,7 +232,8 @@ TEST(PyramidCoordinates, names_the_vertices_whose_ring_overlaps)
     points.row(middle) += Eigen::RowVector3d(2.5, 0, 0.1);
     const SurfaceMesh folded = shapes::moved(plane, points);
     PyramidCoordinates method(folded);
-    const std::vector<Handle> handles{{shapes::where(folded, [](const Vector3& p) { return p.x() < 0.5; }), {}}};
+    const std::vector<Handle> handles{
+        {shapes::where(folded, [](const Vector3& p) { return p.x() < 0.5; }), {}}};
     EXPECT_TRUE(method.folded_rings().empty());
     method.set_handles(handles);
     EXPECT_TRUE(std::ranges::binary_search(method.folded_rings(), middle));
@@ -302,7 +307,8 @@ TEST(PyramidMorphing, takes_the_target_along_with_what_enters)
     EXPECT_LT(shapes::distance(solve(method, still, {.incoming = view(incoming), .morph = 1.0}).positions,
                                shapes::transformed(target.points(), walk)),
               1e-10);
-    EXPECT_LT(shapes::distance(solve(method, still, {.incoming = view(incoming)}).positions, incoming), 1e-11);
+    EXPECT_LT(shapes::distance(solve(method, still, {.incoming = view(incoming)}).positions, incoming),
+              1e-11);
 }
 
 TEST(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
@@ -317,7 +323,8 @@ TEST(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
     const PyramidCoordinates method = bound(both, handles, toward(target));
     const Poses still{shapes::still(), shapes::still()};
     EXPECT_LT(shapes::distance(solve(method, still, {.morph = 1.0}).positions, points), 1e-10);
-    EXPECT_LT(shapes::distance(solve(method, still).positions.bottomRows(6), both.points().bottomRows(6)), 1e-15);
+    EXPECT_LT(shapes::distance(solve(method, still).positions.bottomRows(6), both.points().bottomRows(6)),
+              1e-15);
     const Points half = solve(method, still, {.morph = 0.5}).positions;
     EXPECT_LT(shapes::distance(half.bottomRows(6), 0.5 * (points + both.points()).bottomRows(6)), 1e-9);
 }
@@ -328,8 +335,8 @@ TEST(PyramidMorphing, refuses_another_mesh_and_factors_out_of_range)
     EXPECT_THROW(PyramidCoordinates(mesh, toward(shapes::cube())), InvalidMesh);
     auto faces = shapes::faces_of(mesh);
     std::swap(faces[2][0], faces[2][1]);
-    const auto error = refusal<InvalidMesh>(
-        [&] { PyramidCoordinates(mesh, toward(shapes::over(mesh.points(), faces))); });
+    const auto error =
+        refusal<InvalidMesh>([&] { PyramidCoordinates(mesh, toward(shapes::over(mesh.points(), faces))); });
     expect_elements(error, Error::Element::face, {2});
     const PyramidCoordinates method = bound(mesh, {{{0}, {}}}, toward(mesh));
     for (const double t : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()})

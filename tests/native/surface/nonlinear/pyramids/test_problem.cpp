@@ -177,9 +177,8 @@ TEST(Rings, coordinates_do_not_change_by_motions_and_sizes)
 TEST(Rings, known_weights)
 {
     // In a regular ring all weights are equal; a vertex off the middle of a square has those of mean values.
-    const SurfaceMesh plane =
-        shapes::mesh({{0.25, 0, 3}, {1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}},
-                     {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}});
+    const SurfaceMesh plane = shapes::mesh({{0.25, 0, 3}, {1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}},
+                                           {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}});
     const Rings rings(plane);
     const Rings::Weights weights = rings.mean_value_weights(view(plane.points()));
     Vector3 mean = Vector3::Zero();
@@ -192,7 +191,7 @@ TEST(Rings, known_weights)
         return std::tan(0.5 * std::acos(a.normalized().dot(b.normalized())));
     };
     const Vector3 own(0.25, 0, 0), right = Vector3(1, 1, 0) - own, left = Vector3(-1, 1, 0) - own,
-                  below = Vector3(1, -1, 0) - own, behind = Vector3(-1, -1, 0) - own;
+                                   below = Vector3(1, -1, 0) - own, behind = Vector3(-1, -1, 0) - own;
     const double near = (tangent(right, left) + tangent(below, right)) / right.norm(),
                  far = (tangent(right, left) + tangent(left, behind)) / left.norm();
     EXPECT_NEAR(weights.shares[0], near / (2 * (near + far)), 1e-15);
@@ -224,7 +223,8 @@ TEST(PyramidMorph, mixes_weights_heights_and_edges)
                 const int j = own.rings.neighbours()[a];
                 const Vector3 p = (mesh.point(j) - mesh.point(i)),
                               q = turn.transpose() * (other.row(j) - other.row(i)).transpose();
-                const Eigen::Map<const Vector3> edge(shape.edges.data() + 3 * (own.cells.offsets()[c] + a - first));
+                const Eigen::Map<const Vector3> edge(shape.edges.data() +
+                                                     3 * (own.cells.offsets()[c] + a - first));
                 EXPECT_LT((edge - ((1 - t) * p + t * q)).norm(), 1e-14);
                 expected -= (1 - t) * own.weights.shares[a] * p + t * its.shares[a] * q;
                 by_own -= own.weights.shares[a] * edge;
