@@ -17,8 +17,8 @@ _METHOD = "pyramid_coordinates"
 class SINEW_OT_morph(BindingOperator, Operator):
     """Morph the active mesh to the other selected mesh, which has the same faces.
 
-    Both meshes count without modifiers and shape keys. The setting Morph of the deformer can be keyed; handles
-    move what is between
+    Both meshes count without modifiers and shape keys. The setting Morph of the deformer can be keyed;
+    handles move what is between
     """
 
     bl_idname = Operators.MORPH

@@ -57,11 +57,8 @@ def mean_values(p: np.ndarray, i: int, ring: list[int]) -> np.ndarray:
 
 def table_of(p: np.ndarray, faces: np.ndarray) -> Table:
     rings, is_open = rings_of(len(p), faces)
-    corners = p[faces]
-    area = (
-        0.5
-        * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
-    )
+    a, b, c = p[faces].swapaxes(0, 1)
+    area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
     rows, columns, values, group, weight = [], [], [], [], []
     for i, ring in enumerate(rings):
         share = np.full(len(ring), 1 / len(ring)) if is_open[i] else mean_values(p, i, ring)
@@ -100,15 +97,8 @@ def gauss_newton(table: Table, x: np.ndarray, R: np.ndarray, free: np.ndarray) -
     for _ in range(200):
         turned = np.einsum("kab,kb->ka", R[table.group], table.u)
         cross = np.zeros((m, 3, 3))
-        for a, b, c, sign in (
-            (0, 1, 2, -1),
-            (0, 2, 1, 1),
-            (1, 0, 2, 1),
-            (1, 2, 0, -1),
-            (2, 0, 1, -1),
-            (2, 1, 0, 1),
-        ):
-            cross[:, a, b] = sign * turned[:, c]
+        for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+            cross[:, a, b], cross[:, b, a] = -turned[:, c], turned[:, c]
         rows = np.broadcast_to(3 * np.arange(m)[:, None, None] + np.arange(3)[:, None], (m, 3, 3))
         columns = np.broadcast_to(3 * table.group[:, None, None] + np.arange(3), (m, 3, 3))
         of_turns = sp.csr_matrix((cross.ravel(), (rows.ravel(), columns.ravel())), (3 * m, 3 * count))

@@ -134,7 +134,7 @@ ROWS = (
                 "target_shape",
                 rebinds=True,
                 label="Target Shape",
-                description="A mesh with the same faces to morph to, as it is without modifiers and shape keys. "
+                description="A mesh with the same faces to morph to, without its modifiers and shape keys. "
                 "Bind again after editing it",
             ),
             Float(

@@ -145,18 +145,18 @@ def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> 
     counts = [f"{len(shape.points):,} vertices and {len(shape.counts):,} faces" for shape in (found, rest)]
     if counts[0] != counts[1]:
         raise OptionError(
-            f"{parameter.label}: {obj.name} has {counts[0]}, and this mesh {counts[1]} - choose a copy of this "
-            "mesh that was only reshaped"
+            f"{parameter.label}: {obj.name} has {counts[0]}, and this mesh {counts[1]} - choose a copy of "
+            "this mesh that was only reshaped"
         )
     if not (np.array_equal(found.counts, rest.counts) and np.array_equal(found.corners, rest.corners)):
         raise OptionError(
-            f"{parameter.label}: the faces of {obj.name} have other vertices than those of this mesh - choose a "
-            "copy of this mesh that was only reshaped"
+            f"{parameter.label}: the faces of {obj.name} have other vertices than those of this mesh - choose "
+            "a copy of this mesh that was only reshaped"
         )
     if len(found.not_finite):
         raise OptionError(
-            f"{parameter.label}: {len(found.not_finite):,} vertices of {obj.name} are not finite, the first is "
-            f"{found.not_finite[0]} - mend that mesh"
+            f"{parameter.label}: {len(found.not_finite):,} vertices of {obj.name} are not finite, the first "
+            f"is {found.not_finite[0]} - mend that mesh"
         )
     return Shape(found.points, (found.counts, found.corners))
 
