@@ -35,6 +35,7 @@ class Operators:
     BAKE = "sinew.bake"
     UNBAKE = "sinew.unbake"
     TRANSFER = "sinew.transfer_deformation"
+    MORPH = "sinew.morph"
     CURVE_EDIT = "sinew.curve_edit"
     HELP = "sinew.help"
     CHECK_INSTALLATION = "sinew.check_installation"

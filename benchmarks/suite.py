@@ -33,6 +33,7 @@ GROUPS = (
     "riders",
     "memory",
     "arap",
+    "pyramid",
     "convergence",
     "subdivision",
     "cages",

@@ -223,6 +223,27 @@ WORKS = (
         {ANY: 1.0},
     ),
     Work(
+        "pyramid_iteration",
+        "one iteration of `PyramidCoordinates`",
+        "one of `Arap`, spokes",
+        {ANY: 1.5},
+        at_most=True,
+    ),
+    Work(
+        "pyramid_frame",
+        "a frame of `PyramidCoordinates`, bar bent by 90 degrees",
+        "100 ms",
+        {50_000: 1.0},
+        at_most=True,
+    ),
+    Work(
+        "pyramid_settled",
+        "iterations of `PyramidCoordinates` to 1 % of the way, bars bent and twisted",
+        "15 iterations",
+        {ANY: 1.0},
+        at_most=True,
+    ),
+    Work(
         "subdivision",
         "`SubdivisionSurface.refine`, a million vertices",
         "OpenSubdiv's CPU evaluator",

@@ -175,6 +175,12 @@ class Factor:
         with _translated(self._native):
             return method.control_grids(poses, **options)
 
+    @property
+    def folded_rings(self) -> np.ndarray:
+        """The vertices (f,) that a method takes as the plain mean of their rings, because these overlap."""
+        found = getattr(self._method, "folded_rings", ())
+        return np.asarray(found, dtype=int)
+
     def _bound_method(self) -> Any:
         if self._method is None:
             raise CancelledError("The mesh is being bound again")

@@ -36,11 +36,14 @@ class Base:
 
 def make(native, method: Method, target: object, options: dict[str, object]) -> Any:
     """The native object of a method, and of the method that it is put around, for a native mesh."""
-    made = {
-        name: make(native, value.method, target, value.options) if isinstance(value, Base) else value
-        for name, value in options.items()
-    }
-    return getattr(native, method.native)(target, **made)
+
+    def made(value: object) -> object:
+        if isinstance(value, Base):
+            return make(native, value.method, target, value.options)
+        return native.SurfaceMesh(value.points, value.faces) if isinstance(value, Shape) else value
+
+    words = {name: made(value) for name, value in options.items()}
+    return getattr(native, method.native)(target, **words)
 
 
 class SolveReport(Protocol):

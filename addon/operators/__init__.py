@@ -19,6 +19,7 @@ from .handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select
 from .help import PAGES, SINEW_OT_help
 from .mirror import SINEW_OT_handle_mirror
 from .modal.ring import draw_line, ring
+from .morph import SINEW_OT_morph
 from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
@@ -65,6 +66,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_bake,
         SINEW_OT_unbake,
         SINEW_OT_transfer_deformation,
+        SINEW_OT_morph,
         SINEW_OT_select_problems,
         SINEW_OT_grab_region,
         SINEW_OT_drag,

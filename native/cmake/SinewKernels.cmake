@@ -14,4 +14,5 @@ set(SINEW_KERNELS
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2
   native/surface/linear/propagation/kernels avx2
+  native/surface/nonlinear/pyramids/kernels avx2
 )

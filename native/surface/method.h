@@ -31,6 +31,8 @@ struct SolveRequest
     Progress progress{};
     /// In how many steps the handles go to their poses, at least 1; see SurfaceMethod::Stepping.
     int substeps = 1;
+    /// In [0, 1]: how far a method with a target shape goes to it. Others do not read it.
+    double morph = 0.0;
 };
 
 /// A deformation of a surface by handles on it.
@@ -82,7 +84,7 @@ public:
     /// The report is that of the last step.
     /// \param[out] positions  (n, 3) deformed points; before set_handles(), the incoming shape.
     /// \throw InvalidConstraint  see Targets::check; or `start` has another size or is not finite.
-    /// \throw InvalidOption      max_iterations < 0, tolerance < 0 or substeps < 1.
+    /// \throw InvalidOption      max_iterations < 0, tolerance < 0, substeps < 1 or morph not in [0, 1].
     /// \throw InvalidConstraint  a pose in the middle of substeps that are made anew has no inverse; the
     ///   element of the error is a handle.
     /// \throw FactorizationFailed  a shape in the middle of them cannot be bound.

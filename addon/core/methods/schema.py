@@ -143,6 +143,17 @@ class Pointer(Parameter):
 
 
 @dataclass(frozen=True, kw_only=True)
+class MeshShape(Pointer):
+    """A mesh object with the same faces as the target.
+
+    The native module gets a ``SurfaceMesh`` of its points at rest, in its own space, or None. A bind reads
+    it: later edits of that mesh count at the next bind.
+    """
+
+    types: tuple[str, ...] = ("MESH",)
+
+
+@dataclass(frozen=True, kw_only=True)
 class UvMap(Parameter):
     """A UV map of the target, by its name.
 

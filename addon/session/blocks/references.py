@@ -11,10 +11,12 @@ import bpy
 import numpy as np
 from bpy.types import CurveMapping, NodeTree, Object, PropertyGroup, ShaderNodeFloatCurve
 
+from ...backend import Shape
 from ...core.errors import OptionError
 from ...core.geometry import frames
-from ...core.methods import METHODS, Curve, Parameter, Pointer, UvMap
+from ...core.methods import METHODS, Curve, MeshShape, Parameter, Pointer, UvMap
 from ...ids import Datablocks, Keys
+from ...mesh_io import RestShape, read_rest
 from ...properties import SinewDeformer
 
 _NODE = "ShaderNodeFloatCurve"
@@ -79,6 +81,14 @@ def pointed(deformer: SinewDeformer) -> Iterator[Object]:
             yield obj
 
 
+def has_mesh_shape(settings: SinewDeformer) -> bool:
+    """Whether a parameter of its methods names another shape of the mesh."""
+    return any(
+        isinstance(parameter, MeshShape) and getattr(values, parameter.id) is not None
+        for values, parameter in _referring(settings)
+    )
+
+
 def uv_maps(settings: SinewDeformer) -> dict[str, Parameter]:
     """The UV maps that parameters name, each with one of these parameters."""
     return {
@@ -100,6 +110,9 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
         return _points(values, parameter)
     if isinstance(parameter, UvMap):
         return getattr(values, parameter.id)
+    if isinstance(parameter, MeshShape):
+        obj = getattr(values, parameter.id)
+        return obj and (obj.name_full, obj.data.name_full, len(obj.data.vertices), len(obj.data.loops))
     frame = value(values, parameter)
     return None if frame is None else frame.tobytes()
 
@@ -121,6 +134,31 @@ def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | None:
         return None
     target = np.array(values.id_data.matrix_world, dtype=np.float64)
     return (frames.inverse(target, "The mesh object") @ np.array(obj.matrix_world, dtype=np.float64))[:3]
+
+
+def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> Shape | None:
+    """The mesh that the parameter refers to, at rest. It has to have the faces of ``rest``."""
+    obj = getattr(values, parameter.id)
+    if obj is None:
+        return None
+    found = read_rest(obj.data)
+    counts = [f"{len(shape.points):,} vertices and {len(shape.counts):,} faces" for shape in (found, rest)]
+    if counts[0] != counts[1]:
+        raise OptionError(
+            f"{parameter.label}: {obj.name} has {counts[0]}, and this mesh {counts[1]} - choose a copy of "
+            "this mesh that was only reshaped"
+        )
+    if not (np.array_equal(found.counts, rest.counts) and np.array_equal(found.corners, rest.corners)):
+        raise OptionError(
+            f"{parameter.label}: the faces of {obj.name} have other vertices than those of this mesh - choose "
+            "a copy of this mesh that was only reshaped"
+        )
+    if len(found.not_finite):
+        raise OptionError(
+            f"{parameter.label}: {len(found.not_finite):,} vertices of {obj.name} are not finite, the first "
+            f"is {found.not_finite[0]} - mend that mesh"
+        )
+    return Shape(found.points, (found.counts, found.corners))
 
 
 def _matrix(values: PropertyGroup, parameter: Parameter) -> object:

@@ -8,7 +8,17 @@ import numpy as np
 from bpy.types import PropertyGroup
 
 from ...backend import Base, Recipe
-from ...core.methods import METHODS, Curve, Float, Method, Parameter, Pointer, UvMap, group_property
+from ...core.methods import (
+    METHODS,
+    Curve,
+    Float,
+    MeshShape,
+    Method,
+    Parameter,
+    Pointer,
+    UvMap,
+    group_property,
+)
 from ...core.status import Level, Status
 from ...mesh_io import RestShape
 from ...properties import BASE, SinewDeformer
@@ -83,6 +93,9 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
             continue
         if isinstance(parameter, UvMap):
             found[parameter.id] = rest.uv_maps.get(getattr(values, parameter.id))
+            continue
+        if isinstance(parameter, MeshShape):
+            found[parameter.id] = references.mesh_shape(values, parameter, rest)
             continue
         value = _value(values, parameter)
         painted = rest.weights.get(getattr(values, group_property(parameter), ""))

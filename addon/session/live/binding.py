@@ -191,7 +191,8 @@ def duration(milliseconds: float) -> str:
 def _notes(factor: Factor, request: BindInput) -> tuple[Status, ...]:
     """What is unusual about the mesh, one line each."""
     of_control = kinds.kind_of_method(request.recipe.method).notes(factor.report, request)
-    warnings = (*of_control, *request.unpainted)
+    rings = mesh_notes.of_folded_rings(factor.folded_rings, request.on_base)
+    warnings = (*of_control, *request.unpainted, *rings)
     if request.rest.point_type is not MESH:
         return warnings  # there is nothing to repair
     diagnosis = replace(factor.diagnosis, not_finite=request.rest.not_finite)

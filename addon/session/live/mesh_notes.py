@@ -28,6 +28,15 @@ def notes(diagnosis: Diagnosis, selectable: bool = True) -> tuple[Status, ...]:
     return tuple(lines)
 
 
+def of_folded_rings(vertices: np.ndarray, selectable: bool) -> tuple[Status, ...]:
+    """A line about vertices whose ring overlaps when it is projected, if there are any."""
+    if not len(vertices):
+        return ()
+    text = "1 vertex lies" if len(vertices) == 1 else f"{len(vertices):,} vertices lie"
+    shown = Elements(Owner.TARGET, "vertex", vertices) if selectable else NO_ELEMENTS
+    return (Status(Level.INFO, f"{text} in a folded ring: weighted as a plain mean", shown),)
+
+
 def elements_by_defect(diagnosis: Diagnosis) -> dict[str, np.ndarray]:
     """Index arrays per defect. Edges are given by the vertices at their ends, (k, 2)."""
     return {

@@ -51,6 +51,7 @@ class SurfaceMethod:
         progress: Progress | None = None,
         out: Singles | None = None,
         substeps: int = 1,
+        morph: float = 0.0,
     ) -> tuple[Floats | Singles, SolveReport]: ...
     @property
     def rest(self) -> SurfaceMesh: ...
@@ -152,6 +153,20 @@ class Arap(SurfaceMethod):
         tolerance: float = 1e-4,
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
+
+class PyramidCoordinates(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        side: float = 0.05,
+        similarity: bool = False,
+        target_shape: SurfaceMesh | None = None,
+        max_iterations: int = 40,
+        tolerance: float = 1e-4,
+    ) -> None: ...
+    @property
+    def folded_rings(self) -> Ints: ...
 
 class Multiresolution(SurfaceMethod):
     def __init__(

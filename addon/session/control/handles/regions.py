@@ -13,6 +13,7 @@ from ....core.errors import ConstraintError
 from ....core.status import Remedy
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
+from ...blocks import references
 from ...blocks.vertex_groups import read_weights
 from ..bind_input import BindInput, options, unpainted
 from .poses import rest_of
@@ -46,8 +47,8 @@ def _own_values(settings: SinewDeformer, handle: SinewHandle) -> tuple:
 
 
 def has_constraints(settings: SinewDeformer) -> bool:
-    """Whether at least one region is in use."""
-    return any(handle.enabled for handle in settings.handles)
+    """Whether at least one region is in use. A morph to another mesh needs none."""
+    return any(handle.enabled for handle in settings.handles) or references.has_mesh_shape(settings)
 
 
 def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int) -> BindInput:
@@ -114,7 +115,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             points.append(rest.points[outside])
             weights.append(None)
             own.append(tuple(map(min, zip(*of_supports, strict=True))))  # all supports share one border
-    if not keys:
+    if not keys and not references.has_mesh_shape(settings):
         raise ConstraintError(
             unused[0]
             if unused
@@ -132,12 +133,12 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
                 tuple(indices),
                 tuple(weights),
                 {row.id: values for row, values in zip(method.handle_parameters, zip(*own, strict=True))},
-                "follow" if follow else "stay",
+                "follow" if follow and keys else "stay",
             ),
         ),
         rest=rest,
         on_base=count == base_count,
-        control=_counted([handle.kind for handle in bound] + ["SUPPORT"] * len(of_supports)),
+        control=_counted([handle.kind for handle in bound] + ["SUPPORT"] * len(of_supports)) or "no regions",
         handles=tuple(keys),
         names=tuple(names),
         unused=tuple(unused),

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Morphing between two meshes with the same faces."""
+
+import bpy
+from bpy.props import BoolProperty, FloatProperty, StringProperty
+from bpy.types import Context, Object, Operator
+
+from .. import session
+from ..core.errors import SinewError
+from ..ids import Operators
+from .reporting import reports_errors
+from .waiting import BindingOperator
+
+_METHOD = "pyramid_coordinates"
+
+
+class SINEW_OT_morph(BindingOperator, Operator):
+    """Morph the active mesh to the other selected mesh, which has the same faces.
+
+    Both meshes count without modifiers and shape keys. The setting Morph of the deformer can be keyed;
+    handles move what is between
+    """
+
+    bl_idname = Operators.MORPH
+    bl_label = "Morph to Mesh"
+    bl_options = {"REGISTER", "UNDO"}
+
+    target: StringProperty(
+        name="Target Shape",
+        description="The name of the mesh object to morph to; if empty, the other selected one",
+        options={"SKIP_SAVE"},
+    )
+    morph: FloatProperty(
+        name="Morph", default=1.0, min=0.0, max=1.0, description="How far to morph, from 0 to 1"
+    )
+    key: BoolProperty(
+        name="Key",
+        default=False,
+        description="Key Morph: 0 at the first frame of the scene, and the value above at the last one",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        obj = context.object
+        if obj is None or obj.type != "MESH" or obj.mode != "OBJECT":
+            cls.poll_message_set("In Object Mode, select the mesh to morph to, then the one to morph")
+            return False
+        if obj.library is not None:
+            cls.poll_message_set("This object is linked - make a library override first")
+            return False
+        return True
+
+    def draw(self, _context: Context) -> None:
+        self.layout.use_property_split = True
+        self.layout.prop_search(self, "target", bpy.data, "objects")
+        self.layout.prop(self, "morph")
+        self.layout.prop(self, "key")
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj, other = context.object, self._other(context)
+        deformer = obj.sinew.active
+        is_new = deformer is None or deformer.method != _METHOD
+        if is_new:
+            deformer = session.add_deformer(obj, _METHOD)
+        settings = getattr(deformer, _METHOD)
+        before = settings.target_shape, settings.morph
+        settings.target_shape, settings.morph = other, self.morph
+        try:
+            session.bind(obj, deformer, wait)
+        except SinewError:
+            settings.target_shape, settings.morph = before
+            if is_new:
+                session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
+            raise
+        if self.key:
+            for frame, value in ((context.scene.frame_start, 0.0), (context.scene.frame_end, self.morph)):
+                settings.morph = value
+                settings.keyframe_insert("morph", frame=frame)
+        self.report_state(deformer.uid)
+        return {"FINISHED"}
+
+    def _other(self, context: Context) -> Object:
+        if self.target:
+            found = bpy.data.objects.get(self.target)
+            if found is None:
+                raise SinewError(f"There is no object {self.target}")
+        else:
+            others = [obj for obj in context.selected_objects if obj != context.object]
+            if len(others) != 1:
+                raise SinewError("Select the mesh to morph to, then the one to morph, and no other object")
+            found = others[0]
+            self.target = found.name
+        if found.type != "MESH" or found == context.object:
+            raise SinewError(
+                f"{context.object.name} cannot morph to {found.name} - choose another mesh object"
+            )
+        return found

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Morphing between two meshes with the same faces, as a setting of Pyramid Coordinates."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from rig import base_points, close, evaluated_points, linked, make_active, update
+from rigs import HandleRig
+
+METHOD = "pyramid_coordinates"
+EXACT = 1e-5  # float32, and a solve
+
+
+def reshaped(source: bpy.types.Object, shape, name: str = "Other") -> bpy.types.Object:
+    """A copy of the mesh without deformers and modifiers, each vertex at ``shape(place)``."""
+    mesh = source.data.copy()
+    for vertex in mesh.vertices:
+        vertex.co = shape(np.array(vertex.co))
+    return linked(bpy.data.objects.new(name, mesh))
+
+
+def dome(co: np.ndarray) -> np.ndarray:
+    return co * (1.2, 1.2, 1.0) + (0.3, 0.0, 0.8 * (1 - 0.5 * co[0] ** 2 - 0.5 * co[1] ** 2))
+
+
+def morph(obj: bpy.types.Object, other: bpy.types.Object, **keywords) -> set[str]:
+    make_active(obj)
+    other.select_set(True)
+    return bpy.ops.sinew.morph(**keywords)
+
+
+@pytest.fixture
+def rig() -> HandleRig:
+    return HandleRig.new()
+
+
+def test_the_operator_makes_a_live_morph_without_handles(rig: HandleRig):
+    obj = reshaped(rig.obj, lambda co: co, "Plain")
+    other = reshaped(obj, dome)
+    assert morph(obj, other) == {"FINISHED"}
+    deformer = obj.sinew.active
+    assert (deformer.method, deformer.is_bound) == (METHOD, True), deformer.status
+    assert close(evaluated_points(obj), base_points(other), EXACT)
+    deformer.parameters.morph = 0.0
+    assert close(evaluated_points(obj), base_points(obj), EXACT)
+    deformer.parameters.morph = 0.5
+    half = evaluated_points(obj)
+    assert np.abs(half - (base_points(obj) + base_points(other)) / 2).max() < 0.2
+    assert np.abs(half - base_points(obj)).max() > 0.2
+    assert deformer.status_level == "INFO", deformer.status
+
+
+def test_the_factor_is_keyed_and_no_frame_binds_anew(rig: HandleRig):
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 11
+    obj = reshaped(rig.obj, lambda co: co, "Plain")
+    other = reshaped(obj, dome)
+    assert morph(obj, other, key=True) == {"FINISHED"}
+    seen = {}
+    for frame in (1, 6, 11, 6):
+        scene.frame_set(frame)
+        points = evaluated_points(obj)
+        if frame in seen:
+            assert np.array_equal(points, seen[frame])
+        seen[frame] = points
+    assert close(seen[1], base_points(obj), EXACT)
+    assert close(seen[11], base_points(other), EXACT)
+    assert 0.0 < obj.sinew.active.parameters.morph < 1.0
+
+
+def test_handles_move_the_morph(rig: HandleRig):
+    rig.bind(METHOD)
+    other = reshaped(rig.obj, dome)
+    rig.deformer.parameters.target_shape = other
+    rig.deformer.parameters.morph = 1.0
+    assert close(rig.points(), base_points(other), EXACT), rig.deformer.status
+    rig.lift(1.0)
+    lifted = rig.points()
+    assert np.abs(lifted[:, 2] - base_points(other)[:, 2]).max() == pytest.approx(1.0, abs=1e-4)
+    rig.deformer.parameters.morph = 0.0
+    assert np.abs(rig.points() - lifted).max() > 0.1
+
+
+def test_another_topology_is_refused_and_nothing_changes(rig: HandleRig):
+    obj = reshaped(rig.obj, lambda co: co, "Plain")
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.object
+    with pytest.raises(RuntimeError, match="was only reshaped"):
+        morph(obj, cube)
+    assert len(obj.sinew.deformers) == 0
+    other = reshaped(obj, dome)
+    faces = [tuple(reversed(face.vertices)) for face in other.data.polygons]
+    flipped = bpy.data.meshes.new("Flipped")
+    flipped.from_pydata([tuple(v.co) for v in other.data.vertices], [], faces)
+    with pytest.raises(RuntimeError, match="other vertices"):
+        morph(obj, linked(bpy.data.objects.new("Flipped", flipped)))
+    other.data.vertices[3].co.x = float("nan")
+    with pytest.raises(RuntimeError, match="not finite"):
+        morph(obj, other)
+    assert len(obj.sinew.deformers) == 0
+    with pytest.raises(RuntimeError, match="There is no object"):
+        morph(obj, other, target="Nobody")
+
+
+def test_a_target_that_is_deleted_leaves_the_mesh_as_it_is(rig: HandleRig):
+    rig.bind(METHOD)
+    other = reshaped(rig.obj, dome)
+    rig.deformer.parameters.target_shape = other
+    rig.deformer.parameters.morph = 1.0
+    rig.points()
+    bpy.data.objects.remove(other)
+    update()
+    assert close(rig.points(), base_points(rig.obj), EXACT), rig.deformer.status
+
+
+def test_an_edited_target_counts_at_the_next_bind(rig: HandleRig):
+    obj = reshaped(rig.obj, lambda co: co, "Plain")
+    other = reshaped(obj, dome)
+    morph(obj, other)
+    for vertex in other.data.vertices:
+        vertex.co.z += 1.0
+    make_active(obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert close(evaluated_points(obj), base_points(other), EXACT)
