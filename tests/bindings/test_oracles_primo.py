@@ -74,11 +74,3 @@ def test_shape_matching_of_the_oracle_goes_to_the_same_minimum() -> None:
     vertices = oracle.vertices()
     assert oracle.shape_matching(5) == pytest.approx(least, rel=1e-9)
     np.testing.assert_allclose(oracle.vertices(), vertices, atol=1e-4)
-
-
-def test_counts_turned_faces() -> None:
-    primo = sn.Primo(sn.SurfaceMesh(TUBE, QUADS), height=0.01)
-    primo.set_handles([ENDS[0], np.array([8 * 16])])
-    poses = np.stack([STILL, turn((0, 0, 1), 0, (0, 0, 0), (0, 0, 40))])
-    assert primo.solve(np.stack([STILL, STILL]))[1].inverted_faces == 0
-    assert primo.solve(poses)[1].inverted_faces > 0

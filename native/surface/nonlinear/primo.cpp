@@ -9,10 +9,10 @@
 #include "native/operators/painted.h"
 #include "native/operators/rotation_fit.h"
 #include "native/rotations/body_problem.h"
-#include "native/rotations/rotation_cascade.h"
+#include "native/rotations/cascade_start.h"
+#include "native/rotations/goals.h"
 #include "native/surface/nonlinear/primo/prisms.h"
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -61,13 +61,15 @@ Matrix3 map_of_face(const Points& from, const Points& to, const Vector3& area, c
 /// The workspace of a solve.
 struct Workspace
 {
-    GraphWorkspace graph;
-    std::vector<GraphWorkspace> levels;
+    TargetsInUnit in_unit;
+    CascadeStart::Workspace start;
+    std::vector<Eigen::Quaterniond> rotations;
     BodyBuffers bodies;
     LbfgsWorkspace descent;
     PrismShape shape;
     std::vector<double> numbers;
-    Points incoming, start, centres, x;
+    GraphGoals goals;
+    Points centres, x;
 };
 
 /// The results of a bind.
@@ -79,7 +81,7 @@ struct Binding
     RotationGraph graph;
     PrismShape shape;
     RigidBodies bodies;
-    RotationCascade cascade;
+    CascadeStart start;
     mutable Pool<Workspace> workspaces;
 
     Binding(const SurfaceMesh& mesh, double unit, const Regions& regions, Prisms given,
@@ -93,8 +95,11 @@ struct Binding
     {
         const double square = std::inner_product(height.begin(), height.end(), height.begin(), 0.0) /
                               static_cast<double>(height.size());
-        // The bending of the prisms, as the smoothness of rotations: see the decision `primo-bodies`.
-        cascade = RotationCascade(graph, shape.centres, progress, square / 6.0);
+        // Two prisms that turn by a small angle against each other about their edge cost h^2 / 6 times its
+        // square; rotations of ARAP cost as much with this smoothness.
+        start = CascadeStart(graph.nodes(),
+                             {.rigidity = graph.cells().rigidity, .smoothing = square / 6.0, .triangles = {}},
+                             shape.centres, progress);
     }
 
 private:
@@ -122,29 +127,27 @@ class Solve
 {
 public:
     Solve(const Binding& bound, const Regions& regions, const Targets& given, Workspace& work)
-        : bound_(bound), regions_(regions), given_(given), work_(work), poses_(given.poses)
+        : bound_(bound), regions_(regions), given_(given), work_(work),
+          targets_(work.in_unit.of(given, view(bound.rest), bound.unit)),
+          bodies_{targets_.poses, view(bound.shape.centres), {}, targets_.from_rest}
     {
-        for (Pose& pose : poses_)
-            pose.col(3) /= bound.unit;
-        if (given.incoming) {
-            to_units(*given.incoming, work.incoming);
-            bound.prisms.set_shape(view(work.incoming), work.shape);
+        if (targets_.incoming) {
+            bound.prisms.set_shape(*targets_.incoming, work.shape);
             bound.bodies.lay_out([&](int k) { return bound.prisms.joint_shape(k, work.shape); },
                                  work.numbers);
+            bodies_.incoming.emplace(view(work.shape.centres));
         }
-        targets_.emplace(Targets{poses_, view(bound.shape.centres), {}, given.from_rest});
-        if (given.incoming)
-            targets_->incoming.emplace(view(work.shape.centres));
-        work.graph.goals.set(bound.graph, *targets_);
+        work.goals.set(bound.graph, bodies_);
         work.centres = shape().centres;
         if (!has_free_bodies())
             return;
-        for (int b = bound.graph.free_count(); b < bound.prisms.size(); ++b)
-            work.centres.row(b) = corners(b, [&](int v) { return target(v); }).colwise().mean();
-        problem_.emplace(bound.graph, bound.bodies, numbers(), work.centres, work.graph.goals.pulls,
-                         &work.bodies);
-        parallel_for(bound.prisms.size() - bound.graph.free_count(),
-                     [&](int k) { hold(bound.graph.free_count() + k); });
+        const int free = bound.graph.free_count(), held = bound.prisms.size() - free;
+        parallel_for(held, [&](int k) {
+            const Points to = corners(free + k, [&](int v) { return target(v); });
+            work.centres.row(free + k) = to.colwise().mean();
+        });
+        problem_.emplace(bound.graph, bound.bodies, numbers(), work.centres, work.goals.pulls, &work.bodies);
+        parallel_for(held, [&](int k) { hold(free + k); });
     }
 
     bool has_free_bodies() const { return bound_.graph.free_count() > 0; }
@@ -152,22 +155,19 @@ public:
     /// Sets centres and rotations from the poses alone.
     void start()
     {
-        GraphProblem graph(bound_.graph, targets_->base(), work_.graph.goals.targets, work_.graph.goals.pulls,
-                           &work_.graph.buffers);
-        CascadeSolve cascade(bound_.cascade, graph, bound_.graph, *targets_, work_.levels);
-        cascade.start();
-        parallel_for(bound_.graph.free_count(),
-                     [&](int b) { problem_->set_rotation(b, graph.rotation(b)); });
+        bound_.start.rotations(bodies_, work_.start, work_.rotations);
+        parallel_for(bound_.graph.free_count(), [&](int b) {
+            problem_->set_rotation(b, work_.rotations[b].toRotationMatrix());
+        });
         problem_->centres_for_rotations(work_.x);
     }
 
     /// Sets them from the vertices of another shape.
     void start(const PointsView& positions)
     {
-        to_units(positions, work_.start);
         work_.x.resize(bound_.graph.free_count(), 3);
         parallel_for(bound_.graph.free_count(), [&](int b) {
-            const Points to = corners(b, [&](int v) -> Vector3 { return work_.start.row(v); });
+            const Points to = corners(b, [&](int v) -> Vector3 { return positions.row(v) / bound_.unit; });
             work_.x.row(b) = to.colwise().mean();
             problem_->set_rotation(b, fit_rotation(map_of(b, to, Matrix3::Identity())));
         });
@@ -220,14 +220,8 @@ private:
     {
         return given_.incoming ? work_.numbers : bound_.bodies.rest_numbers();
     }
-    void to_units(const PointsView& points, Points& scaled) const
-    {
-        scaled.resize(points.rows(), 3);
-        parallel_for(static_cast<int>(points.rows()),
-                     [&](int v) { scaled.row(v) = points.row(v) / bound_.unit; });
-    }
     /// Where the handle of a vertex that is held wants it.
-    Vector3 target(int v) const { return given_.position(v, regions_.hard(v)) / bound_.unit; }
+    Vector3 target(int v) const { return targets_.position(v, regions_.hard(v)); }
     template <class Place>
     Points corners(int b, Place&& place) const
     {
@@ -245,7 +239,7 @@ private:
     }
     void hold(int b)
     {
-        const Matrix3 rotation = fit_rotation(poses_[bound_.prisms.handle(b)].leftCols<3>());
+        const Matrix3 rotation = fit_rotation(targets_.poses[bound_.prisms.handle(b)].leftCols<3>());
         problem_->set_rotation(b, map_of(b, corners(b, [&](int v) { return target(v); }), rotation));
     }
 
@@ -253,8 +247,8 @@ private:
     const Regions& regions_;
     const Targets& given_;
     Workspace& work_;
-    Poses poses_; ///< in units of the bodies
-    std::optional<Targets> targets_; ///< of the bodies
+    const Targets targets_; ///< of the vertices, in units of the bodies
+    Targets bodies_;        ///< of the centres of the bodies
     std::optional<BodyProblem> problem_;
 };
 
@@ -309,8 +303,7 @@ void Primo::bind(const Regions& regions, BindReport& report, const Progress& pro
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
     report.factor_bytes = self.bound->graph.factor_bytes() + self.bound->bodies.rotation_factor().bytes();
-    for (const RotationLevel& level : self.bound->cascade.levels())
-        report.factor_bytes += level.graph.factor_bytes();
+    report.factor_bytes += self.bound->start.factor_bytes();
 }
 
 std::vector<std::string> Primo::changed_options(const SurfaceMethod& former) const

@@ -203,16 +203,6 @@ TEST(Primo, an_affine_pose_takes_its_handle_and_the_surface_along)
         }
 }
 
-TEST(Primo, counts_faces_that_are_turned_over)
-{
-    const SurfaceMesh mesh = shapes::quad_grid(8, 8);
-    const Primo primo = bound(mesh, {.height = {0.01}},
-                              {{{0, 8, 72, 80}, {}}, {{40}, {}}});
-    EXPECT_EQ(solve(primo, {shapes::still(), shapes::shift(0.2, 0, 0)}).report.inverted_faces, 0);
-    // The middle vertex goes far beyond its faces.
-    EXPECT_GT(solve(primo, {shapes::still(), shapes::shift(60, 0, 0)}).report.inverted_faces, 0);
-}
-
 TEST(Primo, a_painted_height_stiffens_its_region)
 {
     const SurfaceMesh mesh = shapes::quad_grid(30, 4);
