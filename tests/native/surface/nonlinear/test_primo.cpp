@@ -100,8 +100,9 @@ SurfaceTraits traits()
             .rigid = 1e-11, // rounding of a solve at size 40
             .held = 2e-13,
             .alone = 1e-13,
-            .similar = 0.01, // rounding differs, and so may the iteration at which it stops:
-            .scaled = 0.01,  // by a decrease below 1e-5
+            .similar = 0.1, // bodies get other numbers, so that it stops at another iteration, each within 1 %
+                            // of how far the surface moves
+            .scaled = 0.01, // as do the last bits of the rest shape
             .apart = 0.05,
             .messy = 30.0,
             .all_soft = 1.0,
@@ -187,11 +188,12 @@ TEST(Primo, an_affine_pose_takes_its_handle_and_the_surface_along)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
     const Primo primo = bound(mesh, {}, shapes::ends(mesh, 2));
+    const std::vector<int> moved = shapes::ends(mesh, 2)[1].vertices;
     for (const Vector3& scale : {Vector3(1, 2, 1.5), Vector3(0.5, 0.5, 0.5), Vector3(1, 1, -1)}) {
         const Pose pose = shapes::affine(scale.asDiagonal());
         const Solution s = solve(primo, {shapes::still(), pose}, {.max_iterations = 100});
         ASSERT_TRUE(s.positions.allFinite());
-        for (int v : shapes::ends(mesh, 2)[1].vertices)
+        for (int v : moved)
             EXPECT_LT((s.positions.row(v).transpose() - apply(pose, mesh.point(v))).norm(), 1e-12);
     }
     // Both ends twice as large: so is the bar near them, and no prism is against it.
@@ -240,8 +242,9 @@ TEST(Primo, faces_of_many_corners_stay_stiff)
     const SurfaceMesh drum = shapes::mesh(points, faces);
     const Primo primo = bound(drum, {}, {{faces[0], {}}, {{3}, {}}}); // the bottom, and a vertex of the top
     const Solution s = solve(primo, {shapes::still(), shapes::shift(0.5, 0, 0.5)}, {.max_iterations = 200});
-    for (int k = 1; k < 24; ++k) // the lid is nearly as it was
-        EXPECT_NEAR((s.positions.row(4 * k + 3) - s.positions.row(4 * ((k + 12) % 24) + 3)).norm(), 2.0, 0.1);
+    // The lid is nearly as it was: its vertices are means of where it and two faces of the wall take them.
+    for (int k = 1; k < 24; ++k)
+        EXPECT_NEAR((s.positions.row(4 * k + 3) - s.positions.row(4 * ((k + 12) % 24) + 3)).norm(), 2.0, 0.2);
 }
 
 TEST(Primo, refuses_options_that_mean_nothing)
