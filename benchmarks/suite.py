@@ -34,6 +34,7 @@ GROUPS = (
     "memory",
     "arap",
     "convergence",
+    "primo",
     "subdivision",
     "cages",
     "cages_harmonic",
