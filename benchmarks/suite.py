@@ -35,6 +35,7 @@ GROUPS = (
     "arap",
     "pyramid",
     "convergence",
+    "primo",
     "subdivision",
     "cages",
     "cages_harmonic",

@@ -244,6 +244,17 @@ WORKS = (
         at_most=True,
     ),
     Work(
+        "primo_iteration",
+        "one iteration of `Primo`",
+        "one of `Arap` with smooth rotations",
+        {ANY: 2.5},
+        at_most=True,
+    ),
+    Work("primo_steps", "iterations of `Primo` to 1 % of its limit", "1", {ANY: 4.0}, at_most=True),
+    Work("primo_frame", "a frame of `Primo`", "a limit of 150 ms", {50_000: 1.0}, at_most=True),
+    Work("primo_joint", "one iteration of `Primo`", "a joint Gauss-Newton step", {10_000: 20.0}),
+    Work("primo_matching", "one iteration of `Primo`", "a sweep of shape matching in NumPy", {}),
+    Work(
         "subdivision",
         "`SubdivisionSurface.refine`, a million vertices",
         "OpenSubdiv's CPU evaluator",

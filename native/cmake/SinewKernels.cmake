@@ -4,6 +4,7 @@ set(SINEW_KERNELS
   native/core/simd/product_of_eight avx2
   native/operators/fit_kernels avx2
   native/riders/frame_kernels avx2
+  native/rotations/body_kernels avx2
   native/rotations/graph_kernels avx2
   native/rotations/row_kernels avx2
   native/solvers/dense/kernels avx2 avx512

@@ -23,18 +23,30 @@ CascadeStart::CascadeStart(const SurfaceMesh& mesh, const Regions& regions, doub
         return std::accumulate(laplacian.begin() + edges.offsets[vertex],
                                laplacian.begin() + edges.offsets[vertex + 1], 0.0);
     });
-    const HandleGraph nodes(std::move(edges), std::move(handles));
+    build({std::move(edges), std::move(handles)}, cells, mesh.points(), progress);
+}
+
+CascadeStart::CascadeStart(const HandleGraph& nodes, const GraphCells& cells, const Points& rest,
+                           const Progress& progress)
+    : vertex_count_(nodes.size())
+{
+    build(nodes, cells, rest, progress);
+}
+
+void CascadeStart::build(const HandleGraph& nodes, const GraphCells& cells, const Points& rest,
+                         const Progress& progress)
+{
     if (nodes.free_count() == 0)
         return;
     std::vector<int> numbers(vertex_count_);
     std::iota(numbers.begin(), numbers.end(), 0);
-    level_ = RotationLevel::coarser(nodes, cells, mesh.points(), numbers);
+    level_ = RotationLevel::coarser(nodes, cells, rest, numbers);
     if (level_) {
         below_ = RotationCascade(level_->graph, level_->rest, progress);
         return;
     }
-    mesh_.emplace(nodes, std::move(cells), mesh.points());
-    mesh_rest_ = mesh.points()(mesh_->order(), Eigen::all);
+    mesh_.emplace(nodes, cells, rest);
+    mesh_rest_ = rest(mesh_->order(), Eigen::all);
     below_ = RotationCascade(*mesh_, mesh_rest_, progress);
 }
 

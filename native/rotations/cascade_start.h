@@ -35,6 +35,10 @@ public:
     /// \throw FactorizationFailed, Cancelled
     CascadeStart(const SurfaceMesh& mesh, const Regions& regions, double smoothing,
                  std::vector<double> rigidity = {}, const Progress& progress = {});
+    /// The same for the nodes of any graph, such as the faces of a mesh; `smoothing` is that of the cells.
+    /// \param rest  (nodes, 3)
+    CascadeStart(const HandleGraph& nodes, const GraphCells& cells, const Points& rest,
+                 const Progress& progress = {});
 
     /// Kept from one solve to the next, it is not allocated again.
     struct Workspace
@@ -43,14 +47,16 @@ public:
         std::vector<GraphWorkspace> levels;
     };
 
-    /// \param targets        in the units of the mesh.
-    /// \param[out] vertices  (n) the rotation of each vertex; the identity in parts without a handle, and
-    ///                       everywhere if no vertex is free.
+    /// \param targets        in the units of the mesh; of the nodes, where the graph is not that of a mesh.
+    /// \param[out] vertices  (n) the rotation of each vertex or node; the identity in parts without a handle,
+    ///                       and everywhere if no vertex is free.
     void rotations(const Targets& targets, Workspace& work, std::vector<Eigen::Quaterniond>& vertices) const;
 
     std::int64_t factor_bytes() const;
 
 private:
+    void build(const HandleGraph& nodes, const GraphCells& cells, const Points& rest,
+               const Progress& progress);
     const RotationGraph& top() const { return level_ ? level_->graph : *mesh_; }
 
     int vertex_count_ = 0;

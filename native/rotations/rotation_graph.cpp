@@ -17,6 +17,8 @@ namespace {
 std::vector<std::uint64_t> morton_codes(const Points& points)
 {
     constexpr int bits = 21;
+    if (points.rows() == 0)
+        return {};
     const Eigen::RowVector3d low = points.colwise().minCoeff();
     const double extent = std::max((points.colwise().maxCoeff() - low).maxCoeff(), 1e-300);
     std::vector<std::uint64_t> codes(points.rows(), 0);

@@ -154,6 +154,16 @@ class Arap(SurfaceMethod):
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
+class Primo(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        height: ArrayLike = 0.05,
+        max_iterations: int = 40,
+        tolerance: float = 1e-4,
+    ) -> None: ...
+
 class PyramidCoordinates(SurfaceMethod):
     def __init__(
         self,

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The energy of Primo in NumPy, and two ways to minimise it: an oracle of the tests and a peer of the benchmarks.
+
+Nothing here knows the four orthogonal parts of a gap, or centres of gravity of joints: a prism has eight or
+more corners, and the gaps between them are weighted as the paper says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+import scipy.sparse.linalg
+
+ANCHOR = 10.0  # of a held corner of a free prism, in medians of the weights
+# (1/9) 2^(-|i-k| - |j-l|) for the corners (i, j) and (k, l) of a side: (0, 0), (0, 1), (1, 0), (1, 1)
+CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
+MASS = 2.0 ** -np.abs(CORNERS[:, None] - CORNERS[None]).sum(-1) / 9.0
+
+
+def crosses(v: np.ndarray) -> np.ndarray:
+    """(k, 3, 3) the matrices of v x."""
+    zero = np.zeros(len(v))
+    x, y, z = v.T
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], 1).reshape(-1, 3, 3)
+
+
+def rotations_by(w: np.ndarray) -> np.ndarray:
+    """(k, 3, 3) the rotations by the vectors w, by Rodrigues' formula."""
+    angle = np.linalg.norm(w, axis=1)[:, None, None] + 1e-300
+    K = crosses(w) / angle
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+def fitted(S: np.ndarray) -> np.ndarray:
+    """The rotations closest to matrices (k, 3, 3)."""
+    U, _, Vt = np.linalg.svd(S)
+    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
+    return U @ Vt
+
+
+@dataclass
+class Prisms:
+    """The prisms of a mesh of faces with equally many corners, without a degenerate one, on a manifold."""
+
+    points: np.ndarray  # (n, 3)
+    faces: np.ndarray  # (m, k)
+    handles: list[np.ndarray]
+    poses: np.ndarray  # rigid
+    height: float  # a length
+
+    def __post_init__(self) -> None:
+        points, faces = self.points, self.faces
+        self.centres = points[faces].mean(1)
+        following = np.roll(faces, -1, 1)
+        area = 0.5 * np.cross(points[faces] - self.centres[:, None], points[following] - self.centres[:, None])
+        area = area.sum(1)
+        normals = np.zeros_like(points)
+        np.add.at(normals, faces, area[:, None])
+        normals /= np.linalg.norm(normals, axis=1)[:, None]
+
+        ends = np.sort(np.stack([faces, following], -1).reshape(-1, 2), 1)
+        owner = np.repeat(np.arange(len(faces)), faces.shape[1])
+        order = np.lexsort(ends.T)
+        ends, owner = ends[order], owner[order]
+        first = np.flatnonzero((ends[:-1] == ends[1:]).all(1))
+        self.pairs = np.stack([owner[first], owner[first + 1]], 1)
+        edge = ends[first]
+        sizes = np.linalg.norm(area, axis=1)
+        length = np.linalg.norm(points[edge[:, 0]] - points[edge[:, 1]], axis=1)
+        self.weights = 2 * length**2 / sizes[self.pairs].sum(1)
+        self.typical = np.median(self.weights)
+        up = self.height * normals[edge]
+        self.corners = np.stack([points[edge] - up, points[edge] + up], 2).reshape(-1, 4, 3)
+
+        hand = np.full(len(points), -1)
+        for h, vertices in enumerate(self.handles):
+            hand[vertices] = h
+        self.held = (hand[faces] >= 0).all(1)
+        self.free = np.flatnonzero(~self.held)
+        both = ~self.held[self.pairs].all(1)
+        self.pairs, self.weights, self.corners = self.pairs[both], self.weights[both], self.corners[both]
+        face, corner = np.nonzero((hand[faces] >= 0) & ~self.held[:, None])
+        vertex = faces[face, corner]
+        self.anchored, self.anchors = face, points[vertex]
+        self.anchor_targets = self._posed(points[vertex], hand[vertex])
+        self.t = self.centres.copy()
+        self.R = np.tile(np.eye(3), (len(faces), 1, 1))
+        own = hand[faces[self.held, 0]]
+        self.t[self.held] = self._posed(self.centres[self.held], own)
+        self.R[self.held] = self.poses[own][:, :, :3]
+        self.held_vertices = np.flatnonzero(hand >= 0)
+        self.targets = self._posed(points[self.held_vertices], hand[self.held_vertices])
+
+    def _posed(self, points: np.ndarray, handle: np.ndarray) -> np.ndarray:
+        poses = self.poses[handle]
+        return np.einsum("kij,kj->ki", poses[:, :, :3], points) + poses[:, :, 3]
+
+    def _arms(self) -> tuple[np.ndarray, np.ndarray]:
+        """R (corner - centre) for both prisms of each pair (pairs, 2, 4, 3), and for anchors (anchors, 3)."""
+        arms = np.einsum(
+            "psij,pscj->psci", self.R[self.pairs], self.corners[:, None] - self.centres[self.pairs][:, :, None]
+        )
+        own = np.einsum("kij,kj->ki", self.R[self.anchored], self.anchors - self.centres[self.anchored])
+        return arms, own
+
+    def residual(self) -> np.ndarray:
+        """Half its square is the energy."""
+        arms, own = self._arms()
+        images = self.t[self.pairs][:, :, None] + arms
+        gaps = np.einsum("cd,pdk->pck", np.linalg.cholesky(MASS).T, images[:, 0] - images[:, 1])
+        pulls = self.t[self.anchored] + own - self.anchor_targets
+        return np.concatenate(
+            [
+                (np.sqrt(self.weights)[:, None, None] * gaps).ravel(),
+                np.sqrt(ANCHOR * self.typical) * pulls.ravel(),
+            ]
+        )
+
+    def energy(self) -> float:
+        return 0.5 * float(self.residual() @ self.residual())
+
+    def jacobian(self) -> sp.csr_matrix:
+        """Of the residual, by the translations and turns of the free prisms, six columns each."""
+        place = np.full(len(self.faces), -1)
+        place[self.free] = np.arange(len(self.free))
+        arms, own = self._arms()
+        count = len(self.pairs)
+        C = np.linalg.cholesky(MASS).T
+        rows, columns, values = [], [], []
+
+        def add(block: np.ndarray, row: np.ndarray, body: np.ndarray) -> None:
+            """Blocks (k, 3, 6) at rows 3 ``row`` and the columns of ``body``."""
+            inside = place[body] >= 0
+            r = 3 * row[inside, None, None] + np.arange(3)[:, None]
+            c = 6 * place[body[inside], None, None] + np.arange(6)
+            rows.append(np.broadcast_to(r, block[inside].shape).ravel())
+            columns.append(np.broadcast_to(c, block[inside].shape).ravel())
+            values.append(block[inside].ravel())
+
+        for side, sign in ((0, 1.0), (1, -1.0)):
+            for c in range(4):
+                arm = np.einsum("d,pdk->pk", C[c], arms[:, side])
+                unit = np.broadcast_to(C[c].sum() * np.eye(3), (count, 3, 3))
+                block = sign * np.sqrt(self.weights)[:, None, None] * np.concatenate([unit, -crosses(arm)], 2)
+                add(block, 4 * np.arange(count) + c, self.pairs[:, side])
+        unit = np.broadcast_to(np.eye(3), (len(own), 3, 3))
+        block = np.sqrt(ANCHOR * self.typical) * np.concatenate([unit, -crosses(own)], 2)
+        add(block, 4 * count + np.arange(len(own)), self.anchored)
+        shape = 12 * count + 3 * len(own), 6 * len(self.free)
+        joined = [np.concatenate(part) for part in (values, rows, columns)]
+        return sp.csr_matrix((joined[0], (joined[1], joined[2])), shape=shape)
+
+    def gauss_newton(
+        self,
+        steps: int = 40,
+        tolerance: float = 1e-12,
+        solve: Callable[[sp.csc_matrix, np.ndarray], np.ndarray] = sp.linalg.spsolve,
+        watch: Callable[[], None] = lambda: None,
+    ) -> float:
+        """Joint steps of all prisms, halved until the energy falls."""
+        for _ in range(steps):
+            J, r = self.jacobian(), self.residual()
+            H = (J.T @ J).tocsc()
+            gradient = J.T @ r
+            step = -solve(H + 1e-10 * H.diagonal().mean() * sp.identity(H.shape[0], format="csc"), gradient)
+            d = step.reshape(-1, 6)
+            before, t, R = 0.5 * float(r @ r), self.t.copy(), self.R.copy()
+            length = 1.0
+            while length > 1e-4:
+                self.t[self.free] = t[self.free] + length * d[:, :3]
+                self.R[self.free] = rotations_by(length * d[:, 3:]) @ R[self.free]
+                if self.energy() <= before + 1e-4 * length * float(gradient @ step):
+                    break
+                length /= 2
+            else:
+                self.t, self.R = t, R
+                break
+            watch()
+            if before - self.energy() <= tolerance * before:
+                break
+        return self.energy()
+
+    def colours(self) -> list[np.ndarray]:
+        """Free prisms in sets of which no two are neighbours."""
+        near: list[list[int]] = [[] for _ in self.faces]
+        for a, b in self.pairs:
+            near[a].append(b)
+            near[b].append(a)
+        colour = np.full(len(self.faces), -1)
+        for f in range(len(self.faces)):
+            used = {colour[g] for g in near[f]}
+            colour[f] = next(c for c in range(len(used) + 1) if c not in used)
+        return [np.flatnonzero((colour == c) & ~self.held) for c in range(colour.max() + 1)]
+
+    def shape_matching(self, sweeps: int, watch: Callable[[], None] = lambda: None) -> float:
+        """The paper's steps for single prisms: each goes to the best place among its neighbours.
+
+        That is a weighted fit of points to points, with the mass of the sides as weights.
+        """
+        C = np.linalg.cholesky(MASS).T
+        share = C.sum(1)  # of a translation in each row
+        sets = self.colours()
+        plans = []
+        for own in sets:
+            inside = np.isin(self.pairs, own)
+            plans.append((own, *np.nonzero(inside), np.flatnonzero(np.isin(self.anchored, own))))
+        for _ in range(sweeps):
+            for own, pair, side, anchor in plans:
+                body, other = self.pairs[pair, side], self.pairs[pair, 1 - side]
+                lever = self.corners[pair] - self.centres[body][:, None]
+                goal = self.t[other][:, None] + np.einsum(
+                    "kij,kcj->kci", self.R[other], self.corners[pair] - self.centres[other][:, None]
+                )
+                u = np.concatenate([(C @ lever).reshape(-1, 3), self.anchors[anchor] - self.centres[self.anchored[anchor]]])
+                g = np.concatenate([(C @ goal).reshape(-1, 3), self.anchor_targets[anchor]])
+                s = np.concatenate([np.tile(share, len(pair)), np.ones(len(anchor))])
+                w = np.concatenate([np.repeat(self.weights[pair], 4), np.full(len(anchor), ANCHOR * self.typical)])
+                b = np.concatenate([np.repeat(body, 4), self.anchored[anchor]])
+
+                def gathered(values: np.ndarray, b=b) -> np.ndarray:
+                    flat = values.reshape(len(values), -1)
+                    sums = [np.bincount(b, column, len(self.faces)) for column in flat.T]
+                    return np.stack(sums, 1).reshape(-1, *values.shape[1:])
+
+                total = np.maximum(gathered(w * s * s), 1e-300)[:, None]
+                mean_u = gathered((w * s)[:, None] * u) / total
+                mean_g = gathered((w * s)[:, None] * g) / total
+                du, dg = u - s[:, None] * mean_u[b], g - s[:, None] * mean_g[b]
+                S = gathered(w[:, None, None] * dg[:, :, None] * du[:, None, :])
+                self.R[own] = fitted(S[own])
+                self.t[own] = mean_g[own] - np.einsum("kij,kj->ki", self.R[own], mean_u[own])
+            watch()
+        return self.energy()
+
+    def vertices(self) -> np.ndarray:
+        """(n, 3) the mean of what the prisms around each vertex say; held vertices at their targets."""
+        arms = self.points[self.faces] - self.centres[:, None]
+        images = self.t[:, None] + np.einsum("fij,fkj->fki", self.R, arms)
+        sums, count = np.zeros_like(self.points), np.bincount(self.faces.ravel(), minlength=len(self.points))
+        np.add.at(sums, self.faces, images)
+        result = sums / count[:, None]
+        result[self.held_vertices] = self.targets
+        return result
+
+    def start_from(self, positions: np.ndarray) -> None:
+        """Free prisms where the vertices of another shape are."""
+        f = self.faces[self.free]
+        rest, now = self.points[f], positions[f]
+        rest, now = rest - rest.mean(1, keepdims=True), now - now.mean(1, keepdims=True)
+        S = np.einsum("fka,fkb->fab", now, rest)
+        normal = np.cross(rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0])
+        turned = np.cross(now[:, 1] - now[:, 0], now[:, 2] - now[:, 0])
+        self.R[self.free] = fitted(S + turned[:, :, None] * normal[:, None, :])
+        self.t[self.free] = positions[f].mean(1)
