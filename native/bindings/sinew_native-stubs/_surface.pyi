@@ -153,6 +153,18 @@ class Arap(SurfaceMethod):
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
+class HandleAwareIsolines(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        bands: int = 24,
+        field: Literal["harmonic", "geodesic"] = "harmonic",
+        max_iterations: int = 200,
+        tolerance: float = 1e-6,
+    ) -> None: ...
+    def bands(self) -> Ints: ...
+
 class Multiresolution(SurfaceMethod):
     def __init__(
         self,
