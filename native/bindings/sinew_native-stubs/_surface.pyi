@@ -165,6 +165,22 @@ class HandleAwareIsolines(SurfaceMethod):
     ) -> None: ...
     def bands(self) -> Ints: ...
 
+class SubspaceLaplacian(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        cage: SurfaceMesh | None = None,
+        cage_faces: int = 160,
+        clusters: int = 60,
+        bending: float = 0.0015,
+        keep_volume: bool = True,
+        max_iterations: int = 60,
+        tolerance: float = 1e-5,
+    ) -> None: ...
+    def cages(self) -> list[SurfaceMesh]: ...
+    def clusters(self) -> Ints: ...
+
 class Multiresolution(SurfaceMethod):
     def __init__(
         self,

@@ -281,6 +281,7 @@ struct Binding
 {
     std::vector<Part> parts;
     std::vector<int> idle;
+    std::vector<int> clusters; ///< (n) over all parts; -1 in parts without a handle
 };
 
 struct Frame
@@ -289,7 +290,6 @@ struct Frame
     LbfgsWorkspace descent;
 };
 
-/// First `second`, then `first`.
 Points posed(const Pose& pose, const Points& points)
 {
     return (points * pose.leftCols<3>().transpose()).rowwise() + pose.col(3).transpose();
@@ -385,6 +385,7 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
     std::vector<int> places(n, -1);
     std::vector<double> areas(groups.count(), 0.0);
     auto next = std::make_unique<Binding>();
+    next->clusters.assign(n, -1);
     for (int v = 0; v < n; ++v) {
         if (groups.group[v] < 0) {
             next->idle.push_back(v);
@@ -420,12 +421,10 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             const auto count = static_cast<int>(members[g].size());
 
             std::vector<int> hard(count);
-            std::vector<double> own_diagonal(count);
             VectorX own_mass(count);
             std::vector<int> held(groups.seat_count(), 0);
             for (int k = 0; k < count; ++k) {
                 hard[k] = regions.hard(members[g][k]);
-                own_diagonal[k] = diagonal[members[g][k]];
                 own_mass[k] = mass[members[g][k]];
                 if (hard[k] >= 0)
                     ++held[groups.seat({members[g][k], hard[k]})];
@@ -446,6 +445,9 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             part.near = near_handles(edges, space, hard);
             const Clusters clusters = clusters_of(edges, space.rest, hard, self.options.clusters);
             const auto cluster_count = static_cast<int>(clusters.seeds.size());
+            const int so_far = *std::ranges::max_element(next->clusters) + 1;
+            for (int k = 0; k < count; ++k)
+                next->clusters[members[g][k]] = so_far + clusters.label[k];
             GraphHandles none;
             none.hard.assign(count, -1);
             none.idle.assign(count, 0);
@@ -611,6 +613,12 @@ std::vector<SurfaceMesh> SubspaceLaplacian::cages() const
         if (part.space->cage)
             cages.push_back(*part.space->cage);
     return cages;
+}
+
+std::vector<int> SubspaceLaplacian::clusters() const
+{
+    const AccessLock shared = reading();
+    return impl_->bound->clusters;
 }
 
 std::vector<std::string> SubspaceLaplacian::changed_options(const SurfaceMethod& former) const

@@ -75,6 +75,8 @@ public:
     /// The rest cages of the parts, in the order of their lowest vertices; none for a part that is its own
     /// subspace. Empty before the first bind.
     std::vector<SurfaceMesh> cages() const;
+    /// (n) the cluster of each vertex, -1 in a part without a handle. Empty before the first bind.
+    std::vector<int> clusters() const;
 
 protected:
     /// \throw InvalidConstraint  vertices of a part with a handle are outside the given cage; they are named.
