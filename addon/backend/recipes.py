@@ -36,11 +36,17 @@ class Base:
 
 def make(native, method: Method, target: object, options: dict[str, object]) -> Any:
     """The native object of a method, and of the method that it is put around, for a native mesh."""
-    made = {
-        name: make(native, value.method, target, value.options) if isinstance(value, Base) else value
-        for name, value in options.items()
-    }
+    made = {name: _made(native, target, value) for name, value in options.items()}
     return getattr(native, method.native)(target, **made)
+
+
+def _made(native, target: object, value: object) -> object:
+    """The value of an option as the native constructor takes it."""
+    if isinstance(value, Base):
+        return make(native, value.method, target, value.options)
+    if isinstance(value, Shape):
+        return native.SurfaceMesh(value.points, value.faces)
+    return value
 
 
 class SolveReport(Protocol):

@@ -42,10 +42,11 @@ struct Setting
         const MatrixX A(L), B(loads.B), inner = A(free, free);
         const MatrixX outer = -A(free, held) * H(held, Eigen::all), load = B(free, Eigen::all);
         const Eigen::PartialPivLU<MatrixX> factor(inner);
+        const MatrixX by_poses = factor.solve(outer), by_turns = factor.solve(load);
         X = H;
-        X(free, Eigen::all) = factor.solve(outer);
+        X(free, Eigen::all) = by_poses;
         Z = MatrixX::Zero(n, 3 * clusters);
-        Z(free, Eigen::all) = factor.solve(load);
+        Z(free, Eigen::all) = by_turns;
         reduced = std::make_unique<RotationClusters>(loads.own, B.transpose() * Z, B.transpose() * X,
                                                      X.transpose() * A * X);
     }
