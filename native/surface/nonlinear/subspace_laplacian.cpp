@@ -13,6 +13,8 @@
 #include "native/rotations/subspace_cells.h"
 #include "native/space/cage/mean_value.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
