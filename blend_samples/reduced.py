@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One pillar, bent by surface methods with few unknowns: bands between handles, and a cage, with and without its volume."""
+"""One pillar, bent by surface methods with few unknowns: those of bands, and those of a cage."""
 
 from __future__ import annotations
 

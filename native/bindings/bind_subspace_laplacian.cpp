@@ -18,9 +18,8 @@ Each part with a handle lies in a cage whose vertices are the unknowns (tutorial
 coordinates follow one rotation per cluster of vertices, and parts that are closed, or nearly, keep their volume
 exactly. Handles lie anywhere on the surface. set_handles() makes the cages and gathers the energy, so that an
 iteration never touches the surface; a frame ends with one product of the weights, with the volume two.)")
-        .def(py::init([](const SurfaceMesh& mesh, const SurfaceMesh* cage, int cage_faces,
-                         int clusters, double bending, bool keep_volume, int max_iterations,
-                         double tolerance) {
+        .def(py::init([](const SurfaceMesh& mesh, const SurfaceMesh* cage, int cage_faces, int clusters,
+                         double bending, bool keep_volume, int max_iterations, double tolerance) {
                  const SubspaceLaplacianOptions options{.cage_faces = cage_faces,
                                                         .clusters = clusters,
                                                         .bending = bending,
@@ -28,8 +27,8 @@ iteration never touches the surface; a frame ends with one product of the weight
                                                         .max_iterations = max_iterations,
                                                         .tolerance = tolerance};
                  const py::gil_scoped_release unlocked;
-                 return std::make_shared<SubspaceLaplacian>(
-                     mesh, options, cage ? std::optional(*cage) : std::nullopt);
+                 return std::make_shared<SubspaceLaplacian>(mesh, options,
+                                                            cage ? std::optional(*cage) : std::nullopt);
              }),
              py::arg("mesh"), py::kw_only(), py::arg("cage") = py::none(),
              py::arg("cage_faces") = SubspaceLaplacianOptions{}.cage_faces,

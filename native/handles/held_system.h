@@ -57,8 +57,8 @@ public:
     /// \param constraints  (c, m) one row for each of regions.constraints().
     /// \throw InvalidConstraint  before the first factorize().
     RowMatrix spread(const MatrixX& constraints) const;
-    /// (n, m) d for m columns of b, where held vertices stay and nothing pulls. Rows of b that are no unknowns
-    /// are not read.
+    /// (n, m) d for m columns of b, where held vertices stay and nothing pulls. Rows of b that are no
+    /// unknowns are not read.
     RowMatrix answer(const RowMatrix& b) const;
     LinearResponse respond(const MatrixX& constraints) const;
 

@@ -85,8 +85,8 @@ std::vector<Matrix3> mean_rotations(const RowMatrix& shares, const Poses& poses,
     std::vector<Matrix3> rotations;
     for (Eigen::Index k = 0; k < shares.rows(); ++k) {
         const Eigen::Vector4d sum = mean.coeffs() + (shares.row(k) * apart).transpose();
-        rotations.push_back(
-            sum.norm() > 1e-9 ? Eigen::Quaterniond(sum.normalized()).toRotationMatrix() : middle);
+        rotations.push_back(sum.norm() > 1e-9 ? Eigen::Quaterniond(sum.normalized()).toRotationMatrix()
+                                              : middle);
     }
     return rotations;
 }

@@ -68,9 +68,8 @@ SubspaceCells::SubspaceCells(const RowMatrix& B, const SparseMatrix& L, const Ve
     parallel_for(static_cast<int>(B.rows()), [&](int i) {
         each_neighbour(L, i, [&](int j, double weight) { LB.row(i) += weight * (B.row(i) - B.row(j)); });
     });
-    parallel_tasks(clusters, [&](int k) {
-        stiffness_[k] = stiffness_of(members[k], B, LB, L, mass, curvature);
-    });
+    parallel_tasks(clusters,
+                   [&](int k) { stiffness_[k] = stiffness_of(members[k], B, LB, L, mass, curvature); });
     std::vector<std::vector<Pull>> by_handle(handles);
     for (const Pull& pull : pulls)
         by_handle[pull.handle].push_back(pull);
@@ -115,8 +114,8 @@ SubspaceCells::Base SubspaceCells::base(const Points& y) const
 SubspaceProblem::SubspaceProblem(const SubspaceCells& cells, const SubspaceCells::Base& base,
                                  const Pose& mean, const std::vector<Points>& targets,
                                  const CoarseVolume* coarse, const Points& shape)
-    : cells_(cells), base_(base), coarse_(coarse), shape_(shape),
-      mean_(mean.leftCols<3>().transpose()), forces_(Points::Zero(base.y.rows(), 3))
+    : cells_(cells), base_(base), coarse_(coarse), shape_(shape), mean_(mean.leftCols<3>().transpose()),
+      forces_(Points::Zero(base.y.rows(), 3))
 {
     for (std::size_t h = 0; h < targets.size(); ++h) {
         const Points force = cells.pulls_[h] * targets[h];

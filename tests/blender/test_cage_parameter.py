@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh object as the parameter of a method: the cage of the subspace Laplacian, moved, edited, and too small."""
+"""A mesh object as a parameter: the cage of the subspace Laplacian, moved, edited, and too small."""
 
 from __future__ import annotations
 

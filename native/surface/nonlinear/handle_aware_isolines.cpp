@@ -152,8 +152,7 @@ void Elimination::complete(Part& part, const ClusterLoads& loads) const
     const Eigen::Index poses = 4 * static_cast<Eigen::Index>(part.seat_count()),
                        turns = 3 * static_cast<Eigen::Index>(part.band_count()),
                        first = 3 * static_cast<Eigen::Index>(part.first_band);
-    MatrixX G = MatrixX::Zero(turns, turns), H = MatrixX::Zero(turns, poses),
-            K = MatrixX::Zero(poses, poses);
+    MatrixX G = MatrixX::Zero(turns, turns), H = MatrixX::Zero(turns, poses), K = MatrixX::Zero(poses, poses);
     RowMatrix rows(PointWeights::part, poses + turns);
     const int count = static_cast<int>(part.vertices.size());
     part.answers = PointWeights(count, Points::Zero(poses + turns, 3), 0, {});
@@ -425,9 +424,8 @@ SolveReport HandleAwareIsolines::deform(const SolveRequest& request, const Targe
         for (int band = 0; band < part.band_count(); ++band)
             turns.emplace_back(last.rotation(band) * first.rotation(band).transpose() - Matrix3::Identity());
     }
-    const SolveReport solved = bound.system.solve(targets, positions, [&](RowMatrix& b) {
-        return load(bound, turns, targets.base(), b);
-    });
+    const SolveReport solved = bound.system.solve(
+        targets, positions, [&](RowMatrix& b) { return load(bound, turns, targets.base(), b); });
     report.energy = energy_factor * solved.energy;
     return report;
 }

@@ -24,8 +24,8 @@ struct HandleAwareIsolinesOptions
 /// O. K.-C. Au, H. Fu, C.-L. Tai, D. Cohen-Or. "Handle-Aware Isolines for Scalable Shape Editing." ACM
 /// Transactions on Graphics 26(3), 2007. Tutorial, section 6.
 ///
-/// With base points y (the incoming shape, or the rest shape), the band c(i) of vertex i, and one rotation per
-/// band, over ordered pairs of neighbours,
+/// With base points y (the incoming shape, or the rest shape), the band c(i) of vertex i, and one rotation
+/// per band, over ordered pairs of neighbours,
 ///
 ///     E = sum_ij w_ij |(x_i - x_j) - R_c(i) (y_i - y_j)|^2
 ///
@@ -40,12 +40,13 @@ struct HandleAwareIsolinesOptions
 /// positive, so that no turn raises E. The start is a mean of the handles' rotations, from the poses alone.
 /// A shape that enters and is not the rest shape is handled apart. The rigid motions that fit the handles
 /// best, from rest to that shape, give rotations T0 of the bands, and these with the poses give T; then
-/// R = T T0^-1, and one solve on the mesh gives the points with the edges of that shape. Where no handle moves,
-/// R = 1 and that shape passes through; a rigid motion of all handles is reproduced.
+/// R = T T0^-1, and one solve on the mesh gives the points with the edges of that shape. Where no handle
+/// moves, R = 1 and that shape passes through; a rigid motion of all handles is reproduced.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing
-///   set_handles()  another set of handles        one factorisation; one solve with three columns per band and
+///   set_handles()  another set of handles        one factorisation; one solve with three columns per band
+///   and
 ///                                                four per handle; 4 bytes per vertex for each such column
 ///   solve()        the handles moved             some microseconds per turn, then one product of these
 ///                                                columns; one solve for x, y and z more where another shape

@@ -84,7 +84,8 @@ Points Subspace::means(const Points& points) const
 SurfaceMesh box_around(const Points& points)
 {
     constexpr int across = 4;
-    const Vector3 low = points.colwise().minCoeff().transpose(), high = points.colwise().maxCoeff().transpose();
+    const Vector3 low = points.colwise().minCoeff().transpose(),
+                  high = points.colwise().maxCoeff().transpose();
     const double margin = 2 * cage_margin * (high - low).norm();
     std::map<std::array<int, 3>, int> numbers;
     std::vector<Vector3> corners;
@@ -162,8 +163,7 @@ void complete(Subspace& part, const GraphEdges& edges, const std::optional<Surfa
     part.size = (part.rest.colwise().maxCoeff() - part.rest.colwise().minCoeff()).norm();
     if (!given && n <= options.cage_faces / 2 + 2) {
         part.y = part.rest;
-        part.own_weights =
-            PointWeights(n, part.rest, n, {.precision = WeightPrecision::double_precision});
+        part.own_weights = PointWeights(n, part.rest, n, {.precision = WeightPrecision::double_precision});
         const RowMatrix one = RowMatrix::Identity(n, n);
         for (int i = 0; i < n; i += PointWeights::part)
             part.own_weights.set_rows(i, one.middleRows(i, std::min(PointWeights::part, n - i)));
@@ -200,7 +200,9 @@ void complete(Subspace& part, const GraphEdges& edges, const std::optional<Surfa
     part.volume = EnclosedVolume(part.triangles, n);
     double twice = 0.0;
     for (const Triangle& t : part.triangles)
-        twice += (part.rest.row(t[1]) - part.rest.row(t[0])).cross(part.rest.row(t[2]) - part.rest.row(t[0])).norm();
+        twice += (part.rest.row(t[1]) - part.rest.row(t[0]))
+                     .cross(part.rest.row(t[2]) - part.rest.row(t[0]))
+                     .norm();
     const double own = part.volume.of(view(part.rest));
     part.has_volume = own * own > least_volume * std::pow(0.5 * twice, 3) &&
                       part.volume.share_of_fans(view(part.rest)) < most_open;
@@ -477,9 +479,9 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
                         entries.emplace_back(edges.neighbours[a], k, -edges.weights[a]);
                 own.setFromTriplets(entries.begin(), entries.end());
             }
-            part.cells = std::make_unique<const SubspaceCells>(
-                B, own, own_mass, clusters.label, cluster_count, self.options.bending * areas[g], pulls,
-                static_cast<int>(seats));
+            part.cells = std::make_unique<const SubspaceCells>(B, own, own_mass, clusters.label,
+                                                               cluster_count, self.options.bending * areas[g],
+                                                               pulls, static_cast<int>(seats));
             part.base = part.cells->base(space.y);
             double scale = 0.0;
             for (int k = 0; k < cluster_count; ++k)
@@ -557,9 +559,8 @@ SolveReport SubspaceLaplacian::Impl::solve(const Part& part, const SolveRequest&
         if (enters) { // what the cage cannot show turns with the clusters around it
             const ClusterMap::Shares shares = part.map->shares(k);
             for (int i = 0; i < shares.count; ++i)
-                to += shares.weights[i] * (frame.left.row(k) * problem.turns().middleRows<3>(
-                                                                   3 * shares.clusters[i]))
-                                              .transpose();
+                to += shares.weights[i] *
+                      (frame.left.row(k) * problem.turns().middleRows<3>(3 * shares.clusters[i])).transpose();
         }
         frame.moved.row(k) = to.transpose();
     });

@@ -13,7 +13,7 @@ namespace sinew {
 struct SubspaceLaplacianOptions
 {
     int cage_faces = 160; ///< triangles of the automatic cage of each part, 12 to 2,000
-    int clusters = 60;    ///< of vertices that share a rotation, in each part, >= 1; each handle has its own
+    int clusters = 60; ///< of vertices that share a rotation, in each part, >= 1; each handle has its own
     /// b / A >= 0 in the energy, with the rest area A of the part: how stiff the surface is in bends, beside
     /// its edges.
     double bending = 0.0015;
@@ -50,7 +50,8 @@ struct SubspaceLaplacianOptions
 /// than its cage would have is its own subspace.
 ///
 /// A shape that enters is split into the part that the cage can show, which is the base shape, and what is
-/// left, which is turned by the rotations of the clusters around it. Where no handle moves, it passes through.
+/// left, which is turned by the rotations of the clusters around it. Where no handle moves, it passes
+/// through.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing

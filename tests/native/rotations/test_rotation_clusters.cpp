@@ -135,8 +135,8 @@ TEST(RotationClusters, a_rigid_motion_leaves_nothing_to_turn)
     for (int k = 0; k < clusters; ++k)
         shares.row(k) << 1 - k / 5.0, k / 5.0;
     const Poses both{pose, pose};
-    RotationClusters::State state = bar.reduced->start(
-        both, mean_rotations(shares, both, rigid_mean(both).leftCols<3>()));
+    RotationClusters::State state =
+        bar.reduced->start(both, mean_rotations(shares, both, rigid_mean(both).leftCols<3>()));
     EXPECT_LT(bar.reduced->settle(state, 5, 0.0).energy, 1e-24);
     EXPECT_LT(shapes::distance(bar.points(state), shapes::transformed(bar.mesh.points(), pose)), 1e-13);
 }

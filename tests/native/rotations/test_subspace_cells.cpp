@@ -128,7 +128,8 @@ TEST(SubspaceCells, the_gradient_is_that_of_differences)
     for (int k = 0; k < 10; ++k) {
         const Points way = random.dense(static_cast<int>(bar.y.rows()), 3);
         const double h = 1e-5, slope = gradient.cwiseProduct(way).sum();
-        const double ahead = problem.evaluate(u + h * way, other), behind = problem.evaluate(u - h * way, other);
+        const double ahead = problem.evaluate(u + h * way, other),
+                     behind = problem.evaluate(u - h * way, other);
         EXPECT_NEAR((ahead - behind) / (2 * h), slope, 1e-7 * gradient.norm() * way.norm());
     }
 }
@@ -166,7 +167,8 @@ TEST(SubspaceCells, keeps_a_volume_on_the_way)
     const Points shape = bar.B * bar.y;
     SubspaceProblem problem(*bar.cells, bar.base, mean(), aims, &coarse, shape);
     Points u = problem.unknowns_for_rotations();
-    const SolveReport report = minimize(problem, u, {.max_iterations = 200, .tolerance = 1e-10, .plain_steps = 4});
+    const SolveReport report =
+        minimize(problem, u, {.max_iterations = 200, .tolerance = 1e-10, .plain_steps = 4});
     EXPECT_TRUE(report.converged);
     const Points x = shape + bar.B * u;
     const double wanted = coarse.volume.of(view(shape));

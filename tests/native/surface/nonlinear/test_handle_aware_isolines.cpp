@@ -18,9 +18,8 @@ using Options = HandleAwareIsolinesOptions;
 
 auto maker(const Options& options)
 {
-    return [options](const SurfaceMesh& mesh) {
-        return std::make_shared<HandleAwareIsolines>(mesh, options);
-    };
+    return
+        [options](const SurfaceMesh& mesh) { return std::make_shared<HandleAwareIsolines>(mesh, options); };
 }
 
 /// The end at `along` goes to the end of a circular arc.

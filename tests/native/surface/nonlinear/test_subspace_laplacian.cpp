@@ -17,8 +17,7 @@ using Options = SubspaceLaplacianOptions;
 
 auto maker(const Options& options)
 {
-    return
-        [options](const SurfaceMesh& mesh) { return std::make_shared<SubspaceLaplacian>(mesh, options); };
+    return [options](const SurfaceMesh& mesh) { return std::make_shared<SubspaceLaplacian>(mesh, options); };
 }
 
 /// The end at `along` goes to the end of a circular arc.
@@ -117,8 +116,8 @@ TEST(SubspaceLaplacian, names_vertices_outside_a_given_cage)
     Points box = shapes::cube().points();
     box = (box.rowwise() - box.colwise().mean()).eval();
     box = (box * 40.0).eval();
-    EXPECT_NO_THROW(SubspaceLaplacian(mesh, {}, shapes::moved(shapes::cube(), box))
-                        .set_handles(shapes::ends(mesh, 2)));
+    EXPECT_NO_THROW(
+        SubspaceLaplacian(mesh, {}, shapes::moved(shapes::cube(), box)).set_handles(shapes::ends(mesh, 2)));
     box.col(0) *= 0.3; // from -6 to 6, while the bar reaches 12
     SubspaceLaplacian method(mesh, {}, shapes::moved(shapes::cube(), box));
     try {
