@@ -116,7 +116,7 @@ double EnclosedVolume::gradient(const PointsView& points, Points& gradient) cons
                 p[k] = corner(points, middle, t[k]) - origin;
             volume += p[0].dot(p[1].cross(p[2]));
             for (int k = 0; k < 3; ++k) {
-                const auto part = p[(k + 1) % 3].cross(p[(k + 2) % 3]).transpose() / 6.0;
+                const Eigen::RowVector3d part = p[(k + 1) % 3].cross(p[(k + 2) % 3]).transpose() / 6.0;
                 if (t[k] < count_)
                     gradient.row(t[k]) += part;
                 else

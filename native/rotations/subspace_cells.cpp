@@ -13,7 +13,7 @@ namespace sinew {
 namespace {
 
 constexpr double anchor_share = 1e-9; ///< e, as a share of the mean diagonal
-constexpr double volume_tolerance = 1e-7; ///< of the coarse volume, while iterating
+constexpr double volume_tolerance = 1e-5; ///< of the coarse volume, while iterating
 constexpr int most_admissions = 4;
 
 /// Minus the weights of L below its diagonal and above it.
@@ -129,10 +129,8 @@ SubspaceProblem::SubspaceProblem(const SubspaceCells& cells, const SubspaceCells
     for (int k = 0; k < cells.cluster_count(); ++k)
         rotations_.middleRows<3>(3 * k) = mean_;
     fixed_ = base.own * mean_;
-    if (coarse_) {
+    if (coarse_)
         wanted_ = coarse_->volume.of(view(shape_));
-        measure(Points::Zero(base.y.rows(), 3));
-    }
 }
 
 void SubspaceProblem::set_rotation(int cluster, const Matrix3& R)
@@ -164,7 +162,7 @@ double SubspaceProblem::evaluate(const Points& u, Points& gradient)
     gradient.noalias() = cells_.A_ * u;
     twice += u.cwiseProduct(gradient - 2 * forces).sum();
     gradient -= forces;
-    if (coarse_)
+    if (normal_.size() > 0)
         if (const double square = normal_.cwiseProduct(direction_).sum(); square > 0)
             gradient -= direction_.cwiseProduct(gradient).sum() / square * normal_;
     return std::max(0.0, 0.5 * twice);

@@ -31,7 +31,7 @@ constexpr double fade = 0.04;          ///< over which the gap at a handle fades
 constexpr double most_open = 0.1;      ///< area of the fans that close a part, as a share of its own
 constexpr double least_volume = 1e-4;  ///< volume^2 / area^3; a ball has 1 / (36 pi)
 constexpr double cage_margin = 0.04;   ///< of an automatic cage, as a share of the size
-constexpr int coarse_points = 1000;    ///< of the surface whose volume is kept while iterating
+constexpr int coarse_points = 500;     ///< of the surface whose volume is kept while iterating
 /// An energy below this share of that of all edges is rounding.
 constexpr double rounding_floor = 1e-14;
 
@@ -130,6 +130,15 @@ SurfaceMesh cage_around(const SurfaceMesh& part, int faces, const Progress& prog
     }
 }
 
+/// The progress of a part of the work, which takes the whole from one fraction to another.
+Progress part_of(const Progress& whole, double from, double to)
+{
+    return Progress([&whole, from, to](double fraction, const char* stage) {
+        whole.tick(from + (to - from) * std::min(fraction, 1.0), stage);
+        return true;
+    });
+}
+
 GraphEdges edges_of(const SparseMatrix& L, const std::vector<int>& vertices, const std::vector<int>& places)
 {
     GraphEdges edges;
@@ -176,10 +185,10 @@ void complete(Subspace& part, const GraphEdges& edges, const std::optional<Surfa
                 corners.insert(corners.end(), t.begin(), t.end());
             part.cage = cage_around(
                 SurfaceMesh(part.rest, std::vector<int>(part.triangles.size(), 3), std::move(corners)),
-                options.cage_faces, progress);
+                options.cage_faces, part_of(progress, 0.0, 0.5));
         }
         part.coordinates = std::make_unique<MeanValue>(Cage(*part.cage));
-        part.coordinates->bind(view(part.rest), progress);
+        part.coordinates->bind(view(part.rest), part_of(progress, 0.5, 1.0));
         part.y = part.cage->points();
     }
     const RowMatrix B = part.exact_weights();
@@ -407,20 +416,14 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
         const HandleFields fields(groups, regions, self.system);
         const SparseMatrix& matrix = self.system.matrix();
         for (int g = 0; g < groups.count(); ++g) {
-            const auto progress_of = [&](double from, double to) {
-                return Progress([&, from, to](double fraction, const char* stage) {
-                    progress.tick(0.3 + 0.7 * (g + from + (to - from) * std::min(fraction, 1.0)) /
-                                            groups.count(),
-                                  stage);
-                    return true;
-                });
-            };
+            const double begin = 0.3 + 0.7 * g / groups.count(), share = 0.7 / groups.count();
             Part& part = next->parts.emplace_back();
             part.handles.assign(groups.handles.begin() + groups.offsets[g],
                                 groups.handles.begin() + groups.offsets[g + 1]);
             const GraphEdges edges = edges_of(matrix, members[g], places);
-            part.space = self.space_of(rest(), members[g], places, edges, progress_of(0.0, 0.6));
-            progress_of(0.6, 0.6).tick(0.0, "gathering the energy");
+            part.space = self.space_of(rest(), members[g], places, edges,
+                                       part_of(progress, begin, begin + 0.6 * share));
+            progress.tick(begin + 0.6 * share, "gathering the energy");
             const Subspace& space = *part.space;
             const auto count = static_cast<int>(members[g].size());
 

@@ -59,7 +59,7 @@ struct SubspaceLaplacianOptions
 ///                                                much as two products of all weights with each other; the
 ///                                                first call also makes the cages and their weights
 ///   solve()        the handles moved             iterations with the unknowns of the cage and, with the
-///                                                volume, some 1,000 points; then one product of the weights
+///                                                volume, some 500 points; then one product of the weights
 ///                                                with x, y and z, with the volume two, and one pass over the
 ///                                                faces
 class SubspaceLaplacian final : public SurfaceMethod
