@@ -181,6 +181,12 @@ class Factor:
         found = getattr(self._method, "folded_rings", ())
         return np.asarray(found, dtype=int)
 
+    def bands(self) -> np.ndarray | None:
+        """The band of each point, (n,) int32, -1 for a point in none; None if the method has no bands."""
+        with self._lock:
+            method = self._bound_method()
+        return method.bands() if hasattr(method, "bands") else None
+
     def _bound_method(self) -> Any:
         if self._method is None:
             raise CancelledError("The mesh is being bound again")

@@ -36,14 +36,17 @@ class Base:
 
 def make(native, method: Method, target: object, options: dict[str, object]) -> Any:
     """The native object of a method, and of the method that it is put around, for a native mesh."""
+    made = {name: _made(native, target, value) for name, value in options.items()}
+    return getattr(native, method.native)(target, **made)
 
-    def made(value: object) -> object:
-        if isinstance(value, Base):
-            return make(native, value.method, target, value.options)
-        return native.SurfaceMesh(value.points, value.faces) if isinstance(value, Shape) else value
 
-    words = {name: made(value) for name, value in options.items()}
-    return getattr(native, method.native)(target, **words)
+def _made(native, target: object, value: object) -> object:
+    """The value of an option as the native constructor takes it."""
+    if isinstance(value, Base):
+        return make(native, value.method, target, value.options)
+    if isinstance(value, Shape):
+        return native.SurfaceMesh(value.points, value.faces)
+    return value
 
 
 class SolveReport(Protocol):

@@ -27,6 +27,7 @@ OVERLAYS = (
         5,
     ),
     ("GRID", "Control Grid", "The grid of a method that has one, as the handles move it", "MESH_GRID", 6),
+    ("BANDS", "Bands", "The bands of a method that has some: each turns as one", "ALIGN_JUSTIFY", 7),
     ("DISTORTION", "Distortion", "Where the surface was stretched or compressed", "MOD_CLOTH", 4),
 )
 

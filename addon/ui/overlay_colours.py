@@ -82,6 +82,14 @@ def field(values: np.ndarray, opacity: float) -> np.ndarray:
     return _with_opacity(scale(share), opacity * (_FAINT_FIELD + (1.0 - _FAINT_FIELD) * share))
 
 
+def bands(numbers: np.ndarray, opacity: float) -> np.ndarray:
+    """The colours of bands (n,), light and dark by turns along the scale; those of number -1 have none."""
+    count = max(1, int(numbers.max(initial=0)))
+    rgb = scale(numbers / count)
+    rgb[numbers % 2 == 1] = 0.35 * rgb[numbers % 2 == 1] + 0.65
+    return _with_opacity(rgb, np.where(numbers < 0, 0.0, opacity))
+
+
 def influence(
     values: np.ndarray, opposed: Colour, lost: Colour, outside: np.ndarray, opacity: float
 ) -> np.ndarray:

@@ -173,6 +173,7 @@ def _paint(
         "MASK": _mask,
         "CAGE": _cage,
         "GRID": _no_grid,
+        "BANDS": _bands,
         "DISTORTION": _distortion,
     }[settings.overlay](obj, deformer, settings, shape)
 
@@ -277,6 +278,17 @@ def _no_grid(
 ) -> tuple[np.ndarray, Legend]:
     bare = np.zeros((len(shape.points), 4), dtype=np.float32)
     return bare, Legend("Control Grid", note=f"{deformer.definition.label} has no control grid")
+
+
+def _bands(
+    _obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
+    found = result.bands(deformer)
+    if found is None:
+        bare = np.zeros((len(shape.points), 4), dtype=np.float32)
+        return bare, Legend("Bands", note=f"{deformer.definition.label} has no bands")
+    painted = colours.bands(found, settings.opacity)
+    return painted, Legend("Bands", note=f"{found.max() + 1:,} bands" if len(found) else "")
 
 
 def _distortion(

@@ -134,6 +134,13 @@ RowMatrix HeldSystem::spread(const MatrixX& constraints, std::optional<RowMatrix
     return d;
 }
 
+RowMatrix HeldSystem::answer(const RowMatrix& b) const
+{
+    RowMatrix d = RowMatrix::Zero(b.rows(), b.cols());
+    equations_.solve(d, &b);
+    return d;
+}
+
 LinearResponse HeldSystem::respond(const MatrixX& constraints) const
 {
     const auto columns = constraints.cols();

@@ -57,6 +57,9 @@ public:
     /// \param constraints  (c, m) one row for each of regions.constraints().
     /// \throw InvalidConstraint  before the first factorize().
     RowMatrix spread(const MatrixX& constraints) const;
+    /// (n, m) d for m columns of b, where held vertices stay and nothing pulls. Rows of b that are no
+    /// unknowns are not read.
+    RowMatrix answer(const RowMatrix& b) const;
     LinearResponse respond(const MatrixX& constraints) const;
 
     /// (n, n) A of the last factorize(), with the soft pulls on its diagonal.

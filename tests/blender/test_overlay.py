@@ -19,7 +19,7 @@ from rig import Rig, add_group, base_points, in_mode, make_active, move_world, n
 
 OPACITY = 0.5
 SLACK = 1e-4  # a fortieth of what a screen can show; Blender's own conversion is a fast approximation
-KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "GRID", "DISTORTION")
+KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "GRID", "BANDS", "DISTORTION")
 
 
 @pytest.fixture
@@ -120,6 +120,21 @@ def test_a_control_grid_moves_with_the_handles(paint, plate: Rig):
     assert np.abs(lifted[:, 2]).min() < 0.1
     plate.deformer.method = "thin_shell"
     assert paint(plate.obj, overlay="GRID").legend.note == "Thin Shell has no control grid"
+
+
+def test_bands_lie_between_the_handles(paint, plate: Rig):
+    plate.bind("handle_aware_isolines")
+    plate.deformer.parameters.bands = 8
+    update()
+    picture = paint(plate.obj, overlay="BANDS")
+    count = int(picture.legend.note.split()[0])
+    assert 5 <= count <= 8  # four around each handle, some of which may have no vertex
+    assert len(np.unique(covered(picture), axis=0)) == count
+    assert is_even(picture, plate.top)
+    assert is_even(picture, plate.base)
+    assert not is_even(picture, np.concatenate((plate.top, plate.base)))
+    plate.deformer.method = "thin_shell"
+    assert paint(plate.obj, overlay="BANDS").legend.note == "Thin Shell has no bands"
 
 
 def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate: Rig):

@@ -143,6 +143,16 @@ class Pointer(Parameter):
 
 
 @dataclass(frozen=True, kw_only=True)
+class MeshObject(Pointer):
+    """A mesh object whose mesh, without its modifiers, the method uses.
+
+    The native module gets a ``SurfaceMesh`` in the space of the target, or None if no object is chosen.
+    """
+
+    types: tuple[str, ...] = ("MESH",)
+
+
+@dataclass(frozen=True, kw_only=True)
 class MeshShape(Pointer):
     """A mesh object with the same faces as the target.
 

@@ -12,9 +12,10 @@ import numpy as np
 from bpy.types import CurveMapping, NodeTree, Object, PropertyGroup, ShaderNodeFloatCurve
 
 from ...backend import Shape
+from ...compat import read_faces, read_positions
 from ...core.errors import OptionError
 from ...core.geometry import frames
-from ...core.methods import METHODS, Curve, MeshShape, Parameter, Pointer, UvMap
+from ...core.methods import METHODS, Curve, MeshObject, MeshShape, Parameter, Pointer, UvMap
 from ...ids import Datablocks, Keys
 from ...mesh_io import RestShape, read_rest
 from ...properties import SinewDeformer
@@ -113,27 +114,36 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
     if isinstance(parameter, MeshShape):
         obj = getattr(values, parameter.id)
         return obj and (obj.name_full, obj.data.name_full, len(obj.data.vertices), len(obj.data.loops))
-    frame = value(values, parameter)
-    return None if frame is None else frame.tobytes()
+    found = value(values, parameter)
+    if isinstance(found, Shape):
+        return tuple(part.tobytes() for part in (found.points, *found.faces))
+    return None if found is None else found.tobytes()
 
 
 def placed(settings: SinewDeformer) -> list[object]:
     """The same for all parameters, but quicker: the points of curves, and the matrices of objects."""
     return [
-        _matrix(values, parameter) if isinstance(parameter, Pointer) else compared(values, parameter)
+        _matrix(values, parameter)
+        if isinstance(parameter, Pointer) and not isinstance(parameter, MeshObject)
+        else compared(values, parameter)
         for values, parameter in _referring(settings)
     ]
 
 
-def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | None:
-    """The value in the form that the native module takes: see ``Curve`` and ``Pointer``."""
+def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | Shape | None:
+    """The value in the form that a recipe takes: see ``Curve``, ``Pointer`` and ``MeshObject``."""
     if isinstance(parameter, Curve):
         return _samples(values, parameter)
     obj = getattr(values, parameter.id)
     if obj is None:
         return None
     target = np.array(values.id_data.matrix_world, dtype=np.float64)
-    return (frames.inverse(target, "The mesh object") @ np.array(obj.matrix_world, dtype=np.float64))[:3]
+    frame = (frames.inverse(target, "The mesh object") @ np.array(obj.matrix_world, dtype=np.float64))[:3]
+    if not isinstance(parameter, MeshObject):
+        return frame
+    mesh = obj.original.data
+    points = read_positions(mesh).astype(np.float64) @ frame[:, :3].T + frame[:, 3]
+    return Shape(np.ascontiguousarray(points), read_faces(mesh))
 
 
 def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> Shape | None:

@@ -144,6 +144,14 @@ def control_grids(deformer: SinewDeformer) -> list[np.ndarray]:
     return bound.factor.control_grids(shown.control, incoming=shown.incoming, **shown.further)
 
 
+def bands(deformer: SinewDeformer) -> np.ndarray | None:
+    """The band of each vertex, (n,) int32, -1 for one in none; None if the method has no bands."""
+    session = sessions.find(deformer.uid)
+    if session is None or session.bound is None or session.bound.factor.is_released:
+        return None
+    return session.bound.factor.bands()
+
+
 def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | None:
     """The weights of a vertex group, float32 (n,); None if there is none.
 

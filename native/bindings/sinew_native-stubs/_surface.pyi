@@ -154,6 +154,34 @@ class Arap(SurfaceMethod):
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
+class HandleAwareIsolines(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        bands: int = 24,
+        field: Literal["harmonic", "geodesic"] = "harmonic",
+        max_iterations: int = 200,
+        tolerance: float = 1e-6,
+    ) -> None: ...
+    def bands(self) -> Ints: ...
+
+class SubspaceLaplacian(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        cage: SurfaceMesh | None = None,
+        cage_faces: int = 160,
+        clusters: int = 60,
+        bending: float = 0.0015,
+        keep_volume: bool = True,
+        max_iterations: int = 60,
+        tolerance: float = 1e-5,
+    ) -> None: ...
+    def cages(self) -> list[SurfaceMesh]: ...
+    def clusters(self) -> Ints: ...
+
 class Primo(SurfaceMethod):
     def __init__(
         self,
