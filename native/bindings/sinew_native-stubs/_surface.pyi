@@ -153,6 +153,16 @@ class Arap(SurfaceMethod):
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
+class MeshPuppetry(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        bending: float = 1e-3,
+        max_iterations: int = 5,
+        tolerance: float = 1e-4,
+    ) -> None: ...
+
 class Multiresolution(SurfaceMethod):
     def __init__(
         self,

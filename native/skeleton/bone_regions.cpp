@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/skeleton/bone_regions.h"
+
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "native/operators/geodesic_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sinew {
+
+namespace {
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
+/// A vertex starts as one of a bone up to this many times the bone's distance from the surface.
+constexpr double reach = 1.5;
+
+/// Where a point is beside a bone.
+struct Beside
+{
+    double along;    ///< 0 at the head and 1 at the tail, beyond them less and more
+    double distance; ///< from the bone
+};
+
+Beside beside(const Skeleton& skeleton, int bone, const Vector3& point)
+{
+    const Vector3 head = skeleton.head(bone), bone_vector = skeleton.tail(bone) - head;
+    const double along = (point - head).dot(bone_vector) / bone_vector.squaredNorm();
+    return {along, (point - head - std::clamp(along, 0.0, 1.0) * bone_vector).norm()};
+}
+
+} // namespace
+
+std::vector<std::vector<int>> bone_regions(const SurfaceMesh& mesh, const Skeleton& skeleton, double margin)
+{
+    if (!(margin >= 0 && margin < 0.5))
+        throw InvalidOption("margin: give a share of at least 0 and less than 0.5");
+    const int n = mesh.vertex_count(), bones = skeleton.bone_count();
+    std::vector<int> nearest(n);
+    std::vector<double> distance(n, infinite);
+    parallel_for(n, [&](int v) {
+        for (int b = 0; b < bones; ++b)
+            if (const double there = beside(skeleton, b, mesh.point(v)).distance; there < distance[v]) {
+                distance[v] = there;
+                nearest[v] = b;
+            }
+    });
+    // How far each bone is from the surface around it.
+    std::vector<std::vector<double>> around(bones);
+    for (int v = 0; v < n; ++v)
+        if (const Beside at = beside(skeleton, nearest[v], mesh.point(v)); at.along > 0 && at.along < 1)
+            around[nearest[v]].push_back(at.distance);
+    std::vector<std::vector<GeodesicDistance::Source>> sources(bones);
+    std::vector<double> radius(bones, 0.0);
+    for (int b = 0; b < bones; ++b)
+        if (!around[b].empty()) {
+            const auto middle = around[b].begin() + static_cast<std::ptrdiff_t>(around[b].size() / 4);
+            std::ranges::nth_element(around[b], middle);
+            radius[b] = *middle;
+        }
+    for (int v = 0; v < n; ++v) {
+        const Beside at = beside(skeleton, nearest[v], mesh.point(v));
+        if (at.along >= 0 && at.along <= 1 && at.distance <= reach * radius[nearest[v]])
+            sources[nearest[v]].push_back({v});
+    }
+    std::vector<int> owner(n, -1);
+    std::vector<double> way(n, infinite);
+    const GeodesicDistance along_surface(mesh);
+    for (int b = 0; b < bones; ++b) {
+        if (sources[b].empty())
+            continue;
+        const std::vector<double> ways = along_surface.from(sources[b]);
+        for (int v = 0; v < n; ++v)
+            if (ways[v] < way[v]) {
+                way[v] = ways[v];
+                owner[v] = b;
+            }
+    }
+    // A joint is where bones meet: at the head of a bone with a parent, and at a tail near which a child begins.
+    std::vector<bool> joint_at_tail(bones, false);
+    for (int b = 0; b < bones; ++b)
+        if (const int parent = skeleton.parent(b); parent >= 0) {
+            const double length = (skeleton.tail(parent) - skeleton.head(parent)).norm();
+            if ((skeleton.head(b) - skeleton.tail(parent)).norm() <= 0.5 * length)
+                joint_at_tail[parent] = true;
+        }
+    std::vector<std::vector<int>> regions(bones);
+    for (int v = 0; v < n; ++v) {
+        const int b = owner[v];
+        if (b < 0)
+            continue;
+        const double along = beside(skeleton, b, mesh.point(v)).along;
+        const bool at_head = skeleton.parent(b) >= 0 && along < margin,
+                   at_tail = joint_at_tail[b] && along > 1 - margin;
+        if (!at_head && !at_tail)
+            regions[b].push_back(v);
+    }
+    return regions;
+}
+
+} // namespace sinew
