@@ -19,10 +19,10 @@ namespace sinew::bindings {
 
 namespace {
 
-using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using BoneMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 /// (k, 3, 3) -> matrices.
-std::vector<Matrix3> matrices(const py::object& object, const char* name)
+std::vector<Matrix3> bone_rotations(const py::object& object, const char* name)
 {
     const FloatArray array = floats(object, name);
     if (array.size() == 0)
@@ -31,7 +31,7 @@ std::vector<Matrix3> matrices(const py::object& object, const char* name)
         throw InvalidConstraint(std::string(name) + ": the shape must be (k, 3, 3), one matrix per bone");
     std::vector<Matrix3> result(array.shape(0));
     for (std::size_t b = 0; b < result.size(); ++b)
-        result[b] = Eigen::Map<const RowMatrix3>(array.data() + 9 * b);
+        result[b] = Eigen::Map<const BoneMatrix>(array.data() + 9 * b);
     return result;
 }
 
@@ -41,7 +41,7 @@ Points bone_points(const py::object& object, const char* name)
     return points<InvalidConstraint>(array, name);
 }
 
-Vector3 direction(const py::object& object, const char* name)
+Vector3 bone_vector(const py::object& object, const char* name)
 {
     const FloatArray array = floats(object, name);
     if (array.ndim() != 1 || array.shape(0) != 3)
@@ -49,7 +49,7 @@ Vector3 direction(const py::object& object, const char* name)
     return Vector3::Map(array.data());
 }
 
-std::vector<Joint> joints(int bones, const py::object& most, const py::object& angles,
+std::vector<Joint> joints_of_bones(int bones, const py::object& most, const py::object& angles,
                           const py::object& stiffness)
 {
     std::vector<Joint> all(bones);
@@ -76,8 +76,8 @@ std::vector<Joint> joints(int bones, const py::object& most, const py::object& a
                                  "order such as 'XYZ'");
         Joint& joint = all[bone];
         joint.kind = Joint::Kind::angles;
-        joint.lower = direction(given[0], "the lower angles");
-        joint.upper = direction(given[1], "the upper angles");
+        joint.lower = bone_vector(given[0], "the lower angles");
+        joint.upper = bone_vector(given[1], "the upper angles");
         const auto order = given[2].cast<std::string>();
         for (int k = 0; k < 3; ++k) {
             const std::size_t axis = order.size() == 3 ? std::string("XYZ").find(order[k]) : std::string::npos;
@@ -95,9 +95,9 @@ std::shared_ptr<Skeleton> make_skeleton(const py::object& heads, const py::objec
                                         const py::object& stiffness)
 {
     std::vector<int> earlier = integers(parents, "parents");
-    std::vector<Joint> limits = joints(static_cast<int>(earlier.size()), most, angles, stiffness);
+    std::vector<Joint> limits = joints_of_bones(static_cast<int>(earlier.size()), most, angles, stiffness);
     return std::make_shared<Skeleton>(bone_points(heads, "heads"), bone_points(tails, "tails"), std::move(earlier),
-                                      axes.is_none() ? std::vector<Matrix3>() : matrices(axes, "axes"),
+                                      axes.is_none() ? std::vector<Matrix3>() : bone_rotations(axes, "axes"),
                                       std::move(limits));
 }
 
@@ -112,15 +112,15 @@ Posture posture_of(const Skeleton& skeleton, const py::object& turns, const py::
     return posture;
 }
 
-py::array_t<double> to_numpy(const std::vector<Matrix3>& matrices)
+py::array_t<double> rotation_array(const std::vector<Matrix3>& matrices)
 {
     py::array_t<double> array({static_cast<py::ssize_t>(matrices.size()), py::ssize_t{3}, py::ssize_t{3}});
     for (std::size_t b = 0; b < matrices.size(); ++b)
-        Eigen::Map<RowMatrix3>(array.mutable_data() + 9 * b) = matrices[b];
+        Eigen::Map<BoneMatrix>(array.mutable_data() + 9 * b) = matrices[b];
     return array;
 }
 
-py::array_t<double> to_numpy(const Poses& poses)
+py::array_t<double> pose_array(const Poses& poses)
 {
     py::array_t<double> array({static_cast<py::ssize_t>(poses.size()), py::ssize_t{3}, py::ssize_t{4}});
     for (std::size_t b = 0; b < poses.size(); ++b)
@@ -133,7 +133,7 @@ std::vector<bool> bone_flags(const py::object& object, int bones)
     return flags(object, bones).value_or(std::vector<bool>());
 }
 
-py::tuple solve(const Skeleton& skeleton, const py::object& bones, const py::object& places,
+py::tuple solve_skeleton(const Skeleton& skeleton, const py::object& bones, const py::object& places,
                 const py::object& goals, const py::object& weights, const py::object& turns,
                 const py::object& moves, const py::object& moving_roots, const py::object& locked,
                 const py::object& support, const py::object& up, const py::object& masses,
@@ -158,7 +158,7 @@ py::tuple solve(const Skeleton& skeleton, const py::object& bones, const py::obj
     if (!support.is_none()) {
         Balance& balance = request.balance.emplace();
         balance.support = bone_points(support, "support");
-        balance.up = direction(up, "up");
+        balance.up = bone_vector(up, "up");
         if (!masses.is_none())
             balance.masses = numbers(masses, "masses");
         if (!centres.is_none())
@@ -170,7 +170,7 @@ py::tuple solve(const Skeleton& skeleton, const py::object& bones, const py::obj
         const py::gil_scoped_release unlocked;
         report = solve_pose(skeleton, request, posture, options);
     }
-    return py::make_tuple(bindings::to_numpy(std::move(posture.turns)), bindings::to_numpy(std::move(posture.moves)),
+    return py::make_tuple(to_numpy(std::move(posture.turns)), to_numpy(std::move(posture.moves)),
                           report);
 }
 
@@ -183,7 +183,7 @@ void bind_skeleton(py::module_& module)
         .def_readonly("converged", &PoseReport::converged,
                       "Whether the tolerance was met before the iterations were used up.")
         .def_property_readonly(
-            "gaps", [](const PoseReport& report) { return bindings::to_numpy(report.gaps); },
+            "gaps", [](const PoseReport& report) { return to_numpy(report.gaps); },
             "(targets,) how far from their goals the points are.")
         .def_property_readonly(
             "centre",
@@ -221,7 +221,7 @@ Raises InvalidConstraint or InvalidOption, which names a bone.)")
         .def(
             "poses",
             [](const Skeleton& skeleton, const py::object& turns, const py::object& moves) {
-                return to_numpy(skeleton.poses(posture_of(skeleton, turns, moves)));
+                return pose_array(skeleton.poses(posture_of(skeleton, turns, moves)));
             },
             py::arg("turns") = py::none(), py::arg("moves") = py::none(),
             R"(Rigid maps from rest (k, 3, 4), which are poses of handles.
@@ -232,7 +232,7 @@ Raises InvalidConstraint.)")
         .def(
             "rotations",
             [](const Skeleton& skeleton, const py::object& turns) {
-                return to_numpy(skeleton.rotations(posture_of(skeleton, turns, py::none())));
+                return rotation_array(skeleton.rotations(posture_of(skeleton, turns, py::none())));
             },
             py::arg("turns"), R"(The rotation of each joint in the bone's own axes (k, 3, 3).
 
@@ -242,7 +242,7 @@ Raises InvalidConstraint.)")
         .def(
             "turns",
             [](const Skeleton& skeleton, const py::object& rotations) {
-                return bindings::to_numpy(std::move(skeleton.posture(matrices(rotations, "rotations")).turns));
+                return to_numpy(std::move(skeleton.posture(bone_rotations(rotations, "rotations")).turns));
             },
             py::arg("rotations"), R"(The turns (k, 3) that give these rotations, within the limits or not.
 
@@ -259,7 +259,7 @@ Raises InvalidConstraint.)")
                 }
                 py::list arrays;
                 for (const std::vector<int>& vertices : regions)
-                    arrays.append(bindings::to_numpy(vertices));
+                    arrays.append(to_numpy(vertices));
                 return arrays;
             },
             py::arg("mesh"), py::arg("margin") = 0.25,
@@ -276,7 +276,7 @@ Distances go along the surface. A bone inside of another one's limb holds none. 
                const py::object& moves, const py::object& moving_roots, const py::object& locked,
                const py::object& support, const py::object& up, const py::object& masses,
                const py::object& centres, double rest, double pole, int max_iterations, double tolerance) {
-                return solve(skeleton, bones, points, goals, weights, turns, moves, moving_roots, locked,
+                return solve_skeleton(skeleton, bones, points, goals, weights, turns, moves, moving_roots, locked,
                              support, up, masses, centres, {rest, pole, max_iterations, tolerance});
             },
             py::arg("bones"), py::arg("points"), py::arg("goals"), py::kw_only(),

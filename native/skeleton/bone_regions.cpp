@@ -5,7 +5,10 @@
 #include "native/core/parallel.h"
 #include "native/operators/geodesic_distance.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -16,19 +19,49 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// A vertex starts as one of a bone up to this many times the bone's distance from the surface.
 constexpr double reach = 1.5;
+constexpr double facing = 0.5; ///< the cosine of how far a bone may be aside of the normal
 
 /// Where a point is beside a bone.
 struct Beside
 {
-    double along;    ///< 0 at the head and 1 at the tail, beyond them less and more
-    double distance; ///< from the bone
+    double along; ///< 0 at the head and 1 at the tail, beyond them less and more
+    Vector3 away; ///< from the closest point of the bone
+    double distance;
 };
 
 Beside beside(const Skeleton& skeleton, int bone, const Vector3& point)
 {
     const Vector3 head = skeleton.head(bone), bone_vector = skeleton.tail(bone) - head;
     const double along = (point - head).dot(bone_vector) / bone_vector.squaredNorm();
-    return {along, (point - head - std::clamp(along, 0.0, 1.0) * bone_vector).norm()};
+    const Vector3 away = point - head - std::clamp(along, 0.0, 1.0) * bone_vector;
+    return {along, away, away.norm()};
+}
+
+std::array<Vector3, 3> corners(const SurfaceMesh& mesh, const Triangle& triangle)
+{
+    return {mesh.point(triangle[0]), mesh.point(triangle[1]), mesh.point(triangle[2])};
+}
+
+/// (n, 3) unit normals of the vertices; zero where there is no surface. They point outward also where the
+/// faces of a closed mesh look inward.
+Points outward_normals(const SurfaceMesh& mesh)
+{
+    Points normals = Points::Zero(mesh.vertex_count(), 3);
+    const Vector3 middle = mesh.points().colwise().mean().transpose();
+    double volume = 0.0;
+    for (const Triangle& triangle : mesh.triangles()) {
+        const std::array<Vector3, 3> at = corners(mesh, triangle);
+        const Vector3 area = (at[1] - at[0]).cross(at[2] - at[0]);
+        volume += area.dot(at[0] - middle);
+        for (int k = 0; k < 3; ++k) { // by angles, so that it does not matter how faces were cut
+            const Vector3 one = at[(k + 1) % 3] - at[k], other = at[(k + 2) % 3] - at[k];
+            const double angle = std::atan2(one.cross(other).norm(), one.dot(other));
+            normals.row(triangle[k]) += angle * area.normalized().transpose();
+        }
+    }
+    for (auto normal : normals.rowwise())
+        normal = (volume < 0 ? -1.0 : 1.0) * normal.normalized().eval();
+    return normals;
 }
 
 } // namespace
@@ -38,20 +71,25 @@ std::vector<std::vector<int>> bone_regions(const SurfaceMesh& mesh, const Skelet
     if (!(margin >= 0 && margin < 0.5))
         throw InvalidOption("margin: give a share of at least 0 and less than 0.5");
     const int n = mesh.vertex_count(), bones = skeleton.bone_count();
-    std::vector<int> nearest(n);
-    std::vector<double> distance(n, infinite);
+    const Points normals = outward_normals(mesh);
+    std::vector<int> nearest(n, -1);
     parallel_for(n, [&](int v) {
-        for (int b = 0; b < bones; ++b)
-            if (const double there = beside(skeleton, b, mesh.point(v)).distance; there < distance[v]) {
-                distance[v] = there;
+        double least = infinite;
+        for (int b = 0; b < bones; ++b) {
+            const Beside at = beside(skeleton, b, mesh.point(v));
+            const double outward = normals.row(v).dot(at.away);
+            if (outward > facing * at.distance && at.distance * at.distance < least * outward) {
+                least = at.distance * at.distance / outward; // the diameter of the ball
                 nearest[v] = b;
             }
+        }
     });
     // How far each bone is from the surface around it.
     std::vector<std::vector<double>> around(bones);
     for (int v = 0; v < n; ++v)
-        if (const Beside at = beside(skeleton, nearest[v], mesh.point(v)); at.along > 0 && at.along < 1)
-            around[nearest[v]].push_back(at.distance);
+        if (nearest[v] >= 0)
+            if (const Beside at = beside(skeleton, nearest[v], mesh.point(v)); at.along > 0 && at.along < 1)
+                around[nearest[v]].push_back(at.distance);
     std::vector<std::vector<GeodesicDistance::Source>> sources(bones);
     std::vector<double> radius(bones, 0.0);
     for (int b = 0; b < bones; ++b)
@@ -61,6 +99,8 @@ std::vector<std::vector<int>> bone_regions(const SurfaceMesh& mesh, const Skelet
             radius[b] = *middle;
         }
     for (int v = 0; v < n; ++v) {
+        if (nearest[v] < 0)
+            continue;
         const Beside at = beside(skeleton, nearest[v], mesh.point(v));
         if (at.along >= 0 && at.along <= 1 && at.distance <= reach * radius[nearest[v]])
             sources[nearest[v]].push_back({v});

@@ -10,10 +10,12 @@ namespace sinew {
 
 /// The vertices that each bone holds: the rigid middle of its limb.
 ///
-/// A vertex starts as one of a bone if no other bone is nearer and if it is about as far from it as the surface is where
-/// it is thinnest; from these, distances along the surface decide which bone every vertex belongs to. So the
-/// vertices of a leg do not belong to the other leg, however near it is. Of its vertices, a bone holds those
-/// beside its length: not those within `margin` of its length from a joint, so that joints can bend.
+/// A vertex starts as one of the bone that the smallest ball reaches which touches the surface there from
+/// inside: a bone outside of the limb is reached by none. It has to be about as far from the bone as the
+/// surface is where it is thinnest. From these vertices, distances along the surface decide which bone every
+/// vertex belongs to. So the vertices of a leg do not belong to the other leg, however near that is. Of its
+/// vertices, a bone holds those beside its length: not those within `margin` of its length from a joint, so
+/// that joints can bend.
 ///
 /// \param margin  in [0, 0.5): as a share of the length of a bone.
 /// \return (bones) vertices in rising order; a bone inside of another one's limb has none.

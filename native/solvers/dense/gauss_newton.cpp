@@ -211,8 +211,10 @@ bool Model::violate_bounds()
     bool any = false;
     for (int i : free_) {
         const double there = x_[i] + d_[i];
-        if (there < limits_.lower[i] || there > limits_.upper[i])
-            any = fixed_[i] = 1;
+        if (there < limits_.lower[i] || there > limits_.upper[i]) {
+            fixed_[i] = 1;
+            any = true;
+        }
     }
     return any;
 }
@@ -225,9 +227,11 @@ bool Model::change_sides()
         const bool violated = values_.sides[k] + slopes_.sides.row(k).dot(d_) > feasible;
         if (active_[k] && multipliers_[k] < 0) {
             active_[k] = 0;
-            dropped_[k] = any = true;
+            dropped_[k] = 1;
+            any = true;
         } else if (!active_[k] && violated && !dropped_[k]) {
-            active_[k] = any = true;
+            active_[k] = 1;
+            any = true;
         }
     }
     return any;

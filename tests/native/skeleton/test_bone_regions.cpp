@@ -15,8 +15,8 @@ namespace {
 Skeleton in_a_bar()
 {
     Points heads(2, 3), tails(2, 3);
-    heads << 0, 1.5, 1.5, 12, 1.5, 1.5;
-    tails << 12, 1.5, 1.5, 24, 1.5, 1.5;
+    heads << 0, 0, 0, 12, 0, 0;
+    tails << 12, 0, 0, 24, 0, 0;
     return {heads, tails, {-1, 0}};
 }
 
@@ -35,17 +35,22 @@ TEST(BoneRegions, LimbsAreHeldAndJointsAreFree)
 
 TEST(BoneRegions, DistancesGoAlongTheSurface)
 {
-    // Two bars side by side: a bone lies in the first one alone, and is nearer to the inner side of the other
-    // than its own bone is, which lies far out in it.
+    // Two bars side by side. The bone in the first one is nearer to the inner side of the other than that
+    // one's own bone, which lies far out in it.
     const SurfaceMesh one = shapes::bar(12, 2);
     const SurfaceMesh both = shapes::joined(one, one, {0, 2.2, 0});
     Points heads(2, 3), tails(2, 3);
-    heads << 0, 1.6, 1, 0, 3.9, 1;
-    tails << 12, 1.6, 1, 12, 3.9, 1;
+    heads << 0, 0.6, 0, 0, 2.9, 0;
+    tails << 12, 0.6, 0, 12, 2.9, 0;
     const auto regions = bone_regions(both, Skeleton(heads, tails, {-1, -1}));
     const auto of_second = [&](int v) { return v >= one.vertex_count(); };
     EXPECT_EQ(std::ranges::count_if(regions[1], of_second), one.vertex_count());
     EXPECT_TRUE(std::ranges::none_of(regions[0], of_second));
+    // The same where all faces look inward.
+    std::vector<std::vector<int>> faces = shapes::faces_of(both);
+    for (std::vector<int>& face : faces)
+        std::ranges::reverse(face);
+    EXPECT_EQ(bone_regions(shapes::over(both.points(), faces), Skeleton(heads, tails, {-1, -1})), regions);
 }
 
 TEST(BoneRegions, RefusesAMarginOutOfRange)
