@@ -127,7 +127,9 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
         options = session.PuppetOptions(session.Part(self.part), self.balance, self.from_rest)
         drag = session.PuppetDrag(armature, self.bone, context.evaluated_depsgraph_get(), options)
         if drag.ignored:
-            self.report({"WARNING"}, f"Constraints of {drag.ignored[0]} move it further - mute them to drag it")
+            self.report(
+                {"WARNING"}, f"Constraints of {drag.ignored[0]} move it further - mute them to drag it"
+            )
         return armature, drag
 
     def _finish(self, context: Context, armature: Object, drag: session.PuppetDrag) -> None:
@@ -143,7 +145,7 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
 
 
 class SINEW_OT_puppet_pin(Operator):
-    """Pin the selected bones, or release them: pinned bones stay where they are while another one is dragged"""
+    """Pin the selected bones, or release them: pinned ones stay while another bone is dragged"""
 
     bl_idname = Operators.PUPPET_PIN
     bl_label = "Pin Bones"
@@ -174,12 +176,12 @@ class SINEW_OT_puppet_pin(Operator):
         chosen = [bone for bone in armature.pose.bones if compat.is_bone_selected(armature, bone.name)]
         if not chosen:
             raise SinewError("Select the bones to pin")
-        pin = self.action == "PIN" or (
-            self.action == "TOGGLE" and not all(bone.sinew.pin for bone in chosen)
-        )
+        pin = self.action == "PIN" or (self.action == "TOGGLE" and not all(bone.sinew.pin for bone in chosen))
         for bone in chosen:
             bone.sinew.pin = pin
-        self.report({"INFO"}, f"{len(chosen)} bone{'s' * (len(chosen) > 1)} {'pinned' if pin else 'released'}")
+        self.report(
+            {"INFO"}, f"{len(chosen)} bone{'s' * (len(chosen) > 1)} {'pinned' if pin else 'released'}"
+        )
         return {"FINISHED"}
 
 
@@ -244,4 +246,3 @@ class SINEW_OT_puppet_rig(BindingOperator, Operator):
 
 def _draw_nothing() -> None:
     """The bones themselves show what moves."""
-

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each event does while a bone of a puppet is dragged. This needs no window, only events like Blender's."""
+"""What each event does while a bone is dragged. This needs no window, only events like Blender's."""
 
 import numpy as np
 from bpy.types import Object

@@ -50,7 +50,7 @@ Vector3 bone_vector(const py::object& object, const char* name)
 }
 
 std::vector<Joint> joints_of_bones(int bones, const py::object& most, const py::object& angles,
-                          const py::object& stiffness)
+                                   const py::object& stiffness)
 {
     std::vector<Joint> all(bones);
     const auto each = [&](const py::object& object, const char* name, auto&& set) {
@@ -80,9 +80,11 @@ std::vector<Joint> joints_of_bones(int bones, const py::object& most, const py::
         joint.upper = bone_vector(given[1], "the upper angles");
         const auto order = given[2].cast<std::string>();
         for (int k = 0; k < 3; ++k) {
-            const std::size_t axis = order.size() == 3 ? std::string("XYZ").find(order[k]) : std::string::npos;
+            const std::size_t axis =
+                order.size() == 3 ? std::string("XYZ").find(order[k]) : std::string::npos;
             if (axis == std::string::npos)
-                throw InvalidOption("angles: the order '" + order + "' is not one of three axes, as in 'XYZ'");
+                throw InvalidOption("angles: the order '" + order +
+                                    "' is not one of three axes, as in 'XYZ'");
             joint.order[k] = static_cast<int>(axis);
         }
     }
@@ -96,9 +98,9 @@ std::shared_ptr<Skeleton> make_skeleton(const py::object& heads, const py::objec
 {
     std::vector<int> earlier = integers(parents, "parents");
     std::vector<Joint> limits = joints_of_bones(static_cast<int>(earlier.size()), most, angles, stiffness);
-    return std::make_shared<Skeleton>(bone_points(heads, "heads"), bone_points(tails, "tails"), std::move(earlier),
-                                      axes.is_none() ? std::vector<Matrix3>() : bone_rotations(axes, "axes"),
-                                      std::move(limits));
+    return std::make_shared<Skeleton>(
+        bone_points(heads, "heads"), bone_points(tails, "tails"), std::move(earlier),
+        axes.is_none() ? std::vector<Matrix3>() : bone_rotations(axes, "axes"), std::move(limits));
 }
 
 Posture posture_of(const Skeleton& skeleton, const py::object& turns, const py::object& moves)
@@ -134,10 +136,10 @@ std::vector<bool> bone_flags(const py::object& object, int bones)
 }
 
 py::tuple solve_skeleton(const Skeleton& skeleton, const py::object& bones, const py::object& places,
-                const py::object& goals, const py::object& weights, const py::object& turns,
-                const py::object& moves, const py::object& moving_roots, const py::object& locked,
-                const py::object& support, const py::object& up, const py::object& masses,
-                const py::object& centres, const PoseSolverOptions& options)
+                         const py::object& goals, const py::object& weights, const py::object& turns,
+                         const py::object& moves, const py::object& moving_roots, const py::object& locked,
+                         const py::object& support, const py::object& up, const py::object& masses,
+                         const py::object& centres, const PoseSolverOptions& options)
 {
     PoseRequest request;
     const std::vector<int> indices = integers(bones, "bones");
@@ -170,8 +172,7 @@ py::tuple solve_skeleton(const Skeleton& skeleton, const py::object& bones, cons
         const py::gil_scoped_release unlocked;
         report = solve_pose(skeleton, request, posture, options);
     }
-    return py::make_tuple(to_numpy(std::move(posture.turns)), to_numpy(std::move(posture.moves)),
-                          report);
+    return py::make_tuple(to_numpy(std::move(posture.turns)), to_numpy(std::move(posture.moves)), report);
 }
 
 void bind_skeleton(py::module_& module)
@@ -191,7 +192,8 @@ void bind_skeleton(py::module_& module)
                 return py::array_t<double>(py::ssize_t{3}, report.centre.data());
             },
             "(3,) the centre of mass, if there is a support.")
-        .def_readonly("overhang", &PoseReport::overhang, "How far that is outside of the support, at least 0.")
+        .def_readonly("overhang", &PoseReport::overhang,
+                      "How far that is outside of the support, at least 0.")
         .def("__repr__", [](const PoseReport& report) {
             return "<PoseReport: " + std::to_string(report.iterations) + " iterations>";
         });
@@ -276,8 +278,9 @@ Distances go along the surface. A bone inside of another one's limb holds none. 
                const py::object& moves, const py::object& moving_roots, const py::object& locked,
                const py::object& support, const py::object& up, const py::object& masses,
                const py::object& centres, double rest, double pole, int max_iterations, double tolerance) {
-                return solve_skeleton(skeleton, bones, points, goals, weights, turns, moves, moving_roots, locked,
-                             support, up, masses, centres, {rest, pole, max_iterations, tolerance});
+                return solve_skeleton(skeleton, bones, points, goals, weights, turns, moves, moving_roots,
+                                      locked, support, up, masses, centres,
+                                      {rest, pole, max_iterations, tolerance});
             },
             py::arg("bones"), py::arg("points"), py::arg("goals"), py::kw_only(),
             py::arg("weights") = py::none(), py::arg("turns") = py::none(), py::arg("moves") = py::none(),

@@ -118,7 +118,8 @@ std::vector<std::vector<int>> bone_regions(const SurfaceMesh& mesh, const Skelet
                 owner[v] = b;
             }
     }
-    // A joint is where bones meet: at the head of a bone with a parent, and at a tail near which a child begins.
+    // A joint is where bones meet: at the head of a bone with a parent, and at a tail near which a child
+    // begins.
     std::vector<bool> joint_at_tail(bones, false);
     for (int b = 0; b < bones; ++b)
         if (const int parent = skeleton.parent(b); parent >= 0) {

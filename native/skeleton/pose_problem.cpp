@@ -78,8 +78,8 @@ void check(const PoseRequest& request, int bones)
     }
     const auto fits = [&](const std::vector<bool>& flags, const char* name) {
         if (!flags.empty() && static_cast<int>(flags.size()) != bones)
-            throw InvalidConstraint(std::string(name) + ": " + std::to_string(flags.size()) +
-                                    " flags for " + std::to_string(bones) + " bones");
+            throw InvalidConstraint(std::string(name) + ": " + std::to_string(flags.size()) + " flags for " +
+                                    std::to_string(bones) + " bones");
     };
     fits(request.moving_roots, "moving roots");
     fits(request.locked, "locked");
@@ -95,8 +95,7 @@ PoseProblem::PoseProblem(const Skeleton& skeleton, const PoseRequest& request,
     skeleton.check(base_);
     set_up_balance();
     std::vector<double> lower, upper, base_x, stiffness;
-    const auto add = [&](int bone, int axis, bool moves, double least, double most, double value,
-                         double k) {
+    const auto add = [&](int bone, int axis, bool moves, double least, double most, double value, double k) {
         unknowns_.push_back({bone, axis, moves});
         lower.push_back(least);
         upper.push_back(most);
@@ -385,10 +384,10 @@ void PoseProblem::linearize(const VectorX& multipliers, Slopes& slopes)
         }
         for (int b = skeleton_.bone_count() - 1; b >= 0; --b) {
             for (int u = first_[b]; u < first_[b + 1]; ++u) {
-                const Vector3 along =
-                    mass[b] > 0
-                        ? Vector3(mass[b] * column(unknowns_[u], axes[u], moment.row(b).transpose() / mass[b]))
-                        : Vector3(Vector3::Zero());
+                const Vector3 along = mass[b] > 0
+                                          ? Vector3(mass[b] * column(unknowns_[u], axes[u],
+                                                                     moment.row(b).transpose() / mass[b]))
+                                          : Vector3(Vector3::Zero());
                 for (Eigen::Index side = 0; side < multipliers.size(); ++side)
                     slopes.sides(side, u) = support_->normal(static_cast<int>(side)).dot(along) / size;
             }
@@ -406,7 +405,8 @@ void PoseProblem::linearize(const VectorX& multipliers, Slopes& slopes)
         }
         loads[b].moment -= loads[b].force * head.transpose(); // about the joint, from here on
     }
-    // The second derivative of a point p beyond joints i and j, j nearer to it, is a_i x (a_j x (p - head_j)).
+    // The second derivative of a point p beyond joints i and j, j nearer to it, is a_i x (a_j x (p -
+    // head_j)).
     slopes.curvature.setZero(this->size(), this->size());
     for (int j = 0; j < skeleton_.bone_count(); ++j) {
         const Matrix3& M = loads[j].moment;
@@ -424,9 +424,9 @@ void PoseProblem::linearize(const VectorX& multipliers, Slopes& slopes)
                         continue;
                     double value = inner.dot(axes[u]);
                     if (i == j && ball) // the axis of u turns as v changes
-                        value += torque.dot(before_[j] * jacobian_change(turns_.row(j).transpose(),
-                                                                         unknowns_[u].axis,
-                                                                         unknowns_[v].axis));
+                        value +=
+                            torque.dot(before_[j] * jacobian_change(turns_.row(j).transpose(),
+                                                                    unknowns_[u].axis, unknowns_[v].axis));
                     else if (i == j && !is_inner(v, u))
                         value = outer.dot(axes[u]);
                     slopes.curvature(u, v) = slopes.curvature(v, u) = value;

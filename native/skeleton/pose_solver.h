@@ -46,7 +46,7 @@ struct PoseRequest
     /// into them.
     std::optional<Posture> base{};
     std::vector<bool> moving_roots{}; ///< (bones) whether a bone without a parent may move, or empty for none
-    std::vector<bool> locked{};       ///< (bones) whose joints stay as in `base`, or empty for none
+    std::vector<bool> locked{}; ///< (bones) whose joints stay as in `base`, or empty for none
     std::optional<Balance> balance{};
 };
 

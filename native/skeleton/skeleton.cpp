@@ -44,10 +44,7 @@ void check(const Joint& joint, int bone)
 }
 
 /// Its columns turned into unit vectors at right angles.
-Matrix3 orthonormal(const Matrix3& axes)
-{
-    return Eigen::Quaterniond(axes).normalized().toRotationMatrix();
-}
+Matrix3 orthonormal(const Matrix3& axes) { return Eigen::Quaterniond(axes).normalized().toRotationMatrix(); }
 
 /// The angles of a rotation about the axes of a joint, the middle one within a right angle.
 Vector3 angles_of(const Joint& joint, const Matrix3& R)
@@ -131,10 +128,7 @@ Skeleton::Skeleton(Points heads, Points tails, std::vector<int> parents, std::ve
     size_ = (most - least).norm();
 }
 
-Posture Skeleton::rest() const
-{
-    return {Points::Zero(bone_count(), 3), Points::Zero(bone_count(), 3)};
-}
+Posture Skeleton::rest() const { return {Points::Zero(bone_count(), 3), Points::Zero(bone_count(), 3)}; }
 
 void Skeleton::check(const Posture& posture) const
 {
@@ -163,8 +157,8 @@ Poses Skeleton::poses(const Posture& posture) const
         const int parent = parents_[b];
         const Matrix3 own = axes_[b] * turns[b] * axes_[b].transpose();
         const Matrix3 turn = parent < 0 ? own : Matrix3(poses[parent].leftCols<3>() * own);
-        const Vector3 place = parent < 0 ? Vector3(head(b) + posture.moves.row(b).transpose())
-                                         : apply(poses[parent], head(b));
+        const Vector3 place =
+            parent < 0 ? Vector3(head(b) + posture.moves.row(b).transpose()) : apply(poses[parent], head(b));
         // A product of rotations stays one to rounding only if it is made one again, bone by bone.
         poses[b].leftCols<3>() = orthonormal(turn);
         poses[b].col(3) = place - poses[b].leftCols<3>() * head(b);

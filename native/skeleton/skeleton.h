@@ -30,8 +30,8 @@ struct Joint
 /// Where the joints are.
 struct Posture
 {
-    /// (bones, 3) of each bone against its parent: rotation vectors for balls, the angles about x, y and z for
-    /// the others; zero at rest.
+    /// (bones, 3) of each bone against its parent: rotation vectors for balls, the angles about x, y and z
+    /// for the others; zero at rest.
     Points turns;
     Points moves; ///< (bones, 3) how far bones without a parent have moved; zero elsewhere
 };

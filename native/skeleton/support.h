@@ -18,7 +18,10 @@ public:
     int side_count() const { return static_cast<int>(normals_.size()); }
     const Vector3& normal(int side) const { return normals_[side]; } ///< a unit vector across `up`, outward
     /// How far a point is outside of a side.
-    double outside(int side, const Vector3& point) const { return normals_[side].dot(point) - offsets_[side]; }
+    double outside(int side, const Vector3& point) const
+    {
+        return normals_[side].dot(point) - offsets_[side];
+    }
 
 private:
     std::vector<Vector3> normals_;

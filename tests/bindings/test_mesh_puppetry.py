@@ -48,7 +48,11 @@ def test_the_minimum_is_scipys(goal):
     start = np.zeros((count, 3))
     start[:, 0] = 1e-3
     theirs = least_squares(
-        lambda x: energy_and_residuals(x, np.array(goal), count)[1], start.ravel(), xtol=1e-15, ftol=1e-15, gtol=1e-12
+        lambda x: energy_and_residuals(x, np.array(goal), count)[1],
+        start.ravel(),
+        xtol=1e-15,
+        ftol=1e-15,
+        gtol=1e-12,
     )
     assert report.converged
     energy, _ = energy_and_residuals(turns, np.array(goal), count)
@@ -60,7 +64,7 @@ def test_the_minimum_is_scipys(goal):
 @pytest.mark.parametrize("goal", [(1.0, 0.5, 3.0), (3.0, 0.0, 1.0), (-0.4, -2.0, 2.0)])
 def test_the_minimum_within_bounds_is_scipys(goal):
     count, lower, upper = 4, np.array([-0.5, -0.4, -0.1]), np.array([0.7, 0.6, 0.2])
-    angles = {bone: (lower, upper, "XYZ") for bone in range(count)}
+    angles = dict.fromkeys(range(count), (lower, upper, "XYZ"))
     turns, _moves, report = chain(count, angles=angles).solve(
         [count - 1], [count * UP], [goal], max_iterations=500, tolerance=1e-13
     )
@@ -78,7 +82,8 @@ def test_the_minimum_within_bounds_is_scipys(goal):
         ),
         key=lambda found: found.cost,
     )
-    assert (turns >= lower).all() and (turns <= upper).all()
+    assert (turns >= lower).all()
+    assert (turns <= upper).all()
     energy, _ = energy_and_residuals(turns, np.array(goal), count, angles=True)
     assert report.energy == pytest.approx(energy, rel=1e-12)
     assert report.energy <= theirs.cost * (1 + 1e-6)  # SciPy stays strictly inside of the bounds
@@ -110,7 +115,9 @@ def test_limits_and_lengths_hold_for_random_targets(count, seed, far, balance):
     heads, tails, parents = np.zeros((count, 3)), np.zeros((count, 3)), np.zeros(count, dtype=int)
     for bone in range(count):
         parents[bone] = rng.integers(-1, bone) if bone else -1
-        heads[bone] = rng.normal(size=3) if parents[bone] < 0 else tails[parents[bone]] + 0.1 * rng.normal(size=3)
+        heads[bone] = (
+            rng.normal(size=3) if parents[bone] < 0 else tails[parents[bone]] + 0.1 * rng.normal(size=3)
+        )
         tails[bone] = heads[bone] + rng.normal(size=3) * rng.choice([0.01, 1.0])
     most = rng.choice([0.0, 0.3, 2.0, np.inf], count)
     limits = {}
@@ -130,15 +137,21 @@ def test_limits_and_lengths_hold_for_random_targets(count, seed, far, balance):
         turns=rng.uniform(-3, 3, (count, 3)),
         support=support,
     )
-    assert np.isfinite(turns).all() and np.isfinite(moves).all() and np.isfinite(report.energy)
+    assert np.isfinite(turns).all()
+    assert np.isfinite(moves).all()
+    assert np.isfinite(report.energy)
     for bone in range(count):
         if bone in limits:
-            assert (turns[bone] >= limits[bone][0]).all() and (turns[bone] <= limits[bone][1]).all()
+            assert (turns[bone] >= limits[bone][0]).all()
+            assert (turns[bone] <= limits[bone][1]).all()
         else:
             assert np.linalg.norm(turns[bone]) <= most[bone] * (1 + 1e-15)
     assert (moves[parents >= 0] == 0).all()
     poses = skeleton.poses(turns, moves)
-    place = lambda points: np.einsum("kij,kj->ki", poses[:, :, :3], points) + poses[:, :, 3]
+
+    def place(points):
+        return np.einsum("kij,kj->ki", poses[:, :, :3], points) + poses[:, :, 3]
+
     lengths = np.linalg.norm(place(tails) - place(heads), axis=1)
     # Far from the origin, places round to their own size.
     rounding = 1e-12 * max(1.0, np.abs(poses).max())
@@ -167,7 +180,7 @@ def test_a_support_holds_the_centre_of_mass():
     assert report.overhang == 0.0
     assert report.energy > loose.energy
     # Masses count: a heavy foot lets the rest lean.
-    heavy, _, light = skeleton.solve([3], [4 * UP], goal, support=corners, masses=[100.0, 1, 1, 1])
+    _, _, light = skeleton.solve([3], [4 * UP], goal, support=corners, masses=[100.0, 1, 1, 1])
     assert light.energy < report.energy
 
 
@@ -197,7 +210,11 @@ def test_poses_of_a_skeleton_are_poses_of_handles():
     # The joint is a smooth bend: no edge along the tube turns against the next one by more than a part of it.
     rows = shown.reshape(33, 16, 3).mean(axis=1)
     steps = np.diff(rows, axis=0)
-    cosines = (steps[1:] * steps[:-1]).sum(axis=1) / np.linalg.norm(steps[1:], axis=1) / np.linalg.norm(steps[:-1], axis=1)
+    cosines = (
+        (steps[1:] * steps[:-1]).sum(axis=1)
+        / np.linalg.norm(steps[1:], axis=1)
+        / np.linalg.norm(steps[:-1], axis=1)
+    )
     assert np.degrees(np.arccos(cosines.min())) < 45
 
 
@@ -208,7 +225,7 @@ def test_refusals_say_what_is_wrong():
         sn.Skeleton([UP, UP], [2 * UP, 3 * UP], [-1, 1])
     with pytest.raises(sn.InvalidOption, match="bone 0: the lower limit about y is above the upper one"):
         chain(1, angles={0: ((0, 1, 0), (0, 0, 0), "XYZ")})
-    with pytest.raises(sn.InvalidOption, match="'XYY'|order"):
+    with pytest.raises(sn.InvalidOption, match="order"):
         chain(1, angles={0: ((0, 0, 0), (0, 0, 0), "XYY")})
     with pytest.raises(sn.InvalidOption, match="'AB' is not one of three axes"):
         chain(1, angles={0: ((0, 0, 0), (0, 0, 0), "AB")})

@@ -73,6 +73,7 @@ class MotionValues:
         options={"SKIP_SAVE"},
         description="Which axes X, Y and Z mean",
     )
+
     @property
     def motion(self) -> Motion:
         """The motion that the properties describe."""

@@ -79,9 +79,9 @@ private:
 
 Model::Model(const LeastSquares::Values& values, const LeastSquares::Slopes& slopes,
              const VariableLimits& limits, const VectorX& x, const VectorX& multipliers)
-    : values_(values), slopes_(slopes), limits_(limits), x_(x), normal_(slopes.rows.transpose() * slopes.rows),
-      fixed_(x.size(), 0), active_(values.sides.size(), 0), dropped_(values.sides.size(), 0),
-      multipliers_(VectorX::Zero(values.sides.size()))
+    : values_(values), slopes_(slopes), limits_(limits), x_(x),
+      normal_(slopes.rows.transpose() * slopes.rows), fixed_(x.size(), 0), active_(values.sides.size(), 0),
+      dropped_(values.sides.size(), 0), multipliers_(VectorX::Zero(values.sides.size()))
 {
     VectorX pull = slopes.gradient; // what pushes x out, with the sides' own forces
     if (multipliers.size() > 0)
@@ -146,11 +146,13 @@ void Model::solve_equalities(double& damping, bool without_curvature)
         if (active_[k])
             equal_.push_back(k);
     const auto sides = static_cast<Eigen::Index>(equal_.size());
-    rows_.setZero(sides + static_cast<Eigen::Index>(borders_.size()), static_cast<Eigen::Index>(free_.size()));
+    rows_.setZero(sides + static_cast<Eigen::Index>(borders_.size()),
+                  static_cast<Eigen::Index>(free_.size()));
     for (Eigen::Index k = 0; k < sides; ++k)
         rows_.row(k) = slopes_.sides.row(equal_[k])(free_);
     for (std::size_t k = 0; k < borders_.size(); ++k) {
-        const auto first = std::ranges::lower_bound(free_, limits_.balls[borders_[k].ball].first); // never fixed
+        const auto first =
+            std::ranges::lower_bound(free_, limits_.balls[borders_[k].ball].first); // never fixed
         rows_.block<1, 3>(sides + static_cast<Eigen::Index>(k), first - free_.begin()) =
             borders_[k].out.transpose();
     }
@@ -269,7 +271,8 @@ void Model::solve(double& damping, bool without_curvature)
     borders_ = first_borders_;
     std::ranges::fill(dropped_, 0);
     left_.assign(limits_.balls.size(), 0);
-    const Eigen::Index most = x_.size() + 2 * (values_.sides.size() + static_cast<Eigen::Index>(left_.size()));
+    const Eigen::Index most =
+        x_.size() + 2 * (values_.sides.size() + static_cast<Eigen::Index>(left_.size()));
     for (Eigen::Index k = 0; k <= most; ++k) {
         solve_equalities(damping, without_curvature);
         const bool bounds = violate_bounds(), balls = change_borders();
@@ -295,7 +298,8 @@ void move_inside(LeastSquares& problem, const VariableLimits& limits, VectorX& x
                 rows.row(side).setZero();
                 goal[side] = 0.0;
             }
-        for (Eigen::Index i = 0; i < x.size(); ++i) // the sum of the violated sides pushes each unknown one way
+        for (Eigen::Index i = 0; i < x.size();
+             ++i) // the sum of the violated sides pushes each unknown one way
             if (const double push = rows.col(i).sum();
                 (push > 0 && x[i] <= limits.lower[i]) || (push < 0 && x[i] >= limits.upper[i]))
                 rows.col(i).setZero();

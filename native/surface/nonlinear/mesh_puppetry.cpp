@@ -238,9 +238,8 @@ SolveReport MeshPuppetry::deform(const SolveRequest& request, const Targets& tar
 
 std::vector<std::string> MeshPuppetry::changed_options(const SurfaceMethod& former) const
 {
-    return names_of(
-        {{"bending",
-          impl_->options.bending != static_cast<const MeshPuppetry&>(former).impl_->options.bending}});
+    return names_of({{"bending", impl_->options.bending !=
+                                     static_cast<const MeshPuppetry&>(former).impl_->options.bending}});
 }
 
 bool MeshPuppetry::updates(const std::string& /*option*/) const { return false; }

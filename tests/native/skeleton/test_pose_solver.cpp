@@ -71,7 +71,8 @@ void expect_within_limits(const Skeleton& skeleton, const Posture& posture)
         if (joint.kind == Joint::Kind::ball) {
             EXPECT_LE(turn.norm(), joint.most) << b;
         } else {
-            EXPECT_TRUE((turn.array() >= joint.lower.array()).all() && (turn.array() <= joint.upper.array()).all())
+            EXPECT_TRUE((turn.array() >= joint.lower.array()).all() &&
+                        (turn.array() <= joint.upper.array()).all())
                 << b;
         }
     }
@@ -102,7 +103,8 @@ TEST(PoseSolver, SlopesAreThoseOfDifferences)
     LeastSquares::Slopes slopes, after, before;
     problem.evaluate(x, here);
     problem.linearize(multipliers, slopes);
-    const MatrixX hessian = slopes.rows.transpose() * slopes.rows + MatrixX(slopes.diagonal.asDiagonal()) + slopes.curvature;
+    const MatrixX hessian =
+        slopes.rows.transpose() * slopes.rows + MatrixX(slopes.diagonal.asDiagonal()) + slopes.curvature;
     const double h = 1e-5; // the error of central differences is of its square
     for (Eigen::Index k = 0; k < x.size(); ++k) {
         VectorX moved = x;
@@ -196,9 +198,11 @@ TEST(PoseSolver, LimitsAreNeverExceeded)
             EXPECT_NEAR((apply(poses[b], figure.tails[b]) - apply(poses[b], figure.heads[b])).norm(),
                         (figure.tails[b] - figure.heads[b]).norm(), 1e-12);
         for (std::size_t t = 0; t < request.targets.size(); ++t) // the report is about these poses
-            EXPECT_NEAR(solved.report.gaps[t],
-                        (apply(poses[request.targets[t].bone], request.targets[t].point) - request.targets[t].goal).norm(),
-                        1e-9);
+            EXPECT_NEAR(
+                solved.report.gaps[t],
+                (apply(poses[request.targets[t].bone], request.targets[t].point) - request.targets[t].goal)
+                    .norm(),
+                1e-9);
     }
 }
 
@@ -224,8 +228,10 @@ TEST(PoseSolver, TheCentreOfMassStaysOverItsSupport)
             mass += length;
         }
         EXPECT_LT((centre / mass - solved.report.centre).norm(), 1e-12);
-        EXPECT_LE(std::max(std::abs(solved.report.centre.x()), std::abs(solved.report.centre.y() + 0.05)), 0.1);
-        leaning += std::max(std::abs(solved.report.centre.x()), std::abs(solved.report.centre.y() + 0.05)) > 0.0999;
+        EXPECT_LE(std::max(std::abs(solved.report.centre.x()), std::abs(solved.report.centre.y() + 0.05)),
+                  0.1);
+        leaning +=
+            std::max(std::abs(solved.report.centre.x()), std::abs(solved.report.centre.y() + 0.05)) > 0.0999;
         // What balance costs, the targets pay.
         EXPECT_GE(solved.report.energy, loose.report.energy * (1 - 1e-3));
     }
@@ -305,7 +311,8 @@ TEST(PoseSolver, APathOfADragClosesToTheBit)
     const bodies::Figure figure;
     const Skeleton skeleton = figure.skeleton(figure.joints());
     const auto at = [&](double t) {
-        return solve(skeleton, pulled(figure, {0.3 * std::sin(t), 0.2 * std::sin(2 * t), 0.3 - 0.3 * std::cos(t)}));
+        return solve(skeleton,
+                     pulled(figure, {0.3 * std::sin(t), 0.2 * std::sin(2 * t), 0.3 - 0.3 * std::cos(t)}));
     };
     const Solved before = at(1.0);
     for (int k = 0; k < 10; ++k)
@@ -368,7 +375,8 @@ TEST(PoseSolver, Refusals)
         change(request);
         return std::string(refusal<InvalidConstraint>([&] { solve(skeleton, request); }).what());
     };
-    EXPECT_EQ(refused([](PoseRequest& request) { request.targets[0].bone = 3; }), "target 0: there is no bone 3");
+    EXPECT_EQ(refused([](PoseRequest& request) { request.targets[0].bone = 3; }),
+              "target 0: there is no bone 3");
     EXPECT_EQ(refused([](PoseRequest& request) { request.targets[0].goal.x() = nan; }),
               "target 0: its point or its goal is not finite");
     EXPECT_EQ(refused([](PoseRequest& request) { request.targets[0].weight = 0; }),

@@ -56,7 +56,8 @@ TEST(Skeleton, LengthsAndJointsAreExact)
 
 TEST(Skeleton, AHingeTurnsAboutItsOwnAxis)
 {
-    // A bone along y whose own axes are those of the world: turned by a right angle about x, it points along z.
+    // A bone along y whose own axes are those of the world: turned by a right angle about x, it points along
+    // z.
     Joint joint;
     joint.kind = Joint::Kind::angles;
     Points head = Points::Zero(1, 3), tail = Points::Zero(1, 3);
@@ -113,7 +114,8 @@ TEST(Skeleton, Refusals)
     const Points none(0, 3), one = Points::Zero(1, 3);
     Points up = Points::Zero(1, 3);
     up(0, 2) = 1;
-    EXPECT_STREQ(refusal<InvalidConstraint>([&] { Skeleton(none, none, {}); }).what(), "the skeleton has no bones");
+    EXPECT_STREQ(refusal<InvalidConstraint>([&] { Skeleton(none, none, {}); }).what(),
+                 "the skeleton has no bones");
     refusal<InvalidConstraint>([&] { Skeleton(one, up, {-1, 0}); });
     refusal<InvalidConstraint>([&] { Skeleton(one, one, {-1}); }); // no length
     refusal<InvalidConstraint>([&] { Skeleton(one, up, {0}); });

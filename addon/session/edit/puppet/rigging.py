@@ -21,7 +21,12 @@ from . import bones
 
 @sessions.suspended()
 def rig_puppet(
-    obj: Object, armature: Object, method: str, margin: float = 0.25, automatic: bool = False, wait: bool = True
+    obj: Object,
+    armature: Object,
+    method: str,
+    margin: float = 0.25,
+    automatic: bool = False,
+    wait: bool = True,
 ) -> tuple[SinewDeformer, SinewError | None]:
     """A new deformer with a handle for each bone that deforms; and the error if it is not bound.
 

@@ -83,7 +83,10 @@ private:
     VectorX goal_, x_;
 };
 
-VariableLimits unlimited(Eigen::Index n) { return {VectorX::Constant(n, -infinite), VectorX::Constant(n, infinite), {}}; }
+VariableLimits unlimited(Eigen::Index n)
+{
+    return {VectorX::Constant(n, -infinite), VectorX::Constant(n, infinite), {}};
+}
 
 } // namespace
 
@@ -121,7 +124,8 @@ TEST(GaussNewton, StopsAtASide)
     // Known from a fine search along the circle.
     double best = infinite, angle = 0.0;
     for (double a = 0; a < 1.57; a += 1e-5) {
-        const double cx = std::cos(a), cy = std::sin(a), f = 50 * std::pow(cy - cx * cx, 2) + 0.5 * std::pow(1 - cx, 2);
+        const double cx = std::cos(a), cy = std::sin(a),
+                     f = 50 * std::pow(cy - cx * cx, 2) + 0.5 * std::pow(1 - cx, 2);
         if (f < best) {
             best = f;
             angle = a;

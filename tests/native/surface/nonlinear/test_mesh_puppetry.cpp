@@ -98,7 +98,8 @@ double energy_of(const SurfaceMesh& mesh, const Points& q, double bending, const
         for (SparseMatrix::InnerIterator it(L, i); it; ++it) {
             if (it.row() == i)
                 continue;
-            const Vector3 to = (q.row(i) - q.row(it.row())).transpose(), from = mesh.point(i) - mesh.point(it.row());
+            const Vector3 to = (q.row(i) - q.row(it.row())).transpose(),
+                          from = mesh.point(i) - mesh.point(it.row());
             S += -it.value() * to * from.transpose();
             squares += -it.value() * (to.squaredNorm() + from.squaredNorm());
         }
@@ -124,8 +125,8 @@ TEST(MeshPuppetry, EnergyIsThatOfTheHeader)
         for (const Poses& poses : {bend(90), twist(135)}) {
             const Solution solution = solve(method, poses);
             const double energy = energy_of(mesh, solution.positions, bending, regions, poses);
-            // The kernels tie a rotation to the last one by 1e-8 of its covariance, whose edges are some 100 times
-            // as large as what the energy is about.
+            // The kernels tie a rotation to the last one by 1e-8 of its covariance, whose edges are some 100
+            // times as large as what the energy is about.
             EXPECT_NEAR(solution.report.energy, energy, 2e-6 * energy) << bending;
             EXPECT_GT(energy, 0.1);
             // A minimum: no random move of the free vertices lowers it.
@@ -211,7 +212,8 @@ TEST(MeshPuppetry, RefusesOptionsOutOfRange)
     const SurfaceMesh mesh = shapes::cube();
     refusal<InvalidOption>([&] { MeshPuppetry(mesh, {.bending = -1.0}); });
     refusal<InvalidOption>([&] { MeshPuppetry(mesh, {.max_iterations = 0}); });
-    refusal<InvalidOption>([&] { MeshPuppetry(mesh, {.tolerance = std::numeric_limits<double>::quiet_NaN()}); });
+    refusal<InvalidOption>(
+        [&] { MeshPuppetry(mesh, {.tolerance = std::numeric_limits<double>::quiet_NaN()}); });
 }
 
 } // namespace sinew
