@@ -270,7 +270,7 @@ Raises InvalidConstraint.)")
 mesh    SurfaceMesh around the bones at rest.
 margin  in [0, 0.5): how much of a bone's length is left free at each joint.
 
-Distances go along the surface. A bone inside of another one's limb holds none. Raises InvalidOption.)")
+Distances go along the surface. A bone outside, or inside of another one's limb, holds none. Raises InvalidOption.)")
         .def(
             "solve",
             [](const Skeleton& skeleton, const py::object& bones, const py::object& points,

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/mesh/triangle_tree.h"
 #include "native/operators/geodesic_distance.h"
 
 #include <Eigen/Geometry>
@@ -19,6 +20,7 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 /// A vertex starts as one of a bone up to this many times the bone's distance from the surface.
 constexpr double reach = 1.5;
+constexpr double wound = 0.3;  ///< the least winding number inside of a surface with holes
 constexpr double facing = 0.5; ///< the cosine of how far a bone may be aside of the normal
 
 /// Where a point is beside a bone.
@@ -64,6 +66,22 @@ Points outward_normals(const SurfaceMesh& mesh)
     return normals;
 }
 
+/// Whether the surface winds around a part of each bone. It may have holes.
+std::vector<char> bones_inside(const SurfaceMesh& mesh, const Skeleton& skeleton)
+{
+    std::vector<Vector3> points(mesh.vertex_count());
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        points[v] = mesh.point(v);
+    std::vector<char> inside(skeleton.bone_count());
+    parallel_for(skeleton.bone_count(), [&](int b) {
+        const Vector3 head = skeleton.head(b), along = skeleton.tail(b) - head;
+        for (double share : {0.5, 0.25, 0.75})
+            inside[b] =
+                inside[b] || std::abs(winding_number(points, mesh.triangles(), head + share * along)) > wound;
+    });
+    return inside;
+}
+
 } // namespace
 
 std::vector<std::vector<int>> bone_regions(const SurfaceMesh& mesh, const Skeleton& skeleton, double margin)
@@ -71,6 +89,7 @@ std::vector<std::vector<int>> bone_regions(const SurfaceMesh& mesh, const Skelet
     if (!(margin >= 0 && margin < 0.5))
         throw InvalidOption("margin: give a share of at least 0 and less than 0.5");
     const int n = mesh.vertex_count(), bones = skeleton.bone_count();
+    const std::vector<char> inside = bones_inside(mesh, skeleton);
     const Points normals = outward_normals(mesh);
     std::vector<int> nearest(n, -1);
     parallel_for(n, [&](int v) {
@@ -78,7 +97,7 @@ std::vector<std::vector<int>> bone_regions(const SurfaceMesh& mesh, const Skelet
         for (int b = 0; b < bones; ++b) {
             const Beside at = beside(skeleton, b, mesh.point(v));
             const double outward = normals.row(v).dot(at.away);
-            if (outward > facing * at.distance && at.distance * at.distance < least * outward) {
+            if (inside[b] && outward > facing * at.distance && at.distance * at.distance < least * outward) {
                 least = at.distance * at.distance / outward; // the diameter of the ball
                 nearest[v] = b;
             }

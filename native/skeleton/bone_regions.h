@@ -18,7 +18,8 @@ namespace sinew {
 /// that joints can bend.
 ///
 /// \param margin  in [0, 0.5): as a share of the length of a bone.
-/// \return (bones) vertices in rising order; a bone inside of another one's limb has none.
+/// \return (bones) vertices in rising order; a bone outside of the mesh, or inside of another one's limb, has
+///   none.
 /// \throw InvalidOption  the margin is outside of its range.
 std::vector<std::vector<int>> bone_regions(const SurfaceMesh& mesh, const Skeleton& skeleton,
                                            double margin = 0.25);

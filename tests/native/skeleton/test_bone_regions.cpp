@@ -53,6 +53,17 @@ TEST(BoneRegions, DistancesGoAlongTheSurface)
     EXPECT_EQ(bone_regions(shapes::over(both.points(), faces), Skeleton(heads, tails, {-1, -1})), regions);
 }
 
+TEST(BoneRegions, ABoneOutsideHoldsNothing)
+{
+    const SurfaceMesh mesh = shapes::bar(24, 3);
+    Points heads(2, 3), tails(2, 3);
+    heads << 0, 0, 0, 0, 5, 0;
+    tails << 24, 0, 0, 24, 5, 0;
+    const auto regions = bone_regions(mesh, Skeleton(heads, tails, {-1, -1}));
+    EXPECT_EQ(static_cast<int>(regions[0].size()), mesh.vertex_count());
+    EXPECT_TRUE(regions[1].empty());
+}
+
 TEST(BoneRegions, RefusesAMarginOutOfRange)
 {
     const SurfaceMesh mesh = shapes::cube();
