@@ -31,6 +31,7 @@ GROUPS = (
     "linear",
     "multiresolution",
     "riders",
+    "puppetry",
     "memory",
     "arap",
     "pyramid",

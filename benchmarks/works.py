@@ -221,6 +221,9 @@ WORKS = (
         "a limit of 1 s",
         {ANY: 1.0},
     ),
+    Work("puppet_iteration", "an iteration of `Skeleton.solve`", "a millisecond", {ANY: 1.0}, at_most=True),
+    Work("puppet_pose", "the slowest of 30 poses by `Skeleton.solve`", "30 ms", {ANY: 1.0}, at_most=True),
+    Work("puppet_peer", "a pose by `Skeleton.solve`", "SciPy's least squares", {ANY: 20.0}),
     Work("riders_frame", "what these loose parts add to a solve", "the solve", {ANY: 0.1}, at_most=True),
     Work(
         "arap_iteration",

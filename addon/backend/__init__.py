@@ -18,12 +18,14 @@ from .native import (
     sketched,
     sketched_part,
 )
+from .puppet import Bones, Puppet, Solution, Targets
 from .recipes import Base, Cage, CageReport, ControlPoints, HandlePoints, Handles, Progress, Recipe, Shape
 from .self_check import Check, check_installation, last_check
 
 __all__ = (
     "Availability",
     "Base",
+    "Bones",
     "Cage",
     "CageReport",
     "Check",
@@ -34,8 +36,11 @@ __all__ = (
     "Handles",
     "PreparedBind",
     "Progress",
+    "Puppet",
     "Recipe",
     "Shape",
+    "Solution",
+    "Targets",
     "automatic_cage",
     "availability",
     "bind_seconds",

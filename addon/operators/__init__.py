@@ -22,6 +22,7 @@ from .modal.ring import draw_line, ring
 from .morph import SINEW_OT_morph
 from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
+from .puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
@@ -71,6 +72,9 @@ register, unregister = register_classes_factory(
         SINEW_OT_grab_region,
         SINEW_OT_drag,
         SINEW_OT_silhouette_sketch,
+        SINEW_OT_puppet_pose,
+        SINEW_OT_puppet_pin,
+        SINEW_OT_puppet_rig,
         SINEW_OT_repair,
         SINEW_OT_part_regions,
         SINEW_OT_select_distorted,

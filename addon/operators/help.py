@@ -21,6 +21,7 @@ PAGES = (
     ("overlays", "Overlays", "Colours of regions, of influence, and of distortion"),
     ("grab-region", "Grab Region", "Move vertices once, without a handle that stays"),
     ("silhouette-sketch", "Silhouette Sketch", "Draw the outline of a mesh anew, and its surface follows"),
+    ("puppet", "Puppets", "Drag a bone, and the figure and its skin follow"),
     ("scripting", "Scripting", "Operators, properties, and the Python module"),
 )
 

@@ -4,9 +4,10 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import bake, control, deformer, handle, parameters, scene
+from . import bake, bone, control, deformer, handle, parameters, scene
 from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
+from .bone import SinewBone
 from .control import SinewControl, StoredCage
 from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
 from .handle import ROLES as HANDLE_ROLES
@@ -19,6 +20,7 @@ __all__ = (
     "BASE",
     "HANDLE_ROLES",
     "MAX_FRAME",
+    "SinewBone",
     "SinewControl",
     "SinewDeformer",
     "SinewHandle",
@@ -40,6 +42,7 @@ _CLASSES = (
     deformer.SinewDeformer,
     deformer.SinewObject,
     scene.SinewScene,
+    bone.SinewBone,
 )
 
 
@@ -48,9 +51,11 @@ def register() -> None:
         bpy.utils.register_class(cls)
     bpy.types.Object.sinew = PointerProperty(type=SinewObject, override={"LIBRARY_OVERRIDABLE"})
     bpy.types.Scene.sinew = PointerProperty(type=SinewScene)
+    bpy.types.PoseBone.sinew = PointerProperty(type=SinewBone, override={"LIBRARY_OVERRIDABLE"})
 
 
 def unregister() -> None:
+    del bpy.types.PoseBone.sinew
     del bpy.types.Scene.sinew
     del bpy.types.Object.sinew
     for cls in reversed(_CLASSES):

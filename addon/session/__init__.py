@@ -20,6 +20,9 @@ from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
 from .edit.order import move_deformer, move_handle
+from .edit.puppet.bones import require_bones
+from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
+from .edit.puppet.rigging import rig_puppet
 from .edit.refresh import refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
@@ -52,6 +55,9 @@ __all__ = (
     "Hit",
     "MirrorOptions",
     "Mirrored",
+    "Part",
+    "PuppetDrag",
+    "PuppetOptions",
     "Sight",
     "Sketch",
     "Work",
@@ -122,10 +128,12 @@ __all__ = (
     "remove_handle",
     "repair",
     "repair_summary",
+    "require_bones",
     "require_mesh",
     "reset_curve",
     "restore_shapes",
     "rig_control",
+    "rig_puppet",
     "rig_region",
     "select_elements",
     "select_group",

@@ -41,6 +41,10 @@ class SINEW_MT_object(Menu):
         for role, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[role][1])
         layout.separator()
+        layout.operator(Operators.PUPPET_POSE, icon="ARMATURE_DATA")
+        layout.operator(Operators.PUPPET_PIN, icon="PINNED")
+        layout.operator(Operators.PUPPET_RIG, icon="BONE_DATA")
+        layout.separator()
         _draw_common(layout)
 
 

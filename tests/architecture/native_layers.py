@@ -24,6 +24,7 @@ NATIVE_RANKS = {
     "graph": 3,
     "handles": 3,
     "riders": 3,
+    "skeleton": 3,
     "rotations": 4,
     "surface": 4,
     "surface/linear": 5,

@@ -36,13 +36,8 @@ MOTION_KEYS: Keys = (
 )
 
 
-class MotionProperties:
-    """Mixin for an operator whose modal tool is a ``Moving``.
-
-    ``LENGTHS`` are its properties that say how far the surface follows; Whole Surface switches off the last.
-    """
-
-    LENGTHS: tuple[str, ...] = ()
+class MotionValues:
+    """Mixin for an operator that moves something: the motion as properties."""
 
     mode: EnumProperty(
         name="Mode",
@@ -78,24 +73,6 @@ class MotionProperties:
         options={"SKIP_SAVE"},
         description="Which axes X, Y and Z mean",
     )
-    method: EnumProperty(
-        name="Method",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
-        default=DEFAULT_METHOD,
-        description="How the surface follows",
-        options={"SKIP_SAVE"},
-    )
-    unlimited: BoolProperty(
-        name="Whole Surface",
-        description="Everything that is connected follows, at any distance, unless a region holds it",
-    )
-
-    def choose_method(self, context: Context) -> Method:
-        """The method that was asked for, or else the one of the preferences."""
-        if not self.properties.is_property_set("method"):
-            preferred = BY_ID[preferences(context).method]
-            self.method = preferred.id if preferred in _METHODS else DEFAULT_METHOD
-        return BY_ID[self.method]
 
     @property
     def motion(self) -> Motion:
@@ -126,8 +103,8 @@ class MotionProperties:
             *typed_units(context.scene.unit_settings),
         )
 
-    def draw(self, _context: Context) -> None:
-        """Draw the properties of the motion that count, and those of the surface."""
+    def draw_motion(self) -> None:
+        """Draw the properties of the motion that count."""
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
@@ -138,6 +115,39 @@ class MotionProperties:
         else:
             layout.prop(self, "value" if self.mode == "TRANSLATE" else "scale")
         layout.prop(self, "orientation")
+
+
+class MotionProperties(MotionValues):
+    """Mixin for an operator whose modal tool is a ``Moving``.
+
+    ``LENGTHS`` are its properties that say how far the surface follows; Whole Surface switches off the last.
+    """
+
+    LENGTHS: tuple[str, ...] = ()
+
+    method: EnumProperty(
+        name="Method",
+        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
+        default=DEFAULT_METHOD,
+        description="How the surface follows",
+        options={"SKIP_SAVE"},
+    )
+    unlimited: BoolProperty(
+        name="Whole Surface",
+        description="Everything that is connected follows, at any distance, unless a region holds it",
+    )
+
+    def choose_method(self, context: Context) -> Method:
+        """The method that was asked for, or else the one of the preferences."""
+        if not self.properties.is_property_set("method"):
+            preferred = BY_ID[preferences(context).method]
+            self.method = preferred.id if preferred in _METHODS else DEFAULT_METHOD
+        return BY_ID[self.method]
+
+    def draw(self, _context: Context) -> None:
+        """Draw the properties of the motion that count, and those of the surface."""
+        self.draw_motion()
+        layout = self.layout
         layout.separator()
         layout.prop(self, "method")
         for name in self.LENGTHS:

@@ -154,6 +154,16 @@ class Arap(SurfaceMethod):
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
+class MeshPuppetry(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        bending: float = 1e-3,
+        max_iterations: int = 5,
+        tolerance: float = 1e-4,
+    ) -> None: ...
+
 class HandleAwareIsolines(SurfaceMethod):
     def __init__(
         self,
@@ -240,6 +250,7 @@ class SilhouetteSketch:
 def silhouette_lines(
     mesh: SurfaceMesh, axes: ArrayLike, eye: ArrayLike | None = None
 ) -> list[tuple[Ints, Floats, bool]]: ...
+
 def fit_stroke(
     mesh: SurfaceMesh,
     stroke: ArrayLike,

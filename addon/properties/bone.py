@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a pose bone does while another bone of its puppet is dragged."""
+
+from bpy.props import BoolProperty
+from bpy.types import PropertyGroup
+
+from .setting import setting
+
+
+class SinewBone(PropertyGroup):
+    """What a pose bone does while another one is dragged"""
+
+    pin: setting(
+        BoolProperty,
+        update=None,
+        name="Pin",
+        description="Keep this bone where it is while Puppet Drag moves another one, as a foot on the ground",
+    )

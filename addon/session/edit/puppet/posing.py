@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drags a bone of an armature, and lets the others follow. Main thread only."""
+
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from bpy.types import Depsgraph, Object, PoseBone
+from mathutils import Matrix
+
+from ....backend import Puppet, Solution, Targets
+from ....core.errors import ConstraintError, SinewError
+from ....core.geometry import frames
+from . import bones, limits
+
+_PINNED = 1e3  # the weight of what holds the puppet, beside what is dragged
+_TOLERANCE = 1e-6  # a support of less than three points apart is none; a share of the size of the bones
+_CHANNELS = ("location", "rotation_quaternion", "rotation_axis_angle", "rotation_euler")
+
+
+class Part(Enum):
+    """Which point of a bone is dragged."""
+
+    AUTO = "AUTO"  # the tail, or the whole bone if it has no parent
+    TAIL = "TAIL"
+    HEAD = "HEAD"
+    WHOLE = "WHOLE"  # head and tail: the bone keeps its direction
+
+
+@dataclass(frozen=True)
+class PuppetOptions:
+    """How a puppet follows."""
+
+    part: Part = Part.AUTO
+    balance: bool = False  # the centre of mass stays over what is pinned
+    from_rest: bool = False  # joints stay close to rest, and not to how they are at the start
+
+
+class PuppetDrag:
+    """A bone that is dragged. ``move`` poses the armature, and ``restore`` puts everything back.
+
+    Every pose is solved from the posture at the start, so it depends on the place of the mouse alone. Only
+    names and numbers are kept, so that undo may come in between.
+    """
+
+    def __init__(self, armature: Object, bone: str, depsgraph: Depsgraph, options: PuppetOptions) -> None:
+        """Raises a ``SinewError`` before anything changes."""
+        bones.require_bones(armature)
+        if bone not in armature.pose.bones:
+            raise ConstraintError(f"{armature.name} has no bone '{bone}' - choose one of its pose bones")
+        held_by = bones.follows_target(armature.pose.bones[bone])
+        if held_by is not None:
+            raise ConstraintError(
+                f"{bone} follows its target {held_by.subtarget or held_by.target.name} - move that instead"
+            )
+        self.bone = bone
+        self._world = np.array(armature.matrix_world, dtype=np.float64)
+        self._to_armature = frames.inverse(self._world, armature.name)
+        self._skeleton = skeleton = bones.read_skeleton(armature, depsgraph)
+        self._puppet = Puppet(skeleton.bones)
+        if options.from_rest:
+            turns, moves = np.zeros((len(skeleton.names), 3)), np.zeros_like(skeleton.moves)
+        else:
+            turns, moves = self._puppet.turns(skeleton.rotations), skeleton.moves
+        self._turns, self._moves = turns, moves
+        row = skeleton.row(bone)
+        part = options.part
+        if part is Part.AUTO:
+            part = Part.TAIL if skeleton.bones.parents[row] >= 0 else Part.WHOLE
+        self._dragged = [(row, end) for end in _ENDS[part]]
+        self._held = self._find_held(armature, depsgraph, row)
+        self._choose_moving(armature)
+        self._up = self._to_armature[:3, :3] @ (0.0, 0.0, 1.0)
+        self._support = self._find_support() if options.balance else None
+        self._before = {name: _channels(armature.pose.bones[name]) for name in self.moving}
+        self.gap = self.overhang = 0.0  # in the world: how far the bone is behind, and the centre of mass off
+        self.ignored = [name for name in self.moving if _has_other_constraints(armature.pose.bones[name])]
+
+    @property
+    def moving(self) -> list[str]:
+        """The names of the bones that may turn or move."""
+        return [self._skeleton.names[row] for row in np.flatnonzero(~self._locked)]
+
+    @property
+    def place(self) -> np.ndarray:
+        """Where the dragged point was at the start (3,), in the world."""
+        points = [self._place(row, end) for row, end in self._dragged]
+        return frames.transformed(self._world, np.mean(points, axis=0)[None])[0]
+
+    @property
+    def frame(self) -> np.ndarray:
+        """The dragged bone at the start, in the world (4, 4)."""
+        row, frame = self._skeleton.row(self.bone), np.eye(4)
+        frame[:3, :3], frame[:3, 3] = self._skeleton.bones.axes[row], self._skeleton.bones.heads[row]
+        return self._world @ self._shown[row] @ frame
+
+    def move(self, armature: Object, motion: np.ndarray) -> None:
+        """Move the dragged point by a motion (4, 4) of the world, from where it was at the start."""
+        if not np.isfinite(motion).all():
+            raise ConstraintError("The motion is not a finite number - type another one")
+        inside = self._to_armature @ motion @ self._world
+        rows, points, goals, weights = [], [], [], []
+        for row, end in self._dragged:
+            rows.append(row)
+            points.append(self._ends(end)[row])
+            goals.append(frames.transformed(inside, self._place(row, end)[None])[0])
+            weights.append(1.0)
+        for row, end, goal in self._held:
+            rows.append(row)
+            points.append(self._ends(end)[row])
+            goals.append(goal)
+            weights.append(_PINNED)
+        targets = Targets(np.array(rows), np.array(points), np.array(goals), np.array(weights))
+        found = self._puppet.solve(
+            targets,
+            self._turns,
+            self._moves,
+            locked=self._locked,
+            moving_roots=self._moving_roots,
+            support=self._support,
+            up=self._up,
+        )
+        scale = np.cbrt(abs(np.linalg.det(self._world[:3, :3])))
+        self.gap = float(found.gaps[: len(self._dragged)].max()) * scale
+        self.overhang = found.overhang * scale
+        self._write(armature, found)
+
+    def restore(self, armature: Object) -> None:
+        """Put everything back."""
+        for name, channels in self._before.items():
+            bone = armature.pose.bones.get(name)
+            if bone is not None:
+                for channel, values in channels.items():
+                    setattr(bone, channel, values)
+
+    def key(self, armature: Object) -> None:
+        """Insert keyframes for all bones that may move, so that the next drag does not change this frame."""
+        for name in self.moving:
+            bone = armature.pose.bones[name]
+            bone.keyframe_insert(_rotation_channel(bone), group=name)
+            if self._moving_roots[self._skeleton.row(name)]:
+                bone.keyframe_insert("location", group=name)
+
+    def _ends(self, end: int) -> np.ndarray:
+        return self._skeleton.bones.tails if end else self._skeleton.bones.heads
+
+    def _place(self, row: int, end: int) -> np.ndarray:
+        """Where an end of a bone was at the start, in the frame of the armature."""
+        return frames.transformed(self._shown[row], self._ends(end)[row][None])[0]
+
+    def _find_held(self, armature: Object, depsgraph: Depsgraph, dragged: int) -> list:
+        """The ends of bones that stay, and where: pinned bones, and bones with targets."""
+        self._shown = _shown(self._skeleton)
+        held = []
+        for row, name in enumerate(self._skeleton.names):
+            bone = armature.pose.bones[name]
+            constraint = bones.follows_target(bone)
+            if constraint is not None:
+                end = 1 if constraint.use_tail else 0
+                held.append((row, end, bones.place_of_target(constraint, armature, depsgraph)))
+            elif bone.sinew.pin and row != dragged:
+                held += [(row, end, self._place(row, end)) for end in (0, 1)]
+        return held
+
+    def _choose_moving(self, armature: Object) -> None:
+        """Let all bones turn that move something dragged or held, and roots move whose bones are held."""
+        skeleton = self._skeleton
+        count = len(skeleton.names)
+        chains = [list(skeleton.chain(row)) for row, *_rest in (*self._dragged, *self._held)]
+        active = sorted({row for chain in chains for row in chain})
+        self._locked = np.ones(count, dtype=bool)
+        self._locked[active] = False
+        held_roots = {list(skeleton.chain(row))[-1] for row, *_rest in self._held}
+        dragged = self._dragged[0][0]
+        self._moving_roots = np.zeros(count, dtype=bool)
+        for row in active:
+            is_root = skeleton.bones.parents[row] < 0
+            free = not any(armature.pose.bones[skeleton.names[row]].lock_location)
+            self._moving_roots[row] = is_root and free and (row in held_roots or row == dragged)
+        bones.require_plain(armature, self.moving)
+
+    def _find_support(self) -> np.ndarray:
+        """What the figure stands on: the ends of held bones."""
+        points = np.array([goal for _row, _end, goal in self._held]).reshape(-1, 3)
+        if len(points) >= 3:
+            across = points - points.mean(axis=0)
+            across -= np.outer(across @ self._up, self._up) / (self._up @ self._up)
+            spread = np.linalg.svd(across, compute_uv=False)
+            if spread[1] > _TOLERANCE * spread[0]:
+                return points
+        raise SinewError("Balance needs something to stand on - pin the bones of both feet first")
+
+    def _write(self, armature: Object, found: Solution) -> None:
+        skeleton = self._skeleton
+        for name in self.moving:
+            row, bone = skeleton.row(name), armature.pose.bones[name]
+            joint = skeleton.bones.angles.get(row)
+            if joint is not None and joint[2] == bone.rotation_mode:
+                bone.rotation_euler = found.turns[row]
+            else:
+                _turn(bone, Matrix(found.rotations[row].tolist()))
+            if self._moving_roots[row]:
+                move = found.moves[row]
+                if bone.bone.use_local_location:
+                    move = skeleton.bones.axes[row].T @ move
+                bone.location = move
+
+
+_ENDS = {Part.TAIL: (1,), Part.HEAD: (0,), Part.WHOLE: (0, 1)}
+
+
+def _shown(skeleton: bones.Skeleton) -> list[np.ndarray]:
+    """(k) matrices (4, 4) from the rest of each bone to where it is shown, in the frame of the armature."""
+    shown: list[np.ndarray] = []
+    data = skeleton.bones
+    for row in range(len(skeleton.names)):
+        own, head = np.eye(4), data.heads[row]
+        own[:3, :3] = data.axes[row] @ skeleton.rotations[row] @ data.axes[row].T
+        own[:3, 3] = head + skeleton.moves[row] - own[:3, :3] @ head
+        shown.append(own if data.parents[row] < 0 else shown[data.parents[row]] @ own)
+    return shown
+
+
+def _has_other_constraints(bone: PoseBone) -> bool:
+    """Whether Blender moves a bone by something that the solver does not know."""
+    return any(
+        limits.in_use(constraint) and constraint.type != "IK" and not limits.is_limit(constraint)
+        for constraint in bone.constraints
+    )
+
+
+def _channels(bone: PoseBone) -> dict[str, tuple[float, ...]]:
+    return {name: tuple(getattr(bone, name)) for name in _CHANNELS}
+
+
+def _rotation_channel(bone: PoseBone) -> str:
+    mode = bone.rotation_mode
+    return f"rotation_{mode.lower()}" if mode in ("QUATERNION", "AXIS_ANGLE") else "rotation_euler"
+
+
+def _turn(bone: PoseBone, rotation: Matrix) -> None:
+    """Write a rotation into the channels that the bone uses, close to what they say now."""
+    if bone.rotation_mode == "QUATERNION":
+        turn = rotation.to_quaternion()
+        turn.make_compatible(bone.rotation_quaternion)
+        bone.rotation_quaternion = turn
+    elif bone.rotation_mode == "AXIS_ANGLE":
+        axis, angle = rotation.to_quaternion().to_axis_angle()
+        bone.rotation_axis_angle = (angle, *axis)
+    else:
+        bone.rotation_euler = rotation.to_euler(bone.rotation_mode, bone.rotation_euler)

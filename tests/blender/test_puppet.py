@@ -1,0 +1,614 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Puppets: bones that are dragged and the figure that follows, pins, limits, and the skin."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from libraries import put_into_a_library
+from mathutils import Matrix, Vector
+from rig import (
+    base_points,
+    close,
+    curves_of,
+    evaluated_points,
+    grid_object,
+    linked,
+    make_active,
+    new_empty,
+    new_file,
+    new_object,
+    push,
+    reopen,
+    update,
+)
+
+BONES = {  # head, tail and parent
+    "hip": ((0.0, 0.0, 1.0), (0.0, 0.0, 1.2), ""),
+    "spine": ((0.0, 0.0, 1.2), (0.0, 0.02, 1.4), "hip"),
+    "chest": ((0.0, 0.02, 1.4), (0.0, 0.0, 1.6), "spine"),
+    "upper.L": ((0.15, 0.0, 1.55), (0.45, 0.02, 1.55), "chest"),
+    "lower.L": ((0.45, 0.02, 1.55), (0.75, 0.0, 1.55), "upper.L"),
+    "hand.L": ((0.75, 0.0, 1.55), (0.85, 0.0, 1.55), "lower.L"),
+    "thigh.L": ((0.1, 0.0, 1.0), (0.12, -0.02, 0.55), "hip"),
+    "shin.L": ((0.12, -0.02, 0.55), (0.12, 0.0, 0.1), "thigh.L"),
+    "foot.L": ((0.12, 0.0, 0.1), (0.12, -0.2, 0.0), "shin.L"),
+    "thigh.R": ((-0.1, 0.0, 1.0), (-0.12, -0.02, 0.55), "hip"),
+    "shin.R": ((-0.12, -0.02, 0.55), (-0.12, 0.0, 0.1), "thigh.R"),
+    "foot.R": ((-0.12, 0.0, 0.1), (-0.12, -0.2, 0.0), "shin.R"),
+}
+FEET = ("foot.L", "foot.R")
+PLACES = 2e-5  # rotations go through float32 channels, from bone to bone
+
+
+def figure(mode: str = "QUATERNION") -> bpy.types.Object:
+    armature = linked(bpy.data.objects.new("Figure", bpy.data.armatures.new("Figure")))
+    make_active(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = armature.data.edit_bones
+    for name, (head, tail, parent) in BONES.items():
+        bone = edit.new(name)
+        bone.head, bone.tail = head, tail
+        bone.parent = edit[parent] if parent else None
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for bone in armature.pose.bones:
+        bone.rotation_mode = mode
+    update()
+    return armature
+
+
+def standing(mode: str = "QUATERNION") -> bpy.types.Object:
+    armature = figure(mode)
+    for name in FEET:
+        armature.pose.bones[name].sinew.pin = True
+    return armature
+
+
+def end_of(armature: bpy.types.Object, name: str, end: str = "tail") -> np.ndarray:
+    """Where an end of a bone is shown, in the world."""
+    update()
+    shown = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return np.array(shown.matrix_world @ getattr(shown.pose.bones[name], end))
+
+
+def pose(armature: bpy.types.Object, bone: str, value=(0.0, 0.0, 0.0), **keywords) -> None:
+    make_active(armature)
+    assert bpy.ops.sinew.puppet_pose(bone=bone, value=value, **keywords) == {"FINISHED"}
+    update()
+
+
+def channels(armature: bpy.types.Object) -> np.ndarray:
+    return np.array(
+        [
+            (*bone.location, *bone.rotation_quaternion, *bone.rotation_euler, *bone.rotation_axis_angle)
+            for bone in armature.pose.bones
+        ]
+    )
+
+
+def lengths(armature: bpy.types.Object) -> np.ndarray:
+    return np.array(
+        [np.linalg.norm(end_of(armature, name) - end_of(armature, name, "head")) for name in BONES]
+    )
+
+
+def refused(armature: bpy.types.Object, match: str, **keywords) -> None:
+    before = channels(armature)
+    make_active(armature)
+    with pytest.raises(RuntimeError, match=match):
+        bpy.ops.sinew.puppet_pose(**{"bone": "hand.L", "value": (0.0, 0.0, 0.1), **keywords})
+    assert (channels(armature) == before).all()
+
+
+# Dragging
+
+
+@pytest.mark.parametrize("mode", ["QUATERNION", "XYZ", "ZXY", "AXIS_ANGLE"])
+def test_a_hand_is_dragged_and_the_arm_follows(mode: str):
+    armature = figure(mode)
+    before, place = lengths(armature), end_of(armature, "hand.L")
+    pose(armature, "hand.L", (-0.2, -0.3, 0.1))
+    assert close(end_of(armature, "hand.L"), place + (-0.2, -0.3, 0.1), 2e-3)  # rest counts a little, too
+    assert close(lengths(armature), before, PLACES)
+    assert close(
+        end_of(armature, "hip", "head"), np.array((0.0, 0.0, 1.0))
+    )  # a root that nothing holds stays
+    legs = [armature.pose.bones[name] for name in BONES if "thigh" in name or "shin" in name]
+    assert all(bone.matrix_basis == Matrix.Identity(4) for bone in legs)
+
+
+def test_pinned_feet_stay_when_the_hip_sinks_and_the_knees_bend():
+    armature = standing()
+    feet = [end_of(armature, name, end) for name in FEET for end in ("head", "tail")]
+    pose(armature, "hip", (0.05, 0.0, -0.3))
+    assert close(end_of(armature, "hip", "head"), np.array((0.05, 0.0, 0.7)), 2e-3)
+    assert close(end_of(armature, "hip"), np.array((0.05, 0.0, 0.9)), 2e-3)  # upright: the whole bone moved
+    now = [end_of(armature, name, end) for name in FEET for end in ("head", "tail")]
+    assert close(np.array(now), np.array(feet), 1e-4)
+    for side in "LR":
+        assert armature.pose.bones[f"shin.{side}"].matrix_basis.to_quaternion().angle > 0.5
+
+
+def test_a_pulled_hand_takes_the_body_along_and_leaves_the_feet():
+    armature = standing()
+    feet = np.array([end_of(armature, name) for name in FEET])
+    pose(armature, "hand.L", (0.4, -0.3, -0.4))
+    assert np.linalg.norm(end_of(armature, "hip", "head") - (0.0, 0.0, 1.0)) > 0.05
+    assert close(np.array([end_of(armature, name) for name in FEET]), feet, 2e-3)
+
+
+def test_what_is_out_of_reach_is_approached():
+    armature = figure()
+    root = end_of(armature, "hip", "head")
+    pose(armature, "hand.L", (5.0, 0.0, 0.0))
+    hand = end_of(armature, "hand.L")
+    goal = np.array((5.85, 0.0, 1.55))
+    # No bone could get nearer: they all point at the goal, but for the shoulder, whose place is fixed.
+    assert np.linalg.norm(hand - root) > 1.2
+    assert np.linalg.norm(goal - hand) < np.linalg.norm(goal - root) - 1.2
+
+
+def test_the_same_place_gives_the_same_pose_to_the_bit(room):
+    armature = standing()
+    session = room("session")
+    drag = session.PuppetDrag(
+        armature, "hand.L", bpy.context.evaluated_depsgraph_get(), session.PuppetOptions()
+    )
+    shift = lambda x, z: np.array(Matrix.Translation((x, 0.0, z)))  # noqa: E731
+    drag.move(armature, shift(0.1, 0.2))
+    first = channels(armature)
+    for angle in np.linspace(0.0, 6.0, 9):
+        drag.move(armature, shift(0.5 * math.sin(angle), 0.4 * math.cos(angle)))
+    assert not (channels(armature) == first).all()
+    drag.move(armature, shift(0.1, 0.2))
+    assert (channels(armature) == first).all()
+    drag.move(armature, np.eye(4))
+    assert np.abs(channels(armature) - rest_channels(armature)).max() < 1e-6
+    drag.restore(armature)
+    assert (channels(armature) == rest_channels(armature)).all()
+
+
+def rest_channels(armature: bpy.types.Object) -> np.ndarray:
+    return channels(figure())
+
+
+def test_a_second_drag_begins_where_the_first_one_ended():
+    armature = standing()
+    pose(armature, "hip", (0.0, 0.0, -0.2))
+    hip = end_of(armature, "hip", "head")
+    pose(armature, "hand.L", (-0.1, -0.2, 0.1))
+    assert np.linalg.norm(end_of(armature, "hip", "head") - hip) < 0.1  # not back at 1
+    pose(armature, "hand.L", (0.0, 0.0, 0.0), from_rest=True)
+    assert end_of(armature, "hip", "head")[2] == pytest.approx(1.0, abs=0.05)
+
+
+def test_turned_moved_and_scaled_armatures_are_dragged_in_the_world():
+    armature = standing()
+    armature.matrix_world = (
+        Matrix.Translation((1.0, 2.0, 3.0)) @ Matrix.Rotation(0.7, 4, (1, 2, 3)) @ Matrix.Scale(2.0, 4)
+    )
+    update()
+    place = end_of(armature, "hand.L")
+    pose(armature, "hand.L", (-0.2, 0.1, -0.2))
+    assert close(end_of(armature, "hand.L"), place + (-0.2, 0.1, -0.2), 4e-3)
+
+
+def test_a_bone_is_turned_about_its_own_place():
+    armature = standing()
+    pose(armature, "chest", part="WHOLE", mode="ROTATE", angle=0.4, axis=(0.0, 0.0, 1.0))
+    turn = (armature.pose.bones["upper.L"].tail - armature.pose.bones["upper.L"].head).normalized()
+    assert abs(turn.y) < 0.1 or turn.y > 0.0  # the chest is upright, so its ends hardly move
+
+
+# Limits
+
+
+def bent(bone: bpy.types.PoseBone, order: str = "XYZ") -> np.ndarray:
+    return np.array(bone.matrix_basis.to_euler(order))
+
+
+@pytest.mark.parametrize("mode", ["QUATERNION", "XYZ", "YZX"])
+def test_limits_of_inverse_kinematics_are_never_exceeded(mode: str):
+    armature = standing(mode)
+    bones = [armature.pose.bones[name] for name in ("upper.L", "lower.L", "spine", "shin.L", "thigh.R")]
+    for bone in bones:
+        for axis, (least, most) in zip("xyz", ((-0.3, 0.4), (-0.1, 0.1), (-0.2, 0.6)), strict=True):
+            setattr(bone, f"use_ik_limit_{axis}", True)
+            setattr(bone, f"ik_min_{axis}", least)
+            setattr(bone, f"ik_max_{axis}", most)
+    rng = np.random.default_rng(5)
+    order = mode if mode != "QUATERNION" else "XYZ"
+    reached = 0
+    for _ in range(6):
+        pose(armature, "hand.L", tuple(rng.normal(size=3) * 0.5), from_rest=True)
+        for bone in bones:
+            angles = bent(bone, order)
+            # One rounding of an angle that went through a float32 quaternion or matrix.
+            assert (angles >= np.array((-0.3, -0.1, -0.2)) - 1e-6).all(), (bone.name, angles)
+            assert (angles <= np.array((0.4, 0.1, 0.6)) + 1e-6).all(), (bone.name, angles)
+            reached += bool((np.abs(angles - (0.4, 0.1, 0.6)) < 1e-5).any())
+    assert reached > 3  # they were needed
+
+
+def test_limit_rotation_changes_nothing_of_what_a_drag_shows():
+    armature = standing("XYZ")
+    for name in ("upper.L", "lower.L", "chest"):
+        limit = armature.pose.bones[name].constraints.new("LIMIT_ROTATION")
+        limit.owner_space = "LOCAL"
+        for axis in "xyz":
+            setattr(limit, f"use_limit_{axis}", True)
+            setattr(limit, f"min_{axis}", -0.25)
+            setattr(limit, f"max_{axis}", 0.5)
+    pose(armature, "hand.L", (-0.5, -0.4, 0.3))
+    shown = end_of(armature, "hand.L")
+    for name in ("upper.L", "lower.L", "chest"):
+        armature.pose.bones[name].constraints[0].mute = True
+    assert close(end_of(armature, "hand.L"), shown, PLACES)
+    angles = np.array([armature.pose.bones[name].rotation_euler for name in ("upper.L", "lower.L", "chest")])
+    assert angles.max() == pytest.approx(0.5, abs=1e-6)
+
+
+def test_of_limits_that_contradict_each_other_limit_rotation_wins():
+    armature = figure("XYZ")
+    bone = armature.pose.bones["lower.L"]
+    bone.use_ik_limit_x, bone.ik_min_x, bone.ik_max_x = True, -0.2, -0.1
+    bone.use_ik_limit_z, bone.ik_min_z, bone.ik_max_z = True, -1.0, 0.3
+    limit = bone.constraints.new("LIMIT_ROTATION")
+    limit.owner_space = "LOCAL"
+    limit.use_limit_x, limit.min_x, limit.max_x = True, 0.1, 0.2
+    limit.use_limit_z, limit.min_z, limit.max_z = True, -0.2, 1.0
+    pose(armature, "hand.L", (-0.4, 0.3, 0.4))
+    assert 0.1 - 1e-6 <= bone.rotation_euler.x <= 0.2 + 1e-6  # Limit Rotation, as the two exclude each other
+    assert -0.2 - 1e-6 <= bone.rotation_euler.z <= 0.3 + 1e-6  # both
+
+
+@pytest.mark.parametrize("mode", ["QUATERNION", "XYZ"])
+def test_locked_channels_stay(mode: str):
+    armature = figure(mode)
+    bone = armature.pose.bones["lower.L"]
+    bone.matrix_basis = Matrix.Rotation(0.2, 4, "Y")
+    bone.lock_rotation = (False, True, False)
+    armature.pose.bones["upper.L"].lock_rotation = (True, True, True)
+    armature.pose.bones["spine"].lock_ik_x = True
+    update()
+    pose(armature, "hand.L", (-0.3, -0.2, 0.2))
+    assert bent(bone)[1] == pytest.approx(0.2, abs=1e-6)
+    assert np.abs(bent(armature.pose.bones["upper.L"])).max() < 1e-6
+    assert abs(bent(armature.pose.bones["spine"])[0]) < 1e-6
+    assert np.abs(bent(armature.pose.bones["chest"])).max() > 1e-2
+    assert armature.pose.bones["hip"].location == Vector((0.0, 0.0, 0.0))
+
+
+def test_a_stiff_joint_turns_less():
+    turned = []
+    for stiffness in (0.0, 0.95):
+        new_file()
+        armature = figure()
+        bone = armature.pose.bones["upper.L"]
+        bone.ik_stiffness_x = bone.ik_stiffness_y = bone.ik_stiffness_z = stiffness
+        pose(armature, "hand.L", (-0.3, -0.2, 0.2))
+        turned.append(bone.matrix_basis.to_quaternion().angle)
+    assert turned[1] < 0.5 * turned[0]
+
+
+# What holds the figure
+
+
+def test_the_target_of_a_chain_holds_its_bone():
+    armature = figure()
+    target = new_empty("Target", BONES["shin.L"][1])
+    constraint = armature.pose.bones["shin.L"].constraints.new("IK")
+    constraint.target, constraint.chain_count = target, 2
+    update()
+    pose(armature, "hip", (0.0, 0.0, -0.2))
+    assert close(end_of(armature, "shin.L"), np.array(BONES["shin.L"][1]), 1e-3)
+    constraint.mute = True  # the pose alone holds it there, too
+    assert close(end_of(armature, "shin.L"), np.array(BONES["shin.L"][1]), 1e-3)
+    constraint.mute = False
+    refused(armature, "shin.L follows its target Target", bone="shin.L")
+
+
+def test_balance_keeps_the_centre_of_mass_over_the_feet():
+    centres = []
+    for balance in (False, True):
+        new_file()
+        armature = standing()
+        pose(armature, "hand.L", (0.5, -0.9, -0.3), balance=balance)
+        weights = np.linalg.norm([np.subtract(tail, head) for head, tail, _parent in BONES.values()], axis=1)
+        middles = [(end_of(armature, name) + end_of(armature, name, "head")) / 2 for name in BONES]
+        centres.append(np.average(middles, axis=0, weights=weights))
+    support = 0.12 + 1e-3, -0.2 - 1e-3, 1e-3
+    assert centres[0][1] < support[1] or abs(centres[0][0]) > support[0]  # it would fall
+    assert abs(centres[1][0]) <= support[0]
+    assert support[1] <= centres[1][1] <= support[2]
+
+
+def test_balance_without_feet_is_refused():
+    refused(figure(), "Balance needs something to stand on", balance=True)
+
+
+def test_bones_are_pinned_and_released(room):
+    compat = room("compat")
+    armature = figure()
+    bpy.ops.object.mode_set(mode="POSE")
+    for bone in armature.pose.bones:
+        compat.select_bone(armature, bone.name, bone.name in FEET)
+    pinned = lambda: {bone.name for bone in armature.pose.bones if bone.sinew.pin}  # noqa: E731
+    assert bpy.ops.sinew.puppet_pin() == {"FINISHED"}
+    assert pinned() == set(FEET)
+    bpy.ops.sinew.puppet_pin(action="PIN")
+    assert pinned() == set(FEET)
+    bpy.ops.sinew.puppet_pin()
+    assert pinned() == set()
+    for bone in armature.pose.bones:
+        compat.select_bone(armature, bone.name, False)
+    with pytest.raises(RuntimeError, match="Select the bones to pin"):
+        bpy.ops.sinew.puppet_pin()
+
+
+# Keys, undo, files
+
+
+def test_bones_are_keyed_if_asked_or_with_auto_keying():
+    armature = standing()
+    pose(armature, "hip", (0.0, 0.0, -0.1))
+    assert armature.animation_data is None
+    pose(armature, "hip", (0.0, 0.0, -0.1), key=True)
+    keyed = {curve.data_path for curve in curves_of(armature)}
+    assert 'pose.bones["hip"].location' in keyed
+    assert 'pose.bones["shin.L"].rotation_quaternion' in keyed
+    assert not any("hand" in path for path in keyed)
+    low = end_of(armature, "hip")
+    bpy.context.scene.frame_set(10)
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
+    pose(armature, "hip", (0.0, 0.0, 0.2))
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = False
+    high = end_of(armature, "hip")
+    bpy.context.scene.frame_set(1)
+    assert close(end_of(armature, "hip"), low, 1e-5)
+    bpy.context.scene.frame_set(10)
+    assert close(end_of(armature, "hip"), high, 1e-5)
+    assert high[2] > low[2] + 0.15
+
+
+def test_undo_takes_back_a_pose_in_one_step_and_redo_poses_again():
+    armature = standing()
+    push("made")
+    before = channels(armature)
+    make_active(armature)
+    bpy.ops.sinew.puppet_pose("EXEC_DEFAULT", True, bone="hip", value=(0.0, 0.0, -0.3))
+    after = channels(bpy.data.objects["Figure"])
+    bpy.ops.ed.undo()
+    assert (channels(bpy.data.objects["Figure"]) == before).all()
+    bpy.ops.ed.redo()
+    assert (channels(bpy.data.objects["Figure"]) == after).all()
+
+
+def test_pins_are_saved(tmp_path: Path):
+    standing()
+    reopen(tmp_path / "figure.blend")
+    bones = bpy.data.objects["Figure"].pose.bones
+    assert {bone.name for bone in bones if bone.sinew.pin} == set(FEET)
+
+
+# What is refused
+
+
+def test_an_armature_without_bones():
+    armature = linked(bpy.data.objects.new("Bare", bpy.data.armatures.new("Bare")))
+    refused(armature, "Bare has no bones - add some in Edit Mode", bone="")
+
+
+def test_bones_that_are_not_there_and_motions_that_are_none():
+    armature = figure()
+    refused(armature, "Figure has no bone 'tail'", bone="tail")
+    refused(armature, "There is no object 'Nobody'", armature="Nobody")
+    refused(armature, "not a finite number", value=(float("nan"), 0.0, 0.0))
+
+
+def test_bones_that_are_scaled_or_do_not_inherit_rotation():
+    armature = figure()
+    armature.pose.bones["lower.L"].scale = (1.0, 2.0, 1.0)
+    update()
+    refused(armature, "Scaled bones cannot be posed: lower.L")
+    armature.pose.bones["lower.L"].scale = (1.0, 1.0, 1.0)
+    armature.data.bones["chest"].use_inherit_rotation = False
+    update()
+    refused(armature, "Bones that do not inherit rotation cannot be posed: chest")
+    pose(armature, "thigh.L", (0.1, 0.0, 0.0))  # they are not in its way
+
+
+def test_linked_armatures(tmp_path: Path):
+    path = put_into_a_library(tmp_path / "library.blend", figure())
+    new_file()
+    with bpy.data.libraries.load(path, link=True) as (_inside, wanted):
+        wanted.objects = ["Figure"]
+    armature = linked(wanted.objects[0])
+    update()
+    make_active(armature)
+    with pytest.raises(RuntimeError, match="Figure is linked - make a library override first"):
+        bpy.ops.sinew.puppet_pose(bone="hand.L", value=(0.0, 0.0, 0.1))
+
+
+def test_something_else_is_no_puppet():
+    make_active(grid_object())
+    with pytest.raises(RuntimeError, match="Select an armature"):
+        bpy.ops.sinew.puppet_pose(value=(0.0, 0.0, 0.1))
+
+
+# The skin
+
+
+def tube(radius: float = 0.08, rings: int = 40, sides: int = 12) -> bpy.types.Object:
+    """A tube around the bones of ``arm``."""
+    points, faces = [], []
+    for ring in range(rings + 1):
+        for side in range(sides):
+            angle = 2 * math.pi * side / sides
+            points.append((radius * math.cos(angle), radius * math.sin(angle), 2.0 * ring / rings))
+    for ring in range(rings):
+        for side in range(sides):
+            a, b = ring * sides + side, ring * sides + (side + 1) % sides
+            faces.append((a, b, b + sides, a + sides))
+    obj = new_object("Sleeve", points, faces)
+    make_active(obj)
+    return obj
+
+
+def arm() -> bpy.types.Object:
+    armature = linked(bpy.data.objects.new("Arm", bpy.data.armatures.new("Arm")))
+    make_active(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = armature.data.edit_bones
+    parent = None
+    for k, name in enumerate(("first", "second")):
+        bone = edit.new(name)
+        bone.head, bone.tail, bone.parent = (0.0, 0.0, float(k)), (0.0, 0.0, k + 1.0), parent
+        parent = bone
+    bpy.ops.object.mode_set(mode="OBJECT")
+    update()
+    return armature
+
+
+def rigged(**keywords) -> tuple[bpy.types.Object, bpy.types.Object]:
+    armature, obj = arm(), tube()
+    assert bpy.ops.sinew.puppet_rig(armature=armature.name, **keywords) == {"FINISHED"}
+    update()
+    return obj, armature
+
+
+def test_bones_become_handles_and_the_skin_follows():
+    obj, armature = rigged()
+    deformer = obj.sinew.active
+    assert deformer.method == "mesh_puppetry"
+    assert [(row.bone, row.control) for row in deformer.handles] == [
+        ("first", armature),
+        ("second", armature),
+    ]
+    rest = base_points(obj)
+    assert close(evaluated_points(obj), rest)
+    pose(armature, "second", (0.9, 0.0, -0.8))
+    shown = evaluated_points(obj)
+    for name, here in (("first", rest[:, 2] <= 0.75 + 1e-6), ("second", rest[:, 2] >= 1.25 - 1e-6)):
+        bone = armature.pose.bones[name]
+        matrix = np.array(bone.matrix @ bone.bone.matrix_local.inverted())
+        moved = rest[here] @ matrix[:3, :3].T + matrix[:3, 3]
+        assert close(shown[here], moved, 2e-5), name
+    assert np.abs(shown - rest).max() > 0.5
+
+
+def test_painted_groups_with_the_names_of_bones_are_used():
+    armature, obj = arm(), tube()
+    for name, inside in (("first", lambda z: z < 0.8), ("second", lambda z: z > 1.2)):
+        group = obj.vertex_groups.new(name=name)
+        group.add([vertex.index for vertex in obj.data.vertices if inside(vertex.co.z)], 1.0, "REPLACE")
+    bpy.ops.sinew.puppet_rig(armature=armature.name)
+    assert [row.vertex_group for row in obj.sinew.active.handles] == ["first", "second"]
+    assert len(obj.vertex_groups) == 2
+    bpy.ops.sinew.puppet_rig(armature=armature.name, automatic=True, margin=0.4)
+    assert len(obj.vertex_groups) == 4
+
+
+def test_a_keyed_pose_plays_with_its_skin():
+    obj, armature = rigged()
+    pose(armature, "second", (0.0, 0.0, 0.0), key=True)
+    straight = evaluated_points(obj)
+    bpy.context.scene.frame_set(20)
+    pose(armature, "second", (0.9, 0.0, -0.8), key=True)
+    bent_shape = evaluated_points(obj)
+    for frame, shape in ((1, straight), (20, bent_shape), (1, straight)):
+        bpy.context.scene.frame_set(frame)
+        assert close(evaluated_points(obj), shape, 2e-5)
+
+
+def test_rigging_is_refused_without_a_trace():
+    armature, obj = arm(), tube()
+    armature.location.x = 10.0
+    update()
+    # Far away, no bone lies inside.
+    with pytest.raises(RuntimeError, match="No bone of Arm lies inside of Sleeve"):
+        bpy.ops.sinew.puppet_rig(armature=armature.name)
+    assert not obj.sinew.deformers
+    assert not obj.vertex_groups
+    with pytest.raises(RuntimeError, match="There is no object 'Nobody'"):
+        bpy.ops.sinew.puppet_rig(armature="Nobody")
+    with pytest.raises(RuntimeError, match="Select the mesh and one armature"):
+        bpy.ops.sinew.puppet_rig()
+
+
+# The mouse
+
+
+class Mouse:
+    """The tool itself, with events like Blender's: there is no window here."""
+
+    def __init__(self, room, armature: bpy.types.Object, bone: str) -> None:
+        session = room("session")
+        typed, tool = room("core.transform.typed_motion"), room("operators.puppeteering")
+        self.armature, self.x, self.y = armature, 0.0, 0.0
+        self.view = typed.View(
+            np.array((1.0, 0.0, 0.0)),
+            np.array((0.0, 0.0, 1.0)),
+            np.array((0.0, -1.0, 0.0)),
+            pixel=0.01,
+            centre=(0.0, 0.0),
+            eye=None,
+        )
+        drag = session.PuppetDrag(
+            armature, bone, bpy.context.evaluated_depsgraph_get(), session.PuppetOptions()
+        )
+        motion = room("core.transform.motion")
+        axes = np.eye(3)
+        self.tool = tool.Puppeteering(
+            drag,
+            typed.TypedMotion(motion.Mode.TRANSLATE, self.view, axes, (0.0, 0.0), 1.0, 1.0, math.pi / 180.0),
+            drag.place,
+            axes,
+        )
+
+    def send(self, kind: str, value: str = "PRESS", unicode: str = ""):
+        event = SimpleNamespace(type=kind, value=value, mouse_x=self.x, mouse_y=self.y, unicode=unicode)
+        event.shift = event.ctrl = event.is_repeat = False
+        return self.tool.process(self.armature, event, self.view).value
+
+    def move(self, x: float, y: float) -> str:
+        self.x, self.y = self.x + x, self.y + y
+        return self.send("MOUSEMOVE", "NOTHING")
+
+
+def test_the_mouse_drags_and_a_click_keeps(room):
+    armature = standing()
+    place = end_of(armature, "hand.L")
+    mouse = Mouse(room, armature, "hand.L")
+    assert mouse.move(-20.0, 10.0) == "GO_ON"
+    assert close(end_of(armature, "hand.L"), place + (-0.2, 0.0, 0.1), 3e-3)
+    assert mouse.send("LEFTMOUSE") == "CONFIRMED"
+    assert close(end_of(armature, "hand.L"), place + (-0.2, 0.0, 0.1), 3e-3)
+
+
+def test_escape_puts_everything_back_to_the_bit(room):
+    armature = standing("XYZ")
+    pose(armature, "hand.L", (-0.1, -0.1, 0.0))
+    before = channels(armature)
+    mouse = Mouse(room, armature, "hip")
+    mouse.move(10.0, -30.0)
+    assert not (channels(armature) == before).all()
+    assert mouse.send("ESC") == "CANCELLED"
+    assert (channels(armature) == before).all()
+
+
+def test_axes_and_numbers_are_typed(room):
+    armature = standing()
+    hip = end_of(armature, "hip", "head")
+    mouse = Mouse(room, armature, "hip")
+    mouse.move(5.0, 5.0)
+    mouse.send("Z", unicode="z")
+    for kind, text in (("MINUS", "-"), ("PERIOD", "."), ("TWO", "2")):
+        mouse.send(kind, unicode=text)
+    assert mouse.send("RET") == "CONFIRMED"
+    assert close(end_of(armature, "hip", "head"), hip + (0.0, 0.0, -0.2), 3e-3)
