@@ -130,7 +130,7 @@ class Baking:
     def _show(self, part: _Part) -> list[str]:
         """Show the baked shapes instead of the deformer. Returns warnings."""
         request, obj, deformer = self.request, part.reader.owner(), part.reader.deformer()
-        warnings = _differences(part.reader)
+        warnings = [*_differences(part.reader), *session.missing_frames(obj, deformer, request.frames)]
         if request.target == "SHAPE_KEYS":
             warnings += record.remove(obj, deformer)
             shape_keys.install(obj, deformer, request.frames, part.shapes, request.exact_keys)

@@ -19,6 +19,7 @@ from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
+from .edit.keys import add_key, key_beside, key_notes, missing_frames, move_key, remove_key
 from .edit.order import move_deformer, move_handle
 from .edit.refresh import refresh
 from .edit.repair import Cures, repair
@@ -36,7 +37,16 @@ from .live.schedule import begin as begin_evaluation
 from .live.schedule import is_waiting
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import find, forget_shapes, is_refining, is_suspended, note_edit, suspended, unsettled
+from .memory.sessions import (
+    find,
+    forget_shapes,
+    is_draft,
+    is_refining,
+    is_suspended,
+    note_edit,
+    suspended,
+    unsettled,
+)
 from .tools.grab import NOTHING_FREE, Grab
 from .tools.sketch import TOO_SHORT, Sight, Sketch, keep_stroke, stroke_of
 
@@ -58,6 +68,7 @@ __all__ = (
     "add_cage_object",
     "add_deformer",
     "add_handle",
+    "add_key",
     "apply",
     "attribute_names",
     "begin_evaluation",
@@ -91,6 +102,7 @@ __all__ = (
     "has_copies",
     "has_pending",
     "is_automatic",
+    "is_draft",
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
@@ -99,6 +111,8 @@ __all__ = (
     "is_waiting",
     "job",
     "keep_stroke",
+    "key_beside",
+    "key_notes",
     "key_partners",
     "label",
     "lost_controls",
@@ -106,8 +120,10 @@ __all__ = (
     "may_wait",
     "mirror",
     "mirrored_targets",
+    "missing_frames",
     "move_deformer",
     "move_handle",
+    "move_key",
     "move_partners",
     "must_hand_over",
     "new_control",
@@ -120,6 +136,7 @@ __all__ = (
     "refresh",
     "remove_deformer",
     "remove_handle",
+    "remove_key",
     "repair",
     "repair_summary",
     "require_mesh",

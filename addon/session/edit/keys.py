@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adds, moves and removes the keys of a deformer, which edit its handles in frames of an animation.
+
+Main thread only.
+"""
+
+import bpy
+import numpy as np
+from bpy.types import Object
+
+from ...core.errors import SinewError
+from ...properties import SinewDeformer, SinewKey
+from ..blocks import sequences
+from ..control.handles import poses
+from ..memory import sessions
+from ..memory.sessions import Bound
+
+_LEAST = 1e-5  # what a control moves or turns less than this edits nothing; of the unit, and of a full scale
+
+
+def require_keyed(deformer: SinewDeformer) -> None:
+    """Refuse if the method has no keys."""
+    if not deformer.definition.keyed:
+        raise SinewError(f"{deformer.definition.label} has no keys - choose Mesh Sequence")
+
+
+def add_key(obj: Object, deformer: SinewDeformer, blank: bool = False) -> SinewKey:
+    """Keep how the handles are edited in the present frame, by the keys so far and by their controls.
+
+    The controls stay where they are and edit nothing more: from there on they edit again. A ``blank`` key
+    edits nothing in this frame. A key that is there already is replaced.
+    """
+    require_keyed(deformer)
+    bound, asked, frame = _present(obj, deformer)
+    control, further, incoming = asked
+    options = {"incoming": incoming, "from_rest": further["from_rest"]}
+    still = bound.factor.still_poses(**options)
+    edits = np.broadcast_to(poses.IDENTITY, still.shape)
+    if not blank:
+        edits = bound.factor.edits(control, frame=further["frame"], keys=further["keys"], **options)
+    with sessions.suspended():
+        key = _key_at(deformer, frame)
+        key.edits.clear()
+        roles = {handle.uid: handle.kind for handle in deformer.handles}
+        for uid, edit in zip(bound.handles, edits, strict=True):
+            if roles.get(uid) == "HANDLE":
+                row = key.edits.add()
+                row.handle, row.edit = uid, edit.ravel().tolist()
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        poses.rest_here(obj, deformer, dict(zip(bound.handles, still, strict=True)), depsgraph)
+        obj.update_tag()
+    return key
+
+
+def remove_key(obj: Object, deformer: SinewDeformer, index: int) -> None:
+    """Remove a key. The handles are edited by the others."""
+    deformer.keys.remove(index)
+    deformer.active_key = max(0, min(deformer.active_key, len(deformer.keys) - 1))
+    obj.update_tag()
+
+
+def move_key(obj: Object, deformer: SinewDeformer, index: int, frame: int) -> None:
+    """Move a key to another frame. A key that is there already is replaced."""
+    deformer.keys[index].frame = frame
+    for other in reversed(range(len(deformer.keys))):
+        if other != index and deformer.keys[other].frame == frame:
+            deformer.keys.remove(other)
+            index -= other < index
+    deformer.active_key = _in_order(deformer, index)
+    obj.update_tag()
+
+
+def key_beside(deformer: SinewDeformer, frame: float, step: int) -> int:
+    """The index of the next key after a frame (``step`` 1), or of the last one before it (-1); -1 if none."""
+    found = [(step * key.frame, index) for index, key in enumerate(deformer.keys)]
+    return min(((at, index) for at, index in found if at > step * frame), default=(0, -1))[1]
+
+
+def key_notes(obj: Object, deformer: SinewDeformer) -> tuple[str, ...]:
+    """The lines below the list of keys: what edits beside them, and what is missing or in doubt."""
+    lines = []
+    moved = _unkeyed(deformer)
+    if moved:
+        lines.append(f"{', '.join(moved)}: moved in all frames - key it, and only this frame keeps the edit")
+    frames = [key.frame for key in deformer.keys]
+    lines += [
+        f"Two keys are at frame {frame}: the lower one counts - move or remove one"
+        for frame in sorted({frame for frame in frames if frames.count(frame) > 1})
+    ]
+    scene = bpy.context.scene
+    lines += missing_frames(obj, deformer, range(scene.frame_start, scene.frame_end + 1))
+    return tuple(lines)
+
+
+def missing_frames(obj: Object, deformer: SinewDeformer, frames: range) -> tuple[str, ...]:
+    """A line per file of the animation that a method with keys edits, if it lacks some of these frames."""
+    return sequences.missing_frames(obj, deformer, frames) if deformer.definition.keyed else ()
+
+
+def _unkeyed(deformer: SinewDeformer) -> tuple[str, ...]:
+    """The names of the handles whose controls edit the present frame beside the keys."""
+    session = sessions.find(deformer.uid)
+    if session is None or session.bound is None or session.asked is None:
+        return ()
+    control, further, incoming = session.asked
+    if (
+        "keys" not in further
+        or session.bound.factor.is_released
+        or len(session.bound.handles) != len(control)
+    ):
+        return ()
+    still = session.bound.factor.still_poses(incoming=incoming, from_rest=further["from_rest"])
+    moved = np.abs(control - still).max(axis=(1, 2)) > _LEAST
+    names = {handle.uid: handle.name for handle in deformer.handles}
+    return tuple(
+        names[uid]
+        for uid, is_moved in zip(session.bound.handles, moved, strict=True)
+        if is_moved and uid in names
+    )
+
+
+def _present(obj: Object, deformer: SinewDeformer) -> tuple[Bound, tuple, int]:
+    """The factor, what the last evaluation asked of it, and the frame."""
+    obj.update_tag()
+    bpy.context.view_layer.update()
+    session = sessions.find(deformer.uid)
+    bound = None if session is None else session.bound
+    if not deformer.is_bound or bound is None or bound.factor.is_released:
+        raise SinewError(f"{deformer.name} is not bound - press Bind first")
+    if not deformer.live:
+        raise SinewError(f"{deformer.name} is not live - switch Live on to key its edits")
+    if session.asked is None or "keys" not in session.asked[1]:
+        raise SinewError(f"{deformer.name} is not shown - switch its modifier on to key its edits")
+    return bound, session.asked, round(float(session.asked[1]["frame"]))
+
+
+def _key_at(deformer: SinewDeformer, frame: int) -> SinewKey:
+    """The key at a frame, the active one from now on; a new one if there is none."""
+    index = next((index for index, key in enumerate(deformer.keys) if key.frame == frame), None)
+    if index is None:
+        deformer.keys.add().frame = frame
+        index = len(deformer.keys) - 1
+    deformer.active_key = _in_order(deformer, index)
+    return deformer.keys[deformer.active_key]
+
+
+def _in_order(deformer: SinewDeformer, index: int) -> int:
+    """Sort the keys by their frames; returns where the key at ``index`` is then."""
+    while index > 0 and deformer.keys[index - 1].frame > deformer.keys[index].frame:
+        deformer.keys.move(index, index - 1)
+        index -= 1
+    while index + 1 < len(deformer.keys) and deformer.keys[index + 1].frame < deformer.keys[index].frame:
+        deformer.keys.move(index, index + 1)
+        index += 1
+    return index
