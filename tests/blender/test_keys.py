@@ -158,7 +158,8 @@ def test_without_an_animation_keys_play_by_themselves(plate: Rig):
     found = played(plate.obj, (1, 4, 7, 10))
     heights = [found[frame][plate.top, 2].max() for frame in (1, 4, 7, 10)]
     assert heights == sorted(heights)
-    assert heights[0] == 0.0 and heights[3] > 0.4
+    assert heights[0] == 0.0
+    assert heights[3] > 0.4
     bpy.context.scene.frame_set(4, subframe=0.5)
     assert heights[1] < plate.points()[plate.top, 2].max() < heights[2]
 
@@ -168,13 +169,15 @@ def test_keys_move_and_go_like_keyframes(swaying: Rig):
     before = played(swaying.obj, FRAMES)
     make_active(swaying.obj)
     bpy.ops.sinew.key_move(index=1, frame=14)
-    assert frames_of(swaying) == [1, 14, 20] and swaying.deformer.active_key == 1
+    assert frames_of(swaying) == [1, 14, 20]
+    assert swaying.deformer.active_key == 1
     go(14)
     lifted = swaying.points() - entering(swaying, [14])[14]
     go(14)
     assert np.abs(lifted[swaying.top]).max() > 0.3
     bpy.ops.sinew.key_move(index=1, frame=30)
-    assert frames_of(swaying) == [1, 20, 30] and swaying.deformer.active_key == 2
+    assert frames_of(swaying) == [1, 20, 30]
+    assert swaying.deformer.active_key == 2
     bpy.ops.sinew.key_move(index=2, frame=1)  # on another one, which it replaces
     assert frames_of(swaying) == [1, 20]
     bpy.ops.sinew.key_move(index=0, frame=10)
@@ -343,7 +346,8 @@ def test_applied_transforms_take_the_keys_along(plate: Rig):
     turned = {
         f: np.array(plate.obj.matrix_world)[:3, :3] @ p.T for f, p in played(plate.obj, (5, 10)).items()
     }
-    assert world and not np.allclose(turned[10].T, before[10])
+    assert world
+    assert not np.allclose(turned[10].T, before[10])
     make_active(plate.obj)
     go(10)
     bpy.ops.object.transform_apply(location=False, rotation=True, scale=True)
@@ -478,7 +482,8 @@ class Test_drafts:
         monkeypatch.undo()
         assert session.settle()
         update()
-        assert not session.is_draft(bent.deformer.uid) and not session.unsettled()
+        assert not session.is_draft(bent.deformer.uid)
+        assert not session.unsettled()
         full = bent.points()
         assert not np.array_equal(full, drafts[8])
         assert np.abs(full - drafts[8]).max() < 0.05
