@@ -117,9 +117,9 @@ def test_what_means_nothing_is_refused() -> None:
         sn.EditKeys(KEYS[[0, 1, 1]])
     with pytest.raises(sn.InvalidOption, match="names handle -1"):
         sn.EditKeys([(0, 0.5, *STILL.ravel())])
+    one = sn.MeshSequence(method.rest)
+    one.set_handles([[0, 1, 2]])
     with pytest.raises(sn.InvalidConstraint, match="there is no handle 1; the mesh has 1"):
-        one = sn.MeshSequence(method.rest)
-        one.set_handles([[0, 1, 2]])
         one.solve([STILL], frame=0, keys=KEYS)
     with pytest.raises(sn.InvalidOption, match="2 given for 3 frames"):
         method.solve_frames([1, 2, 3], animation)
