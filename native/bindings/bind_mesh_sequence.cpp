@@ -59,7 +59,8 @@ struct Asked
     {
         request.poses = bindings::poses(poses);
         request.from_rest = flags(from_rest, request.poses.size());
-        request.incoming = entering.view;
+        if (entering.view)
+            request.incoming.emplace(*entering.view);
     }
 
     OptionalPoints entering;
@@ -77,7 +78,8 @@ py::tuple solve_in_frame(const MeshSequence& method, const py::object& poses, co
     const EditKeys edits = keys_of(keys);
     if (!frame && !edits.empty())
         throw InvalidOption("keys: give a frame, too");
-    asked.request.start = first.view;
+    if (first.view)
+        asked.request.start.emplace(*first.view);
     asked.request.max_iterations = max_iterations;
     asked.request.tolerance = tolerance;
     asked.request.progress = progress(callback);

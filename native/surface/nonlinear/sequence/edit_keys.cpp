@@ -101,8 +101,8 @@ EditKeys::Track EditKeys::track_of(const std::vector<EditKey>& keys)
     Track track;
     for (const EditKey& key : keys) {
         const Polar polar(key.edit.leftCols<3>());
-        const Vector3 turn =
-            nearest_turn(polar.R, track.empty() ? Vector3::Zero() : track.back().value.segment<3>(3));
+        const Vector3 before = track.empty() ? Vector3(0, 0, 0) : Vector3(track.back().value.segment<3>(3));
+        const Vector3 turn = nearest_turn(polar.R, before);
         Numbers value;
         value << key.edit.col(3), turn, polar.S.diagonal(), off_diagonal * polar.S(1, 2),
             off_diagonal * polar.S(0, 2), off_diagonal * polar.S(0, 1);

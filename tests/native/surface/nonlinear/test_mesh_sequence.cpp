@@ -254,7 +254,8 @@ TEST(MeshSequence, frames_are_smooth_in_time)
 TEST(MeshSequence, frames_in_parallel_have_the_same_bits_as_one_by_one)
 {
     const SurfaceMesh mesh = bar();
-    const MeshSequence sequence = bound(mesh), farm = bound(mesh); // another machine
+    MeshSequence sequence = bound(mesh);
+    const MeshSequence farm = bound(mesh); // another machine
     const EditKeys keys = some_keys();
     std::vector<double> numbers;
     std::vector<Points> shapes, found(30);
