@@ -19,7 +19,7 @@ from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
-from .edit.keys import add_key, key_beside, key_notes, missing_frames, move_key, remove_key
+from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
 from .edit.order import move_deformer, move_handle
 from .edit.refresh import refresh
 from .edit.repair import Cures, repair
@@ -120,7 +120,6 @@ __all__ = (
     "may_wait",
     "mirror",
     "mirrored_targets",
-    "missing_frames",
     "move_deformer",
     "move_handle",
     "move_key",

@@ -3,7 +3,7 @@
 
 from bpy.types import Context, Panel, UILayout, UIList
 
-from .. import session
+from .. import bake, session
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import SinewDeformer, SinewKey
@@ -56,7 +56,9 @@ class SINEW_PT_keys(ActiveDeformerPanel, Panel):
         side.operator(Operators.KEY_JUMP, text="", icon="PREV_KEYFRAME").to = "PREVIOUS"
         side.operator(Operators.KEY_JUMP, text="", icon="NEXT_KEYFRAME").to = "NEXT"
         layout.operator(Operators.KEY_ADD, text="Key without an Edit", icon="KEYFRAME").blank = True
-        for text in session.key_notes(target_of(context), deformer):
+        frames = range(context.scene.frame_start, context.scene.frame_end + 1)
+        missing = bake.missing_frames(target_of(context), deformer, frames)
+        for text in (*session.key_notes(deformer), *missing):
             draw_text(context, layout, text, "INFO")
 
 

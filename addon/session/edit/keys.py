@@ -10,7 +10,6 @@ from bpy.types import Object
 
 from ...core.errors import SinewError
 from ...properties import SinewDeformer, SinewKey
-from ..blocks import sequences
 from ..control.handles import poses
 from ..memory import sessions
 from ..memory.sessions import Bound
@@ -76,8 +75,8 @@ def key_beside(deformer: SinewDeformer, frame: float, step: int) -> int:
     return min(((at, index) for at, index in found if at > step * frame), default=(0, -1))[1]
 
 
-def key_notes(obj: Object, deformer: SinewDeformer) -> tuple[str, ...]:
-    """The lines below the list of keys: what edits beside them, and what is missing or in doubt."""
+def key_notes(deformer: SinewDeformer) -> tuple[str, ...]:
+    """The lines below the list of keys: what edits beside them, and what is in doubt."""
     lines = []
     moved = _unkeyed(deformer)
     if moved:
@@ -87,14 +86,7 @@ def key_notes(obj: Object, deformer: SinewDeformer) -> tuple[str, ...]:
         f"Two keys are at frame {frame}: the lower one counts - move or remove one"
         for frame in sorted({frame for frame in frames if frames.count(frame) > 1})
     ]
-    scene = bpy.context.scene
-    lines += missing_frames(obj, deformer, range(scene.frame_start, scene.frame_end + 1))
     return tuple(lines)
-
-
-def missing_frames(obj: Object, deformer: SinewDeformer, frames: range) -> tuple[str, ...]:
-    """A line per file of the animation that a method with keys edits, if it lacks some of these frames."""
-    return sequences.missing_frames(obj, deformer, frames) if deformer.definition.keyed else ()
 
 
 def _unkeyed(deformer: SinewDeformer) -> tuple[str, ...]:

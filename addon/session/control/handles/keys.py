@@ -13,16 +13,12 @@ from ...memory.sessions import Bound
 NUMBERS = 14  # of a row: frame, handle, and an affine map row by row
 
 
-def frame(depsgraph: Depsgraph) -> np.float64:
-    """The frame that is evaluated, with fractions for motion blur."""
-    return np.float64(depsgraph.scene.frame_current_final)
-
-
 def keywords(settings: SinewDeformer, bound: Bound, depsgraph: Depsgraph) -> dict[str, np.ndarray]:
     """What the ``solve`` of a method with keys takes beside the poses; nothing for another method."""
     if not bound.factor.recipe.method.keyed:
         return {}
-    return {"frame": frame(depsgraph), "keys": rows(settings, bound.handles)}
+    frame = np.array(depsgraph.scene.frame_current_final)  # with fractions for motion blur
+    return {"frame": frame, "keys": rows(settings, bound.handles)}
 
 
 def rows(settings: SinewDeformer, handles: tuple[str, ...]) -> np.ndarray:

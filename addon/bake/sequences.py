@@ -12,16 +12,21 @@ from collections.abc import Iterable, Iterator
 import bpy
 from bpy.types import Modifier, Object
 
-from ...properties import SinewDeformer
-from . import shapes
+from .. import session
+from ..properties import SinewDeformer
 
 _MAGIC = b"POINTCACHE2\0"
 _NUMBER = re.compile(r"(\d+)(?=\D*$)")  # of a file in a sequence of files
 
 
 def missing_frames(obj: Object, deformer: SinewDeformer, frames: range) -> tuple[str, ...]:
-    """A line per file of an animation before the deformer that is missing, or lacks some of ``frames``."""
-    ours = shapes.find_modifier(obj, deformer)
+    """A line per file of an animation that is missing, or lacks some of ``frames``.
+
+    None where the method of the deformer edits no animations.
+    """
+    if not deformer.definition.keyed:
+        return ()
+    ours = session.find_modifier(obj, deformer)
     lines: list[str] = []
     for modifier in obj.modifiers:
         if modifier == ours:
