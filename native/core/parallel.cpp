@@ -3,7 +3,6 @@
 
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <memory>
@@ -61,17 +60,6 @@ void parallel_tasks(int count, const std::function<void(int)>& body)
     in_two_threads(count, body);
 #else
     tbb::parallel_for(0, count, [&](int task) { body(task); }, tbb::simple_partitioner());
-#endif
-}
-
-void parallel_jobs(int count, const std::function<void(int)>& body)
-{
-#ifdef __SANITIZE_THREAD__
-    in_two_threads(count, body);
-#else
-    tbb::parallel_for(
-        0, count, [&](int job) { tbb::this_task_arena::isolate([&] { body(job); }); },
-        tbb::simple_partitioner());
 #endif
 }
 

@@ -14,10 +14,6 @@ void parallel_chunks(int count, int grain, const std::function<void(int begin, i
 /// Runs body(task) once for each of a few heavy tasks, in any order.
 void parallel_tasks(int count, const std::function<void(int task)>& body);
 
-/// Runs body(job) once for each of many jobs that have parallel loops of their own. A thread that waits for
-/// other threads in such a loop begins no other job meanwhile.
-void parallel_jobs(int count, const std::function<void(int job)>& body);
-
 /// Runs body(i) for every i in [0, count). The calls must not depend on each other.
 template <class Body>
 void parallel_for(int count, Body&& body, int grain = 2048)

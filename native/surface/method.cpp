@@ -181,11 +181,6 @@ void SurfaceMethod::swap_all(SurfaceMethod& other)
 SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions) const
 {
     const AccessLock shared = reading();
-    return solve_locked(request, positions);
-}
-
-SolveReport SurfaceMethod::solve_locked(const SolveRequest& request, Points& positions) const
-{
     const Targets targets{request.poses, view(rest_->points()), request.incoming,
                           request.from_rest ? &*request.from_rest : nullptr};
     targets.check(regions_.handle_count());

@@ -115,8 +115,6 @@ protected:
     SurfaceMethod(SurfaceMethod&&) noexcept = default;
 
     AccessLock changing() { return {AccessLock::changing, access_}; }
-    /// solve() for a caller that holds a lock for reading, perhaps in another thread.
-    SolveReport solve_locked(const SolveRequest& request, Points& positions) const;
     /// set_handles() for a caller that has the object to itself.
     BindReport hold(const std::vector<Handle>& handles, const Progress& progress,
                     const FreeParts& free_parts);

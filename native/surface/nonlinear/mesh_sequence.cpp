@@ -2,7 +2,7 @@
 #include "native/surface/nonlinear/mesh_sequence.h"
 
 #include "native/core/errors.h"
-#include "native/core/parallel.h"
+#include "native/core/jobs.h"
 
 #include <atomic>
 #include <cmath>
@@ -132,11 +132,6 @@ Poses MeshSequence::poses(double frame, const EditKeys& keys, const SolveRequest
 {
     require_number(frame);
     const AccessLock shared = reading();
-    return poses_locked(frame, keys, request);
-}
-
-Poses MeshSequence::poses_locked(double frame, const EditKeys& keys, const SolveRequest& request) const
-{
     require_handles(keys);
     const Moment now = moment(request);
     Poses poses(request.poses.size());
@@ -148,21 +143,14 @@ Poses MeshSequence::poses_locked(double frame, const EditKeys& keys, const Solve
     return poses;
 }
 
-SolveReport MeshSequence::solve_one(double frame, const EditKeys& keys, const SolveRequest& request,
-                                    Points& positions) const
-{
-    SolveRequest moved = request;
-    moved.poses = poses_locked(frame, keys, request);
-    moved.from_rest.reset();
-    return solve_locked(moved, positions);
-}
-
 SolveReport MeshSequence::solve_frame(double frame, const EditKeys& keys, const SolveRequest& request,
                                       Points& positions) const
 {
-    require_number(frame);
-    const AccessLock shared = reading();
-    return solve_one(frame, keys, request, positions);
+    const AccessLock shared = reading(); // so that both calls see the same handles
+    SolveRequest moved = request;
+    moved.poses = poses(frame, keys, request);
+    moved.from_rest.reset();
+    return solve(moved, positions);
 }
 
 std::vector<SolveReport>
@@ -173,9 +161,6 @@ MeshSequence::solve_frames(const std::vector<double>& frames, const EditKeys& ke
     if (shapes.size() != frames.size())
         throw InvalidOption("shapes: " + std::to_string(shapes.size()) + " given for " +
                             std::to_string(frames.size()) + " frames");
-    for (double frame : frames)
-        require_number(frame);
-    const AccessLock shared = reading();
     const int count = static_cast<int>(frames.size());
     std::vector<SolveReport> reports(count);
     std::atomic<int> done = 0;
@@ -190,7 +175,7 @@ MeshSequence::solve_frames(const std::vector<double>& frames, const EditKeys& ke
                          .tolerance = request.tolerance};
         Points positions;
         try {
-            reports[k] = solve_one(frames[k], keys, one, positions);
+            reports[k] = solve_frame(frames[k], keys, one, positions);
         } catch (const InvalidConstraint& error) {
             throw InvalidConstraint(named(frames[k]) + error.what(), error.element_kind(), error.elements());
         }

@@ -53,7 +53,8 @@ public:
     SolveReport solve_frame(double frame, const EditKeys& keys, const SolveRequest& request,
                             Points& positions) const;
 
-    /// Many frames, several of them at once. Each is the same to the bit as by solve_frame().
+    /// Many frames, several of them at once. Each is the same to the bit as by solve_frame(). A bind by
+    /// another thread meanwhile comes between two frames.
     /// \param shapes  a_f, (n, 3) each, as many as there are frames.
     /// \param request  for all frames; `incoming` and `start` are not used.
     /// \param take  gets each frame by its place in `frames`, from any thread and in any order.
@@ -83,9 +84,6 @@ private:
     /// Checks the request, and sees where the handles are. The caller holds a lock, as for those below.
     Moment moment(const SolveRequest& request) const;
     void require_handles(const EditKeys& keys) const;
-    Poses poses_locked(double frame, const EditKeys& keys, const SolveRequest& request) const;
-    SolveReport solve_one(double frame, const EditKeys& keys, const SolveRequest& request,
-                          Points& positions) const;
 
     HandleFrames frames_;
 };

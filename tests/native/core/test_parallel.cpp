@@ -5,12 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <set>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 namespace sinew {
@@ -52,22 +49,6 @@ TEST(Parallel, chunk_borders_depend_on_the_grain_alone)
         parallel_chunks(95, 10, [&](int begin, int end) { ends[begin / 10] = end; });
         EXPECT_EQ(ends, (std::vector{10, 20, 30, 40, 50, 60, 70, 80, 90, 95}));
     }
-}
-
-TEST(Parallel, a_thread_that_waits_within_a_job_begins_no_other)
-{
-    std::atomic<int> nested = 0;
-    std::vector<int> visits(64, 0);
-    parallel_jobs(64, [&](int job) {
-        thread_local bool busy = false;
-        nested += busy;
-        busy = true;
-        parallel_for(2000, [](int) { std::this_thread::sleep_for(std::chrono::nanoseconds(1)); }, 100);
-        busy = false;
-        ++visits[job];
-    });
-    EXPECT_EQ(nested, 0);
-    EXPECT_EQ(visits, std::vector<int>(64, 1));
 }
 
 TEST(Parallel, sum_of_nothing_is_zero)
