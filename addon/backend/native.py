@@ -183,7 +183,7 @@ class Factor:
         with self._lock:
             method = self._bound_method()
         with _translated(self._native):
-            return method.edits(poses, **options)
+            return method.edits(poses=poses, **options)
 
     def still_poses(self, **options) -> np.ndarray:
         """The poses (k, 3, 4) of controls that edit nothing in a frame, if the method has keys."""

@@ -27,16 +27,16 @@ def measure(size: int, threads: list[int]) -> list[Row]:
     shapes = np.stack([_animated(case.points, number / FRAMES) for number in numbers])
     edit = about(np.zeros(3), (0.2, 1.0, 0.0), 35.0, (0.0, 2.0, 5.0))
     keys = np.array([(frame, 1, *map_.ravel()) for frame, map_ in ((0, STILL), (8, edit), (15, STILL))])
-    still, middle = np.stack([STILL, STILL]), 6
+    middle = 6
     incoming = shapes[middle]
-    poses = method.poses(still, frame=middle, keys=keys, incoming=incoming)
+    poses = method.poses(middle, keys=keys, incoming=incoming)
 
     def frame() -> None:
-        method.solve(still, frame=middle, keys=keys, incoming=incoming)
+        method.solve_frame(middle, keys=keys, incoming=incoming)
 
     def one_by_one() -> None:
         for number, shape in zip(numbers, shapes, strict=True):
-            method.solve(still, frame=number, keys=keys, incoming=shape)
+            method.solve_frame(number, keys=keys, incoming=shape)
 
     def at_once() -> None:
         method.solve_frames(numbers, shapes, keys=keys)

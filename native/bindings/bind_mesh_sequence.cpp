@@ -54,10 +54,12 @@ Poses unmoved(const MeshSequence& method)
 /// The arguments that all calls about one frame share, kept alive for the request that views them.
 struct Asked
 {
-    Asked(const py::object& poses, const py::object& incoming, const py::object& from_rest)
+    /// \param poses  None for controls at rest.
+    Asked(const MeshSequence& method, const py::object& poses, const py::object& incoming,
+          const py::object& from_rest)
         : entering(incoming, "incoming")
     {
-        request.poses = bindings::poses(poses);
+        request.poses = poses.is_none() ? unmoved(method) : bindings::poses(poses);
         request.from_rest = flags(from_rest, request.poses.size());
         if (entering.view)
             request.incoming.emplace(*entering.view);
@@ -67,26 +69,21 @@ struct Asked
     SolveRequest request;
 };
 
-py::tuple solve_in_frame(const MeshSequence& method, const py::object& poses, const py::object& incoming,
-                         const py::object& from_rest, const py::object& start,
-                         std::optional<int> max_iterations, std::optional<double> tolerance,
-                         const py::object& callback, const py::object& out, int substeps,
-                         std::optional<double> frame, const py::object& keys)
+py::tuple solve_frame(const MeshSequence& method, double frame, const py::object& poses,
+                      const py::object& keys, const py::object& incoming, const py::object& from_rest,
+                      const py::object& start, std::optional<int> max_iterations,
+                      std::optional<double> tolerance, const py::object& callback, const py::object& out)
 {
-    Asked asked(poses, incoming, from_rest);
+    Asked asked(method, poses, incoming, from_rest);
     const OptionalPoints first(start, "start");
     const EditKeys edits = keys_of(keys);
-    if (!frame && !edits.empty())
-        throw InvalidOption("keys: give a frame, too");
     if (first.view)
         asked.request.start.emplace(*first.view);
     asked.request.max_iterations = max_iterations;
     asked.request.tolerance = tolerance;
     asked.request.progress = progress(callback);
-    asked.request.substeps = substeps;
     return solved(out, method.rest().vertex_count(), [&](Points& positions) {
-        return frame ? method.solve_frame(*frame, edits, asked.request, positions)
-                     : method.solve(asked.request, positions);
+        return method.solve_frame(frame, edits, asked.request, positions);
     });
 }
 
@@ -132,10 +129,10 @@ py::tuple solve_frames(const MeshSequence& method, const py::object& frames, con
 
 /// Runs call(keys, request) without the GIL.
 template <class Call>
-py::array_t<double> maps(const py::object& poses, const py::object& keys, const py::object& incoming,
-                         const py::object& from_rest, Call&& call)
+py::array_t<double> maps(const MeshSequence& method, const py::object& poses, const py::object& keys,
+                         const py::object& incoming, const py::object& from_rest, Call&& call)
 {
-    const Asked asked(poses, incoming, from_rest);
+    const Asked asked(method, poses, incoming, from_rest);
     const EditKeys edits = keys_of(keys);
     Poses found;
     {
@@ -186,23 +183,27 @@ frame without an edit is reproduced. set_handles() costs what that of Arap costs
              py::arg("cells") = "spokes", py::arg("rigidity") = 1.0,
              py::arg("max_iterations") = ArapOptions{}.max_iterations,
              py::arg("tolerance") = ArapOptions{}.tolerance,
-             R"(As Arap; mesh is any frame of the animation, or its rest shape.
+             R"(
+mesh      SurfaceMesh: any frame of the animation, or its rest shape.
+rigidity  a number, or (n,) painted; this and the others as for Arap.
 
 Raises InvalidOption.)")
-        .def("solve", &solve_in_frame, py::arg("poses"), py::kw_only(), py::arg("incoming") = py::none(),
+        .def("solve_frame", &solve_frame, py::arg("frame"), py::kw_only(), py::arg("poses") = py::none(),
+             py::arg("keys") = py::none(), py::arg("incoming") = py::none(),
              py::arg("from_rest") = py::none(), py::arg("start") = py::none(),
              py::arg("max_iterations") = py::none(), py::arg("tolerance") = py::none(),
-             py::arg("progress") = py::none(), py::arg("out") = py::none(), py::arg("substeps") = 1,
-             py::arg("frame") = py::none(), py::arg("keys") = py::none(),
-             R"(Deform -> (positions (n, 3), SolveReport), as every surface method.
+             py::arg("progress") = py::none(), py::arg("out") = py::none(),
+             R"(One frame of the edited animation -> (positions (n, 3), SolveReport). No factorisation.
 
-frame  None: poses are maps in object space and there are no keys, as with every method. A number: the keys edit the
-       handles at this frame, and poses edit further. Each then turns and scales its handle about the handle's centre
-       and moves it as far as the pose moves that centre at rest; with from_rest, it is the pose of a control that
-       follows the animation, and only what differs from the moving frame edits.
-keys   None, or (m, 14) as EditKeys takes them.
+frame      its number.
+poses      None, or (k, 3, 4) maps of controls, which edit beside the keys: each turns and scales its handle about the
+           handle's centre, and moves it as far as it moves that centre at rest.
+keys       None, or (m, 14) as EditKeys takes them.
+incoming   (n, 3) the animation in this frame; None for the rest shape.
+from_rest  None, a flag, or (k,) flags: the handles whose control follows the animation, so that only what its
+           pose does beyond the moving frame edits.
 
-The others are those of SurfaceMethod.solve(); incoming is the shape of the animation in this frame.)")
+The others are those of solve(). Raises InvalidConstraint, InvalidOption or Cancelled.)")
         .def("solve_frames", &solve_frames, py::arg("frames"), py::arg("shapes"), py::kw_only(),
              py::arg("keys") = py::none(), py::arg("poses") = py::none(), py::arg("from_rest") = py::none(),
              py::arg("max_iterations") = py::none(), py::arg("tolerance") = py::none(),
@@ -212,44 +213,50 @@ The others are those of SurfaceMethod.solve(); incoming is the shape of the anim
 frames  (f,) their numbers.
 shapes  (f, n, 3) the animation in these frames.
 keys    None, or (m, 14) as EditKeys takes them.
-poses   None, or (k, 3, 4): the edits beside the keys, the same in all frames; see solve().
+poses   None, or (k, 3, 4): the edits beside the keys, the same in all frames; see solve_frame().
 
-Each frame has the same bits as by solve(). Raises InvalidOption, InvalidConstraint, which names the frame, or
+Each frame has the same bits as by solve_frame(). Raises InvalidOption, InvalidConstraint, which names the frame, or
 Cancelled.)")
         .def(
             "edits",
-            [](const MeshSequence& method, const py::object& poses, double frame, const py::object& keys,
+            [](const MeshSequence& method, double frame, const py::object& poses, const py::object& keys,
                const py::object& incoming, const py::object& from_rest) {
-                return maps(poses, keys, incoming, from_rest,
+                return maps(method, poses, keys, incoming, from_rest,
                             [&](const EditKeys& edits, const SolveRequest& request) {
                                 return method.edits(frame, edits, request);
                             });
             },
-            py::arg("poses"), py::kw_only(), py::arg("frame"), py::arg("keys") = py::none(),
+            py::arg("frame"), py::kw_only(), py::arg("poses") = py::none(), py::arg("keys") = py::none(),
             py::arg("incoming") = py::none(), py::arg("from_rest") = py::none(),
-            "The whole edits in a frame, by keys and poses -> (k, 3, 4): what a key at this frame holds.")
+            R"(The whole edits in a frame, by keys and poses -> (k, 3, 4): what a key at this frame holds.
+
+The arguments are those of solve_frame(). Raises InvalidConstraint or InvalidOption.)")
         .def(
             "poses",
-            [](const MeshSequence& method, const py::object& poses, double frame, const py::object& keys,
+            [](const MeshSequence& method, double frame, const py::object& poses, const py::object& keys,
                const py::object& incoming, const py::object& from_rest) {
-                return maps(poses, keys, incoming, from_rest,
+                return maps(method, poses, keys, incoming, from_rest,
                             [&](const EditKeys& edits, const SolveRequest& request) {
                                 return method.poses(frame, edits, request);
                             });
             },
-            py::arg("poses"), py::kw_only(), py::arg("frame"), py::arg("keys") = py::none(),
+            py::arg("frame"), py::kw_only(), py::arg("poses") = py::none(), py::arg("keys") = py::none(),
             py::arg("incoming") = py::none(), py::arg("from_rest") = py::none(),
-            "How a frame moves the incoming points of the handles, in object space -> (k, 3, 4).")
+            R"(How a frame moves the incoming points of the handles, in object space -> (k, 3, 4).
+
+The arguments are those of solve_frame(). Raises InvalidConstraint or InvalidOption.)")
         .def(
             "still_poses",
             [](const MeshSequence& method, const py::object& incoming, const py::object& from_rest) {
-                return maps(array_of(unmoved(method)), py::none(), incoming, from_rest,
+                return maps(method, py::none(), py::none(), incoming, from_rest,
                             [&](const EditKeys&, const SolveRequest& request) {
                                 return method.still_poses(request);
                             });
             },
             py::kw_only(), py::arg("incoming") = py::none(), py::arg("from_rest") = py::none(),
-            "The poses that edit nothing -> (k, 3, 4): the identity, or with from_rest the moving frame.")
+            R"(The poses that edit nothing -> (k, 3, 4): the identity, or with from_rest the moving frame.
+
+The arguments are those of solve_frame(). Raises InvalidConstraint.)")
         .def(
             "energy",
             [](const MeshSequence& method, const py::object& object) {
@@ -258,7 +265,12 @@ Cancelled.)")
                 const py::gil_scoped_release unlocked;
                 return method.energy(view);
             },
-            py::arg("positions"), "As Arap.energy().");
+            py::arg("positions"),
+            R"(Energy of given points, with the rest shape as its base, as that of Arap -> a number.
+
+positions  (n, 3).
+
+Raises InvalidConstraint for another shape or a number that is not finite.)");
 }
 
 const MethodBinding mesh_sequence_binding(&bind_mesh_sequence);

@@ -64,9 +64,9 @@ def test_a_frame_alone_has_the_bits_of_all_of_them() -> None:
     animation = shapes(points, frames)
     together, _ = method.solve_frames(frames, animation, keys=KEYS)
     for frame, shape, expected in zip(frames, animation, together, strict=True):
-        alone, _ = method.solve([STILL, STILL], frame=frame, keys=KEYS, incoming=shape)
+        alone, _ = method.solve_frame(frame, keys=KEYS, incoming=shape)
         np.testing.assert_array_equal(alone, expected)
-        poses = method.poses([STILL, STILL], frame=frame, keys=KEYS, incoming=shape)
+        poses = method.poses(frame, keys=KEYS, incoming=shape)
         arap, _, _ = bound(sn.Arap, 12)
         np.testing.assert_array_equal(arap.solve(poses, incoming=shape)[0], expected)
 
@@ -75,12 +75,12 @@ def test_poses_edit_further_and_become_a_key() -> None:
     method, points, handles = bound(sn.MeshSequence)
     shape = shapes(points, [6.0])[0]
     posed = [STILL, turn((1, 0, 1), 20, points[handles[1]].mean(0), (0, 0, 1))]
-    moved, _ = method.solve(posed, frame=6, keys=KEYS, incoming=shape)
-    before, _ = method.solve([STILL, STILL], frame=6, keys=KEYS, incoming=shape)
+    moved, _ = method.solve_frame(6, poses=posed, keys=KEYS, incoming=shape)
+    before, _ = method.solve_frame(6, keys=KEYS, incoming=shape)
     np.testing.assert_allclose((moved - before)[handles[1]].mean(0), (0, 0, 1), atol=1e-12)
-    edits = method.edits(posed, frame=6, keys=KEYS, incoming=shape)
+    edits = method.edits(6, poses=posed, keys=KEYS, incoming=shape)
     key = np.array([(6, handle, *edit.ravel()) for handle, edit in enumerate(edits)])
-    again, _ = method.solve([STILL, STILL], frame=6, keys=key, incoming=shape)
+    again, _ = method.solve_frame(6, keys=key, incoming=shape)
     np.testing.assert_allclose(again, moved, atol=1e-9)
 
 
@@ -89,7 +89,7 @@ def test_still_poses_edit_nothing() -> None:
     shape = shapes(points, [6.0])[0]
     for from_rest in (False, True, [False, True]):
         poses = method.still_poses(incoming=shape, from_rest=from_rest)
-        found, _ = method.solve(poses, frame=6, incoming=shape, from_rest=from_rest)
+        found, _ = method.solve_frame(6, poses=poses, incoming=shape, from_rest=from_rest)
         np.testing.assert_allclose(found, shape, atol=1e-10)
     np.testing.assert_array_equal(method.still_poses(incoming=shape), [STILL, STILL])
 
@@ -108,11 +108,9 @@ def test_edits_between_keys() -> None:
 
 def test_what_means_nothing_is_refused() -> None:
     method, points, _ = bound(sn.MeshSequence)
-    still, animation = [STILL, STILL], shapes(points, [1.0, 2.0])
-    with pytest.raises(sn.InvalidOption, match="give a frame, too"):
-        method.solve(still, keys=KEYS)
+    animation = shapes(points, [1.0, 2.0])
     with pytest.raises(sn.InvalidOption, match=r"\(m, 14\)"):
-        method.solve(still, frame=1, keys=KEYS[:, :5])
+        method.solve_frame(1, keys=KEYS[:, :5])
     with pytest.raises(sn.InvalidOption, match="two keys at frame 10"):
         sn.EditKeys(KEYS[[0, 1, 1]])
     with pytest.raises(sn.InvalidOption, match="names handle -1"):
@@ -120,7 +118,7 @@ def test_what_means_nothing_is_refused() -> None:
     one = sn.MeshSequence(method.rest)
     one.set_handles([[0, 1, 2]])
     with pytest.raises(sn.InvalidConstraint, match="there is no handle 1; the mesh has 1"):
-        one.solve([STILL], frame=0, keys=KEYS)
+        one.solve_frame(0, keys=KEYS)
     with pytest.raises(sn.InvalidOption, match="2 given for 3 frames"):
         method.solve_frames([1, 2, 3], animation)
     with pytest.raises(sn.InvalidConstraint, match=r"\(f, n, 3\)"):
@@ -138,6 +136,6 @@ def test_a_move_alone_changes_no_direction() -> None:
     """Handles that only move keep their turn, so the shape between them does as with any method."""
     method, points, handles = bound(sn.MeshSequence)
     key = np.array([(0, 0, *shift(1, 2, 3).ravel()), (0, 1, *shift(1, 2, 3).ravel())])
-    found, _ = method.solve([STILL, STILL], frame=0, keys=key)
+    found, _ = method.solve_frame(0, keys=key)
     np.testing.assert_allclose(found, points + (1, 2, 3), atol=1e-10)
     assert len(ends(points)) == len(handles)

@@ -170,10 +170,12 @@ class MeshSequence(SurfaceMethod):
         max_iterations: int = 40,
         tolerance: float = 1e-4,
     ) -> None: ...
-    def solve(
+    def solve_frame(
         self,
-        poses: ArrayLike,
+        frame: float,
         *,
+        poses: ArrayLike | None = None,
+        keys: ArrayLike | None = None,
         incoming: ArrayLike | None = None,
         from_rest: bool | Sequence[bool] | None = None,
         start: ArrayLike | None = None,
@@ -181,9 +183,6 @@ class MeshSequence(SurfaceMethod):
         tolerance: float | None = None,
         progress: Progress | None = None,
         out: Singles | None = None,
-        substeps: int = 1,
-        frame: float | None = None,
-        keys: ArrayLike | None = None,
     ) -> tuple[Floats | Singles, SolveReport]: ...
     def solve_frames(
         self,
@@ -199,18 +198,18 @@ class MeshSequence(SurfaceMethod):
     ) -> tuple[Floats, list[SolveReport]]: ...
     def edits(
         self,
-        poses: ArrayLike,
-        *,
         frame: float,
+        *,
+        poses: ArrayLike | None = None,
         keys: ArrayLike | None = None,
         incoming: ArrayLike | None = None,
         from_rest: bool | Sequence[bool] | None = None,
     ) -> Floats: ...
     def poses(
         self,
-        poses: ArrayLike,
-        *,
         frame: float,
+        *,
+        poses: ArrayLike | None = None,
         keys: ArrayLike | None = None,
         incoming: ArrayLike | None = None,
         from_rest: bool | Sequence[bool] | None = None,
