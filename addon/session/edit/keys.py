@@ -12,7 +12,7 @@ from ...core.errors import SinewError
 from ...properties import SinewDeformer, SinewKey
 from ..control.handles import poses
 from ..memory import sessions
-from ..memory.sessions import Bound
+from ..memory.sessions import Asked
 
 _LEAST = 1e-5  # what a control moves or turns less than this edits nothing; of the unit, and of a full scale
 
@@ -30,20 +30,20 @@ def add_key(obj: Object, deformer: SinewDeformer, blank: bool = False) -> SinewK
     edits nothing in this frame. A key that is there already is replaced.
     """
     require_keyed(deformer)
-    bound, asked, frame = _present(obj, deformer)
-    control, further, incoming = asked
+    asked = _present(obj, deformer)
+    bound, control, further, incoming = asked
     options = {"incoming": incoming, "from_rest": further["from_rest"]}
     still = bound.factor.still_poses(**options)
     edits = np.broadcast_to(poses.IDENTITY, still.shape)
     if not blank:
         edits = bound.factor.edits(control, frame=further["frame"], keys=further["keys"], **options)
     with sessions.suspended():
-        key = _key_at(deformer, frame)
-        key.edits.clear()
+        key = _key_at(deformer, round(float(further["frame"])))
         roles = {handle.uid: handle.kind for handle in deformer.handles}
+        rows = {row.handle: row for row in key.edits}  # those of handles that are not used now are kept
         for uid, edit in zip(bound.handles, edits, strict=True):
             if roles.get(uid) == "HANDLE":
-                row = key.edits.add()
+                row = rows[uid] if uid in rows else key.edits.add()
                 row.handle, row.edit = uid, edit.ravel().tolist()
         depsgraph = bpy.context.evaluated_depsgraph_get()
         poses.rest_here(obj, deformer, dict(zip(bound.handles, still, strict=True)), depsgraph)
@@ -91,39 +91,39 @@ def key_notes(deformer: SinewDeformer) -> tuple[str, ...]:
 
 def _unkeyed(deformer: SinewDeformer) -> tuple[str, ...]:
     """The names of the handles whose controls edit the present frame beside the keys."""
-    session = sessions.find(deformer.uid)
-    if session is None or session.bound is None or session.asked is None:
+    asked = _asked(deformer)
+    if asked is None:
         return ()
-    control, further, incoming = session.asked
-    if (
-        "keys" not in further
-        or session.bound.factor.is_released
-        or len(session.bound.handles) != len(control)
-    ):
-        return ()
-    still = session.bound.factor.still_poses(incoming=incoming, from_rest=further["from_rest"])
+    bound, control, further, incoming = asked
+    still = bound.factor.still_poses(incoming=incoming, from_rest=further["from_rest"])
     moved = np.abs(control - still).max(axis=(1, 2)) > _LEAST
     names = {handle.uid: handle.name for handle in deformer.handles}
     return tuple(
-        names[uid]
-        for uid, is_moved in zip(session.bound.handles, moved, strict=True)
-        if is_moved and uid in names
+        names[uid] for uid, is_moved in zip(bound.handles, moved, strict=True) if is_moved and uid in names
     )
 
 
-def _present(obj: Object, deformer: SinewDeformer) -> tuple[Bound, tuple, int]:
-    """The factor, what the last evaluation asked of it, and the frame."""
+def _asked(deformer: SinewDeformer) -> Asked | None:
+    """What the last evaluation asked of the present factor, if its method has keys."""
+    session = sessions.find(deformer.uid)
+    asked = None if session is None else session.asked
+    if asked is None or asked.bound is not session.bound or "keys" not in asked.further:
+        return None
+    return None if asked.bound.factor.is_released else asked
+
+
+def _present(obj: Object, deformer: SinewDeformer) -> Asked:
+    """What the present frame asks of the factor."""
     obj.update_tag()
     bpy.context.view_layer.update()
-    session = sessions.find(deformer.uid)
-    bound = None if session is None else session.bound
-    if not deformer.is_bound or bound is None or bound.factor.is_released:
+    if not deformer.is_bound:
         raise SinewError(f"{deformer.name} is not bound - press Bind first")
     if not deformer.live:
         raise SinewError(f"{deformer.name} is not live - switch Live on to key its edits")
-    if session.asked is None or "keys" not in session.asked[1]:
-        raise SinewError(f"{deformer.name} is not shown - switch its modifier on to key its edits")
-    return bound, session.asked, round(float(session.asked[1]["frame"]))
+    asked = _asked(deformer)
+    if asked is None:
+        raise SinewError(f"{deformer.name} does not follow its controls now - the panel says why")
+    return asked
 
 
 def _key_at(deformer: SinewDeformer, frame: int) -> SinewKey:

@@ -25,7 +25,7 @@ from ..control.bind_input import option_values, solve_options
 from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
-from ..memory.sessions import Bound, Session, Shown
+from ..memory.sessions import Asked, Bound, Session, Shown
 from . import binding, drag, renders
 from .incoming import TOPOLOGY_CHANGED
 
@@ -94,7 +94,7 @@ def _question(
         return None
     control, further = found
     if evaluation.in_viewport:
-        evaluation.session.asked = control, further, incoming
+        evaluation.session.asked = Asked(bound, control, further, incoming)
     options = solve_options(evaluation.settings)
     posed = (control.tobytes(), *(value.tobytes() for value in further.values()))
     signature = (bound.key, posed, option_values(evaluation.settings, rebinds=False), displacement)

@@ -8,7 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
@@ -57,6 +57,15 @@ class Shown:
         self.shape, self.positions = shape, None if shape is None else shape[:-1]
 
 
+class Asked(NamedTuple):
+    """What an evaluation asked of a factor: where the control was, the keywords with it, and what entered."""
+
+    bound: Bound
+    control: np.ndarray
+    further: dict[str, Any]
+    incoming: np.ndarray | None
+
+
 @dataclass
 class Session:
     """What the process remembers of one deformer."""
@@ -69,8 +78,7 @@ class Session:
     failed: tuple | None = None  # the key of the bind that was refused: it is not tried again
     shown: dict[str, Shown] = field(default_factory=dict)
     poses: dict[str, np.ndarray] = field(default_factory=dict)
-    # Of the last evaluation for viewports: where the control was, the keywords with it, and what entered.
-    asked: tuple[np.ndarray, dict[str, Any], np.ndarray | None] | None = None
+    asked: Asked | None = None  # by the last evaluation for viewports
     settle: bool = False  # a preview is shown, and the next evaluation is to solve exactly
     work: Work | None = None  # a solve in a thread; its subject is a ``Question``
     unanswered: Work | None = None  # the last solve in a thread that failed: it is not repeated
