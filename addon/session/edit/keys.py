@@ -39,16 +39,23 @@ def add_key(obj: Object, deformer: SinewDeformer, blank: bool = False) -> SinewK
         edits = bound.factor.edits(control, frame=further["frame"], keys=further["keys"], **options)
     with sessions.suspended():
         key = _key_at(deformer, round(float(further["frame"])))
-        roles = {handle.uid: handle.kind for handle in deformer.handles}
-        rows = {row.handle: row for row in key.edits}  # those of handles that are not used now are kept
-        for uid, edit in zip(bound.handles, edits, strict=True):
-            if roles.get(uid) == "HANDLE":
-                row = rows[uid] if uid in rows else key.edits.add()
-                row.handle, row.edit = uid, edit.ravel().tolist()
+        _keep(key, deformer, dict(zip(bound.handles, edits, strict=True)))
         depsgraph = bpy.context.evaluated_depsgraph_get()
         poses.rest_here(obj, deformer, dict(zip(bound.handles, still, strict=True)), depsgraph)
         obj.update_tag()
     return key
+
+
+def _keep(key: SinewKey, deformer: SinewDeformer, edits: dict[str, np.ndarray]) -> None:
+    """Store edits (3, 4) by the keys of the bound handles. Those of handles that are not used now stay."""
+    wanted = [handle.uid for handle in deformer.handles if handle.kind == "HANDLE" and handle.uid in edits]
+    there = {row.handle for row in key.edits}
+    for uid in wanted:
+        if uid not in there:
+            key.edits.add().handle = uid
+    for row in key.edits:
+        if row.handle in wanted:
+            row.edit = edits[row.handle].ravel().tolist()
 
 
 def remove_key(obj: Object, deformer: SinewDeformer, index: int) -> None:
