@@ -252,6 +252,27 @@ def dragging() -> Iterator[None]:
         handlers.append(ours)
 
 
+@contextmanager
+def drafting() -> Iterator[None]:
+    """Let the handler do what it does in a window while frames play and *Playback* is *Draft*."""
+    handlers, session, ours = (
+        bpy.app.handlers.depsgraph_update_post,
+        room("session"),
+        room("handlers.evaluation").on_depsgraph_update,
+    )
+
+    def draft(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        session.update(depsgraph, draft=True)
+
+    handlers.remove(ours)
+    handlers.append(draft)
+    try:
+        yield
+    finally:
+        handlers.remove(draft)
+        handlers.append(ours)
+
+
 class Spent:
     """Counts the seconds that functions of the add-on take, in the modules that call them."""
 
@@ -309,17 +330,18 @@ def medians(calls: dict[str, Callable[[int], object]], rounds: int, warm: int = 
 
 
 def frame(
-    method: str, repeat: int, drag: bool = False, goal: float = 0.0, **parameters: object
+    method: str, repeat: int, drag: bool = False, draft: bool = False, goal: float = 0.0, **parameters: object
 ) -> dict[str, object]:
     """A whole frame, next to one of Laplacian Deform."""
     obj = plate(SIDE)
     deformer = deformer_on(obj, method)
     for name, value in parameters.items():
         setattr(deformer.parameters, name, value)
+    deformer.playback = "DRAFT" if draft else "FULL"
     peer, control = peer_of(obj)
     bind_laplacian_deform(peer, laplacian_deform_on(peer, control, repeat))
     ours, theirs = Frames(obj, deformer.handles[1].control), Frames(peer, control)
-    with dragging() if drag else nullcontext():
+    with dragging() if drag else drafting() if draft else nullcontext():
         found = medians({"ours": ours, "peer": theirs}, 9)
     if min(ours.moved(), theirs.moved()) < 0.1:
         raise RuntimeError("nothing moved")
@@ -471,6 +493,7 @@ ROWS: dict[str, Callable[[], dict[str, object]]] = {
     "frame laplacian_editing": lambda: frame("laplacian_editing", 1, goal=10.0),
     "frame arap": lambda: frame("arap", 3, goal=8.0),
     "frame short arap": lambda: frame("arap", 3, goal=8.0, max_iterations=3),
+    "frame draft arap": lambda: frame("arap", 3, draft=True, goal=8.0),
     "frame cage": lambda: cage_frame("mean_value"),
     "drag arap": lambda: frame("arap", 3, drag=True, goal=8.0),
     "overhead thin_shell": lambda: overhead("thin_shell", 101),

@@ -187,6 +187,23 @@ class Factor:
             method = self._bound_method()
         return method.bands() if hasattr(method, "bands") else None
 
+    def edits(self, poses: np.ndarray, **options) -> np.ndarray:
+        """The edits (k, 3, 4) of a frame in the moving frames of the handles, if the method has keys.
+
+        ``options`` are the further keywords that its ``solve`` takes for a frame.
+        """
+        with self._lock:
+            method = self._bound_method()
+        with _translated(self._native):
+            return method.edits(poses=poses, **options)
+
+    def still_poses(self, **options) -> np.ndarray:
+        """The poses (k, 3, 4) of controls that edit nothing in a frame, if the method has keys."""
+        with self._lock:
+            method = self._bound_method()
+        with _translated(self._native):
+            return method.still_poses(**options)
+
     def _bound_method(self) -> Any:
         if self._method is None:
             raise CancelledError("The mesh is being bound again")

@@ -6,6 +6,7 @@ from .alembic import is_available as can_write_alembic
 from .job import Baking, Request
 from .paths import choose as choose_path
 from .paths import offered as offered_path
+from .sequences import missing_frames
 from .transfer import Transferring
 from .unbake import unbake
 
@@ -16,6 +17,7 @@ __all__ = (
     "can_write_alembic",
     "choose_path",
     "export_alembic",
+    "missing_frames",
     "offered_path",
     "unbake",
 )

@@ -16,7 +16,7 @@ from .. import session
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
-from . import cache, paths, record, shape_keys
+from . import cache, paths, record, sequences, shape_keys
 from .files import CacheFile
 from .reader import ShapeReader, changes_count, labels
 
@@ -130,7 +130,7 @@ class Baking:
     def _show(self, part: _Part) -> list[str]:
         """Show the baked shapes instead of the deformer. Returns warnings."""
         request, obj, deformer = self.request, part.reader.owner(), part.reader.deformer()
-        warnings = _differences(part.reader)
+        warnings = [*_differences(part.reader), *sequences.missing_frames(obj, deformer, request.frames)]
         if request.target == "SHAPE_KEYS":
             warnings += record.remove(obj, deformer)
             shape_keys.install(obj, deformer, request.frames, part.shapes, request.exact_keys)

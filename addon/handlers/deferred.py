@@ -85,6 +85,12 @@ def catch_up() -> bool:
     return session.busy()
 
 
+def is_playing() -> bool:
+    """Whether frames play in a window, or the artist scrubs."""
+    screens = [window.screen for window in bpy.context.window_manager.windows]
+    return any(screen.is_animation_playing or screen.is_scrubbing for screen in screens)
+
+
 def _is_pending() -> bool:
     return session.busy() or session.has_pending()
 
@@ -92,7 +98,7 @@ def _is_pending() -> bool:
 def _tick() -> float | None:
     if bpy.app.is_job_running("RENDER"):
         return _POLL
-    if time.monotonic() - _last_edit < PAUSE:
+    if is_playing() or time.monotonic() - _last_edit < PAUSE:
         session.collect()
         return _DRAG_POLL if session.busy() else _POLL
     is_busy = True

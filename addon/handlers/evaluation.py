@@ -59,11 +59,15 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
 def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
     """The frame changed: in playback, scrubbing, renders and motion blur.
 
-    It always computes the final shape.
+    It computes the final shape, but where the artist wants drafts in playback, those; the final shape follows
+    when playback rests.
     """
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
-    session.update(depsgraph)
+    draft = depsgraph.mode == "VIEWPORT" and deferred.is_playing()
+    session.update(depsgraph, draft=draft)
+    if draft:
+        deferred.schedule()
     if depsgraph.mode == "VIEWPORT":
         if session.mirrored_targets and before_depsgraph_update not in _before_updates:
             listen(True)

@@ -17,6 +17,7 @@ from .drag import SINEW_OT_drag, surface_under
 from .grab_region import SINEW_OT_grab_region
 from .handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select_handle
 from .help import PAGES, SINEW_OT_help
+from .key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
 from .mirror import SINEW_OT_handle_mirror
 from .modal.ring import draw_line, ring
 from .morph import SINEW_OT_morph
@@ -57,6 +58,10 @@ register, unregister = register_classes_factory(
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,
         SINEW_OT_handle_move,
+        SINEW_OT_key_add,
+        SINEW_OT_key_remove,
+        SINEW_OT_key_move,
+        SINEW_OT_key_jump,
         SINEW_OT_control_new,
         SINEW_OT_select_handle,
         SINEW_OT_bind,

@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import bake, bone, control, deformer, handle, parameters, scene
+from . import bake, bone, control, deformer, handle, key, parameters, scene
 from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
 from .bone import SinewBone
@@ -12,6 +12,7 @@ from .control import SinewControl, StoredCage
 from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
 from .handle import ROLES as HANDLE_ROLES
 from .handle import SinewHandle
+from .key import SinewKey
 from .parameters import BASE
 from .scene import SinewScene
 
@@ -24,6 +25,7 @@ __all__ = (
     "SinewControl",
     "SinewDeformer",
     "SinewHandle",
+    "SinewKey",
     "SinewObject",
     "SinewScene",
     "StoredCage",
@@ -39,6 +41,8 @@ _CLASSES = (
     bake.SinewBake,
     control.SinewControl,
     handle.SinewHandle,
+    key.SinewEdit,
+    key.SinewKey,
     deformer.SinewDeformer,
     deformer.SinewObject,
     scene.SinewScene,

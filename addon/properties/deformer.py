@@ -21,12 +21,23 @@ from ..ids import Keys
 from .bake import SinewBake
 from .control import SinewControl, StoredCage
 from .handle import SinewHandle
+from .key import SinewKey
 from .parameters import BASE, GROUPS
 from .setting import evaluate_again, record, setting, setting_list
 
 LOOSE_PARTS = (
     ("FOLLOW", "Follow", "They ride on the surface that they lie on or in, like eyes, buttons and belts", 0),
     ("STAY", "Stay", "They stay where they are", 1),
+)
+
+PLAYBACK = (
+    ("FULL", "Full", "Every frame as it is rendered", 0),
+    (
+        "DRAFT",
+        "Draft",
+        "Frames after few iterations, the same for each frame; the full shape follows when playback rests",
+        1,
+    ),
 )
 
 
@@ -139,6 +150,8 @@ class SinewDeformer(PropertyGroup):
     active_control: record(IntProperty)
     handles: setting_list(type=SinewHandle)
     active_handle: record(IntProperty)
+    keys: setting_list(type=SinewKey)
+    active_key: record(IntProperty)
     use_mirror_x: setting(
         BoolProperty,
         options=set(),  # cannot be animated
@@ -172,6 +185,15 @@ class SinewDeformer(PropertyGroup):
         name="Live",
         default=True,
         description="Follow the controls. If it is off, the last shape stays",
+    )
+    playback: setting(
+        EnumProperty,
+        update=None,
+        options=set(),  # cannot be animated
+        name="Playback",
+        items=PLAYBACK,
+        description="What the viewports show while frames play or you scrub. "
+        "Renders and bakes are always full",
     )
     auto_rebind: setting(
         BoolProperty,
@@ -236,6 +258,11 @@ class SinewDeformer(PropertyGroup):
     def is_iterative(self) -> bool:
         """Whether a method in use is iterative, so that a drag can show an early step."""
         return any(method.iterative for method, _values in self.methods)
+
+    @property
+    def draft_iterations(self) -> int:
+        """How many iterations a draft of a frame takes."""
+        return max(method.draft_iterations for method, _values in self.methods)
 
     def complete(self) -> None:
         """Let Blender create all settings now, so that no render thread has to (see ``deformers_of``)."""

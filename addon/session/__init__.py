@@ -19,6 +19,7 @@ from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
+from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
 from .edit.order import move_deformer, move_handle
 from .edit.puppet.bones import require_bones
 from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
@@ -39,7 +40,16 @@ from .live.schedule import begin as begin_evaluation
 from .live.schedule import is_waiting
 from .memory.background import Work
 from .memory.render_writes import carry_out_writes, must_hand_over
-from .memory.sessions import find, forget_shapes, is_refining, is_suspended, note_edit, suspended, unsettled
+from .memory.sessions import (
+    find,
+    forget_shapes,
+    is_draft,
+    is_refining,
+    is_suspended,
+    note_edit,
+    suspended,
+    unsettled,
+)
 from .tools.grab import NOTHING_FREE, Grab
 from .tools.sketch import TOO_SHORT, Sight, Sketch, keep_stroke, stroke_of
 
@@ -64,6 +74,7 @@ __all__ = (
     "add_cage_object",
     "add_deformer",
     "add_handle",
+    "add_key",
     "apply",
     "attribute_names",
     "begin_evaluation",
@@ -97,6 +108,7 @@ __all__ = (
     "has_copies",
     "has_pending",
     "is_automatic",
+    "is_draft",
     "is_exported",
     "is_mesh",
     "is_moved_by_control",
@@ -105,6 +117,8 @@ __all__ = (
     "is_waiting",
     "job",
     "keep_stroke",
+    "key_beside",
+    "key_notes",
     "key_partners",
     "label",
     "lost_controls",
@@ -114,6 +128,7 @@ __all__ = (
     "mirrored_targets",
     "move_deformer",
     "move_handle",
+    "move_key",
     "move_partners",
     "must_hand_over",
     "new_control",
@@ -126,6 +141,7 @@ __all__ = (
     "refresh",
     "remove_deformer",
     "remove_handle",
+    "remove_key",
     "repair",
     "repair_summary",
     "require_bones",

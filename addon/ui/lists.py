@@ -9,6 +9,7 @@ from ..core import status
 from ..core.status import Level
 from ..ids import Operators
 from ..properties import HANDLE_ROLES, SinewDeformer, SinewHandle, SinewObject
+from .keys import SINEW_UL_keys
 from .text import columns
 
 _ICONS = {identifier: icon for identifier, _label, _description, icon, _number in HANDLE_ROLES}
@@ -83,4 +84,4 @@ class SINEW_UL_handles(UIList):
         row.prop(handle, "enabled", text="", emboss=False, icon="HIDE_OFF" if handle.enabled else "HIDE_ON")
 
 
-register, unregister = register_classes_factory((SINEW_UL_deformers, SINEW_UL_handles))
+register, unregister = register_classes_factory((SINEW_UL_deformers, SINEW_UL_handles, SINEW_UL_keys))

@@ -13,7 +13,7 @@ from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import explain_no_target, target_of
 from ..properties import BASE, SinewDeformer
-from . import control
+from . import control, keys
 from .control import draw_start, drawing_of
 from .layouts import draw_move_buttons, split
 from .parameters import draw_parameter
@@ -76,6 +76,8 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
         if session.marks_regions(deformer.definition) and not deformer.definition.is_space:
             layout.row().prop(deformer, "loose_parts", expand=True)
         layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
+        if deformer.is_iterative:
+            layout.row().prop(deformer, "playback", expand=True)
         for values, parameter in _parameters(deformer, advanced=True):
             draw_parameter(layout, values, parameter)
         layout.column(heading="Render").prop(context.scene.render, "use_lock_interface")
@@ -152,6 +154,6 @@ def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> N
         column.prop_search(deformer, "mask_group", obj, "vertex_groups")
 
 
-PANELS = (SINEW_PT_sinew, *control.PANELS, SINEW_PT_advanced)
+PANELS = (SINEW_PT_sinew, *keys.PANELS, *control.PANELS, SINEW_PT_advanced)
 
 register, unregister = register_classes_factory(PANELS)

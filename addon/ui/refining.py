@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mark in the corner of the 3D viewports while a preview is shown, and the final shape is on its way."""
+"""The mark in the corner of the 3D viewports while a preview or a draft is shown, not the final shape."""
 
 import bpy
 from bpy.types import SpaceView3D
@@ -12,11 +12,14 @@ _callbacks: list = []  # the drawing callback, as Blender identifies it
 
 def marks() -> list[str]:
     """The lines of the mark: one per object whose shape is not final yet."""
-    return [
-        f"Refining {obj.name}"
-        for obj in session.owners()
-        if any(session.is_refining(deformer.uid) for deformer in obj.sinew.deformers)
-    ]
+    lines = []
+    for obj in session.owners():
+        keys = [deformer.uid for deformer in obj.sinew.deformers]
+        if any(map(session.is_draft, keys)):
+            lines.append(f"Draft of {obj.name}")
+        elif any(map(session.is_refining, keys)):
+            lines.append(f"Refining {obj.name}")
+    return lines
 
 
 def _draw() -> None:

@@ -20,6 +20,7 @@ _BUTTON = 72  # pixels at scale 1
 
 
 REFINING = "Refining - the final shape follows"
+DRAFT = "Draft - the full shape follows when playback rests"
 NATIVE_MISSING = Status(
     Level.ERROR,
     "The native module does not work here - the preferences say what to install",
@@ -122,6 +123,8 @@ def headline(deformer: SinewDeformer) -> Status:
     known = session.find(deformer.uid)
     if deformer.bake.is_baked:
         return main
+    if main.level is Level.INFO and session.is_draft(deformer.uid):
+        return Status(Level.INFO, DRAFT)
     if main.level is Level.INFO and session.is_refining(deformer.uid):
         return Status(Level.INFO, REFINING)
     if main.level is Level.INFO and deformer.is_bound and known is not None and known.solve_milliseconds:

@@ -29,6 +29,7 @@ FRAMES = {
     "frame laplacian_editing": ("frame_laplacian_editing", "ours", "peer"),
     "frame arap": ("frame_arap", "ours", "peer"),
     "frame short arap": ("frame_arap_3", "ours", "peer"),
+    "frame draft arap": ("frame_arap_draft", "ours", "peer"),
     "frame cage": ("frame_cage", "ours", "peer"),
     "drag arap": ("drag_arap", "ours", "peer"),
     "overhead thin_shell": ("overhead_thin_shell", "around", "bare"),

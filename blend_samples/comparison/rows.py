@@ -20,10 +20,10 @@ def registry_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str
     """A row per surface method that handles steer, with its defaults, in the menu's order.
 
     ``methods`` is the add-on's ``core.methods``, ``native`` the compiled module. So a method that the
-    registry gains is in the matrix.
+    registry gains is in the matrix. One that edits animations is left out: on a still mesh it is another row.
     """
     for method in methods.METHODS:
-        if method.is_space or method.control is not methods.Control.HANDLES:
+        if method.is_space or method.keyed or method.control is not methods.Control.HANDLES:
             continue
         choice = next((p for p in method.parameters if p.id == SPLIT.get(method.id)), None)
         if choice is None:

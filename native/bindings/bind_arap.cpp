@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/choices.h"
+#include "native/bindings/arap_options.h"
 #include "native/bindings/surface.h"
 #include "native/surface/nonlinear/arap.h"
 
@@ -19,14 +19,8 @@ surface. p is the incoming shape. set_handles() costs two factorisations and tho
 graphs.)")
         .def(py::init([](const SurfaceMesh& mesh, double smoothness, const std::string& cells,
                          const py::object& rigidity, int max_iterations, double tolerance) {
-                 ArapOptions options;
-                 options.smoothness = smoothness;
-                 options.cells = choose<ArapOptions::Cells>(
-                     cells, "cells",
-                     {{"spokes", ArapOptions::Cells::spokes}, {"rims", ArapOptions::Cells::rims}});
-                 options.rigidity = numbers(rigidity, "rigidity");
-                 options.max_iterations = max_iterations;
-                 options.tolerance = tolerance;
+                 const ArapOptions options =
+                     arap_options(smoothness, cells, rigidity, max_iterations, tolerance);
                  const py::gil_scoped_release unlocked;
                  return std::make_shared<Arap>(mesh, options);
              }),

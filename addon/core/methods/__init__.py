@@ -78,5 +78,5 @@ HANDLE_PARAMETERS: tuple[Parameter, ...] = tuple(
 
 def wrapped(method: Method) -> tuple[Method, ...]:
     """The methods that this one can be put around: the default first, the others in the menu's order."""
-    bases = (base for base in METHODS if base.family in method.wraps and not base.wraps)
+    bases = (base for base in METHODS if base.family in method.wraps and not (base.wraps or base.keyed))
     return tuple(sorted(bases, key=lambda base: base.id != DEFAULT_BASE))

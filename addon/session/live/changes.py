@@ -64,6 +64,8 @@ class Changes:
             for place in control:
                 placed.append(place and place.fingerprint)
             method = deformer.definition
+            if method.keyed and deformer.keys:
+                placed.append(self._depsgraph.scene.frame_current_final)
             if (method.references or method.wraps) and index < len(evaluated.sinew.deformers):
                 placed += references.placed(evaluated.sinew.deformers[index])
         return tuple(placed), controls

@@ -22,7 +22,7 @@ from ..blocks import baked, shapes, targets, vertex_groups
 from ..blocks.owners import owners
 from ..control import kinds
 from ..memory import sessions
-from ..memory.evaluation import Chain, ControlState, Evaluation, is_shown
+from ..memory.evaluation import Chain, ControlState, Evaluation, Haste, is_shown
 from ..memory.sessions import LastUpdate
 from . import applied, binding, incoming, mirroring, renders, schedule, solving
 from .changes import Change, Changes
@@ -31,9 +31,11 @@ from .schedule import Step
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
 
 
-def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> None:
+def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draft: bool = False) -> None:
     """Solve every deformer whose inputs changed. A ``preview`` may stop early, see ``settle``.
 
+    So may the ``draft`` of a frame in playback, where the artist has chosen that. It is the same for a frame
+    whatever was shown before.
     After an ``edit``, that is not after a change of the frame, ``refresh`` looks at meshes with new geometry.
     If nothing changed, this takes some microseconds per control, however large the meshes are.
     """
@@ -41,6 +43,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
     if not found or schedule.is_waiting():
         return
     changes, moved = Changes(depsgraph), []
+    haste = Haste.DRAFT if draft else Haste.DRAG if preview else Haste.NONE
     for obj in found:
         if edit and changes.has_edited_mesh(obj):
             sessions.note_edit(obj.name)
@@ -52,14 +55,14 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False) -> N
             moved.append(look)
     steps = schedule.steps(found) if moved and len(found) > 1 else []
     for look in [] if steps else moved:
-        _solve(look, depsgraph, changes, preview)
+        _solve(look, depsgraph, changes, haste)
     if steps:
-        _solve_in_order(steps, depsgraph, changes, preview)
+        _solve_in_order(steps, depsgraph, changes, haste)
     if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
         mirroring.note_seen(edit)
 
 
-def _solve_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
+def _solve_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, haste: Haste) -> None:
     """Update rigs after those that they read: see ``schedule``."""
     changes.take()
     schedule.begin(depsgraph)
@@ -74,16 +77,16 @@ def _solve_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, p
                 written.clear()
             before = len(written)
             for look in [_look_at(obj, depsgraph, changes) for obj in step.rigs]:
-                if look is not None and _writes(look, depsgraph, changes, preview):
+                if look is not None and _writes(look, depsgraph, changes, haste):
                     written.add(look.obj)
             if len(written) == before:
                 break
 
 
-def _writes(look: "_Look", depsgraph: Depsgraph, changes: Changes, preview: bool) -> bool:
+def _writes(look: "_Look", depsgraph: Depsgraph, changes: Changes, haste: Haste) -> bool:
     """Update the deformers of an object; whether one of them shows another shape now."""
     before = _shown(look.obj, depsgraph.mode)
-    _solve(look, depsgraph, changes, preview)
+    _solve(look, depsgraph, changes, haste)
     after = _shown(look.obj, depsgraph.mode)
     return len(before) != len(after) or any(
         one is not other for one, other in zip(before, after, strict=True)
@@ -122,7 +125,7 @@ def _look_at(obj: Object, depsgraph: Depsgraph, changes: Changes) -> _Look | Non
     return _Look(obj, evaluated, placed, controls, change, last)
 
 
-def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, preview: bool) -> None:
+def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, haste: Haste) -> None:
     """Update the deformers of an object."""
     obj, evaluated, placed, controls, change, last = look
     layout = last.layout if last is not None and change <= Change.DRIVEN else None
@@ -131,9 +134,7 @@ def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, preview: bool) -
     in_viewport = depsgraph.mode == "VIEWPORT"
     if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
         expected = applied.follow(obj, evaluated, last)
-    layout = _update_object(
-        obj, evaluated, depsgraph, depsgraph.mode, controls, preview, new_geometry, layout
-    )
+    layout = _update_object(obj, evaluated, depsgraph, depsgraph.mode, controls, haste, new_geometry, layout)
     changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
     if expected:
         applied.report(obj, expected)
@@ -146,7 +147,7 @@ def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> No
     """
     evaluated = obj.evaluated_get(depsgraph)
     _placed, controls = Changes(depsgraph).read(obj, evaluated)
-    _update_object(obj, evaluated, depsgraph, "RENDER", controls, False, True, None, entered)
+    _update_object(obj, evaluated, depsgraph, "RENDER", controls, Haste.NONE, True, None, entered)
 
 
 def _update_object(
@@ -155,7 +156,7 @@ def _update_object(
     depsgraph: Depsgraph,
     mode: str,
     controls: list[ControlState],
-    preview: bool,
+    haste: Haste,
     new_geometry: bool,
     layout: tuple | None,
     entered: np.ndarray | None = None,
@@ -199,7 +200,7 @@ def _update_object(
             session,
             control,
             chain,
-            preview,
+            haste,
             new_geometry,
         )
         if evaluation.in_viewport and changed:

@@ -25,7 +25,7 @@ from ..control.bind_input import option_values, solve_options
 from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
-from ..memory.sessions import Bound, Session, Shown
+from ..memory.sessions import Asked, Bound, Session, Shown
 from . import binding, drag, renders
 from .incoming import TOPOLOGY_CHANGED
 
@@ -34,7 +34,10 @@ _START = 4  # about as many iterations take as long as a start from the controls
 
 @dataclass(frozen=True)
 class Question:
-    """What a shape depends on. ``early`` asks for a preview, ``final`` for the exact shape after one."""
+    """What a shape depends on. ``early`` asks for a preview, ``final`` for the exact shape after one.
+
+    A ``draft`` is a preview of a frame, which depends on the frame alone.
+    """
 
     signature: tuple
     incoming: np.ndarray | None  # float32 (n, 3), None for rest
@@ -44,6 +47,7 @@ class Question:
     options: dict[str, Any]
     early: bool
     final: bool
+    draft: bool  # of a frame, if it is early
 
     def matches(self, other: "Question | Shown") -> bool:
         """Whether the other question asks for the same shape, or the same shape is shown."""
@@ -89,6 +93,8 @@ def _question(
     if found is None:
         return None
     control, further = found
+    if evaluation.in_viewport:
+        evaluation.session.asked = Asked(bound, control, further, incoming)
     options = solve_options(evaluation.settings)
     posed = (control.tobytes(), *(value.tobytes() for value in further.values()))
     signature = (bound.key, posed, option_values(evaluation.settings, rebinds=False), displacement)
@@ -99,16 +105,19 @@ def _question(
     last = shown if work is None else work.subject
     same = last.signature == signature and _same(last.incoming, incoming)
     wanted = evaluation.session.settle and same
-    in_drag = evaluation.preview and evaluation.settings.is_iterative
+    iterative = evaluation.settings.is_iterative
+    in_drag, in_draft = evaluation.preview and iterative, evaluation.draft and iterative
     if in_drag and shown.shape is None:
         wanted = work is None or (same and work.subject.final)
     final = wanted and evaluation.in_viewport
-    early = in_drag and not final
-    if early:
+    early = (in_drag or in_draft) and not final
+    if early and in_draft:
+        options["max_iterations"] = min(evaluation.settings.draft_iterations, options["max_iterations"])
+    elif early:
         options["max_iterations"] = min(evaluation.session.steps, options["max_iterations"])
         if shown.positions is not None and not shown.displacement:
             options["start"] = shown.positions
-    return Question(signature, incoming, displacement, control, further, options, early, final)
+    return Question(signature, incoming, displacement, control, further, options, early, final, in_draft)
 
 
 def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
@@ -131,6 +140,7 @@ def _show(
     shown.control, shown.further = question.control, question.further
     shown.hold(shape)
     shown.displacement, shown.factor, shown.converged = question.displacement, factor, converged
+    shown.draft = question.draft and not converged
     if evaluation.in_viewport and status.current(evaluation.deformer.uid).level is not Level.INFO:
         missing = kinds.missing_control(evaluation.deformer)
         line = Status(Level.WARNING, missing) if missing else Status(Level.INFO, binding.summary(bound))
@@ -162,6 +172,8 @@ def _answer(bound: Bound, question: Question, progress: Progress | None = None) 
 def _learn_price(session: Session, question: Question, seconds: float) -> None:
     """Note how long a step of a drag takes, and how many of them the drag budget allows."""
     session.solve_milliseconds = seconds * 1000.0
+    if question.draft:
+        return
     if not question.early:
         session.step_milliseconds = session.solve_milliseconds
         return

@@ -3,6 +3,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 from functools import cached_property
 from typing import NamedTuple
 
@@ -66,6 +67,14 @@ class Chain:
         return Chain(broken=self.broken or self.points is not None)
 
 
+class Haste(Enum):
+    """Whether a shape may be shown before it is final."""
+
+    NONE = 0
+    DRAG = 1  # something is being edited in a window
+    DRAFT = 2  # frames play, or the artist scrubs
+
+
 @dataclass(frozen=True)
 class Evaluation:
     """``deformer`` is the original, ``settings`` its evaluated copy with animated values.
@@ -83,13 +92,23 @@ class Evaluation:
     session: Session
     control: ControlState
     chain: Chain
-    preview: bool
+    haste: Haste
     new_geometry: bool  # what enters the modifiers may differ from the last evaluation
 
     @cached_property
     def in_viewport(self) -> bool:
         """Whether this is the evaluation for the window, on the main thread."""
         return self.mode == "VIEWPORT"
+
+    @property
+    def preview(self) -> bool:
+        """Whether an iterative method may show an early shape of a drag."""
+        return self.haste is Haste.DRAG
+
+    @property
+    def draft(self) -> bool:
+        """Whether an iterative method may show an early shape of a frame."""
+        return self.haste is Haste.DRAFT and self.in_viewport and self.settings.playback == "DRAFT"
 
     @property
     def shown(self) -> Shown:

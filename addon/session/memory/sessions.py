@@ -8,7 +8,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import bpy
 import numpy as np
@@ -50,10 +50,20 @@ class Shown:
     displacement: bool = False
     factor: float = 0.0
     converged: bool = True
+    draft: bool = False  # of a frame in playback
 
     def hold(self, shape: np.ndarray | None) -> None:
         """Note that this shape is shown; None for no shape."""
         self.shape, self.positions = shape, None if shape is None else shape[:-1]
+
+
+class Asked(NamedTuple):
+    """What an evaluation asked of a factor: where the control was, the keywords with it, and what entered."""
+
+    bound: Bound
+    control: np.ndarray
+    further: dict[str, Any]
+    incoming: np.ndarray | None
 
 
 @dataclass
@@ -68,6 +78,7 @@ class Session:
     failed: tuple | None = None  # the key of the bind that was refused: it is not tried again
     shown: dict[str, Shown] = field(default_factory=dict)
     poses: dict[str, np.ndarray] = field(default_factory=dict)
+    asked: Asked | None = None  # by the last evaluation for viewports
     settle: bool = False  # a preview is shown, and the next evaluation is to solve exactly
     work: Work | None = None  # a solve in a thread; its subject is a ``Question``
     unanswered: Work | None = None  # the last solve in a thread that failed: it is not repeated
@@ -201,6 +212,12 @@ def is_refining(key: str) -> bool:
     """Whether the shape shown is not final: the final one is being computed, or will be after a pause."""
     session = _sessions.get(key)
     return session is not None and (session.work is not None or key in unsettled())
+
+
+def is_draft(key: str) -> bool:
+    """Whether the viewports show a draft of a frame."""
+    session = _sessions.get(key)
+    return session is not None and session.view("VIEWPORT").draft
 
 
 def unsettled() -> list[str]:

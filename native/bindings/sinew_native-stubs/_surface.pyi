@@ -154,6 +154,72 @@ class Arap(SurfaceMethod):
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
+class EditKeys:
+    def __init__(self, keys: ArrayLike) -> None: ...
+    def at(self, handle: int, frame: float) -> Floats: ...
+    @property
+    def handle_count(self) -> int: ...
+
+class MeshSequence(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        smoothness: float = 5e-4,
+        cells: Literal["spokes", "rims"] = "spokes",
+        rigidity: ArrayLike = 1.0,
+        max_iterations: int = 40,
+        tolerance: float = 1e-4,
+    ) -> None: ...
+    def solve_frame(
+        self,
+        frame: float,
+        *,
+        poses: ArrayLike | None = None,
+        keys: ArrayLike | None = None,
+        incoming: ArrayLike | None = None,
+        from_rest: bool | Sequence[bool] | None = None,
+        start: ArrayLike | None = None,
+        max_iterations: int | None = None,
+        tolerance: float | None = None,
+        progress: Progress | None = None,
+        out: Singles | None = None,
+    ) -> tuple[Floats | Singles, SolveReport]: ...
+    def solve_frames(
+        self,
+        frames: ArrayLike,
+        shapes: ArrayLike,
+        *,
+        keys: ArrayLike | None = None,
+        poses: ArrayLike | None = None,
+        from_rest: bool | Sequence[bool] | None = None,
+        max_iterations: int | None = None,
+        tolerance: float | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[Floats, list[SolveReport]]: ...
+    def edits(
+        self,
+        frame: float,
+        *,
+        poses: ArrayLike | None = None,
+        keys: ArrayLike | None = None,
+        incoming: ArrayLike | None = None,
+        from_rest: bool | Sequence[bool] | None = None,
+    ) -> Floats: ...
+    def poses(
+        self,
+        frame: float,
+        *,
+        poses: ArrayLike | None = None,
+        keys: ArrayLike | None = None,
+        incoming: ArrayLike | None = None,
+        from_rest: bool | Sequence[bool] | None = None,
+    ) -> Floats: ...
+    def still_poses(
+        self, *, incoming: ArrayLike | None = None, from_rest: bool | Sequence[bool] | None = None
+    ) -> Floats: ...
+    def energy(self, positions: ArrayLike) -> float: ...
+
 class MeshPuppetry(SurfaceMethod):
     def __init__(
         self,

@@ -54,7 +54,7 @@ struct ArapOptions
 ///                                                iterations: two solves for x, y and z and n rotation fits
 ///                                                each; every third one is a correction by the coarser
 ///                                                graphs and costs three times as much
-class Arap final : public SurfaceMethod
+class Arap : public SurfaceMethod
 {
 public:
     /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, or `rigidity` has

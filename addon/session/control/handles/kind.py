@@ -15,11 +15,11 @@ from ...memory.evaluation import ControlState, Evaluation
 from ...memory.sessions import Bound
 from ..bind_input import BindInput
 from ..placement import read_place
-from . import poses
+from . import keys, poses
 from .links import links
 from .poses import complete_rest_frames as set_rest
 from .poses import complete_rest_frames as take_rest
-from .poses import keep_pose, take_along
+from .poses import keep_pose
 from .regions import has_constraints as is_set
 from .regions import key, request
 from .release import release
@@ -109,9 +109,16 @@ def read_state(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
 
 
 def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape."""
+    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; perhaps keys."""
     affine, from_rest = poses.bound_poses(evaluation, bound)
-    return affine, {"from_rest": from_rest}
+    keyed = keys.keywords(evaluation.settings, bound, evaluation.depsgraph)
+    return affine, {"from_rest": from_rest, **keyed}
+
+
+def take_along(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+    """Take rest frames, last poses and keys along with an affine map ``by`` (4, 4) of the object space."""
+    poses.take_along(deformer, by, held)
+    keys.take_along(deformer, by[:3, :3])
 
 
 def use(_obj: Object, _deformer: SinewDeformer, control: Object, _owned: bool) -> None:

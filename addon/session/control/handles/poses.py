@@ -123,6 +123,25 @@ def bound_poses(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.nd
     return poses, from_rest
 
 
+def rest_here(
+    obj: Object, deformer: SinewDeformer, still: dict[str, np.ndarray], depsgraph: Depsgraph
+) -> None:
+    """Let controls that are where they are now mean the poses ``still`` (3, 4), by the key of the handle."""
+    target = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    session = sessions.find(deformer.uid)
+    for handle in deformer.handles:
+        if handle.kind != "HANDLE" or handle.uid not in still:
+            continue
+        pose = still[handle.uid]
+        control = control_matrix(handle, depsgraph)
+        if control is not None:
+            capture_rest(handle, target, control, pose)
+        else:
+            _keep(handle, pose)
+        if session is not None:
+            session.poses[handle.uid] = pose.copy()
+
+
 def _keep(handle: SinewHandle, pose: np.ndarray) -> None:
     """Store in the file where a region without a control stays."""
     values = pose.astype(np.float32).ravel()
