@@ -31,6 +31,9 @@ struct SolveRequest
     Progress progress{};
     /// In how many steps the handles go to their poses, at least 1; see SurfaceMethod::Stepping.
     int substeps = 1;
+    /// (g, 3) how far each control point is moved from where the handles lead it, of a method with control
+    /// grids (see SplineSurface::control_grids()); without it, not at all.
+    std::optional<PointsView> grid{};
 };
 
 /// A deformation of a surface by handles on it.

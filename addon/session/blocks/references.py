@@ -13,9 +13,10 @@ from bpy.types import CurveMapping, NodeTree, Object, PropertyGroup, ShaderNodeF
 
 from ...core.errors import OptionError
 from ...core.geometry import frames
-from ...core.methods import METHODS, Curve, Parameter, Pointer, UvMap
+from ...core.methods import METHODS, Curve, GridPoints, Parameter, Pointer, UvMap
 from ...ids import Datablocks, Keys
 from ...properties import SinewDeformer
+from . import grids
 
 _NODE = "ShaderNodeFloatCurve"
 
@@ -71,12 +72,12 @@ def _drawn(deformer: SinewDeformer) -> Iterator[tuple[PropertyGroup, str]]:
                 yield values, parameter.id
 
 
-def pointed(deformer: SinewDeformer) -> Iterator[Object]:
-    """The objects that parameters refer to."""
+def pointed(deformer: SinewDeformer) -> Iterator[tuple[Object, bool]]:
+    """The objects that parameters refer to, and whether their shapes count."""
     for values, parameter in _referring(deformer):
         obj = getattr(values, parameter.id)
         if isinstance(parameter, Pointer) and obj is not None:
-            yield obj
+            yield obj, isinstance(parameter, GridPoints)
 
 
 def uv_maps(settings: SinewDeformer) -> dict[str, Parameter]:
@@ -100,12 +101,15 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
         return _points(values, parameter)
     if isinstance(parameter, UvMap):
         return getattr(values, parameter.id)
-    frame = value(values, parameter)
-    return None if frame is None else frame.tobytes()
+    found = value(values, parameter)
+    return None if found is None else found.tobytes()
 
 
 def placed(settings: SinewDeformer) -> list[object]:
-    """The same for all parameters, but quicker: the points of curves, and the matrices of objects."""
+    """The same for all parameters, but quicker: the points of curves, and the matrices of objects.
+
+    The shape of an object is only read where it counts.
+    """
     return [
         _matrix(values, parameter) if isinstance(parameter, Pointer) else compared(values, parameter)
         for values, parameter in _referring(settings)
@@ -113,19 +117,30 @@ def placed(settings: SinewDeformer) -> list[object]:
 
 
 def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | None:
-    """The value in the form that the native module takes: see ``Curve`` and ``Pointer``."""
+    """The value in the form that the native module takes: see ``Curve``, ``Pointer`` and ``GridPoints``."""
     if isinstance(parameter, Curve):
         return _samples(values, parameter)
     obj = getattr(values, parameter.id)
     if obj is None:
         return None
     target = np.array(values.id_data.matrix_world, dtype=np.float64)
+    if isinstance(parameter, GridPoints):
+        return grids.moves(obj, target)
     return (frames.inverse(target, "The mesh object") @ np.array(obj.matrix_world, dtype=np.float64))[:3]
 
 
 def _matrix(values: PropertyGroup, parameter: Parameter) -> object:
     obj = getattr(values, parameter.id)
-    return None if obj is None else obj.matrix_world.copy().freeze()
+    if obj is None:
+        return None
+    world = obj.matrix_world.copy().freeze()
+    if not isinstance(parameter, GridPoints):
+        return world
+    try:
+        found = grids.read(obj)
+    except OptionError as error:
+        return str(error)  # the solve raises it
+    return None if found is None else (world, hash(found[0].tobytes()))
 
 
 def _draw(mapping: CurveMapping, points: tuple[tuple[float, float], ...]) -> None:

@@ -144,6 +144,15 @@ def control_grids(deformer: SinewDeformer) -> list[np.ndarray]:
     return bound.factor.control_grids(shown.control, incoming=shown.incoming, **shown.further)
 
 
+def rest_grids(deformer: SinewDeformer) -> list[np.ndarray]:
+    """The control grids of the rest shape, in the same form; none without a grid, or before the bind."""
+    session = sessions.find(deformer.uid)
+    if session is None or session.bound is None or session.bound.factor.is_released:
+        return []
+    still = np.tile(np.eye(4)[:3], (len(session.bound.handles), 1, 1))
+    return session.bound.factor.control_grids(still)
+
+
 def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | None:
     """The weights of a vertex group, float32 (n,); None if there is none.
 

@@ -51,6 +51,7 @@ class SurfaceMethod:
         progress: Progress | None = None,
         out: Singles | None = None,
         substeps: int = 1,
+        grid: ArrayLike | None = None,
     ) -> tuple[Floats | Singles, SolveReport]: ...
     @property
     def rest(self) -> SurfaceMesh: ...
@@ -112,6 +113,7 @@ class SplineSurface(SurfaceMethod):
         *,
         incoming: ArrayLike | None = None,
         from_rest: ArrayLike | None = None,
+        grid: ArrayLike | None = None,
     ) -> list[Floats]: ...
 
 class SubdivisionEditing(SurfaceMethod):
@@ -194,4 +196,5 @@ def fit_stroke(
     eye: ArrayLike | None = None,
     edges: ArrayLike | None = None,
     nearness: float = 0.5,
+    hidden: bool = False,
 ) -> tuple[Ints, Floats, Floats] | None: ...

@@ -3,6 +3,8 @@
 
 #include "native/core/simd/lane_math.inl"
 
+#include <array>
+
 namespace {
 
 using sinew::PropagatedMotion;
@@ -26,15 +28,31 @@ inline Three spread(const double* three)
     return {constant(three[0]), constant(three[1]), constant(three[2])};
 }
 
-/// 1 - u / a_1 (1 - u / a_2 (1 - ...)) with a_k = (2 k - 1 + more) (2 k + more): cos, or sin(a) / a with
-/// `more` 1, from u = a^2 up to a right angle.
+/// (-1)^k / (2 k + more)!
+template <int more>
+constexpr std::array<double, 12> coefficients = [] {
+    std::array<double, 12> found{};
+    double factor = 1.0;
+    for (int k = 0; k < 12; ++k) {
+        found[k] = factor;
+        factor /= -(2 * k + 1 + more) * (2 * k + 2 + more);
+    }
+    return found;
+}();
+
+/// The sum of coefficients u^k: cos, or sin(a) / a with `more` 1, from u = a^2 up to a right angle. Even and
+/// odd powers are two sums, so that the processor does not wait for one.
 template <int more>
 inline L series(L u)
 {
-    L sum = constant(1.0);
-    for (int k = 11; k > 0; --k)
-        sum = constant(1.0) - sum * (u * constant(1.0 / ((2 * k - 1 + more) * (2 * k + more))));
-    return sum;
+    const auto& c = coefficients<more>;
+    const L square = u * u;
+    L even = constant(c[10]), odd = constant(c[11]);
+    for (int k = 8; k >= 0; k -= 2) {
+        even = even * square + constant(c[k]);
+        odd = odd * square + constant(c[k + 1]);
+    }
+    return even + u * odd;
 }
 
 bool move(const PropagatedPart& part, const double* t, const double* from, double* to)
