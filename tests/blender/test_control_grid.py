@@ -92,7 +92,7 @@ def test_one_point_moves_its_degree_and_one_spans_only(sheet: Rig):
     away = np.abs(sheet.rest() - places[SIDE * SIDE // 2])[:, :2].max(axis=1)
     outside = away > 2.0 * span + 1e-3  # four spans of degree 3, two on each side
     assert 50 < outside.sum() < len(seen) - 50
-    assert np.abs(seen[outside]).max() == 0.0
+    assert np.abs(seen[outside]).max() < 1e-15  # rounding of a solve that spreads nothing
     assert np.linalg.norm(seen, axis=1).max() > 0.3
     assert close(sheet.points(), expected(sheet, moves).lifted(0.0), TOLERANCE)
 
@@ -143,11 +143,12 @@ def test_shape_keys_animate_the_points(sheet: Rig):
 
 def test_a_modifier_of_the_grid_moves_its_points(sheet: Rig):
     grid = new_grid(sheet)
-    wave = grid.modifiers.new("Wave", "SIMPLE_DEFORM")
-    wave.deform_method, wave.angle, wave.deform_axis = "BEND", 0.6, "X"
+    grid.vertex_groups.new(name="Some").add(range(20, 50), 1.0, "REPLACE")
+    lift = grid.modifiers.new("Lift", "DISPLACE")
+    lift.direction, lift.mid_level, lift.strength, lift.vertex_group = "Z", 0.0, 0.3, "Some"
     update()
     moves = evaluated_points(grid) - base_points(grid)
-    assert np.abs(moves).max() > 0.05
+    assert np.abs(moves[20:50, 2] - 0.3).max() < 1e-6
     assert close(sheet.points(), expected(sheet, moves).lifted(0.0), TOLERANCE)
 
 
@@ -204,18 +205,22 @@ def test_apply_of_the_target_keeps_the_shape_in_the_world(sheet: Rig):
     assert close(sheet.points(), before, 1e-4)
 
 
-def test_a_copy_with_the_grid_keeps_its_shape(sheet: Rig):
+def test_a_copy_shares_the_grid_unless_it_is_copied_too(sheet: Rig, room):
     new_grid(sheet)
     drag(sheet, at_middle())
     before = sheet.points()
-    for obj in (sheet.obj, grid_of(sheet)):
-        obj.select_set(True)
-    bpy.context.view_layer.objects.active = sheet.obj
-    bpy.ops.object.duplicate()
-    copy = Rig.called(next(obj.name for obj in bpy.context.selected_objects if obj.sinew.deformers))
-    copy.obj.location.x += 4.0
-    assert close(copy.points(), before, TOLERANCE)
-    assert close(sheet.points(), before, TOLERANCE)
+    for together in (False, True):
+        make_active(sheet.obj)
+        grid_of(sheet).select_set(together)
+        bpy.ops.object.duplicate()
+        copy = Rig.called(next(obj.name for obj in bpy.context.selected_objects if obj.sinew.deformers))
+        room("session").separate_copies()
+        assert close(copy.points(), before)
+        assert (grid_of(copy) != grid_of(sheet)) == together
+        drag(copy, {SIDE * 5 + 2: (0.0, 0.0, -0.4)})
+        assert not close(copy.points(), before, 0.01)
+        assert close(sheet.points(), before) == together
+        before = sheet.points()
 
 
 def test_another_grid_starts_anew_in_the_same_object(sheet: Rig):

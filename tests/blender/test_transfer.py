@@ -135,7 +135,7 @@ def test_escape_in_the_middle_leaves_the_disk_and_the_scene_as_they_were(pair, t
             said.append(text)
 
     job = room("bake").Transferring(
-        plate.obj, target, bpy.context.scene, range(1, 200), str(tmp_path / "stout")
+        plate.obj, target, bpy.context.scene, range(1, 50_000), str(tmp_path / "stout")
     )
     operator = Operator()
     operator._job, operator._timer = job, object()

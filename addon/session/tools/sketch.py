@@ -139,7 +139,9 @@ class Sketch:
         place = np.full(len(sources), -1, dtype=np.int32)
         place[members] = np.arange(len(members), dtype=np.int32)
         held = np.flatnonzero(~free[members])
-        found = sketched(Shape(self._points[members], faces), (place[edges], shares, goals), held, sharpness)
+        near = (place[edges] >= 0).all(axis=1)  # others lie deep in fixed regions
+        line = place[edges][near], shares[near], goals[near]
+        found = sketched(Shape(self._points[members], faces), line, held, sharpness)
         moves = np.zeros_like(self._points)
         moves[members] = (found - self._points[members]) @ self._inverse.T
         with np.errstate(over="ignore"):  # refused just below

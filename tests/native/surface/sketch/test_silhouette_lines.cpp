@@ -232,7 +232,8 @@ TEST(FitStroke, leaves_out_lines_that_are_hidden)
 {
     const SurfaceMesh ball = shapes::sphere(3);
     const SketchView view;
-    const SurfaceMesh both = shapes::joined(with_points(ball, 1.3 * ball.points()), ball, {0, 0, -4});
+    const SurfaceMesh both =
+        shapes::joined(shapes::over(1.3 * ball.points(), shapes::faces_of(ball)), ball, {0, 0, -4});
     Points stroke(21, 3); // along the outline of the one behind
     for (int k = 0; k < 21; ++k) {
         const double angle = 0.05 * shapes::pi * (k - 10);
