@@ -3,8 +3,6 @@
 
 #include "native/core/simd/lane_math.inl"
 
-#include <array>
-
 namespace {
 
 using sinew::PropagatedMotion;
@@ -30,27 +28,31 @@ inline Three spread(const double* three)
 
 /// (-1)^k / (2 k + more)!
 template <int more>
-constexpr std::array<double, 12> coefficients = [] {
-    std::array<double, 12> found{};
-    double factor = 1.0;
-    for (int k = 0; k < 12; ++k) {
-        found[k] = factor;
-        factor /= -(2 * k + 1 + more) * (2 * k + 2 + more);
+struct Coefficients
+{
+    double of[12];
+
+    constexpr Coefficients() : of{}
+    {
+        double factor = 1.0;
+        for (int k = 0; k < 12; ++k) {
+            of[k] = factor;
+            factor /= -(2 * k + 1 + more) * (2 * k + 2 + more);
+        }
     }
-    return found;
-}();
+};
 
 /// The sum of coefficients u^k: cos, or sin(a) / a with `more` 1, from u = a^2 up to a right angle. Even and
 /// odd powers are two sums, so that the processor does not wait for one.
 template <int more>
 inline L series(L u)
 {
-    const auto& c = coefficients<more>;
+    constexpr Coefficients<more> c;
     const L square = u * u;
-    L even = constant(c[10]), odd = constant(c[11]);
+    L even = constant(c.of[10]), odd = constant(c.of[11]);
     for (int k = 8; k >= 0; k -= 2) {
-        even = even * square + constant(c[k]);
-        odd = odd * square + constant(c[k + 1]);
+        even = even * square + constant(c.of[k]);
+        odd = odd * square + constant(c.of[k + 1]);
     }
     return even + u * odd;
 }
