@@ -82,6 +82,12 @@ WORKS = (
         at_most=True,
     ),
     Work(
+        "propagation_bound",
+        "a frame of `Propagation`",
+        "reading and writing its arrays once",
+        {ANY: 0.5},
+    ),
+    Work(
         "hierarchical_frame",
         "a frame of `HierarchicalSmoothing`",
         "`ThinShell.solve` without its basis",
@@ -194,6 +200,13 @@ WORKS = (
         at_most=True,
     ),
     Work(
+        "none_frame",
+        "a frame of `LaplacianEditing` without transformations",
+        "`ThinShell.solve` without its basis",
+        {ANY: 1.0},
+        at_most=True,
+    ),
+    Work(
         "explicit_frame",
         "a frame of `LaplacianEditing` with transformations from handles",
         "`ThinShell.solve` without its basis",
@@ -202,7 +215,7 @@ WORKS = (
     ),
     Work(
         "estimated_frame",
-        "the same with two refits",
+        "a frame of `LaplacianEditing` with two refits",
         "`ThinShell.solve` without its basis",
         {ANY: 3.9},
         at_most=True,
@@ -214,7 +227,13 @@ WORKS = (
         {ANY: 20.0},
         at_most=True,
     ),
-    Work("implicit_frame", "its frame", "`ThinShell.solve` without its basis", {ANY: 3.0}, at_most=True),
+    Work(
+        "implicit_frame",
+        "a frame of `LaplacianEditing` with implicit transformations",
+        "`ThinShell.solve` without its basis",
+        {ANY: 3.0},
+        at_most=True,
+    ),
     Work(
         "riders_bind",
         "binding loose parts that follow, 20 shells or 200 loose vertices per 1,000 vertices",

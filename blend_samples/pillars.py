@@ -11,7 +11,7 @@ from .models import pillar
 from .posing import REST, Move
 
 POSE_FRAME = 40
-SPACING = 1.86
+SPACING = 2.04
 METHODS = {
     "Rest": "",
     "Thin Shell": "thin_shell",
@@ -44,7 +44,7 @@ def make() -> bpy.types.Scene:
             pose(obj, method)
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.55, 0.0, 0.92), distance=28.0, elevation=10.0, width=15.2)
+    studio.add_camera(scene, target=(0.55, 0.0, 0.92), distance=28.0, elevation=10.0, width=16.6)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=9.0)
     for obj, label in zip(pillars, METHODS):
         studio.add_label(scene, label, (obj.location.x + 0.2, -1.0, 0.0), 0.17)

@@ -294,18 +294,24 @@ def mesh_transfer(source: Shape, target: Shape) -> Callable[[np.ndarray], np.nda
 
 
 def sketched_part(
-    shape: Shape, stroke: np.ndarray, axes: np.ndarray, eye: np.ndarray | None, edges: np.ndarray | None
+    shape: Shape,
+    stroke: np.ndarray,
+    axes: np.ndarray,
+    eye: np.ndarray | None,
+    edges: np.ndarray | None,
+    hidden: bool,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """The part of a silhouette that a stroke (s, 3) redraws, or None if there is none near it.
 
     Its points lie on ``edges`` (k, 2), at the shares (k,) between their ends, and go to targets (k, 3).
     ``axes`` (3, 3) are rows to the right, up and toward the viewer; ``eye`` (3,) is for a perspective view.
-    With ``edges`` (e, 2), a line along these is taken instead of silhouettes.
+    With ``edges`` (e, 2), a line along these is taken instead of silhouettes. ``hidden``: silhouettes count
+    that are behind the mesh.
     """
     native = _module()
     with _translated(native):
         mesh = native.SurfaceMesh(shape.points, shape.faces)
-        return native.fit_stroke(mesh, stroke, axes, eye, edges)
+        return native.fit_stroke(mesh, stroke, axes, eye, edges, hidden=hidden)
 
 
 def sketched(

@@ -97,6 +97,10 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
         options={"SKIP_SAVE"},
         description="Everything that is connected with the line follows, at any distance",
     )
+    use_hidden: BoolProperty(
+        name="Hidden Lines",
+        description="Also redraw silhouettes that the mesh itself hides in this view",
+    )
     sharpness: FloatProperty(
         name="Sharpness",
         min=-1.0,
@@ -125,7 +129,7 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
     def execute(self, context: Context) -> set[str]:
         obj = context.object
         stroke, sight = self._stroke(context), self._sight(context)
-        sketch = session.Sketch(obj, self.line == "EDGES", self.shape_key)
+        sketch = session.Sketch(obj, self.line == "EDGES", self.shape_key, self.use_hidden)
         radius = sketch.draw(stroke, sight)
         if not self.properties.is_property_set("reach"):
             self.reach = radius
@@ -142,7 +146,7 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
 
     def start(self, context: Context, _event: Event) -> set[str]:
         obj = context.object
-        sketch = session.Sketch(obj, self.line == "EDGES", self.shape_key)
+        sketch = session.Sketch(obj, self.line == "EDGES", self.shape_key, self.use_hidden)
         tool = Sketching(sketch, _pivot(context, obj), self.sharpness)
         return self.begin(context, tool, obj, partial(_draw, tool))
 
@@ -179,6 +183,9 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
         if not self.points:
             layout.prop_search(self, "stroke", bpy.data, "objects")
         layout.prop(self, "line")
+        hidden = layout.row()
+        hidden.active = self.line == "SILHOUETTE"
+        hidden.prop(self, "use_hidden")
         row = layout.row()
         row.active = not self.unlimited
         row.prop(self, "reach")

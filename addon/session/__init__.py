@@ -15,6 +15,7 @@ from .edit.bind import bind, unbind
 from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, cage_seconds, flip_cage, set_rest_cage
 from .edit.deformers import add_deformer, remove_deformer
 from .edit.drag import Brush, Drag
+from .edit.grids import has_grid, new_grid
 from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
@@ -106,6 +107,7 @@ __all__ = (
     "group_from_selection",
     "handles_of_side",
     "has_copies",
+    "has_grid",
     "has_pending",
     "is_automatic",
     "is_draft",
@@ -132,6 +134,7 @@ __all__ = (
     "move_partners",
     "must_hand_over",
     "new_control",
+    "new_grid",
     "note_edit",
     "notes",
     "object_with",

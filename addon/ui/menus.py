@@ -101,6 +101,7 @@ class SINEW_MT_deformer(Menu):
         layout.operator(Operators.UNBAKE, icon="LOOP_BACK")
         layout.operator(Operators.TRANSFER, icon="MOD_MESHDEFORM")
         layout.operator(Operators.MORPH, icon="MOD_DATA_TRANSFER")
+        layout.operator(Operators.GRID_NEW, icon="MESH_GRID")
         layout.separator()
         layout.operator(Operators.DEFORMER_REMOVE, icon="REMOVE")
 

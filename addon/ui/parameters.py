@@ -4,7 +4,7 @@
 from bpy.types import PropertyGroup, UILayout
 
 from .. import session
-from ..core.methods import Curve, Parameter, UvMap, group_property
+from ..core.methods import Curve, GridPoints, Parameter, UvMap, group_property
 from ..ids import Operators
 
 
@@ -18,6 +18,8 @@ def draw_parameter(layout: UILayout, values: PropertyGroup, parameter: Parameter
         row.prop_search(values, parameter.id, values.id_data.data, "uv_layers", icon="GROUP_UVS")
         return
     row.prop(values, parameter.id)
+    if isinstance(parameter, GridPoints):
+        row.operator(Operators.GRID_NEW, text="", icon="ADD")
     if parameter.paintable:
         obj = values.id_data
         row.prop_search(values, group_property(parameter), obj, "vertex_groups", text="")

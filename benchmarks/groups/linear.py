@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bind and frame of the linear surface methods, next to those of the thin shell without its affine basis."""
+"""Bind and frame of the linear surface methods, next to those of the thin shell without its affine basis.
+
+A frame of propagation, which solves nothing, also next to memory bandwidth: it reads the rest points and a
+field per handle but one, and writes the result. Bandwidth is that of a block which no cache holds.
+"""
 
 from collections.abc import Callable
 from functools import partial
 
 import numpy as np
+import sinew_peers
 from cases import SLAB, Case, bar
 from record import Row
 from timing import Work, alternate, rounds
@@ -32,6 +37,7 @@ METHODS: dict[str, tuple[Maker, str, str]] = {
     "SplineSurface": (sinew_native.SplineSurface, "linear_bind", "linear_frame"),
     "HierarchicalSmoothing": (sinew_native.HierarchicalSmoothing, "linear_bind", "hierarchical_frame"),
     "SubdivisionEditing": (sinew_native.SubdivisionEditing, "linear_bind", "subdivision_editing_frame"),
+    "LaplacianEditing, none": (_laplacian("none"), "linear_bind", "none_frame"),
     "LaplacianEditing, explicit": (_laplacian("explicit"), "linear_bind", "explicit_frame"),
     "LaplacianEditing, estimated": (_laplacian("estimated"), "linear_bind", "estimated_frame"),
     "VolumetricGraphLaplacian": (
@@ -43,11 +49,15 @@ METHODS: dict[str, tuple[Maker, str, str]] = {
 }
 
 
+FURTHER = {"Propagation": ("propagation_bound",)}
+UNCACHED = 500_000_000  # bytes
+
+
 def plan(options: Options) -> list[Task]:
     size = 10_000 if options.quick else 100_000
     keywords = {"size": size, "threads": options.threads}
     return [
-        Task("linear", (bind, frame), {**keywords, "method": name})
+        Task("linear", (bind, frame, *FURTHER.get(name, ())), {**keywords, "method": name})
         for name, (_, bind, frame) in METHODS.items()
     ]
 
@@ -77,6 +87,10 @@ def measure(size: int, threads: list[int], method: str) -> list[Row]:
         for work, times in ((bind_work, binds), (frame_work, frames)):
             best = {name: times[name].best for name in makers}
             rows.append({"work": work, "case": method, **best, **common})
+        for work in FURTHER.get(method, ()):
+            moved = 2 * case.points.nbytes + 8 * case.vertex_count * (len(case.handles) - 1)
+            peer = moved / sinew_peers.read_bandwidth(UNCACHED, count)
+            rows.append({"work": work, **common, "ours": frames["ours"].best, "peer": peer, "bytes": moved})
     return rows
 
 

@@ -18,15 +18,15 @@ DETAILS = ("displacement_vectors", "normal_displacements", "deformation_transfer
 
 
 def plan(options: Options) -> list[Task]:
-    size = 10_000 if options.quick else 100_000
-    keywords = {"size": size, "threads": options.threads}
+    sizes = (10_000,) if options.quick else (40_000, 100_000)
     return [
         Task(
             "multiresolution",
             (f"multiresolution_{details}", f"multiresolution_bind_{details}"),
-            {**keywords, "details": details},
+            {"size": size, "threads": options.threads, "details": details},
         )
         for details in DETAILS
+        for size in sizes
     ]
 
 
@@ -60,5 +60,5 @@ def measure(size: int, threads: list[int], details: str) -> list[Row]:
             alternate(timed, least=rounds(size))
             best = {name: timed[name].best for name in methods}
             common = {"size": size, "threads": count, "vertices": mesh.vertex_count, "unit": "s"}
-            rows.append({"work": work, "case": details, **best, **common})
+            rows.append({"work": work, **best, **common})
     return rows

@@ -3,13 +3,16 @@
 #include "native/bindings/discretization.h"
 #include "native/bindings/method_binding.h"
 #include "native/core/errors.h"
+#include "native/surface/sketch/occlusion.h"
 #include "native/surface/sketch/silhouette_lines.h"
 #include "native/surface/sketch/silhouette_sketch.h"
 
 #include <pybind11/stl.h>
 
 #include <array>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -90,7 +93,7 @@ Costs O(n log n). Raises InvalidOption for another shape, or axes that are not o
     module.def(
         "fit_stroke",
         [](const SurfaceMesh& mesh, const py::object& stroke, const py::object& axes, const py::object& eye,
-           const py::object& edges, double nearness) -> py::object {
+           const py::object& edges, double nearness, bool hidden) -> py::object {
             const SketchView view = sketch_view(axes, eye);
             const FloatArray drawn = floats(stroke, "stroke");
             const PointsView places = points<InvalidConstraint>(drawn, "stroke");
@@ -101,9 +104,19 @@ Costs O(n log n). Raises InvalidOption for another shape, or axes that are not o
             std::optional<StrokeFit> fit;
             {
                 const py::gil_scoped_release unlocked;
-                const std::vector<SurfaceLine> lines =
-                    has_edges ? edge_lines(mesh, chosen, view) : silhouette_lines(mesh, view);
-                fit = fit_stroke(mesh, lines, view, places, nearness);
+                if (has_edges) {
+                    fit = fit_stroke(mesh, edge_lines(mesh, chosen, view), view, places, nearness);
+                } else {
+                    std::optional<Occlusion> occlusion; // made when a line is near enough
+                    std::function<bool(const LinePoint&)> hides;
+                    if (!hidden)
+                        hides = [&](const LinePoint& point) {
+                            if (!occlusion)
+                                occlusion.emplace(mesh, view);
+                            return occlusion->hides(point);
+                        };
+                    fit = fit_stroke(mesh, silhouette_lines(mesh, view), view, places, nearness, hides);
+                }
             }
             if (!fit)
                 return py::none();
@@ -111,7 +124,7 @@ Costs O(n log n). Raises InvalidOption for another shape, or axes that are not o
             return py::make_tuple(arrays[0], arrays[1], to_numpy(std::move(fit->targets)));
         },
         py::arg("mesh"), py::arg("stroke"), py::arg("axes"), py::arg("eye") = py::none(),
-        py::arg("edges") = py::none(), py::arg("nearness") = 0.5,
+        py::arg("edges") = py::none(), py::arg("nearness") = 0.5, py::arg("hidden") = false,
         R"(The part of a silhouette that a stroke redraws -> (edges (k, 2), shares (k,), targets (k, 3)), or None.
 
 The points of the part and the stroke are matched by the shares of their arc lengths on the screen. The targets have the
@@ -121,6 +134,7 @@ stroke    (s, 3) points of which only where they are seen counts.
 axes, eye as for silhouette_lines().
 edges     (e, 2) vertices of the edges of a line to take instead of the silhouettes.
 nearness  how far the ends of the stroke may be from the line, as a share of its length. Beyond, the answer is None.
+hidden    whether silhouettes count that are hidden behind the mesh. Chosen edges always do.
 
 Costs O(n log n). Raises InvalidConstraint for a stroke of fewer than two points, without a length, behind the viewer, or
 with a number that is not finite, and for an edge without its vertices; InvalidOption.)");

@@ -22,13 +22,15 @@ RowMatrix uv_map_of(const py::object& object)
 }
 
 py::list control_grids(const SplineSurface& surface, const py::object& poses, const py::object& incoming,
-                       const py::object& from_rest)
+                       const py::object& from_rest, const py::object& grid)
 {
     Poses maps = bindings::poses(poses);
     std::optional<std::vector<bool>> aims = flags(from_rest, maps.size());
-    const OptionalPoints entering(incoming, "incoming");
-    const SolveRequest request{
-        .poses = std::move(maps), .incoming = entering.view, .from_rest = std::move(aims)};
+    const OptionalPoints entering(incoming, "incoming"), moves(grid, "grid");
+    const SolveRequest request{.poses = std::move(maps),
+                               .incoming = entering.view,
+                               .from_rest = std::move(aims),
+                               .grid = moves.view};
     std::vector<SplineSurface::Grid> grids;
     {
         const py::gil_scoped_release unlocked;
@@ -73,11 +75,13 @@ Raises InvalidOption for an option out of its range, and set_handles() raises it
 place on the UV map.)")
         .def("control_grids", &control_grids, py::arg("poses"), py::kw_only(),
              py::arg("incoming") = py::none(), py::arg("from_rest") = py::none(),
+             py::arg("grid") = py::none(),
              R"([(rows, columns, 3)] the control grids, one per part with handles, as these move them.
 
 poses      (k, 3, 4) affine map of each handle in object space, from its rest to its posed state.
 incoming   (n, 3) the shape to deform; None for the rest shape.
 from_rest  None, a flag, or (k,) flags: the handles whose targets are pose * rest instead.
+grid       None, or (g, 3) how far each point is moved further, as solve() takes it.
 
 At rest, the spline of a grid fits the surface. Raises InvalidConstraint for a wrong count, shape or non-finite number.)");
 }

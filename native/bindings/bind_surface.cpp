@@ -52,14 +52,14 @@ bool can_reuse_surface(const SurfaceMethod& method, const py::object& former)
 py::tuple solve(const SurfaceMethod& method, const py::object& poses, const py::object& incoming,
                 const py::object& from_rest, const py::object& start, std::optional<int> max_iterations,
                 std::optional<double> tolerance, const py::object& callback, const py::object& out,
-                int substeps, double morph)
+                int substeps, double morph, const py::object& grid)
 {
     Poses maps = bindings::poses(poses);
     std::optional<std::vector<bool>> aims = flags(from_rest, maps.size());
-    const OptionalPoints entering(incoming, "incoming"), first(start, "start");
-    const SolveRequest request{std::move(maps),    entering.view,  std::move(aims),
-                               first.view,         max_iterations, tolerance,
-                               progress(callback), substeps,       morph};
+    const OptionalPoints entering(incoming, "incoming"), first(start, "start"), moves(grid, "grid");
+    const SolveRequest request{std::move(maps), entering.view, std::move(aims),    first.view,
+                               max_iterations,  tolerance,     progress(callback), substeps,
+                               morph,           moves.view};
     return solved(out, method.rest().vertex_count(),
                   [&](Points& positions) { return method.solve(request, positions); });
 }
@@ -114,7 +114,7 @@ stay as they were.)")
              py::arg("from_rest") = py::none(), py::arg("start") = py::none(),
              py::arg("max_iterations") = py::none(), py::arg("tolerance") = py::none(),
              py::arg("progress") = py::none(), py::arg("out") = py::none(), py::arg("substeps") = 1,
-             py::arg("morph") = 0.0,
+             py::arg("morph") = 0.0, py::arg("grid") = py::none(),
              R"(Deform -> (positions (n, 3), SolveReport). No factorisation; safe from several threads.
 
 poses           (k, 3, 4) affine map of each handle in object space, from its rest to its posed state.
@@ -132,6 +132,8 @@ substeps        >= 1: in how many steps the handles go to their poses. ThinShell
                 it. Multiresolution passes them on to its base. The others would reach the same shape, and take one
                 step.
 morph           in [0, 1]: how far PyramidCoordinates goes to its target shape; the others do not use it.
+grid            None, or (g, 3) how far each point of the control grids of a SplineSurface is moved from where the
+                handles lead it, in the order of control_grids(). The others have no grid, and do not use it.
 
 A linear method accepts start, max_iterations, tolerance and progress, but does not use them.
 Raises InvalidConstraint for a wrong count, shape or non-finite number, InvalidOption or Cancelled. If the

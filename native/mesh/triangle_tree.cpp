@@ -136,6 +136,12 @@ bool TriangleTree::meets(const Corners& triangle) const
     return !t.is_degenerate() && impl_->tree.do_intersect(t);
 }
 
+bool TriangleTree::meets(const Vector3& from, const Vector3& to) const
+{
+    const Kernel::Segment_3 segment(exact(from), exact(to));
+    return !segment.is_degenerate() && impl_->tree.do_intersect(segment);
+}
+
 TriangleTree::Place TriangleTree::closest_place(const Vector3& point) const
 {
     const auto [found, triangle] = impl_->tree.closest_point_and_primitive(exact(point));

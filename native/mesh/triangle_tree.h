@@ -47,6 +47,9 @@ public:
 
     /// Whether a triangle touches or crosses one of the tree. Exact; false for a flat triangle.
     bool meets(const Corners& triangle) const;
+    /// Whether the segment between two points touches or crosses a triangle of the tree. Exact; false for two
+    /// equal points.
+    bool meets(const Vector3& from, const Vector3& to) const;
     /// The closest point on the triangles, up to rounding. There must be a triangle.
     Vector3 closest(const Vector3& point) const { return closest_place(point).point; }
 

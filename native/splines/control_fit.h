@@ -20,8 +20,8 @@ using WeightRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 /// With s = 0, directions of c that B scales by less than 1e-6 of its largest singular value count as open.
 ///
 ///   call         cost
-///   constructor  O(c w^2 + k^3) for c rows of w weights and k control points; k^3 is 25 times as dear if s =
-///   0 solve()      O(c w + k^2) per column
+///   constructor  O(c w^2 + k^3) for c rows of w weights and k control points, k^3 25 times as dear if s = 0
+///   solve()      O(c w + k^2) per column
 class ControlFit
 {
 public:

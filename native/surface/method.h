@@ -33,6 +33,9 @@ struct SolveRequest
     int substeps = 1;
     /// In [0, 1]: how far a method with a target shape goes to it. Others do not read it.
     double morph = 0.0;
+    /// (g, 3) how far each control point is moved from where the handles lead it, of a method with control
+    /// grids (see SplineSurface::control_grids()); without it, not at all.
+    std::optional<PointsView> grid{};
 };
 
 /// A deformation of a surface by handles on it.

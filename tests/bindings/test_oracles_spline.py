@@ -63,3 +63,38 @@ def test_a_map_is_read_from_any_real_array_and_vertices_without_a_place_are_name
     with pytest.raises(sn.InvalidOption, match="3, 20") as caught:
         sn.SplineSurface(mesh, uv_map=lost).set_handles(handles)
     assert (caught.value.element_kind, list(caught.value.elements)) == ("vertex", [3, 20])
+
+
+def test_moved_points_of_the_grid_add_scipys_spline_and_held_vertices_stay() -> None:
+    points, faces = grid(16)
+    degree, columns, rows = 3, 9, 8
+    u, v = (design(points[:, axis], degree, count) for axis, count in ((0, columns), (1, rows)))
+    B = np.einsum("nj,ni->nji", v, u).reshape(len(points), -1)
+    held = np.flatnonzero(points[:, 0] == 0.0)
+    surface = sn.SplineSurface(
+        sn.SurfaceMesh(points, faces),
+        degree=degree,
+        columns=columns,
+        rows=rows,
+        uv_map=points[:, :2],
+        margin=9.0,
+    )
+    surface.set_handles([held])
+    moves = np.random.default_rng(6).normal(size=(rows, columns, 3))
+    moves[:, :4] = 0.0  # these reach the held vertices
+    moves = moves.reshape(-1, 3)
+    poses = np.stack([STILL])
+    found, report = surface.solve(poses, grid=moves)
+    np.testing.assert_allclose(found, points + B @ moves, atol=1e-12)
+    assert report.residual == 0.0
+    shown, rest = (surface.control_grids(poses, grid=given)[0] for given in (moves, None))
+    np.testing.assert_allclose((shown - rest).reshape(-1, 3), moves, atol=1e-12)
+    single = np.empty((len(points), 3), dtype=np.float32)
+    surface.solve(poses, grid=moves, out=single)
+    np.testing.assert_allclose(single, found, atol=1e-5)
+    near = np.ones((rows * columns, 3))
+    found, _ = surface.solve(poses, grid=near)
+    np.testing.assert_array_equal(found[held], points[held])
+    for wrong in (moves[1:], np.full_like(moves, np.nan)):
+        with pytest.raises(sn.InvalidConstraint, match="grid"):
+            surface.solve(poses, grid=wrong)

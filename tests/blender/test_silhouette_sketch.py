@@ -259,6 +259,72 @@ def test_a_deformer_after_the_key_gets_the_redrawn_shape(plate: Rig):
     assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=keyed), 1e-5)
 
 
+def joined_balls(before: float, size: float = 1.0) -> bpy.types.Object:
+    """Two balls in one mesh; the second one of this size stands nearer to the viewer."""
+    first, second = ball(), ball("Second")
+    for vertex in second.data.vertices:
+        vertex.co = size * vertex.co
+        vertex.co.y -= before
+    second.select_set(True)
+    first.select_set(True)
+    bpy.context.view_layer.objects.active = first
+    bpy.ops.object.join()
+    return first
+
+
+def test_an_outline_that_the_mesh_hides_is_taken_only_if_hidden_lines_count():
+    """The stroke runs along the outline of a ball behind a larger one."""
+    obj = joined_balls(4.0, 1.3)
+    before = base_points(obj)
+    behind = before[:, 1] > -2.0
+    stroke = curve(arc(lambda angle: 1.0 + 0.1 * math.cos(0.5 * math.pi * angle)))
+    make_active(obj)
+    assert sketch(stroke, reach=0.4) == {"FINISHED"}
+    moved = np.abs(evaluated_points(obj) - before).max(axis=1) > 1e-6
+    assert moved.any()
+    assert not moved[behind].any()
+    obj.shape_key_clear()
+    assert sketch(stroke, reach=0.4, use_hidden=True) == {"FINISHED"}
+    moved = np.abs(evaluated_points(obj) - before).max(axis=1) > 1e-6
+    assert moved.any()
+    assert not moved[~behind].any()
+
+
+def test_only_the_loose_part_with_the_line_follows():
+    """Another one touches it, and the whole surface follows."""
+    obj = joined_balls(1.5, 0.7)
+    before = base_points(obj)
+    stroked = np.arange(len(before)) < len(before) // 2
+    make_active(obj)
+    assert sketch(curve(arc(bump)), unlimited=True) == {"FINISHED"}
+    after = evaluated_points(obj)
+    assert np.abs(after[stroked] - before[stroked]).max() > 0.2
+    assert np.array_equal(after[~stroked], before[~stroked])
+
+
+def test_fixed_regions_stay_and_a_line_inside_one_is_refused():
+    obj = ball()
+    before = base_points(obj)
+    fixed = before[:, 2] > 0.4
+    obj.vertex_groups.new(name="Above").add(np.flatnonzero(fixed).tolist(), 1.0, "REPLACE")
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Above")
+    make_active(obj)
+    assert sketch(curve(arc(bump)), unlimited=True) == {"FINISHED"}
+    keyed = np.array([p.co[:] for p in obj.data.shape_keys.key_blocks["Silhouette"].data])
+    assert np.array_equal(keyed[fixed], before[fixed].astype(np.float32))
+    assert np.abs(keyed[~fixed] - before[~fixed]).max() > 0.2
+    above = arc(lambda angle: 1.1, 0.3) @ np.array(Matrix.Rotation(math.radians(-60.0), 3, "Y")).T
+    above[:, 1] = -3.0
+    assert above[:, 2].min() > 0.5
+    make_active(obj)
+    with pytest.raises(RuntimeError, match="Fixed regions"):
+        sketch(curve(above, "Above"))
+    assert key_names(obj) == ["Basis", "Silhouette"]
+    obj.sinew.deformers[0].handles[0].kind = "SUPPORT"
+    assert sketch(bpy.data.objects["Above"], reach=0.2) == {"FINISHED"}
+
+
 def test_selected_edges_are_the_line():
     obj = grid_object(cells=20)
     make_active(obj)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -119,6 +120,43 @@ def test_a_source_that_is_not_finite_in_a_frame_is_refused_and_no_file_stays(pai
         transfer(plate.obj, target, tmp_path / "stout")
     assert not list(tmp_path.iterdir())
     assert not target.modifiers
+
+
+def test_escape_in_the_middle_leaves_the_disk_and_the_scene_as_they_were(pair, tmp_path: Path, room):
+    """What a window does: some frames at each tick of a timer, until Esc is pressed."""
+    plate, target = pair
+    bpy.context.scene.frame_set(3)
+    said: list[str] = []
+
+    class Operator(room("operators.frame_by_frame").FrameByFrame):
+        doing, did, cancelled = "transferring", "Transferred", "It was cancelled"
+
+        def report(self, _kind: set[str], text: str) -> None:
+            said.append(text)
+
+    job = room("bake").Transferring(
+        plate.obj, target, bpy.context.scene, range(1, 50_000), str(tmp_path / "stout")
+    )
+    operator = Operator()
+    operator._job, operator._timer = job, object()
+    context = SimpleNamespace(
+        window_manager=SimpleNamespace(
+            progress_update=lambda done: None,
+            progress_end=lambda: said.append("progress ends"),
+            event_timer_remove=lambda timer: said.append("timer ends"),
+        ),
+        workspace=SimpleNamespace(status_text_set=lambda text: None),
+    )
+    send = lambda kind, value="PRESS": operator.modal(context, SimpleNamespace(type=kind, value=value))  # noqa: E731
+    assert send("TIMER") == send("MOUSEMOVE") == send("ESC", "RELEASE") == {"RUNNING_MODAL"}
+    assert 0 < job.done < job.total
+    assert list(tmp_path.iterdir())  # a part of the file
+    assert send("ESC") == {"CANCELLED"}
+    assert said == ["timer ends", "progress ends", "It was cancelled"]
+    assert not list(tmp_path.iterdir())
+    assert not target.modifiers
+    assert bpy.context.scene.frame_current == 3
+    assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
 
 
 def test_a_render_without_the_add_on_shows_the_transfer(pair, tmp_path: Path):

@@ -143,6 +143,17 @@ class Pointer(Parameter):
 
 
 @dataclass(frozen=True, kw_only=True)
+class GridPoints(Pointer):
+    """A mesh object whose vertices are the points of the control grids of the method.
+
+    The native module gets how far each of them is moved after the modifiers of the object, (g, 3) float64 in
+    the space of the target, or None if no object is chosen. It is a keyword of ``solve``.
+    """
+
+    types: tuple[str, ...] = ("MESH",)
+
+
+@dataclass(frozen=True, kw_only=True)
 class MeshObject(Pointer):
     """A mesh object whose mesh, without its modifiers, the method uses.
 

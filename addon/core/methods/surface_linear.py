@@ -12,6 +12,7 @@ from .schema import (
     Curve,
     Family,
     Float,
+    GridPoints,
     Int,
     Method,
     Moved,
@@ -407,6 +408,12 @@ ROWS = (
                 description="Control points across it, or along v of the UV map; at least one more than the "
                 "degree",
             ),
+            GridPoints(
+                "grid",
+                label="Grid Object",
+                description="The mesh whose points move those of the control grid, which New Grid makes; if "
+                "empty, the regions alone move them",
+            ),
             UvMap(
                 "uv_map",
                 rebinds=True,
@@ -450,7 +457,7 @@ ROWS = (
         summary="Laplacian editing with a graph of points inside, so that bends keep more of the volume",
         iterative=False,
         moves=frozenset({Moved.MESH}),
-        bind_seconds=factorising(0.33),
+        bind_seconds=factorising(0.3),
         reproduces=Reproduced.AFFINE_MAPS,
         symmetric=False,
         parameters=(
@@ -485,7 +492,7 @@ ROWS = (
         summary="Edits any level of a subdivided mesh, and keeps what was sculpted on the finer ones",
         iterative=False,
         moves=frozenset({Moved.MESH}),
-        bind_seconds=factorising(0.05),
+        bind_seconds=factorising(0.025),
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Choice(

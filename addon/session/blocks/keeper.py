@@ -28,7 +28,11 @@ def find_driver(obj: Object) -> FCurve | None:
 
 def pointer_links(obj: Object) -> list[Link]:
     """The objects that parameters refer to."""
-    return [Link(other) for deformer in obj.sinew.deformers for other in pointed(deformer)]
+    return [
+        Link(other, by_shape=by_shape)
+        for deformer in obj.sinew.deformers
+        for other, by_shape in pointed(deformer)
+    ]
 
 
 def is_kept(obj: Object) -> bool:

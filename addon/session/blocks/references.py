@@ -15,10 +15,11 @@ from ...backend import Shape
 from ...compat import read_faces, read_positions
 from ...core.errors import OptionError
 from ...core.geometry import frames
-from ...core.methods import METHODS, Curve, MeshObject, MeshShape, Parameter, Pointer, UvMap
+from ...core.methods import METHODS, Curve, GridPoints, MeshObject, MeshShape, Parameter, Pointer, UvMap
 from ...ids import Datablocks, Keys
 from ...mesh_io import RestShape, read_rest
 from ...properties import SinewDeformer
+from . import grids
 
 _NODE = "ShaderNodeFloatCurve"
 
@@ -74,12 +75,12 @@ def _drawn(deformer: SinewDeformer) -> Iterator[tuple[PropertyGroup, str]]:
                 yield values, parameter.id
 
 
-def pointed(deformer: SinewDeformer) -> Iterator[Object]:
-    """The objects that parameters refer to."""
+def pointed(deformer: SinewDeformer) -> Iterator[tuple[Object, bool]]:
+    """The objects that parameters refer to, and whether their shapes count."""
     for values, parameter in _referring(deformer):
         obj = getattr(values, parameter.id)
         if isinstance(parameter, Pointer) and obj is not None:
-            yield obj
+            yield obj, isinstance(parameter, (GridPoints, MeshObject))
 
 
 def has_mesh_shape(settings: SinewDeformer) -> bool:
@@ -121,7 +122,10 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
 
 
 def placed(settings: SinewDeformer) -> list[object]:
-    """The same for all parameters, but quicker: the points of curves, and the matrices of objects."""
+    """The same for all parameters, but quicker: the points of curves, and the matrices of objects.
+
+    The shape of an object is only read where it counts.
+    """
     return [
         _matrix(values, parameter)
         if isinstance(parameter, Pointer) and not isinstance(parameter, MeshObject)
@@ -131,13 +135,15 @@ def placed(settings: SinewDeformer) -> list[object]:
 
 
 def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | Shape | None:
-    """The value in the form that a recipe takes: see ``Curve``, ``Pointer`` and ``MeshObject``."""
+    """The value in the form that the native module takes: see ``Curve``, ``Pointer`` and its kinds."""
     if isinstance(parameter, Curve):
         return _samples(values, parameter)
     obj = getattr(values, parameter.id)
     if obj is None:
         return None
     target = np.array(values.id_data.matrix_world, dtype=np.float64)
+    if isinstance(parameter, GridPoints):
+        return grids.moves(obj, target)
     frame = (frames.inverse(target, "The mesh object") @ np.array(obj.matrix_world, dtype=np.float64))[:3]
     if not isinstance(parameter, MeshObject):
         return frame
@@ -173,7 +179,16 @@ def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> 
 
 def _matrix(values: PropertyGroup, parameter: Parameter) -> object:
     obj = getattr(values, parameter.id)
-    return None if obj is None else obj.matrix_world.copy().freeze()
+    if obj is None:
+        return None
+    world = obj.matrix_world.copy().freeze()
+    if not isinstance(parameter, GridPoints):
+        return world
+    try:
+        found = grids.read(obj)
+    except OptionError as error:
+        return str(error)  # the solve raises it
+    return None if found is None else (world, hash(found[0].tobytes()))
 
 
 def _draw(mapping: CurveMapping, points: tuple[tuple[float, float], ...]) -> None:

@@ -5,13 +5,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import bpy
+import numpy as np
 from bpy.types import Mesh, Object
 
 from ... import compat
 from ...core.methods import group_property
 from ...ids import Datablocks, Keys
 from ...mesh_io import RestShape, group_names, group_weights, read_uv_map
-from ...properties import SinewDeformer
+from ...properties import SinewDeformer, deformers_of
 from . import references
 from .node_group import attach
 from .nodes import Builder
@@ -51,6 +52,20 @@ def follow_renamed_groups(obj: Object, deformer: SinewDeformer) -> bool:
             mesh[Keys.REST_GROUPS] = [group.name for group in obj.vertex_groups]
     deformer.take_group_names(renamed)
     return True
+
+
+def fixed_vertices(obj: Object, mesh: Mesh) -> np.ndarray:
+    """Which vertices of a mesh of an object belong to fixed regions of its deformers, bool (n,)."""
+    groups = {
+        handle.vertex_group
+        for deformer in deformers_of(obj)
+        for handle in deformer.handles
+        if handle.kind == "FIXED" and handle.enabled
+    }
+    fixed = np.zeros(len(mesh.vertices), dtype=bool)
+    for weights in group_weights(mesh, [group.name for group in obj.vertex_groups], groups).values():
+        fixed |= weights > 0.0
+    return fixed
 
 
 def read_weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:

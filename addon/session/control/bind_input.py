@@ -12,6 +12,7 @@ from ...core.methods import (
     METHODS,
     Curve,
     Float,
+    GridPoints,
     MeshShape,
     Method,
     Parameter,
@@ -28,8 +29,15 @@ _Names = tuple[tuple[str, ...], tuple[Parameter, ...]]
 
 
 def _names(method: Method, rebinds: bool) -> _Names:
-    """The properties of a method with plain values, and its parameters that refer to other datablocks."""
-    chosen = [parameter for parameter in method.parameters if parameter.rebinds == rebinds]
+    """The properties of a method with plain values, and its parameters that refer to other datablocks.
+
+    Grids are left out: they are poses, see ``grid_moves``.
+    """
+    chosen = [
+        parameter
+        for parameter in method.parameters
+        if parameter.rebinds == rebinds and not isinstance(parameter, GridPoints)
+    ]
     referring = tuple(parameter for parameter in chosen if parameter in method.references)
     plain = [parameter.id for parameter in chosen if parameter not in referring]
     if rebinds and method.wraps:
@@ -132,8 +140,19 @@ def solve_options(settings: SinewDeformer) -> dict[str, Any]:
         parameter.id: _value(values, parameter)
         for method, values in reversed(settings.methods)
         for parameter in method.parameters
-        if not parameter.rebinds
+        if not parameter.rebinds and not isinstance(parameter, GridPoints)
     }
+
+
+def grid_moves(settings: SinewDeformer) -> dict[str, np.ndarray]:
+    """The keywords of ``solve`` for the control grids that an artist moves, (g, 3) float64 each."""
+    found = {
+        parameter.id: _value(values, parameter)
+        for method, values in settings.methods
+        for parameter in method.parameters
+        if isinstance(parameter, GridPoints)
+    }
+    return {name: moves for name, moves in found.items() if moves is not None}
 
 
 def _value(values: PropertyGroup, parameter: Parameter) -> Any:

@@ -162,7 +162,9 @@ def object_with(deformer: SinewDeformer, elements: Elements) -> Object:
 
 def posed_by(control: Object, preferred: str = "") -> Object | None:
     """An object that is moved by this control, or by one of its bones: the one of this name, or the first."""
-    found = [obj for obj in owners() if any(link.object == control for link in _links(obj))]
+    found = [
+        obj for obj in owners() if any(link.object == control for link in (*_links(obj), *pointer_links(obj)))
+    ]
     return next((obj for obj in found if obj.name == preferred), found[0] if found else None)
 
 

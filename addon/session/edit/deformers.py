@@ -16,6 +16,7 @@ from ..blocks.owners import forget_owners
 from ..control import kinds
 from ..live import binding
 from ..memory import sessions
+from . import grids
 
 
 @sessions.suspended()
@@ -44,6 +45,7 @@ def remove_deformer(obj: Object, index: int) -> None:
     deformer = obj.sinew.deformers[index]
     for kind in kinds.every_kind():
         kind.release(obj, deformer)
+    grids.release_grids(obj, deformer)
     forget_deformer(obj, index)
 
 

@@ -113,8 +113,10 @@ class Relations:
                     yield Part(SHAPE, link.object)
                 if link.bone:
                     yield Part(POSE, link.object, link.bone)
-            for other in references.pointed(deformer):
+            for other, by_shape in references.pointed(deformer):
                 yield Part(PLACE, other)
+                if by_shape:
+                    yield Part(SHAPE, other)
         yield from self._driven(rig, "sinew.")
 
     def _entering(self, rig: Object) -> Iterator[Part]:

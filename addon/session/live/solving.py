@@ -21,7 +21,7 @@ from ...core.errors import CancelledError, OptionError, SolverError, TopologyCha
 from ...core.status import Level, Status
 from ...mesh_io import shape_array, write_shape
 from ..control import kinds
-from ..control.bind_input import option_values, solve_options
+from ..control.bind_input import grid_moves, option_values, solve_options
 from ..memory import render_writes
 from ..memory.background import Work
 from ..memory.evaluation import Evaluation
@@ -95,6 +95,7 @@ def _question(
     control, further = found
     if evaluation.in_viewport:
         evaluation.session.asked = Asked(bound, control, further, incoming)
+    further = {**further, **grid_moves(evaluation.settings)}
     options = solve_options(evaluation.settings)
     posed = (control.tobytes(), *(value.tobytes() for value in further.values()))
     signature = (bound.key, posed, option_values(evaluation.settings, rebinds=False), displacement)

@@ -152,6 +152,15 @@ def bands(deformer: SinewDeformer) -> np.ndarray | None:
     return session.bound.factor.bands()
 
 
+def rest_grids(deformer: SinewDeformer) -> list[np.ndarray]:
+    """The control grids of the rest shape, in the same form; none without a grid, or before the bind."""
+    session = sessions.find(deformer.uid)
+    if session is None or session.bound is None or session.bound.factor.is_released:
+        return []
+    still = np.tile(np.eye(4)[:3], (len(session.bound.handles), 1, 1))
+    return session.bound.factor.control_grids(still)
+
+
 def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | None:
     """The weights of a vertex group, float32 (n,); None if there is none.
 

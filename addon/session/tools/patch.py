@@ -17,7 +17,8 @@ from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, MeshError, TopologyChangedError
 from ...core.geometry import frames, reach
 from ...core.status import Remedy
-from ...mesh_io import group_weights, read_rest
+from ...mesh_io import read_rest
+from ..blocks.vertex_groups import fixed_vertices
 from ..memory import sessions
 
 NOTHING_SELECTED = "Nothing is selected - select the vertices to grab"
@@ -100,13 +101,7 @@ class Patch:
             hidden = np.empty(len(shape.points), dtype=bool)
             mesh.vertices.foreach_get("select", selected)
             mesh.vertices.foreach_get("hide", hidden)
-            groups = {
-                handle.vertex_group
-                for deformer in obj.sinew.deformers
-                for handle in deformer.handles
-                if handle.kind == "FIXED" and handle.enabled
-            }
-            painted = group_weights(mesh, [group.name for group in obj.vertex_groups], groups)
+            fixed = fixed_vertices(obj, mesh)
         finally:
             bpy.data.meshes.remove(mesh)
         self._rest, self._counts, self._corners = shape.points_float32, shape.counts, shape.corners
@@ -114,8 +109,7 @@ class Patch:
         stays = hidden.copy()
         stays[shape.not_finite] = True
         self.lost = len(shape.not_finite)  # vertices with invalid coordinates
-        for weights in painted.values():
-            stays |= weights > 0.0
+        stays |= fixed
         if not (selected & ~hidden).any():
             raise ConstraintError(NOTHING_SELECTED)
         if not (selected & ~stays).any():

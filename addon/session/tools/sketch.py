@@ -20,10 +20,13 @@ from ...core.geometry import frames, reach
 from ...core.status import Remedy
 from ...mesh_io import RestShape, read_rest
 from ..blocks import targets
+from ..blocks.vertex_groups import fixed_vertices
 from ..live import binding
 
 KEY = "Silhouette"
 NO_LINE = "There is no silhouette near both ends of the stroke - begin and end it on the outline to redraw"
+NO_LINE_SEEN = f"{NO_LINE}, or let Hidden Lines count"
+ALL_FIXED = "The line lies in Fixed regions, which stay - draw another part of it"
 NO_EDGES_NEAR = "No line of selected edges is near both ends of the stroke - begin and end it on that line"
 TOO_SHORT = "The stroke is too short - draw a longer one"
 NO_EDGES = "No edges are selected - select the line to redraw in Edit Mode"
@@ -49,8 +52,13 @@ class Sketch:
     world, relative to the location of the object.
     """
 
-    def __init__(self, obj: Object, along_edges: bool = False, replaced: str = "") -> None:
-        """Read the mesh. The shape key named ``replaced`` is redrawn; without a name a new one is made."""
+    def __init__(
+        self, obj: Object, along_edges: bool = False, replaced: str = "", hidden: bool = False
+    ) -> None:
+        """Read the mesh. The shape key named ``replaced`` is redrawn; without a name a new one is made.
+
+        ``hidden``: silhouettes count that the mesh itself hides.
+        """
         binding.require_backend()
         _require(obj)
         if replaced and (replaced == _basis_name(obj) or replaced not in _keys(obj)):
@@ -73,6 +81,8 @@ class Sketch:
         self._points = self._rest.points @ world[:3, :3].T
         self._triangles = reach.TriangleMesh(len(self._points), self._rest.counts, self._rest.corners)
         self._edges = _selected_edges(obj) if along_edges else None
+        self._hidden = hidden
+        self._stays = fixed_vertices(obj, obj.data)
         self._line: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     def draw(self, stroke: np.ndarray, sight: Sight) -> float:
@@ -89,9 +99,13 @@ class Sketch:
         if np.ptp(seen @ sight.axes[:2].T, axis=0).max() <= 0.0:
             raise ConstraintError(TOO_SHORT)
         shape = Shape(self._points, (self._rest.counts, self._rest.corners))
-        line = sketched_part(shape, stroke - self._origin, sight.axes, eye, self._edges)
+        line = sketched_part(shape, stroke - self._origin, sight.axes, eye, self._edges, self._hidden)
         if line is None:
-            raise ConstraintError(NO_LINE if self._edges is None else NO_EDGES_NEAR)
+            if self._edges is not None:
+                raise ConstraintError(NO_EDGES_NEAR)
+            raise ConstraintError(NO_LINE if self._hidden else NO_LINE_SEEN)
+        if self._stays[line[0]].all():
+            raise ConstraintError(ALL_FIXED, Elements(Owner.TARGET, "vertex", np.unique(line[0])))
         self._line = line
         before = self.line - self._origin
         lengths = np.linalg.norm(np.diff(line[2], axis=0), axis=1).sum()
@@ -108,21 +122,26 @@ class Sketch:
     def follow(self, obj: Object, radius: float, sharpness: float = 0.0) -> None:
         """Let what lies within ``radius`` of the line follow it, in world units over the surface.
 
-        Infinite: all connected. The first call makes the shape key.
+        Infinite: all connected. Fixed regions stay, and so does what only they connect with the line. The
+        first call makes the shape key.
         """
         edges, shares, goals = self._found()
         counts, corners = self._rest.counts, self._rest.corners
-        sources, barred = np.zeros((2, len(self._points)), dtype=bool)
+        sources = np.zeros(len(self._points), dtype=bool)
         sources[edges] = True
+        sources &= ~self._stays
         if np.isinf(radius):
-            free = self._triangles.connected(sources, barred)
+            free = self._triangles.connected(sources, self._stays)
         else:
-            free = self._triangles.lengths(self._points, sources, barred, radius) <= radius
+            free = self._triangles.lengths(self._points, sources, self._stays, radius) <= radius
+        free &= ~self._stays
         members, faces = reach.submesh(counts, corners, reach.with_rings(counts, corners, free, _RINGS))
         place = np.full(len(sources), -1, dtype=np.int32)
         place[members] = np.arange(len(members), dtype=np.int32)
         held = np.flatnonzero(~free[members])
-        found = sketched(Shape(self._points[members], faces), (place[edges], shares, goals), held, sharpness)
+        near = (place[edges] >= 0).all(axis=1)  # others lie deep in fixed regions
+        line = place[edges][near], shares[near], goals[near]
+        found = sketched(Shape(self._points[members], faces), line, held, sharpness)
         moves = np.zeros_like(self._points)
         moves[members] = (found - self._points[members]) @ self._inverse.T
         with np.errstate(over="ignore"):  # refused just below

@@ -52,6 +52,7 @@ class SurfaceMethod:
         out: Singles | None = None,
         substeps: int = 1,
         morph: float = 0.0,
+        grid: ArrayLike | None = None,
     ) -> tuple[Floats | Singles, SolveReport]: ...
     @property
     def rest(self) -> SurfaceMesh: ...
@@ -113,6 +114,7 @@ class SplineSurface(SurfaceMethod):
         *,
         incoming: ArrayLike | None = None,
         from_rest: ArrayLike | None = None,
+        grid: ArrayLike | None = None,
     ) -> list[Floats]: ...
 
 class SubdivisionEditing(SurfaceMethod):
@@ -324,4 +326,5 @@ def fit_stroke(
     eye: ArrayLike | None = None,
     edges: ArrayLike | None = None,
     nearness: float = 0.5,
+    hidden: bool = False,
 ) -> tuple[Ints, Floats, Floats] | None: ...

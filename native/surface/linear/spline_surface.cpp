@@ -2,6 +2,7 @@
 #include "native/surface/linear/spline_surface.h"
 
 #include "native/core/errors.h"
+#include "native/core/finite.h"
 #include "native/core/parallel.h"
 #include "native/handles/held_system.h"
 #include "native/mesh/principal_frame.h"
@@ -104,18 +105,50 @@ struct Binding
     };
     std::unique_ptr<Pool<Frame>> frames = std::make_unique<Pool<Frame>>();
 
+    /// The moves of a request; null if there are none.
+    /// \throw InvalidConstraint  not one for each control point, or one is not finite.
+    const PointsView* moves(const SolveRequest& request) const
+    {
+        if (!request.grid)
+            return nullptr;
+        const auto count = static_cast<Eigen::Index>(patches.size()) * grid.size();
+        if (request.grid->rows() != count)
+            throw InvalidConstraint("grid: " + std::to_string(request.grid->rows()) + " moves given for " +
+                                    std::to_string(count) + " control points");
+        if (!all_finite(*request.grid))
+            throw InvalidConstraint("grid: NaN or infinite moves");
+        return request.grid->isZero(0) ? nullptr : &*request.grid;
+    }
+
+    /// (c, 3) what the handles ask of each constraint.
+    void read(const Targets& targets, RowMatrix& wanted) const
+    {
+        wanted.resize(static_cast<Eigen::Index>(constraints.size()), 3);
+        for (std::size_t row = 0; row < constraints.size(); ++row) {
+            const auto [vertex, handle] = constraints[row];
+            wanted.row(static_cast<Eigen::Index>(row)) =
+                targets.position(vertex, handle).transpose() - targets.base().row(vertex);
+        }
+    }
+
     /// What the spline does where the handles want `wanted` (c, m).
     /// \param[in,out] spline  (n, m) its displacements; in held vertices that no grid covers, what is wanted;
     ///   rows of parts without handles stay.
     /// \param[out] missed, load  (m, m) inner products of what it missed, and of what was wanted.
-    void follow(const RowMatrix& wanted, RowMatrix& spline, MatrixX& missed, MatrixX& load) const
+    /// \param moves  (g, m) what is added to the control points of all patches; nothing if it is null.
+    void follow(const RowMatrix& wanted, RowMatrix& spline, MatrixX& missed, MatrixX& load,
+                const PointsView* moves = nullptr) const
     {
         missed = load = MatrixX::Zero(wanted.cols(), wanted.cols());
         for (std::size_t row = 0; row < hard; ++row)
             spline.row(constraints[row].vertex) = wanted.row(static_cast<Eigen::Index>(row));
+        Eigen::Index first = 0; // point of the patch
         for (const Patch& patch : patches) {
-            const RowMatrix control = patch.control(wanted, load);
+            RowMatrix control = patch.control(wanted, load);
             missed += patch.missed(control, wanted);
+            if (moves)
+                control += moves->middleRows(first, grid.size());
+            first += grid.size();
             parallel_for(static_cast<int>(patch.vertices.size()), [&](int i) {
                 grid.evaluate(patch.seats[i], control, &spline(patch.vertices[i], 0));
             });
@@ -292,21 +325,17 @@ SolveReport SplineSurface::deform(const SolveRequest& request, const Targets& ta
                                   Points& positions) const
 {
     const Binding& bound = *impl_->bound;
-    if (bound.basis && !request.incoming)
+    const PointsView* moves = bound.moves(request);
+    if (bound.basis && !request.incoming && !moves)
         return bound.basis->solve(request.poses, positions, !idle_parts_ride());
     const auto frame = bound.frames->take([&] {
         auto kept = std::make_unique<Binding::Frame>();
         kept->spline = RowMatrix::Zero(rest().vertex_count(), 3);
-        kept->wanted.resize(static_cast<Eigen::Index>(bound.constraints.size()), 3);
         return kept;
     });
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
-        const auto [vertex, handle] = bound.constraints[row];
-        frame->wanted.row(static_cast<Eigen::Index>(row)) =
-            targets.position(vertex, handle).transpose() - targets.base().row(vertex);
-    }
+    bound.read(targets, frame->wanted);
     MatrixX missed, load;
-    bound.follow(frame->wanted, frame->spline, missed, load);
+    bound.follow(frame->wanted, frame->spline, missed, load, moves);
     // The field that is spread is d - spline, with its Dirichlet energy.
     SolveReport report = bound.system.solve(targets, positions, [&](RowMatrix& b) {
         b.noalias() = bound.L * frame->spline;
@@ -323,18 +352,19 @@ std::vector<SplineSurface::Grid> SplineSurface::control_grids(const SolveRequest
                           request.from_rest ? &*request.from_rest : nullptr};
     targets.check(regions().handle_count());
     const Binding& bound = *impl_->bound;
-    RowMatrix wanted(static_cast<Eigen::Index>(bound.constraints.size()), 3);
-    for (std::size_t row = 0; row < bound.constraints.size(); ++row) {
-        const auto [vertex, handle] = bound.constraints[row];
-        wanted.row(static_cast<Eigen::Index>(row)) =
-            targets.position(vertex, handle).transpose() - targets.base().row(vertex);
-    }
+    const PointsView* moves = bound.moves(request);
+    RowMatrix wanted;
+    bound.read(targets, wanted);
     std::vector<Grid> grids;
+    Eigen::Index first = 0; // point of the patch
     for (const Patch& patch : bound.patches) {
         MatrixX load = MatrixX::Zero(3, 3);
         const RowMatrix at = targets.base()(patch.fitted, Eigen::all);
-        grids.push_back(
-            {bound.grid.columns(), bound.grid.rows(), patch.rest.solve(at) + patch.control(wanted, load)});
+        Points points = patch.rest.solve(at) + patch.control(wanted, load);
+        if (moves)
+            points += moves->middleRows(first, bound.grid.size());
+        first += bound.grid.size();
+        grids.push_back({bound.grid.columns(), bound.grid.rows(), std::move(points)});
     }
     return grids;
 }

@@ -44,19 +44,22 @@ struct SplineSurfaceOptions
 /// may fly off. So by default, second differences of the grid cost energy, which also makes fair what the
 /// data leave open.
 ///
+/// SolveRequest::grid moves control points further. Each moves the rectangle of its degree + 1 spans in both
+/// directions, and held vertices stay where the handles hold them.
+///
 /// A spline of few control points does not meet all vertices of a handle. Held vertices are met exactly all
 /// the same: what the spline misses there is spread over the free surface by a harmonic field (Eq. 8 with
 /// positive weights), so that no step shows at the border of a region. Soft handles pull at the spline with
 /// their weights, and then at that field. The report's energy is the Dirichlet energy of this field, and its
-/// residual how much the spline missed: the root of sum W |B c - d|^2 / sum W |d|^2.
+/// residual how much the spline of the handles missed: the root of sum W |B c - d|^2 / sum W |d|^2.
 ///
 ///   call             repeat it when ...            cost
 ///   constructor      rest shape or faces changed   nothing
 ///   set_handles()    another set of handles        one factorisation of a Laplacian, for k control points
 ///                                                  O(k^3), and for the basis of up to 16 handles 4 solves
 ///                                                  each
-///   solve()          the handles moved             O(n) per handle with the basis; else O(n + k^2) and one
-///                                                  solve for x, y and z
+///   solve()          the handles moved             O(n) per handle with the basis; else, or if control
+///                                                  points are moved, O(n + k^2) and one solve for x, y, z
 ///   control_grids()  the grid is shown             O(n + k^2)
 ///
 /// Being linear, it suits translations and gentle bends of sheets; the rectangular grid shows in the result,
@@ -79,7 +82,7 @@ public:
         Points points; ///< (columns * rows, 3) row by row
     };
     /// One grid per part with a free vertex and a handle, in the order of the parts. At rest, the spline of a
-    /// grid fits the surface.
+    /// grid fits the surface. SolveRequest::grid has a row for each of their points, grid after grid.
     /// \throw InvalidConstraint  as solve().
     std::vector<Grid> control_grids(const SolveRequest& request) const;
 

@@ -259,7 +259,8 @@ std::vector<SurfaceLine> edge_lines(const SurfaceMesh& mesh, std::span<const Seg
 }
 
 std::optional<StrokeFit> fit_stroke(const SurfaceMesh& mesh, std::span<const SurfaceLine> lines,
-                                    const SketchView& view, const PointsView& stroke, double nearness)
+                                    const SketchView& view, const PointsView& stroke, double nearness,
+                                    const std::function<bool(const LinePoint&)>& hidden)
 {
     view.check();
     if (stroke.rows() < 2)
@@ -289,6 +290,16 @@ std::optional<StrokeFit> fit_stroke(const SurfaceMesh& mesh, std::span<const Sur
         if (!(std::max(at_first, at_last) <= nearness * drawn.length()))
             continue;
         const double whole = path.length();
+        std::vector<std::optional<bool>> known(line.points.size());
+        const auto is_mostly_hidden = [&](const std::vector<std::pair<double, int>>& inside) {
+            const auto count = std::ranges::count_if(inside, [&](const auto& point) {
+                std::optional<bool>& found = known[point.second];
+                if (hidden && !found)
+                    found = hidden(line.points[point.second]);
+                return found.value_or(false);
+            });
+            return 2 * count > static_cast<std::ptrdiff_t>(inside.size());
+        };
         for (const Part& part : parts_between(first, last, whole, line.closed)) {
             double cost = 0.0;
             for (int k = 0; k <= samples; ++k) {
@@ -301,7 +312,7 @@ std::optional<StrokeFit> fit_stroke(const SurfaceMesh& mesh, std::span<const Sur
             for (int k = 0; k < static_cast<int>(line.points.size()); ++k)
                 if (const double share = part.share(path.arc(k), whole, line.closed); share <= 1)
                     inside.emplace_back(share, k);
-            if (inside.empty())
+            if (inside.empty() || is_mostly_hidden(inside))
                 continue;
             least = cost;
             std::ranges::sort(inside);

@@ -5,6 +5,7 @@
 #include "native/mesh/surface_mesh.h"
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -56,7 +57,7 @@ struct SurfaceLine
 };
 
 /// The silhouettes of a mesh: the curves on which n . v = 0 for normals n that are linear on each triangle,
-/// and the direction v to the viewer; and its borders. Hidden ones are among them.
+/// and the direction v to the viewer; and its borders. Hidden ones are among them: see Occlusion.
 ///
 /// A. Hertzmann, D. Zorin. "Illustrating Smooth Surfaces." SIGGRAPH 2000, section 4. The normals at the
 /// vertices are those of N. Max, "Weights for Computing Vertex Normals from Facet Normals", Journal of
@@ -82,14 +83,16 @@ struct StrokeFit
 /// A part begins and ends at the places that are nearest on the screen to the ends of the stroke; a closed
 /// line has two of them, and the whole line. The part is chosen whose points are nearest, in the mean, to
 /// those of the stroke at the same shares of the arc lengths on the screen, and these are their targets.
-/// Departs from the paper, which finds the lines in an image: here they are those of the mesh, and their
-/// points need no matching.
+/// Parts of which more than half of the points are hidden do not count. Departs from the paper, which finds
+/// the lines in an image: here they are those of the mesh, and their points need no matching.
 /// \param stroke    (s, 3) points in space, of which only where they are seen counts.
 /// \param nearness  how far an end may be from the line, as a share of the length of the stroke.
+/// \param hidden    which points are hidden; without it, none is.
 /// \return nothing where no line has a part as near as that.
 /// \throw InvalidConstraint  the stroke has a point that is not finite or behind the viewer, fewer than two
 ///   points, or no length on the screen.
 std::optional<StrokeFit> fit_stroke(const SurfaceMesh& mesh, std::span<const SurfaceLine> lines,
-                                    const SketchView& view, const PointsView& stroke, double nearness = 0.5);
+                                    const SketchView& view, const PointsView& stroke, double nearness = 0.5,
+                                    const std::function<bool(const LinePoint&)>& hidden = {});
 
 } // namespace sinew

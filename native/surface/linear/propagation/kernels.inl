@@ -26,15 +26,35 @@ inline Three spread(const double* three)
     return {constant(three[0]), constant(three[1]), constant(three[2])};
 }
 
-/// 1 - u / a_1 (1 - u / a_2 (1 - ...)) with a_k = (2 k - 1 + more) (2 k + more): cos, or sin(a) / a with
-/// `more` 1, from u = a^2 up to a right angle.
+/// (-1)^k / (2 k + more)!
+template <int more>
+struct Coefficients
+{
+    double of[12];
+
+    constexpr Coefficients() : of{}
+    {
+        double factor = 1.0;
+        for (int k = 0; k < 12; ++k) {
+            of[k] = factor;
+            factor /= -(2 * k + 1 + more) * (2 * k + 2 + more);
+        }
+    }
+};
+
+/// The sum of coefficients u^k: cos, or sin(a) / a with `more` 1, from u = a^2 up to a right angle. Even and
+/// odd powers are two sums, so that the processor does not wait for one.
 template <int more>
 inline L series(L u)
 {
-    L sum = constant(1.0);
-    for (int k = 11; k > 0; --k)
-        sum = constant(1.0) - sum * (u * constant(1.0 / ((2 * k - 1 + more) * (2 * k + more))));
-    return sum;
+    constexpr Coefficients<more> c;
+    const L square = u * u;
+    L even = constant(c.of[10]), odd = constant(c.of[11]);
+    for (int k = 8; k >= 0; k -= 2) {
+        even = even * square + constant(c.of[k]);
+        odd = odd * square + constant(c.of[k + 1]);
+    }
+    return even + u * odd;
 }
 
 bool move(const PropagatedPart& part, const double* t, const double* from, double* to)

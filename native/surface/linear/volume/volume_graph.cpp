@@ -178,125 +178,136 @@ std::optional<std::vector<Body::Cell>> Body::flood(const std::vector<Vector3>& s
     return found;
 }
 
-} // namespace
-
-VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, const Progress& progress)
+/// What is inside one part.
+struct Filling
 {
-    const int n = mesh.vertex_count();
-    const std::vector<std::array<int, 2>> edges = mesh.edges();
-    const std::vector<int> centre = cells_of_vertices(n, edges);
-    const std::vector<Part> parts = parts_of(mesh, components);
-    VolumeGraph graph;
-    graph.mean_edges.assign(parts.size(), 0.0);
-    std::vector<double> edge_counts(parts.size(), 0.0);
-    for (const auto& [a, b] : edges) {
-        graph.mean_edges[components.labels[a]] += (mesh.point(a) - mesh.point(b)).norm();
-        ++edge_counts[components.labels[a]];
-    }
-    for (std::size_t k = 0; k < parts.size(); ++k)
-        graph.mean_edges[k] /= std::max(edge_counts[k], 1.0);
+    std::vector<int> centres; ///< vertices of the mesh that have a point of the shell
+    std::vector<Vector3> shell, lattice;
+    std::vector<std::array<int, 2>> edges; ///< of the lattice
+    std::vector<std::array<int, 2>> links; ///< from the lattice to centres of the mesh
+    std::vector<Triangle> carriers; ///< of the shell, and of the lattice, among the vertices of the mesh
+};
 
-    struct Inside
-    {
-        std::vector<int> centres;     ///< of the part, that have a point of the shell
-        std::vector<Vector3> shell;
-        std::vector<Vector3> lattice;
-        std::vector<std::array<int, 2>> edges; ///< of the lattice
-        std::vector<std::array<int, 2>> links; ///< from the lattice to centres of the mesh
-        std::vector<Triangle> carriers;        ///< of the shell, and of the lattice
+/// Sums of the area normals around the vertices of a part.
+std::vector<Vector3> normals_of(const Part& part)
+{
+    std::vector<Vector3> normals(part.points.size(), Vector3::Zero());
+    for (const Triangle& t : part.triangles) {
+        const Corners p = corners_of(part.points, t);
+        for (int v : t)
+            normals[v] += (p[1] - p[0]).cross(p[2] - p[0]);
+    }
+    return normals;
+}
+
+/// Lays the shell beneath the centres of a part.
+/// \return places farther inside, from which the lattice can be found.
+std::vector<Vector3> lay_shell(const Part& part, const Body& body, const std::vector<int>& centre,
+                               Filling& in)
+{
+    const std::vector<Vector3> normals = normals_of(part);
+    std::vector<int> local; // vertices of the part that are centres
+    for (int v = 0; v < static_cast<int>(part.points.size()); ++v)
+        if (centre[part.vertices[v]] == part.vertices[v] && normals[v].squaredNorm() > 0)
+            local.push_back(v);
+    const auto below = [&](int v, double depth) -> Vector3 {
+        return part.points[v] - body.sign() * depth * normals[v].normalized();
     };
-    std::vector<Inside> insides(parts.size());
-    int done = 0;
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-        const Part& part = parts[k];
-        progress.tick(0.1 * done / n, "filling the volume");
-        done += static_cast<int>(part.points.size());
-        const double edge = graph.mean_edges[k];
-        if (static_cast<int>(part.triangles.size()) < least_triangles || !(part.area > 1e-10 * edge * edge))
-            continue;
-        const Body body(part, edge);
-        std::vector<Vector3> normals(part.points.size(), Vector3::Zero());
-        for (const Triangle& t : part.triangles) {
-            const Corners p = corners_of(part.points, t);
-            for (int v : t)
-                normals[v] += (p[1] - p[0]).cross(p[2] - p[0]);
+    const double edge = body.edge();
+    std::vector<char> kept(local.size());
+    parallel_for(
+        static_cast<int>(local.size()),
+        [&](int i) { kept[i] = body.holds(below(local[i], edge), nearest * edge); }, 64);
+    std::vector<Vector3> seeds;
+    for (std::size_t i = 0; i < local.size(); ++i)
+        if (kept[i]) {
+            in.centres.push_back(part.vertices[local[i]]);
+            in.shell.push_back(below(local[i], edge));
+            seeds.push_back(below(local[i], 3 * edge));
         }
-        Inside& in = insides[k];
-        std::vector<int> local; // vertices of the part that are centres
-        for (int v = 0; v < static_cast<int>(part.points.size()); ++v)
-            if (centre[part.vertices[v]] == part.vertices[v] && normals[v].squaredNorm() > 0)
-                local.push_back(v);
-        const auto below = [&](int v, double depth) -> Vector3 {
-            return part.points[v] - body.sign() * depth * normals[v].normalized();
-        };
-        std::vector<char> kept(local.size());
-        parallel_for(
-            static_cast<int>(local.size()),
-            [&](int i) { kept[i] = body.holds(below(local[i], edge), nearest * edge); }, 64);
-        std::vector<Vector3> seeds;
-        for (std::size_t i = 0; i < local.size(); ++i)
-            if (kept[i]) {
-                in.centres.push_back(part.vertices[local[i]]);
-                in.shell.push_back(below(local[i], edge));
-                seeds.push_back(below(local[i], 3 * edge));
+    return seeds;
+}
+
+/// Fills the rest with the lattice, and joins it to itself and to the centres beside it.
+void lay_lattice(const Part& part, const Body& body, const std::vector<int>& centre,
+                 const std::vector<Vector3>& seeds, Filling& in, const Progress& progress)
+{
+    const Body::Lattice lattice = body.lattice(seeds, progress);
+    std::unordered_map<std::uint64_t, int> number;
+    for (const Body::Cell& cell : lattice.cells) {
+        number.emplace(Body::key(cell), static_cast<int>(in.lattice.size()));
+        in.lattice.push_back(body.position(cell, lattice.width));
+    }
+    std::vector<std::array<int, 6>> joined(lattice.cells.size()); // -1 - centre, or a point of the lattice
+    parallel_for(
+        static_cast<int>(in.lattice.size()),
+        [&](int i) {
+            for (int side = 0; side < 6; ++side) {
+                Body::Cell other = lattice.cells[i];
+                other[side / 2] += side % 2 ? 1 : -1;
+                if (const auto it = number.find(Body::key(other)); it != number.end()) {
+                    joined[i][side] = it->second;
+                    continue;
+                }
+                const TriangleTree::Place place = body.beneath(body.position(other, lattice.width));
+                const auto at =
+                    std::ranges::min_element(body.host().triangles()[place.triangle], {}, [&](int v) {
+                        return (part.points[v] - place.point).squaredNorm();
+                    });
+                joined[i][side] = -1 - centre[part.vertices[*at]];
             }
-        const Body::Lattice lattice = body.lattice(seeds, progress);
-        std::unordered_map<std::uint64_t, int> number;
-        for (const Body::Cell& cell : lattice.cells) {
-            number.emplace(Body::key(cell), static_cast<int>(in.lattice.size()));
-            in.lattice.push_back(body.position(cell, lattice.width));
-        }
-        std::vector<std::array<int, 6>> joined(
-            lattice.cells.size()); // -1 - centre, or a point of the lattice
-        in.carriers.resize(in.shell.size() + in.lattice.size());
-        const auto carry = [&](int i, const Vector3& p) {
+        },
+        64);
+    for (int i = 0; i < static_cast<int>(joined.size()); ++i)
+        for (int other : joined[i])
+            if (other < 0)
+                in.links.push_back({i, -1 - other});
+            else if (other > i)
+                in.edges.push_back({i, other});
+}
+
+/// What is inside a part; nothing if it encloses nothing.
+/// \param centre  of the cell of each vertex of the mesh.
+Filling filling_of(const Part& part, double edge, const std::vector<int>& centre, const Progress& progress)
+{
+    Filling in;
+    if (static_cast<int>(part.triangles.size()) < least_triangles || !(part.area > 1e-10 * edge * edge))
+        return in;
+    const Body body(part, edge);
+    lay_lattice(part, body, centre, lay_shell(part, body, centre, in), in, progress);
+    in.carriers.resize(in.shell.size() + in.lattice.size());
+    parallel_for(
+        static_cast<int>(in.carriers.size()),
+        [&](int i) {
+            const auto k = static_cast<std::size_t>(i);
+            const Vector3& p = k < in.shell.size() ? in.shell[k] : in.lattice[k - in.shell.size()];
             const Triangle own = carriers_of(body.host(), body.beneath(p), p);
             for (int c = 0; c < 3; ++c)
-                in.carriers[i][c] = part.vertices[own[c]];
-        };
-        parallel_for(static_cast<int>(in.shell.size()), [&](int i) { carry(i, in.shell[i]); }, 64);
-        parallel_for(
-            static_cast<int>(in.lattice.size()),
-            [&](int i) {
-                carry(static_cast<int>(in.shell.size()) + i, in.lattice[i]);
-                for (int side = 0; side < 6; ++side) {
-                    Body::Cell other = lattice.cells[i];
-                    other[side / 2] += side % 2 ? 1 : -1;
-                    if (const auto it = number.find(Body::key(other)); it != number.end()) {
-                        joined[i][side] = it->second;
-                        continue;
-                    }
-                    const TriangleTree::Place place = body.beneath(body.position(other, lattice.width));
-                    const auto at =
-                        std::ranges::min_element(body.host().triangles()[place.triangle], {}, [&](int v) {
-                            return (part.points[v] - place.point).squaredNorm();
-                        });
-                    joined[i][side] = -1 - centre[part.vertices[*at]];
-                }
-            },
-            64);
-        for (int i = 0; i < static_cast<int>(joined.size()); ++i)
-            for (int other : joined[i])
-                if (other < 0)
-                    in.links.push_back({i, -1 - other});
-                else if (other > i)
-                    in.edges.push_back({i, other});
-    }
+                in.carriers[k][c] = part.vertices[own[c]];
+        },
+        64);
+    return in;
+}
 
+/// Numbers the points of all parts, and joins them to each other and to the surface.
+void join(const SurfaceMesh& mesh, const std::vector<std::array<int, 2>>& edges,
+          const std::vector<int>& centre, const std::vector<Filling>& fillings, VolumeGraph& graph)
+{
+    const int n = mesh.vertex_count();
     std::vector<int> shell_of(n, -1);
     int count = n;
-    for (const Inside& in : insides)
+    for (const Filling& in : fillings)
         for (int v : in.centres)
             shell_of[v] = count++;
     graph.shell_count = count - n;
-    for (const Inside& in : insides)
+    for (const Filling& in : fillings)
         count += static_cast<int>(in.lattice.size());
     graph.points.resize(count - n, 3);
     graph.parts.resize(count - n);
     graph.nearby.resize(count - n);
     int shell = n, cell = n + graph.shell_count;
-    for (std::size_t k = 0; k < insides.size(); ++k) {
-        const Inside& in = insides[k];
+    for (std::size_t k = 0; k < fillings.size(); ++k) {
+        const Filling& in = fillings[k];
         const int first = cell;
         const auto add = [&](int node, const Vector3& point, const Triangle& carriers) {
             graph.points.row(node - n) = point.transpose();
@@ -304,9 +315,8 @@ VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, 
             graph.nearby[node - n] = carriers[0];
             graph.riders.add(node, carriers);
         };
-        for (std::size_t i = 0; i < in.shell.size(); ++i) {
+        for (std::size_t i = 0; i < in.shell.size(); ++i)
             add(shell++, in.shell[i], in.carriers[i]);
-        }
         for (std::size_t i = 0; i < in.lattice.size(); ++i)
             add(cell++, in.lattice[i], in.carriers[in.shell.size() + i]);
         for (const auto& [a, b] : in.edges)
@@ -331,6 +341,32 @@ VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, 
     Points all(count, 3);
     all << mesh.points(), graph.points;
     graph.riders.measure(view(all));
+}
+
+} // namespace
+
+VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, const Progress& progress)
+{
+    const int n = mesh.vertex_count();
+    const std::vector<std::array<int, 2>> edges = mesh.edges();
+    const std::vector<int> centre = cells_of_vertices(n, edges);
+    const std::vector<Part> parts = parts_of(mesh, components);
+    VolumeGraph graph;
+    graph.mean_edges.assign(parts.size(), 0.0);
+    std::vector<double> edge_counts(parts.size(), 0.0);
+    for (const auto& [a, b] : edges) {
+        graph.mean_edges[components.labels[a]] += (mesh.point(a) - mesh.point(b)).norm();
+        ++edge_counts[components.labels[a]];
+    }
+    std::vector<Filling> fillings;
+    int done = 0;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        graph.mean_edges[k] /= std::max(edge_counts[k], 1.0);
+        progress.tick(0.1 * done / n, "filling the volume");
+        done += static_cast<int>(parts[k].points.size());
+        fillings.push_back(filling_of(parts[k], graph.mean_edges[k], centre, progress));
+    }
+    join(mesh, edges, centre, fillings, graph);
     return graph;
 }
 

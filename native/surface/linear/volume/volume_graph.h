@@ -15,9 +15,8 @@ namespace sinew {
 /// points of its own. With h the mean edge of a part, they are
 ///
 ///   a shell   x_v - h n_v beneath some vertices, the centres, where that is inside, and no other piece of
-///   the
-///             part is nearer than h / 2. No two centres are within two edges of each other, and each vertex
-///             is in the cell of a centre that is.
+///             the part is nearer than h / 2. No two centres are within two edges of each other, and each
+///             vertex is in the cell of a centre that is.
 ///   a lattice of cubes along the principal axes of the part, farther inside than h and half a cell. A cell
 ///             is 2 h wide, or more where there would be more points than one per eight vertices.
 ///

@@ -197,7 +197,9 @@ INSTANTIATE_TEST_SUITE_P(LaplacianEditing, SurfaceContract, testing::Values(turn
 TEST(LaplacianEditing, turns_by_the_maps_of_handles_as_dense_matrices_do)
 {
     shapes::Random random(6);
-    for (const SurfaceMesh& mesh : some_meshes())
+    std::vector<SurfaceMesh> meshes = some_meshes();
+    meshes.push_back(shapes::grid(9, 7, 1.0, 0.45)); // with obtuse angles, whose cotangents are negative
+    for (const SurfaceMesh& mesh : meshes)
         for (Discretization kind : every) {
             const std::vector<Handle> handles = shapes::ends(mesh, shapes::size(mesh.points()) / 8);
             const DenseLaplacian dense(mesh, handles, kind);

@@ -209,6 +209,88 @@ TEST(SplineSurface, has_a_flat_even_grid_over_a_flat_part_whose_points_move_with
     EXPECT_THROW(surface.control_grids({.poses = Poses(1)}), InvalidConstraint);
 }
 
+TEST(SplineSurface, one_grid_point_moves_the_rectangle_of_its_degree_and_one_spans_and_nothing_else)
+{
+    const SurfaceMesh flat = shapes::grid(24, 20);
+    const std::vector<Handle> handles{
+        {shapes::where(flat, [](const Vector3& x) { return x.x() < 0.5; }), {}}};
+    for (int degree = 1; degree <= 5; ++degree) {
+        SplineSurface surface(flat, {.degree = degree, .columns = 12, .rows = 10});
+        surface.set_handles(handles);
+        const auto at_rest = surface.control_grids({.poses = Poses(1, shapes::still())});
+        const Points& points = at_rest.front().points;
+        const Vector3 u = (points.row(1) - points.row(0)).transpose(),
+                      v = (points.row(12) - points.row(0)).transpose(), up(0.3, -0.2, 1.5);
+        const int i = 6, j = 4, index = 12 * j + i;
+        Points moves = Points::Zero(120, 3), positions;
+        moves.row(index) = up.transpose();
+        surface.solve({.poses = Poses(1, shapes::still()), .grid = view(moves)}, positions);
+        int inside = 0;
+        for (int k = 0; k < flat.vertex_count(); ++k) {
+            // In spans from the middle of the rectangle, by the grid that is shown.
+            const Vector3 away = flat.point(k) - points.row(index).transpose();
+            const double a = away.dot(u) / u.squaredNorm(), b = away.dot(v) / v.squaredNorm();
+            const double reach = 0.5 * (degree + 1);
+            const Vector3 moved = (positions.row(k) - flat.points().row(k)).transpose();
+            if (std::max(std::abs(a), std::abs(b)) > reach + 1e-2) { // the shown grid fits to 1e-3
+                EXPECT_LT(moved.norm(), 1e-13) << degree << " vertex " << k;
+            } else if (std::max(std::abs(a), std::abs(b)) < reach - 0.5) {
+                EXPECT_GT(moved.norm(), 0) << degree << " vertex " << k;
+                EXPECT_LT(moved.cross(up).norm(), 1e-12) << "by a share of the move";
+                ++inside;
+            }
+        }
+        EXPECT_GT(inside, 3) << degree;
+        const auto after = surface.control_grids({.poses = Poses(1, shapes::still()), .grid = view(moves)});
+        EXPECT_LT(shapes::distance(after.front().points, points + moves), 1e-14);
+    }
+}
+
+TEST(SplineSurface, adds_the_spline_of_moved_grid_points_to_the_handles_and_holds_held_vertices)
+{
+    const SurfaceMesh mesh = shapes::joined(shapes::hill(14, 9), shapes::hill(14, 9), {0, 20, 0});
+    const int n = mesh.vertex_count(), half = n / 2;
+    std::vector<Handle> handles = shapes::ends(mesh, 2.5);
+    handles[1].weights.assign(handles[1].vertices.size(), 0.6);
+    const MatrixX uv = mesh.points().leftCols(2),
+                  L = dense::with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
+    const SplineSurfaceOptions options{.degree = 2, .columns = 6, .rows = 5, .margin = 9.0, .uv_map = uv};
+    const Points moves = shapes::Random(3).dense(60, 3); // two grids
+    MatrixX S = MatrixX::Zero(n, n), spline = MatrixX::Zero(n, 3), h = spline;
+    for (int part : {0, 1})
+        spline.middleRows(part * half, half) =
+            spline_weights(uv.middleRows(part * half, half), 2, 6, 5) * moves.middleRows(30 * part, 30);
+    std::vector<bool> hard(n, false);
+    for (int v : handles[0].vertices) {
+        hard[v] = true;
+        h.row(v) = -spline.row(v);
+    }
+    for (int v : handles[1].vertices)
+        S(v, v) = 0.6 / 0.4 * L(v, v);
+    std::vector<int> free;
+    for (int v = 0; v < n; ++v)
+        if (!hard[v])
+            free.push_back(v);
+    h = dense::solution(L + S, -S * spline, h, free);
+    const SolveRequest request{.poses = bent}, moved{.poses = bent, .grid = view(moves)};
+    const Points expected = solved(mesh, handles, request, options) + spline + h;
+    EXPECT_LT(shapes::distance(solved(mesh, handles, moved, options), expected), 1e-10); // two factorisations
+    const Points none = Points::Zero(60, 3);
+    EXPECT_EQ(solved(mesh, handles, {.poses = bent, .grid = view(none)}, options),
+              solved(mesh, handles, request, options))
+        << "to the last bit";
+
+    SplineSurface surface(mesh, options);
+    surface.set_handles(handles);
+    Points positions;
+    const Points few = Points::Zero(59, 3);
+    EXPECT_THROW(surface.solve({.poses = bent, .grid = view(few)}, positions), InvalidConstraint);
+    Points broken = moves;
+    broken(7, 1) = nan;
+    EXPECT_THROW(surface.solve({.poses = bent, .grid = view(broken)}, positions), InvalidConstraint);
+    EXPECT_THROW(surface.control_grids({.poses = bent, .grid = view(few)}), InvalidConstraint);
+}
+
 TEST(SplineSurface, reaches_only_as_far_into_the_handles_as_the_margin)
 {
     const SurfaceMesh mesh = shapes::grid(30, 4); // the free vertices lie within 4 of the middle

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/sketch/silhouette_lines.h"
 
+#include "native/surface/sketch/occlusion.h"
+
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -189,6 +191,65 @@ TEST(FitStroke, puts_the_nearer_side_of_the_outline_onto_the_stroke_and_keeps_it
         EXPECT_LT(nearest, 1e-12);
     }
     EXPECT_GT(fit->points.size(), lines[0].points.size() / 3);
+}
+
+TEST(Occlusion, hides_no_point_of_the_outline_of_a_ball_and_every_point_behind_another)
+{
+    const SurfaceMesh ball = shapes::sphere(3);
+    for (const bool near : {false, true}) {
+        SketchView view = turned(11);
+        const Vector3 toward = view.axes.row(2).transpose();
+        if (near)
+            view.eye = 6 * toward;
+        const Occlusion alone(ball, view);
+        for (const SurfaceLine& line : silhouette_lines(ball, view))
+            for (const LinePoint& point : line.points)
+                EXPECT_FALSE(alone.hides(point));
+        // A second ball stands before the first one, and is smaller on the screen where it is not nearer.
+        const Vector3 before = 3 * toward + 0.8 * view.axes.row(0).transpose();
+        const SurfaceMesh both = shapes::joined(ball, ball, before);
+        const Occlusion occlusion(both, view);
+        int hidden = 0;
+        for (const SurfaceLine& line : silhouette_lines(both, view))
+            for (const LinePoint& point : line.points) {
+                const bool is_behind = point.a < ball.vertex_count();
+                const Vector3 x = point.on(sinew::view(both.points()));
+                // The oracle: the distance of the second centre from the line of sight.
+                const Vector3 way = view.toward(x).normalized(), arm = before - x;
+                const double off = (arm - arm.dot(way) * way).norm();
+                if (is_behind && off < 0.97) {
+                    EXPECT_TRUE(occlusion.hides(point)) << off;
+                    ++hidden;
+                } else if (!is_behind || off > 1.0) {
+                    EXPECT_FALSE(occlusion.hides(point)) << off;
+                }
+            }
+        EXPECT_GT(hidden, 5);
+    }
+}
+
+TEST(FitStroke, leaves_out_lines_that_are_hidden)
+{
+    const SurfaceMesh ball = shapes::sphere(3);
+    const SketchView view;
+    const SurfaceMesh both =
+        shapes::joined(shapes::over(1.3 * ball.points(), shapes::faces_of(ball)), ball, {0, 0, -4});
+    Points stroke(21, 3); // along the outline of the one behind
+    for (int k = 0; k < 21; ++k) {
+        const double angle = 0.05 * shapes::pi * (k - 10);
+        stroke.row(k) << std::cos(angle), std::sin(angle), 0;
+    }
+    const std::vector<SurfaceLine> lines = silhouette_lines(both, view);
+    const auto any = fit_stroke(both, lines, view, sinew::view(stroke));
+    ASSERT_TRUE(any);
+    EXPECT_GE(any->points.front().a, ball.vertex_count()) << "the nearest one";
+    const Occlusion occlusion(both, view);
+    const auto seen = fit_stroke(both, lines, view, sinew::view(stroke), 0.5,
+                                 [&](const LinePoint& point) { return occlusion.hides(point); });
+    ASSERT_TRUE(seen);
+    EXPECT_LT(seen->points.front().a, ball.vertex_count());
+    EXPECT_FALSE(fit_stroke(both, lines, view, sinew::view(stroke), 0.5,
+                            [](const LinePoint& /*point*/) { return true; }));
 }
 
 TEST(FitStroke, far_from_every_line_finds_none)
