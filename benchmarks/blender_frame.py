@@ -491,6 +491,9 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
 ROWS: dict[str, Callable[[], dict[str, object]]] = {
     "frame thin_shell": lambda: frame("thin_shell", 1, goal=20.0),
     "frame laplacian_editing": lambda: frame("laplacian_editing", 1, goal=10.0),
+    "frame explicit laplacian_editing": lambda: frame(
+        "laplacian_editing", 1, goal=10.0, transforms="explicit"
+    ),
     "frame arap": lambda: frame("arap", 3, goal=8.0),
     "frame short arap": lambda: frame("arap", 3, goal=8.0, max_iterations=3),
     "frame draft arap": lambda: frame("arap", 3, draft=True, goal=8.0),

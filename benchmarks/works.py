@@ -356,6 +356,12 @@ WORKS = (
     ),
     Work("frame_thin_shell", "a frame in Blender, `thin_shell`", FRAME, {ANY: 20.0}),
     Work("frame_laplacian_editing", "a frame in Blender, `laplacian_editing`", FRAME, {ANY: 10.0}),
+    Work(
+        "frame_laplacian_explicit",
+        "a frame in Blender, `laplacian_editing` with transformations from handles",
+        FRAME,
+        {ANY: 10.0},
+    ),
     Work("frame_arap", "a frame in Blender, `arap`", f"{FRAME}, repeat 3", {ANY: 8.0}),
     Work("frame_arap_3", "a frame in Blender, `arap` with 3 iterations", f"{FRAME}, repeat 3", {ANY: 8.0}),
     Work(

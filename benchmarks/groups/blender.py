@@ -27,6 +27,7 @@ BLENDERS = ("3.4", "5.2")
 FRAMES = {
     "frame thin_shell": ("frame_thin_shell", "ours", "peer"),
     "frame laplacian_editing": ("frame_laplacian_editing", "ours", "peer"),
+    "frame explicit laplacian_editing": ("frame_laplacian_explicit", "ours", "peer"),
     "frame arap": ("frame_arap", "ours", "peer"),
     "frame short arap": ("frame_arap_3", "ours", "peer"),
     "frame draft arap": ("frame_arap_draft", "ours", "peer"),

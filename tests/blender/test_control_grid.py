@@ -123,8 +123,10 @@ def test_the_object_may_stand_anywhere_and_be_hidden_and_its_turn_and_scale_coun
     assert close(sheet.points(), expected(sheet, moves @ linear.T).lifted(0.0), TOLERANCE)
 
 
-def test_shape_keys_animate_the_points(sheet: Rig):
+@pytest.mark.parametrize("hidden", [False, True], ids=["shown", "hidden"])
+def test_shape_keys_animate_the_points(sheet: Rig, hidden: bool):
     grid = new_grid(sheet)
+    grid.hide_viewport = hidden
     grid.shape_key_add(name="Basis")
     key = grid.shape_key_add(name="Up")
     key.data[SIDE * SIDE // 2].co.z += 1.0

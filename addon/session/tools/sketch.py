@@ -134,7 +134,6 @@ class Sketch:
             free = self._triangles.connected(sources, self._stays)
         else:
             free = self._triangles.lengths(self._points, sources, self._stays, radius) <= radius
-        free &= ~self._stays
         members, faces = reach.submesh(counts, corners, reach.with_rings(counts, corners, free, _RINGS))
         place = np.full(len(sources), -1, dtype=np.int32)
         place[members] = np.arange(len(members), dtype=np.int32)
