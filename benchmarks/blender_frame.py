@@ -534,4 +534,5 @@ def main() -> None:
     os._exit(0)  # Blender as a module may hang or crash when it ends
 
 
-main()
+if __name__ == "__main__":  # system_frame.py takes parts of it
+    main()

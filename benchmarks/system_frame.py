@@ -5,6 +5,7 @@ Without a peer: the same Blender on another system is compared with it.
 """
 
 import json
+import os
 import sys
 
 import bpy
@@ -32,3 +33,4 @@ if __name__ == "__main__":
     found = measured()  # first, as an empty file would count as written
     with open(sys.argv[sys.argv.index("--json") + 1], "w", encoding="utf-8") as out:
         json.dump(found, out)
+    os._exit(0)  # Blender as a module may hang or crash when it ends
