@@ -150,8 +150,8 @@ def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> 
         )
     if not (np.array_equal(found.counts, rest.counts) and np.array_equal(found.corners, rest.corners)):
         raise OptionError(
-            f"{parameter.label}: the faces of {obj.name} have other vertices than those of this mesh - choose "
-            "a copy of this mesh that was only reshaped"
+            f"{parameter.label}: the faces of {obj.name} have other vertices than those of this mesh - "
+            "choose a copy of this mesh that was only reshaped"
         )
     if len(found.not_finite):
         raise OptionError(
