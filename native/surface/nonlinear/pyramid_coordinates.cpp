@@ -228,7 +228,9 @@ std::vector<std::string> PyramidCoordinates::changed_options(const SurfaceMethod
                                     &other = static_cast<const PyramidCoordinates&>(former).impl_->options;
     const bool same_target = own.target_shape && other.target_shape ? *own.target_shape == *other.target_shape
                                                                     : own.target_shape == other.target_shape;
-    return names_of({{"side", own.side != other.side}, {"target_shape", !same_target}});
+    return names_of({{"side", own.side != other.side},
+                     {"similarity", own.similarity != other.similarity},
+                     {"target_shape", !same_target}});
 }
 
 bool PyramidCoordinates::updates(const std::string&) const { return false; }
