@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from probe import render_points
 from rig import base_points, close, evaluated_points, linked, make_active, update
 from rigs import HandleRig
 
@@ -68,6 +69,18 @@ def test_the_factor_is_keyed_and_no_frame_binds_anew(rig: HandleRig):
     assert close(seen[1], base_points(obj), EXACT)
     assert close(seen[11], base_points(other), EXACT)
     assert 0.0 < obj.sinew.active.parameters.morph < 1.0
+
+
+def test_modifiers_of_the_target_do_not_count_and_renders_show_the_morph(rig: HandleRig):
+    obj = reshaped(rig.obj, lambda co: co, "Plain")
+    other = reshaped(obj, dome)
+    other.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    assert morph(obj, other) == {"FINISHED"}
+    obj.sinew.active.parameters.morph = 0.75
+    shown = evaluated_points(obj)
+    assert np.abs(shown - base_points(obj)).max() > 0.2, obj.sinew.active.status
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    assert close(render_points(obj), shown, EXACT)
 
 
 def test_handles_move_the_morph(rig: HandleRig):

@@ -111,7 +111,7 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
     if isinstance(parameter, UvMap):
         return getattr(values, parameter.id)
     if isinstance(parameter, MeshShape):
-        obj = getattr(values, parameter.id)
+        obj = _unevaluated(values, parameter)
         return obj and (obj.name_full, obj.data.name_full, len(obj.data.vertices), len(obj.data.loops))
     frame = value(values, parameter)
     return None if frame is None else frame.tobytes()
@@ -138,7 +138,7 @@ def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | None:
 
 def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> Shape | None:
     """The mesh that the parameter refers to, at rest. It has to have the faces of ``rest``."""
-    obj = getattr(values, parameter.id)
+    obj = _unevaluated(values, parameter)
     if obj is None:
         return None
     found = read_rest(obj.data)
@@ -159,6 +159,12 @@ def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> 
             f"is {found.not_finite[0]} - mend that mesh"
         )
     return Shape(found.points, (found.counts, found.corners))
+
+
+def _unevaluated(values: PropertyGroup, parameter: MeshShape) -> Object | None:
+    """The object that a parameter refers to, without its modifiers also where ``values`` are evaluated."""
+    obj = getattr(values, parameter.id)
+    return obj and obj.original
 
 
 def _matrix(values: PropertyGroup, parameter: Parameter) -> object:
