@@ -39,7 +39,7 @@ def make() -> bpy.types.Scene:
     studio.add_lights(scene, target=(0.0, 0.0, 0.8), size=9.0)
     for cow, label in zip(cows, LABELS):
         studio.add_label(scene, label, (cow.location.x, -1.30, 0.0), 0.17)
-    studio.set_up_render(scene, samples=64, width=1400, height=420)
+    studio.set_up_render(scene, samples=24, width=1400, height=420)
     studio.open_at(scene, MIDDLE_FRAME, morphed)
     return scene
 

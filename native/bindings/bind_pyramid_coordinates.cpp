@@ -2,6 +2,8 @@
 #include "native/bindings/surface.h"
 #include "native/surface/nonlinear/pyramid_coordinates.h"
 
+#include <vector>
+
 namespace sinew::bindings {
 
 namespace {
@@ -39,10 +41,17 @@ tolerance       >= 0: stop when the relative decrease of the energy is below it 
 Raises InvalidOption; InvalidMesh if the target shape has another number of vertices or other faces, which the error
 names.)")
         .def_property_readonly(
-            "folded_rings", [](const PyramidCoordinates& method) { return to_numpy(method.folded_rings()); },
-            "(f,) vertices whose ring overlaps in its projection, at rest or in the target shape, so that "
-            "they "
-            "have equal\nweights; none before set_handles().");
+            "folded_rings",
+            [](const PyramidCoordinates& method) {
+                std::vector<int> found;
+                {
+                    const py::gil_scoped_release unlocked;
+                    found = method.folded_rings();
+                }
+                return to_numpy(found);
+            },
+            "(f,) vertices whose ring overlaps in its projection, at rest or in the target shape: they have "
+            "equal weights.\nNone before set_handles().");
 }
 
 const MethodBinding pyramid_coordinates_binding(&bind_pyramid_coordinates);

@@ -180,8 +180,8 @@ ROWS = (
                 False,
                 rebinds=True,
                 label="Let Regions Grow",
-                description="Whether regions may grow or shrink, up to twice or half their size, where handles "
-                "pull them apart or are scaled",
+                description="Whether regions may grow or shrink, up to twice or half their size, where "
+                "handles pull them apart or are scaled",
             ),
             MeshShape(
                 "target_shape",

@@ -113,7 +113,7 @@ def compared(values: PropertyGroup, parameter: Parameter) -> object:
     if isinstance(parameter, UvMap):
         return getattr(values, parameter.id)
     if isinstance(parameter, MeshShape):
-        obj = getattr(values, parameter.id)
+        obj = _unevaluated(values, parameter)
         return obj and (obj.name_full, obj.data.name_full, len(obj.data.vertices), len(obj.data.loops))
     found = value(values, parameter)
     if isinstance(found, Shape):
@@ -154,7 +154,7 @@ def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | Shape | N
 
 def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> Shape | None:
     """The mesh that the parameter refers to, at rest. It has to have the faces of ``rest``."""
-    obj = getattr(values, parameter.id)
+    obj = _unevaluated(values, parameter)
     if obj is None:
         return None
     found = read_rest(obj.data)
@@ -166,8 +166,8 @@ def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> 
         )
     if not (np.array_equal(found.counts, rest.counts) and np.array_equal(found.corners, rest.corners)):
         raise OptionError(
-            f"{parameter.label}: the faces of {obj.name} have other vertices than those of this mesh - choose "
-            "a copy of this mesh that was only reshaped"
+            f"{parameter.label}: the faces of {obj.name} have other vertices than those of this mesh - "
+            "choose a copy of this mesh that was only reshaped"
         )
     if len(found.not_finite):
         raise OptionError(
@@ -175,6 +175,12 @@ def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> 
             f"is {found.not_finite[0]} - mend that mesh"
         )
     return Shape(found.points, (found.counts, found.corners))
+
+
+def _unevaluated(values: PropertyGroup, parameter: MeshShape) -> Object | None:
+    """The object that a parameter refers to, without its modifiers also where ``values`` are evaluated."""
+    obj = getattr(values, parameter.id)
+    return obj and obj.original
 
 
 def _matrix(values: PropertyGroup, parameter: Parameter) -> object:

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -203,7 +204,9 @@ void PyramidCoordinates::bind(const Regions& regions, BindReport& report, const 
     self.bound = std::move(next);
     self.factorizations += 1;
     report.factorizations = self.factorizations;
-    report.factor_bytes = self.bound->cells.factor().bytes() + self.bound->start.factor_bytes();
+    // For a moment the factor is there in double precision.
+    const std::int64_t factor = self.bound->cells.factor().bytes();
+    report.factor_bytes = factor + std::max(factor, self.bound->start.factor_bytes());
 }
 
 std::vector<int> PyramidCoordinates::folded_rings() const
@@ -225,7 +228,9 @@ std::vector<std::string> PyramidCoordinates::changed_options(const SurfaceMethod
                                     &other = static_cast<const PyramidCoordinates&>(former).impl_->options;
     const bool same_target = own.target_shape && other.target_shape ? *own.target_shape == *other.target_shape
                                                                     : own.target_shape == other.target_shape;
-    return names_of({{"side", own.side != other.side}, {"target_shape", !same_target}});
+    return names_of({{"side", own.side != other.side},
+                     {"similarity", own.similarity != other.similarity},
+                     {"target_shape", !same_target}});
 }
 
 bool PyramidCoordinates::updates(const std::string&) const { return false; }
