@@ -128,6 +128,7 @@ ROWS = (
                 (
                     ("harmonic", "Harmonic", "Isolines of a smooth field between the handles"),
                     ("geodesic", "Geodesic", "Isolines by distances along the surface"),
+                    ("euclidean", "Straight", "Isolines by distances in a straight line"),
                 ),
                 rebinds=True,
                 label="Isolines",
@@ -169,7 +170,7 @@ ROWS = (
         summary="Smooth bends that keep the volume, in the few unknowns of a cage: for bodies",
         iterative=True,
         moves=frozenset({Moved.MESH}),
-        bind_seconds=factorising(0.3),
+        bind_seconds=factorising(0.4),
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,
         parameters=(

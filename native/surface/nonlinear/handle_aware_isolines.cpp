@@ -238,8 +238,6 @@ HandleAwareIsolines::HandleAwareIsolines(const SurfaceMesh& rest, const HandleAw
     require_at_least(options.bands, 2, "bands");
     require_at_least(options.max_iterations, 1, "max_iterations");
     require_at_least(options.tolerance, 0.0, "tolerance");
-    if (options.field == Field::euclidean)
-        throw InvalidOption("field: 'euclidean' is not one of 'harmonic', 'geodesic'");
     impl_->options = options;
 }
 

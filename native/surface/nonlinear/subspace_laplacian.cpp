@@ -52,6 +52,7 @@ struct Subspace
     Eigen::LLT<MatrixX> projection;  ///< of coarse^T coarse
     EnclosedVolume volume;
     CoarseVolume coarse_volume;
+    double rest_volume = 0.0;
     bool has_volume = false;
 
     /// (n, c)
@@ -212,7 +213,7 @@ void complete(Subspace& part, const GraphEdges& edges, const std::optional<Surfa
         twice += (part.rest.row(t[1]) - part.rest.row(t[0]))
                      .cross(part.rest.row(t[2]) - part.rest.row(t[0]))
                      .norm();
-    const double own = part.volume.of(view(part.rest));
+    const double own = part.rest_volume = part.volume.of(view(part.rest));
     part.has_volume = own * own > least_volume * std::pow(0.5 * twice, 3) &&
                       part.volume.share_of_fans(view(part.rest)) < most_open;
     std::map<Triangle, int> kept; // turned so that the lowest comes first -> how often, less its reverses
@@ -583,7 +584,7 @@ SolveReport SubspaceLaplacian::Impl::solve(const Part& part, const SolveRequest&
         space.weights().apply(frame.moves, view(frame.moved), direction.data());
         for (const auto& [vertex, handle, share] : part.near)
             direction.row(vertex) *= 1.0 - share;
-        const double wanted = space.volume.of(view(shape));
+        const double wanted = enters ? space.volume.of(view(shape)) : space.rest_volume;
         if (const auto step = space.volume.step(view(frame.shape), view(direction), wanted))
             parallel_for(n, [&](int k) { frame.shape.row(k) += *step * direction.row(k); });
     }
