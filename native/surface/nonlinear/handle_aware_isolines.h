@@ -15,7 +15,7 @@ struct HandleAwareIsolinesOptions
     int bands = 24; ///< between two handles, >= 2; each handle has half of them around it
     Field field = Field::harmonic; ///< whose isolines bound the bands
     int max_iterations = 200; ///< turns per solve, each of which fits the rotations of all bands once
-    double tolerance = 1e-6; ///< solve() ends when no entry of a rotation changes by more than this
+    double tolerance = 1e-6; ///< solve() ends when the matrix of no rotation changes by more than this
 };
 
 /// As-rigid-as-possible deformation with one rotation for each band between two isolines of the handles'

@@ -12,6 +12,7 @@
 #include "native/operators/laplacian.h"
 #include "native/rotations/subspace_cells.h"
 #include "native/space/cage/mean_value.h"
+#include "native/surface/substeps.h"
 
 #include <Eigen/Geometry>
 
@@ -120,12 +121,18 @@ SurfaceMesh box_around(const Points& points)
     return {all, std::vector<int>(faces.size() / 3, 3), faces};
 }
 
-/// A cage around a part.
+/// A cage around a part. It is made in a box of size 1, on points rounded to a billionth of it, so that the
+/// last bits of the rest shape do not choose the cage.
 SurfaceMesh cage_around(const SurfaceMesh& part, int faces, const Progress& progress)
 {
+    const Eigen::RowVector3d low = part.points().colwise().minCoeff();
+    const double size = (part.points().colwise().maxCoeff() - low).norm();
+    constexpr double steps = 1 << 30;
     try {
-        AutomaticCage made = automatic_cage(part, {.faces = faces, .margin = cage_margin}, progress);
-        return {std::move(made.points), std::move(made.counts), std::move(made.corners)};
+        const Points rounded = (((part.points().rowwise() - low) / size) * steps).array().round() / steps;
+        AutomaticCage made =
+            automatic_cage(with_points(part, rounded), {.faces = faces, .margin = cage_margin}, progress);
+        return {(size * made.points).rowwise() + low, std::move(made.counts), std::move(made.corners)};
     } catch (const InvalidMesh&) { // no good cage was found
         return box_around(part.points());
     }
