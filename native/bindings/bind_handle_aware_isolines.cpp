@@ -33,9 +33,9 @@ another shape than the rest shape enters, a frame takes one solve for x, y and z
              py::arg("tolerance") = HandleAwareIsolinesOptions{}.tolerance, R"(
 mesh            SurfaceMesh, the rest shape.
 bands           bands between two handles, >= 2; each handle has half of them around it.
-field           whose isolines bound the bands: 'harmonic' or 'geodesic'.
+field           whose isolines bound the bands: 'harmonic', 'geodesic' or 'euclidean'.
 max_iterations  largest number of turns of a solve, >= 1; each fits the rotations of all bands once.
-tolerance       >= 0: stop when no entry of a rotation changes by more.
+tolerance       >= 0: stop when the matrix of no rotation changes by more.
 
 Raises InvalidOption.)")
         .def(

@@ -129,8 +129,9 @@ RotationClusters::Settled RotationClusters::settle(State& state, int most, doubl
         S.topRows(fixed.rows()).noalias() = G_ * state.turns;
         S.topRows(fixed.rows()) += fixed;
         fit_clusters(S, state.rotations, count, fitted);
-        const double change =
-            (fitted.topRows(fixed.rows()) - state.rotations.topRows(fixed.rows())).cwiseAbs().maxCoeff();
+        double change = 0.0;
+        for (int k = 0; k < count; ++k)
+            change = std::max(change, (block(fitted, k) - block(state.rotations, k)).norm());
         state.rotations.topRows(fixed.rows()) = fitted.topRows(fixed.rows());
         before = state.turns;
         for (int k = 0; k < count; ++k)

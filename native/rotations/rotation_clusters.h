@@ -95,7 +95,8 @@ public:
     /// \param poses      (handles) affine maps of the rest points.
     /// \param rotations  (clusters) the start.
     State start(const Poses& poses, const std::vector<Matrix3>& rotations) const;
-    /// Turns until no entry of a rotation changes by more than `tolerance`, at most `most` times.
+    /// Turns until no rotation changes by more than `tolerance` (the norm of its matrix), at most `most`
+    /// times.
     Settled settle(State& state, int most, double tolerance) const;
     /// F of the points that belong to the rotations of a state.
     double energy(const State& state) const { return energy(state.poses, state.turns); }

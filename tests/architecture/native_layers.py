@@ -43,7 +43,7 @@ SUB_RANKS = {
     "solvers": {"dense": 0, "descent": 0, "supernodal": 0, "engines": 1, "": 2},
     "space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
     "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
-    "surface/nonlinear": {"primo": 0, "pyramids": 0, "sequence": 0, "": 1},
+    "surface/nonlinear": {"primo": 0, "pyramids": 0, "sequence": 0, "subspace": 0, "": 1},
     "multiresolution": {"details": 0, "transfer": 1, "": 1},
 }
 # Sub-rooms that nobody outside their room may see.
@@ -59,6 +59,7 @@ INTERNAL = {
     "surface/linear/semi_regular",
     "surface/linear/volume",
     "surface/nonlinear/pyramids",
+    "surface/nonlinear/subspace",
     "multiresolution/details",
 }
 # A header that only one room may include -> that room.

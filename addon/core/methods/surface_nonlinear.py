@@ -233,7 +233,7 @@ ROWS = (
         summary="Smooth bends that keep the volume, in the few unknowns of a cage: for bodies",
         iterative=True,
         moves=frozenset({Moved.MESH}),
-        bind_seconds=factorising(0.3),
+        bind_seconds=factorising(0.4),
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,
         parameters=(
@@ -392,6 +392,7 @@ ROWS = (
                 (
                     ("harmonic", "Harmonic", "Isolines of a smooth field between the handles"),
                     ("geodesic", "Geodesic", "Isolines by distances along the surface"),
+                    ("euclidean", "Straight", "Isolines by distances in a straight line"),
                 ),
                 rebinds=True,
                 label="Isolines",
@@ -415,9 +416,9 @@ ROWS = (
                 soft_maximum=0.001,
                 precision=7,
                 advanced=True,
-                unit="entry of a rotation",
+                unit="norm of a rotation matrix",
                 label="Tolerance",
-                description="Stop when no entry of a rotation changes by more than this",
+                description="Stop when the matrix of no rotation changes by more than this",
             ),
         ),
     ),

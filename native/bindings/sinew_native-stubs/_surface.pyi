@@ -238,7 +238,7 @@ class HandleAwareIsolines(SurfaceMethod):
         mesh: SurfaceMesh,
         *,
         bands: int = 24,
-        field: Literal["harmonic", "geodesic"] = "harmonic",
+        field: Field = "harmonic",
         max_iterations: int = 200,
         tolerance: float = 1e-6,
     ) -> None: ...

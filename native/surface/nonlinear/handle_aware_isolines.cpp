@@ -6,6 +6,7 @@
 #include "native/core/parallel.h"
 #include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
+#include "native/mesh/normal_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/rotation_fit.h"
 #include "native/rotations/rotation_clusters.h"
@@ -51,6 +52,7 @@ RotationClusters::State Part::start(const Poses& poses) const
 struct Binding
 {
     HeldSystem system; ///< of the Laplacian
+    double unit = 1.0; ///< of all that is reduced, so that single precision holds it
     std::vector<Part> parts;
     std::vector<int> bands;  ///< (n) over all parts; -1 in parts without a handle
     std::vector<Constraint> held;
@@ -180,7 +182,7 @@ void Elimination::complete(Part& part, const ClusterLoads& loads) const
 /// \param diagonal  (n) of the Laplacian, without soft pulls.
 void eliminate(std::vector<Part>& parts, const HeldSystem& system, const HandleGroups& groups,
                const Regions& regions, const SurfaceMesh& mesh, const VectorX& diagonal,
-               const ClusterLoads& loads, const Progress& progress)
+               const ClusterLoads& loads, double unit, const Progress& progress)
 {
     const int n = mesh.vertex_count();
     Eigen::Index poses = 0, turns = 0;
@@ -188,15 +190,13 @@ void eliminate(std::vector<Part>& parts, const HeldSystem& system, const HandleG
         poses = std::max<Eigen::Index>(poses, 4 * part.seat_count());
         turns = std::max<Eigen::Index>(turns, 3 * part.band_count());
     }
-    require_memory(static_cast<std::int64_t>(sizeof(double)) * n * (2 * poses + 3 * turns),
-                   "the answers to the bands");
     const std::vector<Constraint> constraints = regions.constraints();
     MatrixX columns = MatrixX::Zero(static_cast<Eigen::Index>(constraints.size()), poses);
     for (std::size_t row = 0; row < constraints.size(); ++row) {
         const int v = constraints[row].vertex, g = groups.group[v];
         const int slot = groups.seat(constraints[row]) - groups.offsets[g];
         columns.block<1, 4>(static_cast<Eigen::Index>(row), 4 * slot)
-            << (mesh.point(v) - parts[g].centre).transpose(),
+            << (mesh.point(v) - parts[g].centre).transpose() / unit,
             1.0;
     }
     Elimination eliminated;
@@ -238,8 +238,6 @@ HandleAwareIsolines::HandleAwareIsolines(const SurfaceMesh& rest, const HandleAw
     require_at_least(options.bands, 2, "bands");
     require_at_least(options.max_iterations, 1, "max_iterations");
     require_at_least(options.tolerance, 0.0, "tolerance");
-    if (options.field == Field::euclidean)
-        throw InvalidOption("field: 'euclidean' is not one of 'harmonic', 'geodesic'");
     impl_->options = options;
 }
 
@@ -249,6 +247,7 @@ HandleAwareIsolines::HandleAwareIsolines(HandleAwareIsolines&&) noexcept = defau
 void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Binding& bound = *impl_->bound;
+    const double unit = normal_unit(rest().points());
     const int n = rest().vertex_count(), bands_per_seat = (impl_->options.bands + 1) / 2;
     const TriangleMetric metric = triangle_metric(rest());
     report.degenerate_faces = degenerate_face_count(rest(), metric);
@@ -267,10 +266,11 @@ void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const
                 : HandleFields(std::move(groups), regions, rest(), impl_->options.field);
         parts = parts_of(rest(), regions, fields, bands_per_seat, labels);
         const int bands = parts.empty() ? 0 : parts.back().first_band + parts.back().band_count();
-        const ClusterLoads loads(bound.system.matrix(), rest().points(), labels, bands);
-        eliminate(parts, bound.system, fields.groups(), regions, rest(), diagonal, loads, progress);
+        const ClusterLoads loads(bound.system.matrix(), rest().points() / unit, labels, bands);
+        eliminate(parts, bound.system, fields.groups(), regions, rest(), diagonal, loads, unit, progress);
         progress.tick(1.0, "bound");
     });
+    bound.unit = unit;
     bound.parts = std::move(parts);
     bound.bands = std::move(labels);
     bound.held.clear();
@@ -288,9 +288,10 @@ void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const
 
 namespace {
 
-/// The rigid motion of a handle's surroundings from rest to a shape, for rest points relative to the centre.
+/// The rigid motion of a handle's surroundings from rest to a shape, for rest points relative to the centre
+/// in units of `unit`.
 Pose motion_of(const std::vector<int>& patch, const Points& rest, const PointsView& shape,
-               const Vector3& centre)
+               const Vector3& centre, double unit)
 {
     Vector3 from = Vector3::Zero(), to = Vector3::Zero();
     for (const int v : patch) {
@@ -302,23 +303,23 @@ Pose motion_of(const std::vector<int>& patch, const Points& rest, const PointsVi
         S += (shape.row(v).transpose() - to) * (rest.row(v).transpose() - from).transpose();
     const Matrix3 R = fit_rotation(S);
     Pose motion;
-    motion << R, to - R * (from - centre);
+    motion << R, (to - R * (from - centre)) / unit;
     return motion;
 }
 
-/// A pose for points relative to the centre.
-Pose about(const Pose& pose, const Vector3& centre)
+/// A pose for points relative to the centre in units of `unit`.
+Pose about(const Pose& pose, const Vector3& centre, double unit)
 {
     Pose moved = pose;
-    moved.col(3) = apply(pose, centre);
+    moved.col(3) = apply(pose, centre) / unit;
     return moved;
 }
 
-/// First `second`, then `first`.
-Pose composed(const Pose& first, const Pose& second)
+/// First such a motion, then a pose.
+Pose composed(const Pose& pose, const Pose& motion, double unit)
 {
     Pose both;
-    both << first.leftCols<3>() * second.leftCols<3>(), apply(first, second.col(3));
+    both << pose.leftCols<3>() * motion.leftCols<3>(), apply(pose, unit * motion.col(3)) / unit;
     return both;
 }
 
@@ -347,15 +348,15 @@ double load(const Binding& bound, const std::vector<Matrix3>& turns, const Point
 }
 
 /// The points of a part for a state, from rest.
-void place(const Part& part, const RotationClusters::State& state, const Points& rest, Frame& frame,
-           Points& positions)
+void place(const Part& part, const RotationClusters::State& state, double unit, const Points& rest,
+           Frame& frame, Points& positions)
 {
     const int n = static_cast<int>(part.vertices.size());
     const bool whole = n == rest.rows();
     const Matrix3 turn = state.mean.leftCols<3>() - Matrix3::Identity();
-    const Vector3 move = state.mean.col(3) - part.centre;
+    const Vector3 move = unit * state.mean.col(3) - part.centre;
     frame.moves.resize(state.poses.rows() + state.turns.rows(), 3);
-    frame.moves << state.poses, state.turns;
+    frame.moves << unit * state.poses, unit * state.turns;
     frame.moved.resize(n, 3);
     parallel_for(n, [&](int k) {
         const Vector3 p = rest.row(part.vertices[k]).transpose();
@@ -396,10 +397,10 @@ SolveReport HandleAwareIsolines::deform(const SolveRequest& request, const Targe
         for (const Part& part : bound.parts) {
             Poses poses;
             for (const int handle : part.handles)
-                poses.push_back(about(targets.poses[handle], part.centre));
+                poses.push_back(about(targets.poses[handle], part.centre, bound.unit));
             RotationClusters::State state = part.start(poses);
-            report.energy += energy_factor * settle(part, state);
-            place(part, state, points, *frame, positions);
+            report.energy += energy_factor * bound.unit * bound.unit * settle(part, state);
+            place(part, state, bound.unit, points, *frame, positions);
         }
         parallel_for(static_cast<int>(bound.held.size()), [&](int k) {
             const auto [vertex, handle] = bound.held[k];
@@ -413,10 +414,10 @@ SolveReport HandleAwareIsolines::deform(const SolveRequest& request, const Targe
         Poses before, after;
         for (int s = 0; s < part.seat_count(); ++s) {
             const int handle = part.handles[s];
-            before.push_back(motion_of(part.patches[s], points, targets.base(), part.centre));
+            before.push_back(motion_of(part.patches[s], points, targets.base(), part.centre, bound.unit));
             const bool aims_from_rest = targets.from_rest && (*targets.from_rest)[handle];
-            after.push_back(aims_from_rest ? about(targets.poses[handle], part.centre)
-                                           : composed(targets.poses[handle], before.back()));
+            after.push_back(aims_from_rest ? about(targets.poses[handle], part.centre, bound.unit)
+                                           : composed(targets.poses[handle], before.back(), bound.unit));
         }
         RotationClusters::State first = part.start(before), last = part.start(after);
         settle(part, first);

@@ -13,9 +13,9 @@ namespace sinew {
 struct HandleAwareIsolinesOptions
 {
     int bands = 24; ///< between two handles, >= 2; each handle has half of them around it
-    Field field = Field::harmonic; ///< whose isolines bound the bands: harmonic or geodesic
+    Field field = Field::harmonic; ///< whose isolines bound the bands
     int max_iterations = 200; ///< turns per solve, each of which fits the rotations of all bands once
-    double tolerance = 1e-6; ///< solve() ends when no entry of a rotation changes by more than this
+    double tolerance = 1e-6; ///< solve() ends when the matrix of no rotation changes by more than this
 };
 
 /// As-rigid-as-possible deformation with one rotation for each band between two isolines of the handles'
@@ -56,8 +56,7 @@ struct HandleAwareIsolinesOptions
 class HandleAwareIsolines final : public SurfaceMethod
 {
 public:
-    /// \throw InvalidOption  bands < 2, max_iterations < 1, tolerance is negative or not finite, or the field
-    ///   is euclidean.
+    /// \throw InvalidOption  bands < 2, max_iterations < 1, or tolerance is negative or not finite.
     explicit HandleAwareIsolines(const SurfaceMesh& rest, const HandleAwareIsolinesOptions& options = {});
     ~HandleAwareIsolines() override;
     HandleAwareIsolines(HandleAwareIsolines&&) noexcept;

@@ -4,21 +4,18 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/enclosure/automatic_cage.h"
 #include "native/enclosure/cage_diagnosis.h"
 #include "native/graph/clusters.h"
 #include "native/handles/handle_fields.h"
 #include "native/handles/held_system.h"
 #include "native/operators/laplacian.h"
 #include "native/rotations/subspace_cells.h"
-#include "native/space/cage/mean_value.h"
-
-#include <Eigen/Geometry>
+#include "native/surface/nonlinear/subspace/caged_part.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -28,116 +25,8 @@ namespace {
 
 constexpr double held_stiffness = 1e5; ///< of all held vertices of a handle together
 constexpr double fade = 0.04;          ///< over which the gap at a handle fades, as a share of the size
-constexpr double most_open = 0.1;      ///< area of the fans that close a part, as a share of its own
-constexpr double least_volume = 1e-4;  ///< volume^2 / area^3; a ball has 1 / (36 pi)
-constexpr double cage_margin = 0.04;   ///< of an automatic cage, as a share of the size
-constexpr int coarse_points = 500;     ///< of the surface whose volume is kept while iterating
 /// An energy below this share of that of all edges is rounding.
 constexpr double rounding_floor = 1e-14;
-
-/// A connected part of a mesh in its cage. It does not depend on handles.
-struct Subspace
-{
-    std::vector<int> vertices;
-    std::vector<Triangle> triangles; ///< of these
-    Points rest;                     ///< (n, 3)
-    double size = 0.0;
-    std::optional<SurfaceMesh> cage; ///< none where the part is its own subspace
-    Points y;                        ///< (c, 3) the unknowns at rest
-    std::unique_ptr<MeanValue> coordinates; ///< null where the part is its own subspace
-    PointWeights own_weights;               ///< in that case
-    RowMatrix coarse;                ///< (m, c) the means of the weights of groups of vertices
-    std::vector<int> groups;         ///< (n) the coarse point of each vertex
-    Points coarse_rest;              ///< (m, 3)
-    Eigen::LLT<MatrixX> projection;  ///< of coarse^T coarse
-    EnclosedVolume volume;
-    CoarseVolume coarse_volume;
-    bool has_volume = false;
-
-    /// (n, c)
-    const PointWeights& weights() const { return coordinates ? coordinates->weights() : own_weights; }
-    /// The same with rows that sum to 1 exactly.
-    RowMatrix exact_weights() const;
-    /// (m, 3) the means of points (n, 3) of each group.
-    Points means(const Points& points) const;
-};
-
-RowMatrix Subspace::exact_weights() const
-{
-    RowMatrix B = weights().dense();
-    parallel_for(static_cast<int>(B.rows()), [&](int i) { B.row(i) /= B.row(i).sum(); });
-    return B;
-}
-
-Points Subspace::means(const Points& points) const
-{
-    Points sums = Points::Zero(coarse.rows(), 3);
-    VectorX counts = VectorX::Zero(coarse.rows());
-    for (std::size_t v = 0; v < groups.size(); ++v) {
-        sums.row(groups[v]) += points.row(static_cast<Eigen::Index>(v));
-        counts[groups[v]] += 1.0;
-    }
-    return counts.cwiseInverse().asDiagonal() * sums;
-}
-
-/// A box around points, of 98 vertices.
-SurfaceMesh box_around(const Points& points)
-{
-    constexpr int across = 4;
-    const Vector3 low = points.colwise().minCoeff().transpose(),
-                  high = points.colwise().maxCoeff().transpose();
-    const double margin = 2 * cage_margin * (high - low).norm();
-    std::map<std::array<int, 3>, int> numbers;
-    std::vector<Vector3> corners;
-    const auto corner = [&](const std::array<int, 3>& at) {
-        const auto [it, is_new] = numbers.emplace(at, static_cast<int>(corners.size()));
-        if (is_new) {
-            const Vector3 share = Vector3(at[0], at[1], at[2]) / across;
-            corners.emplace_back((low.array() - margin) +
-                                 share.array() * ((high - low).array() + 2 * margin));
-        }
-        return it->second;
-    };
-    std::vector<int> faces;
-    for (int axis = 0; axis < 3; ++axis)
-        for (int side = 0; side < 2; ++side)
-            for (int a = 0; a < across; ++a)
-                for (int b = 0; b < across; ++b) {
-                    int ring[4];
-                    for (int k = 0; k < 4; ++k) {
-                        std::array<int, 3> at{};
-                        at[axis] = side * across;
-                        at[(axis + 1) % 3] = a + (k == 1 || k == 2);
-                        at[(axis + 2) % 3] = b + (k >= 2);
-                        ring[side == 1 ? k : 3 - k] = corner(at);
-                    }
-                    faces.insert(faces.end(), {ring[0], ring[1], ring[2], ring[0], ring[2], ring[3]});
-                }
-    Points all(static_cast<Eigen::Index>(corners.size()), 3);
-    for (std::size_t k = 0; k < corners.size(); ++k)
-        all.row(static_cast<Eigen::Index>(k)) = corners[k].transpose();
-    return {all, std::vector<int>(faces.size() / 3, 3), faces};
-}
-
-/// A cage around a part.
-SurfaceMesh cage_around(const SurfaceMesh& part, int faces, const Progress& progress)
-{
-    try {
-        AutomaticCage made = automatic_cage(part, {.faces = faces, .margin = cage_margin}, progress);
-        return {std::move(made.points), std::move(made.counts), std::move(made.corners)};
-    } catch (const InvalidMesh&) { // no good cage was found
-        return box_around(part.points());
-    }
-}
-
-/// The progress of a part of the work, which takes the whole from one fraction to another.
-Progress part_of(const Progress& whole, double from, double to)
-{
-    return Progress([&whole, from, to](double fraction, const char* stage) {
-        whole.tick(from + (to - from) * std::min(fraction, 1.0), stage);
-        return true;
-    });
-}
 
 GraphEdges edges_of(const SparseMatrix& L, const std::vector<int>& vertices, const std::vector<int>& places)
 {
@@ -153,94 +42,10 @@ GraphEdges edges_of(const SparseMatrix& L, const std::vector<int>& vertices, con
     return edges;
 }
 
-/// Clusters of a part; each handle has clusters of its own.
-Clusters clusters_of(const GraphEdges& edges, const Points& rest, std::vector<int> hard, int wanted)
-{
-    GraphHandles handles;
-    handles.hard = std::move(hard);
-    handles.idle.assign(handles.hard.size(), 0);
-    std::vector<int> numbers(handles.hard.size());
-    std::iota(numbers.begin(), numbers.end(), 0);
-    return {HandleGraph(edges, std::move(handles)), rest, wanted, numbers};
-}
-
-/// Fills what a subspace needs beside its vertices, triangles and edges.
-void complete(Subspace& part, const GraphEdges& edges, const std::optional<SurfaceMesh>& given,
-              const SubspaceLaplacianOptions& options, const Progress& progress)
-{
-    const auto n = static_cast<int>(part.vertices.size());
-    part.size = (part.rest.colwise().maxCoeff() - part.rest.colwise().minCoeff()).norm();
-    if (!given && n <= options.cage_faces / 2 + 2) {
-        part.y = part.rest;
-        part.own_weights = PointWeights(n, part.rest, n, {.precision = WeightPrecision::double_precision});
-        const RowMatrix one = RowMatrix::Identity(n, n);
-        for (int i = 0; i < n; i += PointWeights::part)
-            part.own_weights.set_rows(i, one.middleRows(i, std::min(PointWeights::part, n - i)));
-    } else {
-        if (given) {
-            part.cage = given;
-        } else {
-            std::vector<int> corners;
-            for (const Triangle& t : part.triangles)
-                corners.insert(corners.end(), t.begin(), t.end());
-            part.cage = cage_around(
-                SurfaceMesh(part.rest, std::vector<int>(part.triangles.size(), 3), std::move(corners)),
-                options.cage_faces, part_of(progress, 0.0, 0.5));
-        }
-        part.coordinates = std::make_unique<MeanValue>(Cage(*part.cage));
-        part.coordinates->bind(view(part.rest), part_of(progress, 0.5, 1.0));
-        part.y = part.cage->points();
-    }
-    const RowMatrix B = part.exact_weights();
-    const Clusters coarse = clusters_of(edges, part.rest, std::vector<int>(n, -1), coarse_points);
-    part.groups = coarse.label;
-    part.coarse = RowMatrix::Zero(static_cast<Eigen::Index>(coarse.seeds.size()), B.cols());
-    VectorX counts = VectorX::Zero(part.coarse.rows());
-    for (int v = 0; v < n; ++v) {
-        part.coarse.row(part.groups[v]) += B.row(v);
-        counts[part.groups[v]] += 1.0;
-    }
-    part.coarse = (counts.cwiseInverse().asDiagonal() * part.coarse).eval();
-    part.coarse_rest = part.means(part.rest);
-    MatrixX normal = part.coarse.transpose() * part.coarse;
-    normal.diagonal().array() += 1e-8 * normal.diagonal().mean();
-    part.projection.compute(normal);
-
-    part.volume = EnclosedVolume(part.triangles, n);
-    double twice = 0.0;
-    for (const Triangle& t : part.triangles)
-        twice += (part.rest.row(t[1]) - part.rest.row(t[0]))
-                     .cross(part.rest.row(t[2]) - part.rest.row(t[0]))
-                     .norm();
-    const double own = part.volume.of(view(part.rest));
-    part.has_volume = own * own > least_volume * std::pow(0.5 * twice, 3) &&
-                      part.volume.share_of_fans(view(part.rest)) < most_open;
-    std::map<Triangle, int> kept; // turned so that the lowest comes first -> how often, less its reverses
-    for (const Triangle& t : part.triangles) {
-        Triangle of{part.groups[t[0]], part.groups[t[1]], part.groups[t[2]]};
-        if (of[0] == of[1] || of[1] == of[2] || of[2] == of[0])
-            continue;
-        std::rotate(of.begin(), std::ranges::min_element(of), of.end());
-        const bool reversed = of[1] > of[2];
-        if (reversed)
-            std::swap(of[1], of[2]);
-        kept[of] += reversed ? -1 : 1;
-    }
-    std::vector<Triangle> triangles;
-    for (const auto& [t, times] : kept)
-        for (int k = 0; k < std::abs(times); ++k)
-            triangles.push_back(times > 0 ? t : Triangle{t[0], t[2], t[1]});
-    part.coarse_volume = {part.coarse, EnclosedVolume(std::move(triangles), static_cast<int>(counts.size()))};
-}
-
-} // namespace
-
-namespace {
-
 /// A part with its handles.
 struct Part
 {
-    std::shared_ptr<const Subspace> space;
+    std::shared_ptr<const CagedPart> space;
     std::vector<int> handles; ///< of its seats
     std::unique_ptr<const SubspaceCells> cells;
     SubspaceCells::Base base; ///< the rest shape
@@ -256,7 +61,7 @@ struct Part
 };
 
 /// The vertices within a distance of the hard ones along the edges, and the handle that is nearest.
-std::vector<Part::Near> near_handles(const GraphEdges& edges, const Subspace& space,
+std::vector<Part::Near> near_handles(const GraphEdges& edges, const CagedPart& space,
                                      const std::vector<int>& hard)
 {
     const double width = fade * space.size;
@@ -314,36 +119,28 @@ struct SubspaceLaplacian::Impl
 {
     SubspaceLaplacianOptions options;
     std::optional<SurfaceMesh> cage;
-    std::map<int, std::shared_ptr<const Subspace>> spaces; ///< by the lowest vertices of their parts
+    std::map<int, std::shared_ptr<const CagedPart>> spaces; ///< by the lowest vertices of their parts
     HeldSystem system;                                     ///< of the Laplacian, for the fields
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
     mutable Pool<Frame> frames;
 
-    std::shared_ptr<const Subspace> space_of(const SurfaceMesh& mesh, const std::vector<int>& vertices,
-                                             const std::vector<int>& places, const GraphEdges& edges,
-                                             const Progress& progress);
+    std::shared_ptr<const CagedPart> space_of(const SurfaceMesh& mesh, const std::vector<int>& vertices,
+                                              const GraphEdges& edges, const Progress& progress);
     void refuse_outside(const SurfaceMesh& mesh, const HandleGroups& groups) const;
     SolveReport solve(const Part& part, const SolveRequest& request, const Targets& targets, Frame& frame,
                       Points& positions) const;
 };
 
-std::shared_ptr<const Subspace> SubspaceLaplacian::Impl::space_of(const SurfaceMesh& mesh,
-                                                                  const std::vector<int>& vertices,
-                                                                  const std::vector<int>& places,
-                                                                  const GraphEdges& edges,
-                                                                  const Progress& progress)
+std::shared_ptr<const CagedPart> SubspaceLaplacian::Impl::space_of(const SurfaceMesh& mesh,
+                                                                   const std::vector<int>& vertices,
+                                                                   const GraphEdges& edges,
+                                                                   const Progress& progress)
 {
-    std::shared_ptr<const Subspace>& known = spaces[vertices.front()];
+    std::shared_ptr<const CagedPart>& known = spaces[vertices.front()];
     if (known)
         return known;
-    auto space = std::make_shared<Subspace>();
-    space->vertices = vertices;
-    space->rest = mesh.points()(vertices, Eigen::all);
-    for (const Triangle& t : mesh.triangles())
-        if (std::ranges::binary_search(vertices, t[0]))
-            space->triangles.push_back({places[t[0]], places[t[1]], places[t[2]]});
-    complete(*space, edges, cage, options, progress);
-    return known = space;
+    return known =
+               std::make_shared<const CagedPart>(mesh, vertices, edges, cage, options.cage_faces, progress);
 }
 
 void SubspaceLaplacian::Impl::refuse_outside(const SurfaceMesh& mesh, const HandleGroups& groups) const
@@ -421,10 +218,10 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             part.handles.assign(groups.handles.begin() + groups.offsets[g],
                                 groups.handles.begin() + groups.offsets[g + 1]);
             const GraphEdges edges = edges_of(matrix, members[g], places);
-            part.space = self.space_of(rest(), members[g], places, edges,
-                                       part_of(progress, begin, begin + 0.6 * share));
+            part.space =
+                self.space_of(rest(), members[g], edges, part_of(progress, begin, begin + 0.6 * share));
             progress.tick(begin + 0.6 * share, "gathering the energy");
-            const Subspace& space = *part.space;
+            const CagedPart& space = *part.space;
             const auto count = static_cast<int>(members[g].size());
 
             std::vector<int> hard(count);
@@ -502,7 +299,7 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
 SolveReport SubspaceLaplacian::Impl::solve(const Part& part, const SolveRequest& request,
                                            const Targets& targets, Frame& frame, Points& positions) const
 {
-    const Subspace& space = *part.space;
+    const CagedPart& space = *part.space;
     const auto n = static_cast<int>(space.vertices.size());
     const bool enters = targets.incoming.has_value();
     const PointsView given = targets.base();
@@ -583,7 +380,7 @@ SolveReport SubspaceLaplacian::Impl::solve(const Part& part, const SolveRequest&
         space.weights().apply(frame.moves, view(frame.moved), direction.data());
         for (const auto& [vertex, handle, share] : part.near)
             direction.row(vertex) *= 1.0 - share;
-        const double wanted = space.volume.of(view(shape));
+        const double wanted = enters ? space.volume.of(view(shape)) : space.rest_volume;
         if (const auto step = space.volume.step(view(frame.shape), view(direction), wanted))
             parallel_for(n, [&](int k) { frame.shape.row(k) += *step * direction.row(k); });
     }

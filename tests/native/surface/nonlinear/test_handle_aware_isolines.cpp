@@ -75,7 +75,6 @@ TEST(HandleAwareIsolines, refuses_options_out_of_range)
 {
     const SurfaceMesh mesh = shapes::octahedron();
     EXPECT_THROW(HandleAwareIsolines(mesh, {.bands = 1}), InvalidOption);
-    EXPECT_THROW(HandleAwareIsolines(mesh, {.field = Field::euclidean}), InvalidOption);
     EXPECT_THROW(HandleAwareIsolines(mesh, {.max_iterations = 0}), InvalidOption);
     EXPECT_THROW(HandleAwareIsolines(mesh, {.tolerance = -1.0}), InvalidOption);
 }
