@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mannequin as a puppet: a hand or the hip is dragged, the feet are pinned, and the skin follows the bones."""
+"""A mannequin as a puppet: a hand or the hip is dragged, its feet are pinned, and its skin follows."""
 
 from __future__ import annotations
 
