@@ -131,7 +131,7 @@ def test_a_second_drag_begins_where_the_first_one_ended():
     pose(armature, "hand.L", (-0.1, -0.2, 0.1))
     assert np.linalg.norm(end_of(armature, "hip", "head") - hip) < 0.1  # not back at 1
     pose(armature, "hand.L", (0.0, 0.0, 0.0), from_rest=True)
-    assert end_of(armature, "hip", "head")[2] == pytest.approx(1.0, abs=0.05)
+    assert end_of(armature, "hip", "head")[2] == pytest.approx(1.0, abs=0.1)
 
 
 def test_turned_moved_and_scaled_armatures_are_dragged_in_the_world():
