@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mannequin as a puppet: a hand or the hip is dragged, the feet are pinned, and the skin follows the bones."""
+"""A mannequin as a puppet: a hand or the hip is dragged, its feet are pinned, and its skin follows."""
 
 from __future__ import annotations
 
@@ -106,7 +106,9 @@ def mannequin(label: str) -> tuple[bpy.types.Object, bpy.types.Object]:
 def pose(skin: bpy.types.Object, rig: bpy.types.Object, drags: tuple) -> None:
     """Give the mesh the bones as handles, pin the feet, and key the figure at rest and as it is dragged."""
     posing.make_active(skin)
-    posing.expect(bpy.ops.sinew.puppet_rig(armature=rig.name), f"{skin.name}: puppet_rig")
+    posing.expect(
+        bpy.ops.sinew.puppet_rig(armature=rig.name, method="mesh_puppetry"), f"{skin.name}: puppet_rig"
+    )
     for name in FEET:
         rig.pose.bones[name].sinew.pin = True
         limit = rig.pose.bones[name.replace("foot", "shin")]

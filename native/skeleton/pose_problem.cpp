@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -23,6 +24,8 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Sides of the support are moved inward by this share of the skeleton's size, so that the centre of mass
 /// is inside in spite of rounding.
 constexpr double margin = 1e-6;
+constexpr double aside =
+    0.1; ///< how much each joint is bent at the start about its second axis; the third, squared
 
 /// (sin a / a, (1 - cos a) / a^2, (a - sin a) / a^3), also for small a.
 Vector3 series(double a)
@@ -182,10 +185,12 @@ VectorX PoseProblem::start() const
     VectorX x = base_x_;
     for (int u = 0; u < size(); ++u) {
         const auto [bone, axis, moves] = unknowns_[u];
-        // About the first axis that is free: x, by which chains of Blender bend, if it is.
-        if (moves || u != first_[bone] || stiffness_[u] == 0)
+        if (moves || stiffness_[u] == 0)
             continue;
-        x[u] += x[u] + options_.pole <= limits_.upper[u] ? options_.pole : -options_.pole;
+        // About the first axis that is free, by which chains in Blender bend, and a little about the others:
+        // a chain that bends in one plane alone would never find a way out of it.
+        const double bend = options_.pole * std::pow(aside, u - first_[bone]);
+        x[u] += x[u] + bend <= limits_.upper[u] ? bend : -bend;
     }
     const Poses poses = skeleton_.poses(base_);
     std::vector<int> root(skeleton_.bone_count());
@@ -229,6 +234,22 @@ VectorX PoseProblem::start() const
         x.segment<3>(first_[b]) = (turn * (head - from) + to - skeleton_.head(b)) / size;
     }
     return x;
+}
+
+bool PoseProblem::unwind(VectorX& x) const
+{
+    bool any = false;
+    for (int b = 0; b < skeleton_.bone_count(); ++b) {
+        const int first = first_[b + 1] - 3; // a ball has all three turns
+        if (skeleton_.joint(b).kind != Joint::Kind::ball || first < first_[b] || unknowns_[first].moves)
+            continue;
+        const double angle = x.segment<3>(first).norm();
+        if (angle > std::numbers::pi) {
+            x.segment<3>(first) *= 1 - 2 * std::numbers::pi / angle;
+            any = true;
+        }
+    }
+    return any;
 }
 
 Posture PoseProblem::posture(const VectorX& x) const

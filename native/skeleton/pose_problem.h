@@ -26,6 +26,9 @@ public:
     VectorX base() const { return base_x_; }
     /// The start of a solve.
     VectorX start() const;
+    /// Lets joints that have turned by more than half a turn get there the other way.
+    /// \return whether there were any.
+    bool unwind(VectorX& x) const;
     /// The posture of the unknowns.
     Posture posture(const VectorX& x) const;
     const std::vector<double>& gaps() const { return gaps_; } ///< of the x that was evaluated last

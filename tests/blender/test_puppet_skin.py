@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The skin of a puppet: bones as handles of a mesh, from vertex groups or by distance."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from puppets import pose
+from rig import base_points, close, evaluated_points, linked, make_active, new_object, update
+
+
+def tube(radius: float = 0.08, rings: int = 40, sides: int = 12) -> bpy.types.Object:
+    """A tube around the bones of ``arm``."""
+    points, faces = [], []
+    for ring in range(rings + 1):
+        for side in range(sides):
+            angle = 2 * math.pi * side / sides
+            points.append((radius * math.cos(angle), radius * math.sin(angle), 2.0 * ring / rings))
+    for ring in range(rings):
+        for side in range(sides):
+            a, b = ring * sides + side, ring * sides + (side + 1) % sides
+            faces.append((a, b, b + sides, a + sides))
+    obj = new_object("Sleeve", points, faces)
+    make_active(obj)
+    return obj
+
+
+def arm() -> bpy.types.Object:
+    armature = linked(bpy.data.objects.new("Arm", bpy.data.armatures.new("Arm")))
+    make_active(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = armature.data.edit_bones
+    parent = None
+    for k, name in enumerate(("first", "second")):
+        bone = edit.new(name)
+        bone.head, bone.tail, bone.parent = (0.0, 0.0, float(k)), (0.0, 0.0, k + 1.0), parent
+        parent = bone
+    bpy.ops.object.mode_set(mode="OBJECT")
+    update()
+    return armature
+
+
+def rigged(**keywords) -> tuple[bpy.types.Object, bpy.types.Object]:
+    armature, obj = arm(), tube()
+    assert bpy.ops.sinew.puppet_rig(armature=armature.name, **keywords) == {"FINISHED"}
+    update()
+    return obj, armature
+
+
+def test_bones_become_handles_and_the_skin_follows():
+    obj, armature = rigged()
+    deformer = obj.sinew.active
+    assert deformer.method == "mesh_puppetry"
+    assert [(row.bone, row.control) for row in deformer.handles] == [
+        ("first", armature),
+        ("second", armature),
+    ]
+    rest = base_points(obj)
+    assert close(evaluated_points(obj), rest)
+    pose(armature, "second", (0.9, 0.0, -0.8))
+    shown = evaluated_points(obj)
+    for name, here in (("first", rest[:, 2] <= 0.75 + 1e-6), ("second", rest[:, 2] >= 1.25 - 1e-6)):
+        bone = armature.pose.bones[name]
+        matrix = np.array(bone.matrix @ bone.bone.matrix_local.inverted())
+        moved = rest[here] @ matrix[:3, :3].T + matrix[:3, 3]
+        assert close(shown[here], moved, 2e-5), name
+    assert np.abs(shown - rest).max() > 0.5
+
+
+def test_painted_groups_with_the_names_of_bones_are_used():
+    armature, obj = arm(), tube()
+    for name, inside in (("first", lambda z: z < 0.8), ("second", lambda z: z > 1.2)):
+        group = obj.vertex_groups.new(name=name)
+        group.add([vertex.index for vertex in obj.data.vertices if inside(vertex.co.z)], 1.0, "REPLACE")
+    bpy.ops.sinew.puppet_rig(armature=armature.name)
+    assert [row.vertex_group for row in obj.sinew.active.handles] == ["first", "second"]
+    assert len(obj.vertex_groups) == 2
+    bpy.ops.sinew.puppet_rig(armature=armature.name, automatic=True, margin=0.4)
+    assert len(obj.vertex_groups) == 4
+
+
+def test_a_keyed_pose_plays_with_its_skin():
+    obj, armature = rigged()
+    pose(armature, "second", (0.0, 0.0, 0.0), key=True)
+    straight = evaluated_points(obj)
+    bpy.context.scene.frame_set(20)
+    pose(armature, "second", (0.9, 0.0, -0.8), key=True)
+    bent_shape = evaluated_points(obj)
+    for frame, shape in ((1, straight), (20, bent_shape), (1, straight)):
+        bpy.context.scene.frame_set(frame)
+        assert close(evaluated_points(obj), shape, 2e-5)
+
+
+def test_rigging_is_refused_without_a_trace():
+    armature, obj = arm(), tube()
+    armature.location.x = 10.0
+    update()
+    # Far away, no bone lies inside.
+    with pytest.raises(RuntimeError, match="No bone of Arm lies inside of Sleeve"):
+        bpy.ops.sinew.puppet_rig(armature=armature.name)
+    assert not obj.sinew.deformers
+    assert not obj.vertex_groups
+    with pytest.raises(RuntimeError, match="There is no object 'Nobody'"):
+        bpy.ops.sinew.puppet_rig(armature="Nobody")
+    with pytest.raises(RuntimeError, match="Select the mesh and one armature"):
+        bpy.ops.sinew.puppet_rig()
