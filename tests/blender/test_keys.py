@@ -3,13 +3,14 @@
 
 import math
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 from baking import assert_same, bake, played
-from inside import native
+from inside import dragging, native
 from mathutils import Matrix
 from rig import (
     Rig,
@@ -380,7 +381,9 @@ def test_a_handle_that_comes_later_is_edited_by_its_own_keys(swaying: Rig):
     assert close(swaying.points()[swaying.top], before[10][swaying.top], SINGLE)
     make_active(swaying.obj)
     bpy.ops.sinew.handle_remove(index=2)
-    assert_same(played(swaying.obj, FRAMES), before)
+    for frame in (1, 10, 20):
+        go(frame)
+        assert alike(swaying, swaying.points(), before[frame])
 
 
 def test_renders_show_the_keyed_frame(swaying: Rig):
@@ -467,7 +470,7 @@ class Test_drafts:
     """Playback: Draft shows frames after few iterations, the same for each frame, until playback rests."""
 
     @pytest.fixture
-    def bent(self, plate: Rig, room, monkeypatch) -> Rig:
+    def bent(self, plate: Rig, room, monkeypatch) -> Iterator[Rig]:
         """Plays: the plate bends by 110 degrees in the frames 1 to 20."""
         plate.bind("arap")
         control = plate.control
@@ -479,7 +482,8 @@ class Test_drafts:
             control.keyframe_insert("rotation_euler", frame=frame)
         plate.deformer.playback = "DRAFT"
         monkeypatch.setattr(room("handlers.deferred"), "is_playing", lambda: True)
-        return plate
+        with dragging():  # what a window does when Blender evaluates what was written
+            yield plate
 
     def test_frames_are_drafts_until_playback_rests(self, bent: Rig, room, monkeypatch):
         session = room("session")
