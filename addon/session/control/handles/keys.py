@@ -13,21 +13,24 @@ from ...memory.sessions import Bound
 NUMBERS = 14  # of a row: frame, handle, and an affine map row by row
 
 
-def keywords(settings: SinewDeformer, bound: Bound, depsgraph: Depsgraph) -> dict[str, np.ndarray]:
-    """What the ``solve`` of a method with keys takes beside the poses; nothing for another method."""
+def keywords(deformer: SinewDeformer, bound: Bound, depsgraph: Depsgraph) -> dict[str, np.ndarray]:
+    """What the ``solve`` of a method with keys takes beside the poses; nothing for another method.
+
+    Keys are read from the original, as nothing animates them.
+    """
     if not bound.factor.recipe.method.keyed:
         return {}
     frame = np.array(depsgraph.scene.frame_current_final)  # with fractions for motion blur
-    return {"frame": frame, "keys": rows(settings, bound.handles)}
+    return {"frame": frame, "keys": rows(deformer, bound.handles)}
 
 
-def rows(settings: SinewDeformer, handles: tuple[str, ...]) -> np.ndarray:
+def rows(deformer: SinewDeformer, handles: tuple[str, ...]) -> np.ndarray:
     """The edits (m, 14) of the bound ``handles``, which are the keys of these; of two at a frame, the later
     one in the list.
     """
     found: dict[tuple[int, int], np.ndarray] = {}
     numbers = {uid: row for row, uid in enumerate(handles)}
-    for key in settings.keys:
+    for key in deformer.keys:
         for edit in key.edits:
             row = numbers.get(edit.handle)
             if row is not None:

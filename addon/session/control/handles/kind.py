@@ -111,7 +111,7 @@ def read_state(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
 def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; perhaps keys."""
     affine, from_rest = poses.bound_poses(evaluation, bound)
-    keyed = keys.keywords(evaluation.settings, bound, evaluation.depsgraph)
+    keyed = keys.keywords(evaluation.deformer, bound, evaluation.depsgraph)
     return affine, {"from_rest": from_rest, **keyed}
 
 
