@@ -150,6 +150,7 @@ class Arap(SurfaceMethod):
         rigidity: ArrayLike = 1.0,
         max_iterations: int = 40,
         tolerance: float = 1e-4,
+        point_handles: float = 0.0,
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
