@@ -42,6 +42,7 @@ SUB_RANKS = {
     "solvers": {"dense": 0, "descent": 0, "supernodal": 0, "engines": 1, "": 2},
     "space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
     "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
+    "surface/nonlinear": {"primo": 0, "": 1},
     "multiresolution": {"details": 0, "transfer": 1, "": 1},
 }
 # Sub-rooms that nobody outside their room may see.
@@ -56,6 +57,7 @@ INTERNAL = {
     "surface/linear/pyramid",
     "surface/linear/semi_regular",
     "surface/linear/volume",
+    "surface/nonlinear/primo",
     "multiresolution/details",
 }
 # A header that only one room may include -> that room.

@@ -75,3 +75,15 @@ def test_shape_matching_of_the_oracle_goes_to_the_same_minimum() -> None:
     vertices = oracle.vertices()
     assert oracle.shape_matching(5) == pytest.approx(least, rel=1e-9)
     np.testing.assert_allclose(oracle.vertices(), vertices, atol=1e-4)
+
+
+def test_counts_turned_faces() -> None:
+    x, y = (w.ravel() for w in np.meshgrid(np.arange(5.0), np.arange(5.0)))
+    first = np.array([5 * row + column for row in range(4) for column in range(4)])
+    quads = np.stack([first, first + 1, first + 6, first + 5], 1)
+    primo = sn.Primo(sn.SurfaceMesh(np.stack([x, y, 0 * x], 1), quads), height=0.5)
+    rim = np.flatnonzero((x % 4 == 0) | (y % 4 == 0))
+    primo.set_handles([np.append(rim, 13), np.array([12])])
+    for shift, turned in ((0.2, False), (4.0, True)):
+        poses = np.stack([STILL, turn((0, 0, 1), 0, (0, 0, 0), (shift, 0, 0))])
+        assert (primo.solve(poses)[1].inverted_faces > 0) == turned

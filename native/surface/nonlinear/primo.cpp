@@ -338,6 +338,8 @@ SolveReport Primo::deform(const SolveRequest& request, const Targets& targets, P
             request.progress);
     }
     solve.read_out(positions);
+    if (solve.has_free_bodies())
+        report.inverted_faces = solve.inverted(view(positions));
     return report;
 }
 

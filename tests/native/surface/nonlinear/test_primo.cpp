@@ -205,6 +205,19 @@ TEST(Primo, an_affine_pose_takes_its_handle_and_the_surface_along)
         }
 }
 
+TEST(Primo, counts_faces_that_are_turned_over)
+{
+    const SurfaceMesh mesh = shapes::quad_grid(4, 4);
+    std::vector<int> fixed = shapes::where(mesh, [](const Vector3& p) {
+        return p.x() == 0 || p.x() == 4 || p.y() == 0 || p.y() == 4;
+    });
+    fixed.push_back(13); // the next one to the right of the middle
+    const Primo primo = bound(mesh, {.height = {0.5}}, {{fixed, {}}, {{12}, {}}});
+    EXPECT_EQ(solve(primo, {shapes::still(), shapes::shift(0.2, 0, 0)}).report.inverted_faces, 0);
+    // The middle goes beyond its neighbour, which stays.
+    EXPECT_GT(solve(primo, {shapes::still(), shapes::shift(4, 0, 0)}).report.inverted_faces, 0);
+}
+
 TEST(Primo, a_painted_height_stiffens_its_region)
 {
     const SurfaceMesh mesh = shapes::quad_grid(30, 4);
