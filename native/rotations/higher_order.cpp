@@ -67,9 +67,8 @@ double HigherOrderProblem::bend(const Points& x, Points& gradient)
         }
         r_.row(i) = sum.transpose();
     });
-    const double energy = 0.5 * lambda * parallel_sum(present, [&](int i) {
-                              return r_.row(i).squaredNorm() / order_.mass(i);
-                          });
+    const double energy =
+        0.5 * lambda * parallel_sum(present, [&](int i) { return r_.row(i).squaredNorm() / order_.mass(i); });
     gradient.resize(free, 3);
     parallel_for(free, [&](int i) {
         Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
@@ -79,8 +78,8 @@ double HigherOrderProblem::bend(const Points& x, Points& gradient)
     });
     for (std::size_t k = 0; k < graph_.nodes().pulls().size(); ++k) {
         const GraphPull& pull = graph_.nodes().pulls()[k];
-        gradient.row(pull.node) += (1 - lambda) * pull.stiffness *
-                                   (q.row(pull.node) - pulls_.row(static_cast<Eigen::Index>(k)));
+        gradient.row(pull.node) +=
+            (1 - lambda) * pull.stiffness * (q.row(pull.node) - pulls_.row(static_cast<Eigen::Index>(k)));
     }
     return energy;
 }

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg
 
 ANCHOR = 10.0  # of a held corner of a free prism, in medians of the weights
 # (1/9) 2^(-|i-k| - |j-l|) for the corners (i, j) and (k, l) of a side: (0, 0), (0, 1), (1, 0), (1, 1)
@@ -55,7 +54,9 @@ class Prisms:
         points, faces = self.points, self.faces
         self.centres = points[faces].mean(1)
         following = np.roll(faces, -1, 1)
-        area = 0.5 * np.cross(points[faces] - self.centres[:, None], points[following] - self.centres[:, None])
+        area = 0.5 * np.cross(
+            points[faces] - self.centres[:, None], points[following] - self.centres[:, None]
+        )
         area = area.sum(1)
         normals = np.zeros_like(points)
         np.add.at(normals, faces, area[:, None])
@@ -101,7 +102,9 @@ class Prisms:
     def _arms(self) -> tuple[np.ndarray, np.ndarray]:
         """R (corner - centre) for both prisms of each pair (pairs, 2, 4, 3), and for anchors (anchors, 3)."""
         arms = np.einsum(
-            "psij,pscj->psci", self.R[self.pairs], self.corners[:, None] - self.centres[self.pairs][:, :, None]
+            "psij,pscj->psci",
+            self.R[self.pairs],
+            self.corners[:, None] - self.centres[self.pairs][:, :, None],
         )
         own = np.einsum("kij,kj->ki", self.R[self.anchored], self.anchors - self.centres[self.anchored])
         return arms, own
@@ -214,10 +217,14 @@ class Prisms:
                 goal = self.t[other][:, None] + np.einsum(
                     "kij,kcj->kci", self.R[other], self.corners[pair] - self.centres[other][:, None]
                 )
-                u = np.concatenate([(C @ lever).reshape(-1, 3), self.anchors[anchor] - self.centres[self.anchored[anchor]]])
+                u = np.concatenate(
+                    [(C @ lever).reshape(-1, 3), self.anchors[anchor] - self.centres[self.anchored[anchor]]]
+                )
                 g = np.concatenate([(C @ goal).reshape(-1, 3), self.anchor_targets[anchor]])
                 s = np.concatenate([np.tile(share, len(pair)), np.ones(len(anchor))])
-                w = np.concatenate([np.repeat(self.weights[pair], 4), np.full(len(anchor), ANCHOR * self.typical)])
+                w = np.concatenate(
+                    [np.repeat(self.weights[pair], 4), np.full(len(anchor), ANCHOR * self.typical)]
+                )
                 b = np.concatenate([np.repeat(body, 4), self.anchored[anchor]])
 
                 def gathered(values: np.ndarray, b=b) -> np.ndarray:

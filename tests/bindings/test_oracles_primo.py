@@ -36,7 +36,9 @@ ENDS = [np.flatnonzero(TUBE[:, 0] <= 1), np.flatnonzero(TUBE[:, 0] >= 15)]
 SIDES = [np.flatnonzero(HILL[:, 0] < 1.5), np.flatnonzero(HILL[:, 0] > 8.5), np.array([60])]
 BENDS = np.stack([STILL, turn((0, 0, 1), 70, (15, 0, 0), (-3, 7, 0))])
 TWISTS = np.stack([STILL, turn((1, 0, 0), 100)])
-PULLS = np.stack([STILL, turn((1, 2, 0.5), 50, (9, 5, 0), (-1, 0, 2)), turn((0, 0, 1), 0, (0, 0, 0), (0, 0, 1.5))])
+PULLS = np.stack(
+    [STILL, turn((1, 2, 0.5), 50, (9, 5, 0), (-1, 0, 2)), turn((0, 0, 1), 0, (0, 0, 0), (0, 0, 1.5))]
+)
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,8 @@ ROWS = (
                 description="Stop when two steps in a row lower the energy by less than this share of it",
             ),
         ),
-    ),    Method(
+    ),
+    Method(
         id="primo",
         number=25,
         label="PriMo",

@@ -46,8 +46,9 @@ struct ArapOptions
 /// buckle like foil, and different starts end in different shapes.
 ///
 /// With `point_handles`, the positions for given rotations minimise the energy of HigherOrder instead, four
-/// times which is the energy of a report: (1 - lambda) E + 2 lambda sum |r_i|^2 / m_i, r = dE / dq / 4. Each step
-/// then asks that this energy falls, though the rotations are those of E, so that an early end is possible.
+/// times which is the energy of a report: (1 - lambda) E + 2 lambda sum |r_i|^2 / m_i, r = dE / dq / 4. Each
+/// step then asks that this energy falls, though the rotations are those of E, so that an early end is
+/// possible.
 ///
 /// Departs from the papers: a weight w_ij below 1e-6 of the mean weight (or negative) is raised to
 /// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
@@ -57,7 +58,8 @@ struct ArapOptions
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)
-///   set_handles()  another set of handles        two factorisations (with point_handles, a third one of twice
+///   set_handles()  another set of handles        two factorisations (with point_handles, a third one of
+///   twice
 ///                                                the order), and those of the cascade; the first call also
 ///                                                computes the weights
 ///   solve()        the handles moved             as much as 3 to 5 iterations for the start, then its

@@ -348,13 +348,13 @@ TEST(Arap, a_start_at_the_answer_stays_there)
 
 TEST(Arap, a_single_vertex_leaves_no_spike_with_point_handles)
 {
-    // A plate whose rim stays; its middle vertex is lifted. How far its neighbours stay behind, as a share of the
-    // mean slope from there to the rim, is how sharp the tip is: without the option the more, the finer the mesh.
+    // A plate whose rim stays; its middle vertex is lifted. How far its neighbours stay behind, as a share of
+    // the mean slope from there to the rim, is how sharp the tip is: without the option the more, the finer
+    // the mesh.
     const auto sharpness = [](int n, const ArapOptions& options) {
         const SurfaceMesh mesh = shapes::grid(n, n, 10.0 / n);
-        const std::vector<int> rim = shapes::where(mesh, [](const Vector3& p) {
-            return std::min({p.x(), p.y(), 10 - p.x(), 10 - p.y()}) < 1e-9;
-        });
+        const std::vector<int> rim = shapes::where(
+            mesh, [](const Vector3& p) { return std::min({p.x(), p.y(), 10 - p.x(), 10 - p.y()}) < 1e-9; });
         const int middle = n / 2 * (n + 1) + n / 2;
         const Points q = solve(bound(mesh, options, {{rim, {}}, {{middle}, {}}}),
                                {shapes::still(), shapes::shift(0, 0, 1)}, {.max_iterations = 300})
