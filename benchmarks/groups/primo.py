@@ -21,7 +21,7 @@ import sinew_native
 from . import Options, Task
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "bindings"))
-from prisms import Prisms  # noqa: E402
+from prisms import Prisms
 
 SHORT, LONG = 2, 12  # numbers of iterations; the difference of their times is measured
 DEEP = {"max_iterations": 1000, "tolerance": 1e-12}
@@ -68,7 +68,9 @@ def _iteration(size: int, threads: list[int]) -> list[Row]:
                 method.solve(case.poses, start=start, max_iterations=budget, tolerance=0.0)
 
             for count in threads:
-                works[kind, count, budget] = Work(solve, lambda count=count: sinew_native.limit_threads(count))
+                works[kind, count, budget] = Work(
+                    solve, lambda count=count: sinew_native.limit_threads(count)
+                )
     alternate(works, budget=6.0, least=rounds(case.vertex_count))
 
     def iteration(kind: type, count: int) -> float:
@@ -106,7 +108,14 @@ def _steps(size: int, threads: list[int]) -> list[Row]:
     about = {"unit": "", "vertices": case.vertex_count}
     rows.append({"work": "primo_steps", "ours": worst, "peer": 1, **about})
     rows.append(
-        {"work": "primo_frame", "ours": seconds, "peer": FRAME_SECONDS, **about, "unit": "s", "threads": threads[-1]}
+        {
+            "work": "primo_frame",
+            "ours": seconds,
+            "peer": FRAME_SECONDS,
+            **about,
+            "unit": "s",
+            "threads": threads[-1],
+        }
     )
     return rows
 

@@ -11,7 +11,7 @@ namespace sinew::bindings {
 
 /// The options of Arap, and of methods that are made of it, from the arguments in Python.
 inline ArapOptions arap_options(double smoothness, const std::string& cells, const py::object& rigidity,
-                                int max_iterations, double tolerance)
+                                int max_iterations, double tolerance, double point_handles)
 {
     ArapOptions options;
     options.smoothness = smoothness;
@@ -20,6 +20,7 @@ inline ArapOptions arap_options(double smoothness, const std::string& cells, con
     options.rigidity = numbers(rigidity, "rigidity");
     options.max_iterations = max_iterations;
     options.tolerance = tolerance;
+    options.point_handles = point_handles;
     return options;
 }
 

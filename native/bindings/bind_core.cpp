@@ -180,6 +180,8 @@ void bind_core(py::module_& module)
             "fallbacks", &SolveReport::fallbacks,
             "How often a quick iteration stalled, so that a slow one took over: 'displacement_volumes' of\n"
             "Multiresolution in tight bends and on a base of another size.")
+        .def_readonly("inverted_faces", &SolveReport::inverted_faces,
+                      "Number of faces that the shape turns over against the prisms of Primo.")
         .def("__repr__", [](const SolveReport& r) {
             return "<SolveReport: " + std::to_string(r.iterations) + " iterations, energy " +
                    std::to_string(r.energy) + (r.converged ? ", converged>" : ", budget spent>");

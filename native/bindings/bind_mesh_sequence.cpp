@@ -173,9 +173,10 @@ Handles are edited at keys, in frames that move with them through the animation.
 Arap with the shape of the animation as the incoming one: it depends on its number, that shape and the keys alone. A
 frame without an edit is reproduced. set_handles() costs what that of Arap costs, once for all frames.)")
         .def(py::init([](const SurfaceMesh& mesh, double smoothness, const std::string& cells,
-                         const py::object& rigidity, int max_iterations, double tolerance) {
-                 const ArapOptions options =
-                     arap_options(smoothness, cells, rigidity, max_iterations, tolerance);
+                         const py::object& rigidity, int max_iterations, double tolerance,
+                         double point_handles) {
+                 const ArapOptions options = arap_options(smoothness, cells, rigidity, max_iterations,
+                                                          tolerance, point_handles);
                  const py::gil_scoped_release unlocked;
                  return std::make_shared<MeshSequence>(mesh, options);
              }),
@@ -183,7 +184,7 @@ frame without an edit is reproduced. set_handles() costs what that of Arap costs
              py::arg("cells") = "spokes", py::arg("rigidity") = 1.0,
              py::arg("max_iterations") = ArapOptions{}.max_iterations,
              py::arg("tolerance") = ArapOptions{}.tolerance,
-             R"(
+             py::arg("point_handles") = ArapOptions{}.point_handles, R"(
 mesh      SurfaceMesh: any frame of the animation, or its rest shape.
 rigidity  a number, or (n,) painted; this and the others as for Arap.
 

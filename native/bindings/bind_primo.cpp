@@ -16,15 +16,15 @@ Minimises sum |e|^2 / (A_i + A_j) int int |d(s, t)|^2 ds dt over the pairs of fa
 d is how far the sides of their prisms come apart (tutorial section 6). A vertex goes to the mean of where the
 prisms around it take it. The prisms stand on the incoming shape. set_handles() costs two factorisations and
 those of a hierarchy of coarser graphs. The energy of a report is that of the prisms and of soft handles.)")
-        .def(py::init([](const SurfaceMesh& mesh, const py::object& height, int max_iterations,
-                         double tolerance) {
-                 PrimoOptions options;
-                 options.height = numbers(height, "height");
-                 options.max_iterations = max_iterations;
-                 options.tolerance = tolerance;
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<Primo>(mesh, options);
-             }),
+        .def(py::init(
+                 [](const SurfaceMesh& mesh, const py::object& height, int max_iterations, double tolerance) {
+                     PrimoOptions options;
+                     options.height = numbers(height, "height");
+                     options.max_iterations = max_iterations;
+                     options.tolerance = tolerance;
+                     const py::gil_scoped_release unlocked;
+                     return std::make_shared<Primo>(mesh, options);
+                 }),
              py::arg("mesh"), py::kw_only(), py::arg("height") = PrimoOptions{}.height.front(),
              py::arg("max_iterations") = PrimoOptions{}.max_iterations,
              py::arg("tolerance") = PrimoOptions{}.tolerance, R"(

@@ -83,6 +83,7 @@ struct SolveReport
     /// to turn.
     int half_turns = 0;
     int fallbacks = 0; ///< how often a quick iteration stalled, so that a slow one took over
+    int inverted_faces = 0; ///< faces that the shape turns over against the rigid bodies that carry them
 };
 
 } // namespace sinew

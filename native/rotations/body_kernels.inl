@@ -80,8 +80,7 @@ double energy(const BodyView& view, int begin, int end, const double* R, double*
             const double* const d = joint(view, a);
             const int j = view.others[a];
             const Columns other = packed(R, j);
-            const L gap =
-                (t + product(r, load(d))) - (point(view.points, j) + product(other, load(d + 3)));
+            const L gap = (t + product(r, load(d))) - (point(view.points, j) + product(other, load(d + 3)));
             const L pull = d[12] * gap;
             const Columns turn{r.x - other.x, r.y - other.y, r.z - other.z};
             const Columns bent = times(turn, d + 6);

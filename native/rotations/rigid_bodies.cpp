@@ -20,8 +20,8 @@ RigidBodies::RigidBodies(const RotationGraph& graph, std::vector<BodyJoint> join
     : size_(graph.size()), free_(graph.free_count()), sweeps_(sweeps), joints_(std::move(joints)),
       first_(2 * static_cast<std::size_t>(free_) + 1, 0), places_(joints_.size(), {-1, -1})
 {
-    // Slot 2 i + 1 counts the joints within the chunk of body i, slot 2 i + 2 the others, until they are added
-    // up.
+    // Slot 2 i + 1 counts the joints within the chunk of body i, slot 2 i + 2 the others, until they are
+    // added up.
     const auto each = [&](auto&& visit) { // (slot - 1, joint, side)
         for (int k = 0; k < static_cast<int>(joints_.size()); ++k) {
             const auto [a, b] = joints_[k].body;

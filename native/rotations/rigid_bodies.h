@@ -33,8 +33,8 @@ struct BodyJoint
 ///
 /// over all joints, and soft pulls of centres. Several rows |(R_i - R_j) u|^2 of one joint are one form
 /// B = sum u u^T. This is the energy of a table of RotationRows with pairs, in a layout that is read less
-/// often: the bodies are the nodes of a RotationGraph, whose edges have the weights of the joints, so that the
-/// Hessian in t is the Laplacian of the graph, whose factor is used.
+/// often: the bodies are the nodes of a RotationGraph, whose edges have the weights of the joints, so that
+/// the Hessian in t is the Laplacian of the graph, whose factor is used.
 class RigidBodies
 {
 public:

@@ -58,6 +58,7 @@ INTERNAL = {
     "surface/linear/pyramid",
     "surface/linear/semi_regular",
     "surface/linear/volume",
+    "surface/nonlinear/primo",
     "surface/nonlinear/pyramids",
     "surface/nonlinear/subspace",
     "multiresolution/details",

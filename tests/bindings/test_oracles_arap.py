@@ -93,3 +93,59 @@ def test_converges_from_a_warm_start_to_the_same_shape() -> None:
     cold, _ = arap.solve(BENT, max_iterations=300, tolerance=1e-10)
     warm, _ = arap.solve(BENT, start=points, max_iterations=600, tolerance=1e-10)
     assert np.abs(cold - warm).max() < 1e-2  # flat minimum: E agrees to 1e-8
+
+
+def residual(p: np.ndarray, q: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The gradient of a quarter of the energy at all vertices, for fitted rotations, and the masses."""
+    L = -igl.cotmatrix(p, faces.astype(np.int64))
+    W = L.tocoo()
+    edges = W.row != W.col
+    i, j, w = W.row[edges], W.col[edges], -W.data[edges]
+    e, f = p[i] - p[j], q[i] - q[j]
+    S = np.zeros((len(p), 3, 3))
+    np.add.at(S, i, w[:, None, None] * f[:, :, None] * e[:, None, :])
+    U, _, Vt = np.linalg.svd(S)
+    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
+    R = U @ Vt
+    r = np.zeros_like(p)
+    np.add.at(r, i, w[:, None] * (f - 0.5 * np.einsum("kab,kb->ka", R[i] + R[j], e)))
+    mass = igl.massmatrix(p, faces.astype(np.int64), igl.MASSMATRIX_TYPE_VORONOI).diagonal()
+    return r, mass / mass.mean()
+
+
+def test_energy_with_point_handles_is_that_of_the_paper() -> None:
+    """(1 - lambda) E + 2 lambda |r|^2 / m: the quadratic form of lambda L M^-1 L + (1 - lambda) L."""
+    tip = [POLES[0], np.array([int(np.argmax(POINTS[:, 2]))])]
+    lift = np.stack([STILL, turn((1, 0, 0), 0, (0, 0, 0), (0, 0, 0.5))])
+    L = -igl.cotmatrix(POINTS, FACES.astype(np.int64)).toarray()
+    free = np.setdiff1d(np.arange(len(POINTS)), np.concatenate(tip))
+    for weight in (0.2, 0.8):
+        arap = sn.Arap(sn.SurfaceMesh(POINTS, FACES), smoothness=0, point_handles=weight)
+        arap.set_handles(tip)
+        q, report = arap.solve(lift, max_iterations=300)
+        r, mass = residual(POINTS, q, FACES)
+        expected = (1 - weight) * spokes_energy(POINTS, q, FACES) + 2 * weight * float(
+            (r**2 / mass[:, None]).sum()
+        )
+        assert report.energy == pytest.approx(expected, rel=1e-8)
+        # The positions solve the system of the paper for these rotations, but for the last steps.
+        system = weight * L @ np.diag(1 / mass) @ L + (1 - weight) * L
+        gradient = ((1 - weight) * r + weight * L @ (r / mass[:, None]))[free]
+        step = np.linalg.solve(system[np.ix_(free, free)], gradient)
+        assert np.abs(step).max() < 0.01 * 0.5
+
+
+def test_point_handles_round_the_tip() -> None:
+    points, faces = grid(16, jitter=0.0)
+    points[:, 2] = 0.0
+    x, y = points[:, :2].T
+    rim = np.flatnonzero((x < 0.5) | (x > 15.5) | (y < 0.5) | (y > 15.5))
+    middle = 8 * 17 + 8
+    behind = []
+    for weight in (0.0, 0.5, 0.9):
+        arap = sn.Arap(sn.SurfaceMesh(points, faces), smoothness=0, point_handles=weight)
+        arap.set_handles([rim, np.array([middle])])
+        q = arap.solve(np.stack([STILL, turn((1, 0, 0), 0, (0, 0, 0), (0, 0, 3))]), max_iterations=300)[0]
+        behind.append(3 - q[middle + 1, 2])
+    assert behind[1] < 0.6 * behind[0]
+    assert behind[2] < behind[1]

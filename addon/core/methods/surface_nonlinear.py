@@ -63,6 +63,18 @@ ROWS = (
                 description="Which edges each vertex keeps rigid",
             ),
             Float(
+                "point_handles",
+                0.0,
+                maximum=0.99,
+                soft_maximum=0.9,
+                rebinds=True,
+                unit="share of the energy",
+                label="Point Handles",
+                description="How smooth the surface is also around handles of a single vertex, which otherwise "
+                "leave a spike. 0.5 to 0.9 is right for them, 0 for handles of many vertices. "
+                "Only with cells of spokes",
+            ),
+            Float(
                 "rigidity",
                 1.0,
                 minimum=0.001,

@@ -153,6 +153,7 @@ class Arap(SurfaceMethod):
         rigidity: ArrayLike = 1.0,
         max_iterations: int = 40,
         tolerance: float = 1e-4,
+        point_handles: float = 0.0,
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
@@ -172,6 +173,7 @@ class MeshSequence(SurfaceMethod):
         rigidity: ArrayLike = 1.0,
         max_iterations: int = 40,
         tolerance: float = 1e-4,
+        point_handles: float = 0.0,
     ) -> None: ...
     def solve_frame(
         self,

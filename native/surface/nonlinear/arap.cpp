@@ -8,6 +8,7 @@
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 #include "native/rotations/graph_problem.h"
+#include "native/rotations/higher_order.h"
 #include "native/rotations/mesh_graph.h"
 #include "native/rotations/rotation_cascade.h"
 
@@ -111,6 +112,7 @@ struct Binding
     RotationGraph graph;
     Points node_rest; ///< the rest points of the nodes
     RotationCascade cascade;
+    std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
 
     /// \param rest  (n, 3) in units of `unit`
@@ -121,6 +123,16 @@ struct Binding
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
         cascade = RotationCascade(graph, node_rest, progress);
+    }
+
+    /// \param mass  (n) of the vertices
+    void smooth_points(double lambda, const VectorX& mass)
+    {
+        const double mean = mass.mean();
+        std::vector<double> of_nodes;
+        for (int v : graph.order())
+            of_nodes.push_back(mass[v] / mean);
+        higher.emplace(graph, lambda, std::move(of_nodes));
     }
 
     /// The points of the first `count` nodes.
@@ -165,6 +177,11 @@ Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
     require_at_least(options.smoothness, 0.0, "smoothness");
     require_at_least(options.tolerance, 0.0, "tolerance");
     require_at_least(options.max_iterations, 1, "max_iterations");
+    require_at_least(options.point_handles, 0.0, "point_handles");
+    if (options.point_handles >= 1.0)
+        throw InvalidOption("point_handles: " + std::to_string(options.point_handles) + " is not below 1");
+    if (options.point_handles > 0.0 && options.cells == ArapOptions::Cells::rims)
+        throw InvalidOption("point_handles: only with cells of spokes; set it to 0, or take spokes");
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->rigidity = painted_rigidity(options.rigidity, rest.vertex_count());
@@ -185,14 +202,19 @@ void Arap::bind(const Regions& regions, BindReport& report, const Progress& prog
         self.degenerate_faces = degenerate_face_count(mesh);
     }
     progress.tick(0.2, "factorising");
-    auto next = std::make_unique<const Binding>(*self.assembled, self.unit, mesh.points(), regions, progress);
+    auto next = std::make_unique<Binding>(*self.assembled, self.unit, mesh.points(), regions, progress);
+    const double lambda = self.options.point_handles;
+    if (lambda > 0 && next->graph.free_count() > 0)
+        next->smooth_points(lambda, divisible_mass(mesh, Discretization::cotan_voronoi));
     progress.tick(1.0, "bound");
 
     self.bound = std::move(next);
-    self.factorizations += self.bound->graph.is_smooth() ? 2 : 1;
+    self.factorizations += (self.bound->graph.is_smooth() ? 2 : 1) + (self.bound->higher ? 1 : 0);
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
     report.factor_bytes = self.bound->graph.factor_bytes();
+    if (self.bound->higher)
+        report.factor_bytes += self.bound->higher->factor().bytes();
     for (const RotationLevel& level : self.bound->cascade.levels())
         report.factor_bytes += level.graph.factor_bytes();
 }
@@ -202,6 +224,7 @@ std::vector<std::string> Arap::changed_options(const SurfaceMethod& former) cons
     const ArapOptions &own = impl_->options, &other = static_cast<const Arap&>(former).impl_->options;
     return names_of({{"smoothness", own.smoothness != other.smoothness},
                      {"cells", own.cells != other.cells},
+                     {"point_handles", own.point_handles != other.point_handles},
                      {"rigidity", own.rigidity != other.rigidity}});
 }
 
@@ -248,7 +271,17 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         cascade.start();
         problem.positions_for_rotations(fine.x);
     }
-    SolveReport report = minimize(cascade.corrected(), fine.x, options, request.progress, &fine.descent);
+    SolveReport report;
+    if (bound.higher) {
+        HigherOrderProblem higher(graph, *bound.higher, problem, targets.base(), fine.goals.pulls);
+        if (!request.start)
+            higher.positions_for_rotations(fine.x);
+        options.correction_period = 0; // coarser graphs know nothing of the second part of the energy
+        options.plain_steps = 4;
+        report = minimize(higher, fine.x, options, request.progress, &fine.descent);
+    } else {
+        report = minimize(cascade.corrected(), fine.x, options, request.progress, &fine.descent);
+    }
     report.energy = bound.energy(report.energy);
     bound.to_vertices(problem.place(fine.x), positions);
     return report;

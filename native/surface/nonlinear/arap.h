@@ -18,6 +18,9 @@ struct ArapOptions
     /// values below 1e-3 of the largest one are raised to that, so that the system stays solvable where a
     /// region is painted black.
     std::vector<double> rigidity{1.0};
+    /// lambda in [0, 1): how smooth the surface is also where a single vertex is held, instead of a spike. 0
+    /// leaves the energy as it is; more is only possible with spokes.
+    double point_handles = 0.0;
     int max_iterations = 40; ///< iterations on the mesh per solve, rejected trials included
     /// solve() ends when the relative decrease of the energy is below this twice in succession.
     double tolerance = 1e-4;
@@ -28,6 +31,8 @@ struct ArapOptions
 /// O. Sorkine, M. Alexa. "As-Rigid-As-Possible Surface Modeling." SGP 2007.
 /// Z. Levi, C. Gotsman. "Smooth Rotation Enhanced As-Rigid-As-Possible Mesh Animation."
 /// IEEE TVCG 21(2), 2015.
+/// A. Oehri, P. Herholz, O. Sorkine-Hornung. "Higher Order Continuity for Smooth As-Rigid-As-Possible Shape
+/// Modeling." 2025.
 ///
 /// With base points p (the incoming shape, or the rest shape), deformed points q, and one rotation R_i per
 /// vertex, the energy over ordered pairs of neighbours is
@@ -40,6 +45,11 @@ struct ArapOptions
 /// the second term, bending stiffness falls with the square of the edge length: dense meshes
 /// buckle like foil, and different starts end in different shapes.
 ///
+/// With `point_handles`, the positions for given rotations minimise the energy of HigherOrder instead, four
+/// times which is the energy of a report: (1 - lambda) E + 2 lambda sum |r_i|^2 / m_i, r = dE / dq / 4. Each
+/// step then asks that this energy falls, though the rotations are those of E, so that an early end is
+/// possible.
+///
 /// Departs from the papers: a weight w_ij below 1e-6 of the mean weight (or negative) is raised to
 /// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
 /// computed from the poses alone, by a cascade of clustered graphs. The steps are those of L-BFGS in the
@@ -48,8 +58,10 @@ struct ArapOptions
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)
-///   set_handles()  another set of handles        two factorisations, and those of the cascade; the first
-///                                                call also computes the weights
+///   set_handles()  another set of handles        two factorisations (with point_handles, a third one of
+///   twice
+///                                                the order), and those of the cascade; the first call also
+///                                                computes the weights
 ///   solve()        the handles moved             as much as 3 to 5 iterations for the start, then its
 ///                                                iterations: two solves for x, y and z and n rotation fits
 ///                                                each; every third one is a correction by the coarser
@@ -57,8 +69,8 @@ struct ArapOptions
 class Arap : public SurfaceMethod
 {
 public:
-    /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, or `rigidity` has
-    ///   neither 1 nor n numbers or is zero everywhere.
+    /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, `rigidity` has neither 1
+    ///   nor n numbers or is zero everywhere, or point_handles >= 1, or > 0 with rims.
     explicit Arap(const SurfaceMesh& rest, const ArapOptions& options = {});
     ~Arap() override;
     Arap(Arap&&) noexcept;

@@ -90,8 +90,9 @@ struct Binding
           graph(prisms.graph(regions), {.rigidity = std::vector<double>(prisms.size(), 1.0), .triangles = {}},
                 centres(prisms, rest)),
           shape(in_order_of(graph)),
-          bodies(graph, prisms.joints(), [&](int k) { return prisms.joint_shape(k, shape); },
-                 mean(height) < mean_edge(mesh) ? sweeps_of_flat_prisms : sweeps)
+          bodies(
+              graph, prisms.joints(), [&](int k) { return prisms.joint_shape(k, shape); },
+              mean(height) < mean_edge(mesh) ? sweeps_of_flat_prisms : sweeps)
     {
         const double square = std::inner_product(height.begin(), height.end(), height.begin(), 0.0) /
                               static_cast<double>(height.size());
@@ -156,9 +157,8 @@ public:
     void start()
     {
         bound_.start.rotations(bodies_, work_.start, work_.rotations);
-        parallel_for(bound_.graph.free_count(), [&](int b) {
-            problem_->set_rotation(b, work_.rotations[b].toRotationMatrix());
-        });
+        parallel_for(bound_.graph.free_count(),
+                     [&](int b) { problem_->set_rotation(b, work_.rotations[b].toRotationMatrix()); });
         problem_->centres_for_rotations(work_.x);
     }
 
@@ -185,8 +185,7 @@ public:
     void read_out(Points& positions)
     {
         positions = given_.base();
-        const PointsView centres =
-            has_free_bodies() ? problem_->place(work_.x) : view(work_.centres);
+        const PointsView centres = has_free_bodies() ? problem_->place(work_.x) : view(work_.centres);
         const Prisms& prisms = bound_.prisms;
         parallel_for(static_cast<int>(positions.rows()), [&](int v) {
             if (const int handle = regions_.hard(v); handle >= 0) {
@@ -196,8 +195,9 @@ public:
             } else if (const auto at = prisms.prisms_at(v); !at.empty()) {
                 Vector3 sum = Vector3::Zero();
                 for (int b : at)
-                    sum += centres.row(b).transpose() +
-                           problem_->rotation(b) * (shape().points.row(v) - shape().centres.row(b)).transpose();
+                    sum +=
+                        centres.row(b).transpose() +
+                        problem_->rotation(b) * (shape().points.row(v) - shape().centres.row(b)).transpose();
                 positions.row(v) = bound_.unit / static_cast<double>(at.size()) * sum;
             }
         });
@@ -289,13 +289,13 @@ void Primo::bind(const Regions& regions, BindReport& report, const Progress& pro
     if (self.degenerate_faces < 0)
         self.degenerate_faces = degenerate_face_count(mesh);
     std::vector<double> height = self.height;
-    const double diagonal =
-        (mesh.points().colwise().maxCoeff() - mesh.points().colwise().minCoeff()).norm();
+    const double diagonal = (mesh.points().colwise().maxCoeff() - mesh.points().colwise().minCoeff()).norm();
     for (double& h : height)
         h *= diagonal;
     Prisms prisms(mesh, regions, height);
     progress.tick(0.2, "factorising");
-    auto next = std::make_unique<const Binding>(mesh, self.unit, regions, std::move(prisms), height, progress);
+    auto next =
+        std::make_unique<const Binding>(mesh, self.unit, regions, std::move(prisms), height, progress);
     progress.tick(1.0, "bound");
 
     self.bound = std::move(next);
@@ -308,7 +308,8 @@ void Primo::bind(const Regions& regions, BindReport& report, const Progress& pro
 
 std::vector<std::string> Primo::changed_options(const SurfaceMethod& former) const
 {
-    return names_of({{"height", impl_->options.height != static_cast<const Primo&>(former).impl_->options.height}});
+    return names_of(
+        {{"height", impl_->options.height != static_cast<const Primo&>(former).impl_->options.height}});
 }
 
 bool Primo::updates(const std::string&) const { return false; }
@@ -332,12 +333,14 @@ SolveReport Primo::deform(const SolveRequest& request, const Targets& targets, P
             solve.start(*request.start);
         else
             solve.start();
-        report = solve.descend(
-            {.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
-             .tolerance = request.tolerance.value_or(impl_->options.tolerance)},
-            request.progress);
+        report =
+            solve.descend({.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
+                           .tolerance = request.tolerance.value_or(impl_->options.tolerance)},
+                          request.progress);
     }
     solve.read_out(positions);
+    if (solve.has_free_bodies())
+        report.inverted_faces = solve.inverted(view(positions));
     return report;
 }
 

@@ -26,17 +26,17 @@ struct PrimoOptions
 /// SGP 2006.
 ///
 /// Each face is the middle of a prism, whose corners lie at v +- h n_v, with the unit normal n_v at rest. At
-/// rest, prisms that share an edge e also share a side, on which a point has the coordinates (s, t) in [0, 1]^2.
-/// Prisms only move rigidly, so that the two copies of the side come apart by d(s, t), which is bilinear. The
-/// energy is
+/// rest, prisms that share an edge e also share a side, on which a point has the coordinates (s, t) in [0,
+/// 1]^2. Prisms only move rigidly, so that the two copies of the side come apart by d(s, t), which is
+/// bilinear. The energy is
 ///
 ///     E = sum over such pairs  |e|^2 / (A_i + A_j)  int_0^1 int_0^1 |d(s, t)|^2 ds dt
 ///
 /// where the integral is (1/9) sum d_ij . d_kl 2^(-|i-k|-|j-l|) over the corners of the side. As the four
 /// products m, a (2 s - 1), b (2 t - 1), c (2 s - 1) (2 t - 1) of the mean gap, its changes along the two
 /// directions and its skew part are orthogonal, it is also |m|^2 + |a|^2 / 3 + |b|^2 / 3 + |c|^2 / 9; with
-/// m = t_i + R_i p - t_j - R_j q, and a, b and c of the form (R_i - R_j) u, that is the energy of RigidBodies.
-/// A vertex goes to the mean of where the prisms around it take it.
+/// m = t_i + R_i p - t_j - R_j q, and a, b and c of the form (R_i - R_j) u, that is the energy of
+/// RigidBodies. A vertex goes to the mean of where the prisms around it take it.
 ///
 /// Departs from the paper: a face of any number of corners is one prism. A handle may hold any vertices, not
 /// only faces: a prism whose corners are all held follows them, also where the poses are not rigid, and one

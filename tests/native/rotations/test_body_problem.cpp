@@ -134,11 +134,12 @@ TEST(BodyProblem, energy_and_gradient_are_those_of_a_table_of_rows)
         const auto [a, b] = setting.joints[k].body;
         const Matrix3 A = problem.rotation(a), B = problem.rotation(b);
         const auto& v = setting.vectors[k];
-        sum += setting.joints[k].weight *
-               ((setting.centres.row(a).transpose() + A * v[0] - setting.centres.row(b).transpose() - B * v[1])
-                    .squaredNorm() +
-                ((A - B) * v[2]).squaredNorm() + ((A - B) * v[3]).squaredNorm() +
-                ((A - B) * v[4]).squaredNorm());
+        sum +=
+            setting.joints[k].weight *
+            ((setting.centres.row(a).transpose() + A * v[0] - setting.centres.row(b).transpose() - B * v[1])
+                 .squaredNorm() +
+             ((A - B) * v[2]).squaredNorm() + ((A - B) * v[3]).squaredNorm() +
+             ((A - B) * v[4]).squaredNorm());
     }
     EXPECT_NEAR(E, 0.5 * sum, 1e-12 * E);
 }
@@ -152,8 +153,7 @@ TEST(BodyProblem, rotations_move_as_those_of_a_table_of_rows)
         RotationProblem oracle(setting.table, setting.table.rest_vectors(), setting.centres);
         setting.turn(problem, oracle);
         Points gradient, expected, all = Points::Zero(setting.graph.size(), 3);
-        const double E =
-            problem.evaluate(setting.centres.topRows(setting.graph.free_count()), gradient);
+        const double E = problem.evaluate(setting.centres.topRows(setting.graph.free_count()), gradient);
         // Factors in single precision, and the tie to the former rotation.
         EXPECT_NEAR(oracle.evaluate(setting.table.free_rows(view(setting.centres)), expected), E, 1e-6 * E);
         for (int i = 0; i < setting.graph.size(); ++i)

@@ -50,8 +50,7 @@ struct Sets
 } // namespace
 
 Prisms::Prisms(const SurfaceMesh& mesh, const Regions& regions, std::vector<double> height)
-    : height_(std::move(height)), first_prism_(mesh.vertex_count() + 1, 0),
-      body_of_(mesh.vertex_count(), -1)
+    : height_(std::move(height)), first_prism_(mesh.vertex_count() + 1, 0), body_of_(mesh.vertex_count(), -1)
 {
     std::vector<int> faces; // of each body
     std::vector<int> corners;
@@ -94,8 +93,8 @@ void Prisms::join_at_edges(const SurfaceMesh& mesh, const std::vector<int>& face
         double longest = 0.0;
         const std::span<const int> own = corners(b);
         for (std::size_t k = 0; k < own.size(); ++k)
-            longest = std::max(longest,
-                               (points.row(own[k]) - points.row(own[(k + 1) % own.size()])).squaredNorm());
+            longest =
+                std::max(longest, (points.row(own[k]) - points.row(own[(k + 1) % own.size()])).squaredNorm());
         area[b] = std::max(this->area(points, b).norm(), needle * longest);
     });
     std::vector<std::array<int, 3>> sides; // both ends, and the body
@@ -136,9 +135,8 @@ void Prisms::join_at_vertices()
 {
     Sets fans(prisms_at_.size());
     const auto place = [&](int vertex, int body) {
-        return static_cast<int>(
-            std::find(prisms_at_.begin() + first_prism_[vertex], prisms_at_.end(), body) -
-            prisms_at_.begin());
+        return static_cast<int>(std::find(prisms_at_.begin() + first_prism_[vertex], prisms_at_.end(), body) -
+                                prisms_at_.begin());
     };
     for (const Joint& joint : joints_)
         for (int v : joint.end)
@@ -240,9 +238,8 @@ Vector3 Prisms::area(const PointsView& points, int body) const
 
 Vector3 Prisms::area(const Points& corners)
 {
-    return area_vector(static_cast<std::size_t>(corners.rows()), [&](std::size_t k) -> Vector3 {
-        return corners.row(static_cast<Eigen::Index>(k));
-    });
+    return area_vector(static_cast<std::size_t>(corners.rows()),
+                       [&](std::size_t k) -> Vector3 { return corners.row(static_cast<Eigen::Index>(k)); });
 }
 
 void Prisms::set_shape(const PointsView& points, PrismShape& shape) const

@@ -85,6 +85,7 @@ SurfaceTraits traits()
         const bool smooth = options.smoothness > 0; // alpha is scaled by the area of the whole mesh
         all.push_back({name_of(options), maker(options), smooth ? 2 : 1, !smooth});
     }
+    all.push_back({"point handles", maker({.point_handles = 0.3}), 3, false});
     const auto drag = [](double s) {
         const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
         return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 100 * t, {18, 0, 0},
@@ -345,6 +346,53 @@ TEST(Arap, a_start_at_the_answer_stays_there)
     EXPECT_LE(again.report.energy, answer.report.energy * (1 + 1e-6));
 }
 
+TEST(Arap, a_single_vertex_leaves_no_spike_with_point_handles)
+{
+    // A plate whose rim stays; its middle vertex is lifted. How far its neighbours stay behind, as a share of
+    // the mean slope from there to the rim, is how sharp the tip is: without the option the more, the finer
+    // the mesh.
+    const auto sharpness = [](int n, const ArapOptions& options) {
+        const SurfaceMesh mesh = shapes::grid(n, n, 10.0 / n);
+        const std::vector<int> rim = shapes::where(
+            mesh, [](const Vector3& p) { return std::min({p.x(), p.y(), 10 - p.x(), 10 - p.y()}) < 1e-9; });
+        const int middle = n / 2 * (n + 1) + n / 2;
+        const Points q = solve(bound(mesh, options, {{rim, {}}, {{middle}, {}}}),
+                               {shapes::still(), shapes::shift(0, 0, 1)}, {.max_iterations = 300})
+                             .positions;
+        EXPECT_EQ(q(middle, 2), 1.0);
+        return (1.0 - q(middle + 1, 2)) * (n / 2);
+    };
+    for (double smoothness : {0.0, 5e-4}) {
+        const double coarse = sharpness(20, {.smoothness = smoothness}),
+                     fine = sharpness(40, {.smoothness = smoothness});
+        EXPECT_GT(fine, coarse) << smoothness;
+        for (int n : {20, 40}) {
+            const double some = sharpness(n, {.smoothness = smoothness, .point_handles = 0.5}),
+                         most = sharpness(n, {.smoothness = smoothness, .point_handles = 0.9});
+            EXPECT_LT(some, 0.6 * (n == 20 ? coarse : fine)) << smoothness << ", " << n;
+            EXPECT_LT(most, some) << smoothness << ", " << n;
+        }
+        // The tip becomes rounder on a finer mesh.
+        EXPECT_LT(sharpness(40, {.smoothness = smoothness, .point_handles = 0.9}),
+                  sharpness(20, {.smoothness = smoothness, .point_handles = 0.9}));
+    }
+}
+
+TEST(Arap, no_step_with_point_handles_raises_the_energy)
+{
+    const SurfaceMesh mesh = shapes::bar(12, 3);
+    for (double lambda : {0.1, 0.5, 0.9}) {
+        const Arap arap = bound(mesh, {.point_handles = lambda}, {shapes::ends(mesh, 2)[0], {{70}, {}}});
+        const Poses poses{shapes::still(), shapes::turn({0, 0, 1}, 60, {6, 0, 0}, {0, 2, 1})};
+        double before = std::numeric_limits<double>::infinity();
+        for (int k = 0; k <= 16; ++k) {
+            const SolveReport s = solve(arap, poses, {.max_iterations = k, .tolerance = 0.0}).report;
+            EXPECT_LE(s.energy, before * (1 + 1e-12)) << "iteration " << k;
+            before = s.energy;
+        }
+    }
+}
+
 TEST(Arap, a_scaled_rigidity_scales_the_energy_alone)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
@@ -423,6 +471,9 @@ TEST(Arap, refuses_options_that_mean_nothing)
     for (const std::vector<double>& bad : {std::vector{0.0}, std::vector(8, 0.0), {}, std::vector{1.0, 1.0}})
         EXPECT_THROW(Arap(mesh, {.rigidity = bad}), InvalidOption);
     EXPECT_THROW(Arap(mesh, {.max_iterations = 0}), InvalidOption);
+    for (double bad : {-0.1, 1.0, 2.0, nan})
+        EXPECT_THROW(Arap(mesh, {.point_handles = bad}), InvalidOption);
+    EXPECT_THROW(Arap(mesh, {.cells = Cells::rims, .point_handles = 0.5}), InvalidOption);
     std::vector<double> paint(8, 1.0);
     paint[2] = -1;
     const auto make = [&] { Arap(mesh, {.rigidity = paint}); };

@@ -100,8 +100,8 @@ SurfaceTraits traits()
             .rigid = 1e-11, // rounding of a solve at size 40
             .held = 2e-13,
             .alone = 1e-13,
-            .similar = 0.1, // bodies get other numbers, so that it stops at another iteration, each within 1 %
-                            // of how far the surface moves
+            .similar = 0.1, // bodies get other numbers, so that it stops at another iteration, each within 1
+                            // % of how far the surface moves
             .scaled = 0.01, // as do the last bits of the rest shape
             .apart = 0.05,
             .messy = 30.0,
@@ -124,8 +124,7 @@ TEST(Primo, two_starts_end_in_one_shape)
             const Points rest = mesh.points();
             from_rest.start.emplace(view(rest));
             const Solution other = solve(primo, poses, from_rest);
-            EXPECT_LT(shapes::distance(ours.positions, other.positions),
-                      1e-4 * shapes::size(mesh.points()));
+            EXPECT_LT(shapes::distance(ours.positions, other.positions), 1e-4 * shapes::size(mesh.points()));
             EXPECT_NEAR(ours.report.energy, other.report.energy, 1e-7 * ours.report.energy);
         }
 }
@@ -151,7 +150,8 @@ TEST(Primo, energy_never_rises_along_the_iterations)
     for (double height : {0.005, 0.05, 0.3})
         for (const std::vector<Handle>& handles : {shapes::ends(mesh, 2), soft}) {
             const Primo primo = bound(mesh, {.height = {height}}, handles);
-            for (const Poses& poses : {bend(120), twist(135), Poses{shapes::still(), shapes::shift(-6, 8, 0)}}) {
+            for (const Poses& poses :
+                 {bend(120), twist(135), Poses{shapes::still(), shapes::shift(-6, 8, 0)}}) {
                 double before = std::numeric_limits<double>::infinity();
                 for (int k = 0; k <= 16; ++k) {
                     const SolveReport s = solve(primo, poses, {.max_iterations = k, .tolerance = 0.0}).report;
@@ -171,8 +171,8 @@ TEST(Primo, higher_prisms_bend_less)
     double before = std::numeric_limits<double>::infinity();
     for (double height : {0.003, 0.01, 0.03, 0.1}) {
         const Primo primo = bound(mesh, {.height = {height}}, shapes::ends(mesh, 1));
-        const Solution s = solve(primo, {shapes::still(), shapes::turn({0, 1, 0}, 40, {29, 2, 0})},
-                                 {.max_iterations = 300});
+        const Solution s =
+            solve(primo, {shapes::still(), shapes::turn({0, 1, 0}, 40, {29, 2, 0})}, {.max_iterations = 300});
         double most = 0.0; // the largest angle between neighbouring edges along the middle of the strip
         const auto row = [&](int x) -> Eigen::RowVector3d { return s.positions.row(2 * 31 + x); };
         for (int x = 1; x < 30; ++x) {
@@ -201,8 +201,21 @@ TEST(Primo, an_affine_pose_takes_its_handle_and_the_surface_along)
     const Points q = solve(primo, {twice, twice}).positions;
     for (int v = 0; v < mesh.vertex_count(); ++v)
         if (mesh.point(v).x() == 3.0 || mesh.point(v).x() == 9.0) {
-            EXPECT_GT(std::abs(q(v, 1) - q.col(1).mean()), 1.2 * std::abs(mesh.point(v).y() - mesh.points().col(1).mean()));
+            EXPECT_GT(std::abs(q(v, 1) - q.col(1).mean()),
+                      1.2 * std::abs(mesh.point(v).y() - mesh.points().col(1).mean()));
         }
+}
+
+TEST(Primo, counts_faces_that_are_turned_over)
+{
+    const SurfaceMesh mesh = shapes::quad_grid(4, 4);
+    std::vector<int> fixed = shapes::where(
+        mesh, [](const Vector3& p) { return p.x() == 0 || p.x() == 4 || p.y() == 0 || p.y() == 4; });
+    fixed.push_back(13); // the next one to the right of the middle
+    const Primo primo = bound(mesh, {.height = {0.5}}, {{fixed, {}}, {{12}, {}}});
+    EXPECT_EQ(solve(primo, {shapes::still(), shapes::shift(0.2, 0, 0)}).report.inverted_faces, 0);
+    // The middle goes beyond its neighbour, which stays.
+    EXPECT_GT(solve(primo, {shapes::still(), shapes::shift(4, 0, 0)}).report.inverted_faces, 0);
 }
 
 TEST(Primo, a_painted_height_stiffens_its_region)
@@ -216,13 +229,15 @@ TEST(Primo, a_painted_height_stiffens_its_region)
                                {shapes::still(), shapes::turn({0, 1, 0}, 80, {29, 2, 0}, {-5, 0, 0})},
                                {.max_iterations = 400})
                              .positions;
-        const Eigen::RowVector3d a = q.row(2 * 31 + 12) - q.row(2 * 31 + 11), b = q.row(2 * 31 + 19) - q.row(2 * 31 + 18);
+        const Eigen::RowVector3d a = q.row(2 * 31 + 12) - q.row(2 * 31 + 11),
+                                 b = q.row(2 * 31 + 19) - q.row(2 * 31 + 18);
         return std::atan2(a.cross(b).norm(), a.dot(b));
     };
     EXPECT_LT(bent(painted), 0.2 * bent({0.005}));
     // Black is raised to a thousandth of the largest value.
     painted[7] = 0.0;
-    EXPECT_TRUE(solve(bound(mesh, {.height = painted}, shapes::ends(mesh, 1)), bend(60, 30)).positions.allFinite());
+    EXPECT_TRUE(
+        solve(bound(mesh, {.height = painted}, shapes::ends(mesh, 1)), bend(60, 30)).positions.allFinite());
 }
 
 TEST(Primo, faces_of_many_corners_stay_stiff)

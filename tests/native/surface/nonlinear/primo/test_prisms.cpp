@@ -169,8 +169,8 @@ TEST(Prisms, a_prism_is_held_where_all_of_its_corners_are)
 
 TEST(Prisms, faces_that_share_only_a_vertex_hang_together)
 {
-    const SurfaceMesh bow = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}},
-                                         {{0, 1, 2}, {0, 3, 4}});
+    const SurfaceMesh bow =
+        shapes::mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 3, 4}});
     const Setting s(bow, {1});
     ASSERT_EQ(s.prisms.joints().size(), 2u); // that of both faces, and that of the held vertex
     EXPECT_EQ(s.graph.free_count(), 2);
