@@ -17,6 +17,7 @@ constexpr int coarsening = 8;
 constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
 constexpr int coarsest_iterations = 30, level_iterations = 5;
+constexpr double rounding_floor = 1e-14; ///< of sum w |p_i - p_j|^2: an energy below it is rounding
 constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
 
 /// Sets the rotations of the next finer problem from those of a level.
@@ -27,6 +28,11 @@ void hand_down(const RotationLevel& level, const std::vector<Eigen::Quaterniond>
         if (level.map.label()[i] >= 0)
             finer.set_rotation(i, handed_down(level.map, rotations, i).toRotationMatrix());
     });
+}
+
+double energy_floor(const RotationGraph& graph, const Targets& targets)
+{
+    return rounding_floor * (targets.incoming ? graph.scale(targets.base()) : graph.rest_scale());
 }
 
 void blend_handles(GraphProblem& problem, const RotationGraph& graph, const Poses& poses)
@@ -40,15 +46,33 @@ void blend_handles(GraphProblem& problem, const RotationGraph& graph, const Pose
 
 } // namespace
 
-RotationLevel::RotationLevel(const RotationGraph& finer, const Points& finer_rest, const Clusters& clusters)
-    : map(finer.nodes(), finer_rest, clusters), graph(graph_of_clusters(finer.nodes(), finer_rest, map),
-                                                      {.rigidity = map.restrict(finer.cells().rigidity),
-                                                       .smoothing = finer.cells().smoothing,
-                                                       .triangles = {}},
-                                                      map.restrict(view(finer_rest)))
+RotationLevel::RotationLevel(const HandleGraph& finer, const GraphCells& cells, const Points& finer_rest,
+                             const Clusters& clusters)
+    : map(finer, finer_rest, clusters),
+      graph(graph_of_clusters(finer, finer_rest, map),
+            {.rigidity = map.restrict(cells.rigidity), .smoothing = cells.smoothing, .triangles = {}},
+            map.restrict(view(finer_rest)))
 {
     map.renumber(graph.order());
     rest = map.restrict(view(finer_rest));
+}
+
+std::optional<RotationLevel> RotationLevel::coarser(const HandleGraph& finer, const GraphCells& cells,
+                                                    const Points& finer_rest, const std::vector<int>& numbers)
+{
+    if (finer.size() / coarsening < fewest_nodes)
+        return {};
+    const Clusters clusters(finer, finer_rest, finer.size() / coarsening, numbers);
+    const auto active = std::ranges::count_if(clusters.label, [](int p) { return p >= 0; });
+    if (clusters.seeds.size() > worthwhile * active)
+        return {};
+    try {
+        return RotationLevel(finer, cells, finer_rest, clusters);
+    } catch (const OutOfMemory&) {
+        throw;
+    } catch (const FactorizationFailed&) {
+        return {}; // the finer levels are a start, too
+    }
 }
 
 void GraphGoals::set(const RotationGraph& graph, const Targets& goal)
@@ -69,20 +93,12 @@ RotationCascade::RotationCascade(const RotationGraph& fine, const Points& rest, 
     const Points* points = &rest;
     levels_.reserve(most_levels); // so that `graph` may point into it
     // Where no node is free, nothing needs a start.
-    while (fine.free_count() > 0 && static_cast<int>(levels_.size()) < most_levels &&
-           graph->size() / coarsening >= fewest_nodes) {
+    while (fine.free_count() > 0 && static_cast<int>(levels_.size()) < most_levels) {
         progress.tick(0.6 + 0.4 * levels_.size() / most_levels, "clustering");
-        const Clusters clusters(graph->nodes(), *points, graph->size() / coarsening, graph->order());
-        const auto active = std::ranges::count_if(clusters.label, [](int p) { return p >= 0; });
-        if (clusters.seeds.size() > worthwhile * active)
+        auto level = RotationLevel::coarser(graph->nodes(), graph->cells(), *points, graph->order());
+        if (!level)
             break;
-        try {
-            levels_.emplace_back(*graph, *points, clusters);
-        } catch (const OutOfMemory&) {
-            throw;
-        } catch (const FactorizationFailed&) {
-            break; // the finer levels are a start, too
-        }
+        levels_.push_back(std::move(*level));
         graph = &levels_.back().graph;
         points = &levels_.back().rest;
     }
@@ -91,7 +107,7 @@ RotationCascade::RotationCascade(const RotationGraph& fine, const Points& rest, 
 CascadeSolve::CascadeSolve(const RotationCascade& cascade, GraphProblem& fine_problem,
                            const RotationGraph& fine, const Targets& targets,
                            std::vector<GraphWorkspace>& work)
-    : cascade_(cascade), fine_problem_(fine_problem), fine_(fine), poses_(targets.poses), work_(work)
+    : cascade_(cascade), fine_problem_(fine_problem), fine_(fine), targets_(targets), work_(work)
 {
     const std::vector<RotationLevel>& levels = cascade.levels();
     const int count = static_cast<int>(levels.size());
@@ -109,7 +125,7 @@ CascadeSolve::CascadeSolve(const RotationCascade& cascade, GraphProblem& fine_pr
         work[l].goals.set(graph, local);
         problems_.emplace_back(graph, local.base(), work[l].goals.targets, work[l].goals.pulls,
                                &work[l].buffers);
-        floors_.push_back(1e-14 * (targets.incoming ? graph.scale(local.base()) : graph.rest_scale()));
+        floors_.push_back(energy_floor(graph, local));
         corrected_.emplace_back(problems_.back());
         corrected_[l].correct_by(corrected_[l + 1], levels[l].map, work[l].descent);
     }
@@ -120,25 +136,39 @@ void CascadeSolve::start()
     const std::vector<RotationLevel>& levels = cascade_.levels();
     const int count = static_cast<int>(levels.size());
     if (count == 0) {
-        blend_handles(fine_problem_, fine_, poses_);
+        blend_handles(fine_problem_, fine_, targets_.poses);
         return;
     }
-    blend_handles(problems_.back(), levels.back().graph, poses_);
-    for (int l = count - 1; l >= 0; --l) {
-        GraphProblem& problem = problems_[l];
-        problem.positions_for_rotations(work_[l].x);
-        minimize(corrected_[l + 1], work_[l].x,
-                 {.max_iterations = l + 1 == count ? coarsest_iterations : level_iterations,
-                  .tolerance = 1e-4,
-                  .floor = floors_[l],
-                  .correction_period = correction_period},
-                 {}, &work_[l].descent);
-        problem.refresh(work_[l].x);
-        work_[l].rotations.resize(levels[l].graph.size());
-        parallel_for(levels[l].graph.size(),
-                     [&](int i) { work_[l].rotations[i] = Eigen::Quaterniond(problem.rotation(i)); });
-        hand_down(levels[l], work_[l].rotations, l == 0 ? fine_problem_ : problems_[l - 1]);
-    }
+    blend_handles(problems_.back(), levels.back().graph, targets_.poses);
+    for (int l = count - 1; l >= 0; --l)
+        hand_down(levels[l], descend(l + 1, problems_[l], work_[l], floors_[l]),
+                  l == 0 ? fine_problem_ : problems_[l - 1]);
+}
+
+const std::vector<Eigen::Quaterniond>& CascadeSolve::solve(GraphWorkspace& work)
+{
+    start();
+    return descend(0, fine_problem_, work, energy_floor(fine_, targets_));
+}
+
+/// Iterations on one problem, from its rotations.
+/// \param level  0 for the fine problem, which comes before the levels of the cascade.
+const std::vector<Eigen::Quaterniond>& CascadeSolve::descend(int level, GraphProblem& problem,
+                                                             GraphWorkspace& work, double floor)
+{
+    const bool coarsest = level == static_cast<int>(cascade_.levels().size());
+    problem.positions_for_rotations(work.x);
+    minimize(corrected_[level], work.x,
+             {.max_iterations = coarsest ? coarsest_iterations : level_iterations,
+              .tolerance = 1e-4,
+              .floor = floor,
+              .correction_period = correction_period},
+             {}, &work.descent);
+    problem.refresh(work.x);
+    const int nodes = level == 0 ? fine_.size() : cascade_.levels()[level - 1].graph.size();
+    work.rotations.resize(nodes);
+    parallel_for(nodes, [&](int i) { work.rotations[i] = Eigen::Quaterniond(problem.rotation(i)); });
+    return work.rotations;
 }
 
 } // namespace sinew

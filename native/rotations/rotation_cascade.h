@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 
+#include <optional>
 #include <vector>
 
 namespace sinew {
@@ -22,7 +23,14 @@ struct RotationLevel
 
     /// \param finer_rest  (finer nodes, 3)
     /// \throw FactorizationFailed
-    RotationLevel(const RotationGraph& finer, const Points& finer_rest, const Clusters& clusters);
+    RotationLevel(const HandleGraph& finer, const GraphCells& cells, const Points& finer_rest,
+                  const Clusters& clusters);
+
+    /// The level above a graph with an eighth of its nodes; none if there would be too few, or nearly as
+    /// many, or if it cannot be factorised.
+    /// \param numbers  see Clusters.
+    static std::optional<RotationLevel> coarser(const HandleGraph& finer, const GraphCells& cells,
+                                                const Points& finer_rest, const std::vector<int>& numbers);
 };
 
 /// Where the handles want the held and the pulled nodes of a graph.
@@ -71,6 +79,7 @@ class CascadeSolve
 {
 public:
     /// \param fine_problem  the problem on the graph that the cascade was made of.
+    /// \param targets       of the nodes; like all of these, they have to outlive this object.
     /// \param work          one per level.
     CascadeSolve(const RotationCascade& cascade, GraphProblem& fine_problem, const RotationGraph& fine,
                  const Targets& targets, std::vector<GraphWorkspace>& work);
@@ -78,14 +87,22 @@ public:
     /// Sets the rotations of the fine problem, which then depend on the targets alone.
     void start();
 
+    /// start(), and then as many iterations on the fine problem as a level of a cascade gets.
+    /// \param work  of the fine problem.
+    /// \return the rotation of each of its nodes.
+    const std::vector<Eigen::Quaterniond>& solve(GraphWorkspace& work);
+
     /// The fine problem, with corrections by the coarser graphs.
     MetricProblem& corrected() { return corrected_.front(); }
 
 private:
+    const std::vector<Eigen::Quaterniond>& descend(int level, GraphProblem& problem, GraphWorkspace& work,
+                                                   double floor);
+
     const RotationCascade& cascade_;
     GraphProblem& fine_problem_;
     const RotationGraph& fine_;
-    const Poses& poses_;
+    const Targets& targets_;
     std::vector<GraphWorkspace>& work_;
     std::vector<GraphProblem> problems_;
     std::vector<CorrectedProblem> corrected_; ///< the fine problem, then those of the levels

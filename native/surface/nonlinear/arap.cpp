@@ -8,10 +8,10 @@
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 #include "native/rotations/graph_problem.h"
+#include "native/rotations/mesh_graph.h"
 #include "native/rotations/rotation_cascade.h"
 
-#include <algorithm>
-#include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -21,8 +21,6 @@ namespace sinew {
 
 namespace {
 
-constexpr double least_weight = 1e-6; ///< as a share of the mean weight; keeps the graph connected
-constexpr double most_weight = 1e4;   ///< likewise; keeps the factor well conditioned
 constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted one
 /// An energy below this share of sum w |p_i - p_j|^2 is rounding. Without this floor, rigid poses would
 /// iterate on it.
@@ -37,14 +35,15 @@ std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 }
 
 /// The half cotangents of the corners of all triangles, kept within bounds so that no term is negative.
-std::vector<GraphTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleMetric& metric, double mean)
+std::vector<GraphTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleMetric& metric,
+                                         const WeightBounds& bounds)
 {
     std::vector<GraphTriangle> triangles;
     for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
         GraphTriangle triangle;
         for (int k = 0; k < 3; ++k) {
             triangle.corner[k] = mesh.triangles()[t][k];
-            triangle.across[k] = std::clamp(metric.half_cotan[t][k], least_weight * mean, most_weight * mean);
+            triangle.across[k] = bounds.bounded(metric.half_cotan[t][k]);
         }
         triangles.push_back(triangle);
     }
@@ -66,37 +65,22 @@ struct RestGraph
         cells.smoothing = options.smoothness * std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
 
         SparseMatrix L = laplacian_matrix(mesh, Discretization::cotan);
-        double sum = 0.0;
-        int count = 0;
-        for (int c = 0; c < L.cols(); ++c)
-            for (SparseMatrix::InnerIterator it(L, c); it; ++it)
-                if (it.row() != c) {
-                    sum += std::abs(it.value());
-                    ++count;
-                }
-        const double mean = sum > 0 ? sum / count : 1.0;
-        if (options.cells == ArapOptions::Cells::rims) {
-            cells.rims = true;
-            cells.triangles = rim_triangles(mesh, metric, mean);
-            std::vector<Eigen::Triplet<double>> entries;
-            for (const GraphTriangle& t : cells.triangles)
-                for (int k = 0; k < 3; ++k) {
-                    entries.emplace_back(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3], -t.across[k]);
-                    entries.emplace_back(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3], -t.across[k]);
-                }
-            L.setFromTriplets(entries.begin(), entries.end());
+        const WeightBounds bounds(L);
+        if (options.cells != ArapOptions::Cells::rims) {
+            edges = edges_of(L, bounds);
+            return;
         }
-
-        for (int c = 0; c < L.cols(); ++c) {
-            for (SparseMatrix::InnerIterator it(L, c); it; ++it)
-                if (it.row() != c) {
-                    edges.neighbours.push_back(static_cast<int>(it.row()));
-                    edges.weights.push_back(
-                        cells.rims ? -it.value()
-                                   : std::clamp(-it.value(), least_weight * mean, most_weight * mean));
-                }
-            edges.offsets.push_back(static_cast<int>(edges.neighbours.size()));
-        }
+        cells.rims = true;
+        cells.triangles = rim_triangles(mesh, metric, bounds);
+        std::vector<Eigen::Triplet<double>> entries;
+        for (const GraphTriangle& t : cells.triangles)
+            for (int k = 0; k < 3; ++k) {
+                entries.emplace_back(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3], -t.across[k]);
+                entries.emplace_back(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3], -t.across[k]);
+            }
+        L.setFromTriplets(entries.begin(), entries.end());
+        // These sums are within no bounds of their own.
+        edges = edges_of(L, {0.0, std::numeric_limits<double>::infinity()});
     }
 
     HandleGraph held_by(const Regions& regions) const
