@@ -34,6 +34,7 @@ GROUPS = (
     "memory",
     "arap",
     "convergence",
+    "shell",
     "subdivision",
     "cages",
     "cages_harmonic",

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -322,7 +323,9 @@ void ThinShellNonlinear::bind(const Regions& regions, BindReport& report, const 
     ++self.factorizations;
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
-    report.factor_bytes = self.bound->cells.factor_bytes() + self.bound->start.factor_bytes();
+    // At the peak, the factor is in double precision still, or the ones of the start are there, too.
+    const std::int64_t factor = self.bound->cells.factor_bytes();
+    report.factor_bytes = factor + std::max(factor, self.bound->start.factor_bytes());
     report.thin_vertices = self.sheet->thin;
 }
 
