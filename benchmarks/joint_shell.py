@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The energy of ``ThinShellNonlinear`` in NumPy, and Gauss-Newton on points and rotations together.
 
-Written down from the header of the method, with no code of the library: the oracle of its tests, and the solver
-that its benchmark compares it with. Each step factorises a matrix of three unknowns per free vertex; those of the
-rotations are eliminated cell by cell before. For manifold meshes of sound triangles.
+Written down from the header of the method, with no code of the library: the oracle of its tests, and the
+solver that its benchmark compares it with. Each step factorises a matrix of three unknowns per free vertex;
+those of the rotations are eliminated cell by cell before. For manifold meshes of sound triangles.
 """
 
 from collections.abc import Callable
@@ -16,7 +16,9 @@ Factor = Callable[[sparse.csc_matrix], Callable[[np.ndarray], np.ndarray]]  # a 
 
 
 def by_splu(matrix: sparse.csc_matrix) -> Callable[[np.ndarray], np.ndarray]:
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0).solve
+    return splu(
+        matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0
+    ).solve
 
 
 def cross_matrices(v: np.ndarray) -> np.ndarray:
@@ -47,8 +49,8 @@ class JointShell:
         p = points[corners]  # (m, 4, 3): both ends of the edge, then what lies opposite
         e = p[:, 1] - p[:, 0]
         areas, rows, weights, bend = [], [], [], np.zeros((len(corners), 4))
-        for side, (a, b) in enumerate(((0, 1), (0, 1))):
-            c = 2 + side
+        for side in range(2):
+            a, b, c = 0, 1, 2 + side
             area = 0.5 * np.linalg.norm(np.cross(e, p[:, c] - p[:, 0]), axis=1)
             areas.append(area)
             for i, j, k in ((a, b, c), (b, c, a), (c, a, b)):  # the edge (i, j) opposite k

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The nonlinear thin shell: one iteration next to one of ARAP, a frame, and Gauss-Newton on the same energy."""
+"""The nonlinear thin shell: an iteration next to one of ARAP, a frame, and Gauss-Newton on its energy."""
 
 import numpy as np
 from cases import Case, bar
@@ -26,7 +26,9 @@ def plan(options: Options) -> list[Task]:
         if size <= 200_000:
             keywords = {"size": size, "threads": options.threads}
             tasks.append(Task("shell", ("shell_iteration",), {"part": "iteration", **keywords}))
-            tasks += [Task("shell", ("shell_frame",), {"part": "frame", "pose": p, **keywords}) for p in POSES]
+            tasks += [
+                Task("shell", ("shell_frame",), {"part": "frame", "pose": p, **keywords}) for p in POSES
+            ]
     size = 2_000 if options.smallest else 10_000
     joint = {"part": "joint", "size": size, "threads": options.threads}
     return [*tasks, Task("shell", ("shell_joint",), joint)]
@@ -114,7 +116,12 @@ def _joint(case: Case, threads: list[int]) -> list[Row]:
     def by_cholmod(matrix: sparse.csc_matrix):
         factor = cholmod(sparse.tril(matrix, format="csc"))
         factor.factorize()
-        return factor.solve
+
+        def solve(rhs: np.ndarray) -> np.ndarray:
+            factor.solve(rhs.reshape(-1, 1))
+            return factor.solution.ravel()
+
+        return solve
 
     _, least, _ = joint.minimize(start, by_cholmod, tolerance=1e-9)
     least = min(least, shell.solve(case.poses, **CONVERGED)[1].energy)
@@ -123,19 +130,15 @@ def _joint(case: Case, threads: list[int]) -> list[Row]:
         return shell.solve(case.poses, max_iterations=budget, tolerance=0.0)[1].energy
 
     ours = next(k for k in range(CONVERGED["max_iterations"]) if energy(k) <= (1 + SAME) * least)
-    theirs = next(
-        k for k in range(100) if joint.minimize(start, by_cholmod, k, 0.0)[1] <= (1 + SAME) * least
-    )
+    theirs = next(k for k in range(100) if joint.minimize(start, by_cholmod, k, 0.0)[1] <= (1 + SAME) * least)
     hessian = joint.hessian(start)
     hessian = hessian + 1e-9 * hessian.diagonal().mean() * sparse.identity(hessian.shape[0], format="csc")
     right = joint.gradient(start)[joint.free].ravel()
     works: dict[object, Work] = {
-        count: Work(
-            lambda: shell.solve(case.poses, max_iterations=ours, tolerance=0.0), set_threads(count)
-        )
+        count: Work(lambda: shell.solve(case.poses, max_iterations=ours, tolerance=0.0), set_threads(count))
         for count in threads
     }
-    works["peer"] = Work(lambda: by_cholmod(hessian)(right))  # factor and solve alone, without NumPy's assembly
+    works["peer"] = Work(lambda: by_cholmod(hessian)(right))  # without NumPy's assembly
     alternate(works)
     return [
         {

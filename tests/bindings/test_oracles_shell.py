@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The nonlinear thin shell against its definition in NumPy and Gauss-Newton in SciPy, which share no code with it."""
+"""The nonlinear thin shell against its definition in NumPy and Gauss-Newton in SciPy, without shared code."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ import sinew_native as sn
 from .meshes import STILL, sphere, turn
 
 sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks"))
-from joint_shell import JointShell  # noqa: E402
+from joint_shell import JointShell
 
 POINTS, FACES = sphere(3)
 POLES = [np.flatnonzero(POINTS[:, 2] < -0.8), np.flatnonzero(POINTS[:, 2] > 0.8)]
