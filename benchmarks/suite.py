@@ -37,6 +37,7 @@ GROUPS = (
     "pyramid",
     "convergence",
     "primo",
+    "shell",
     "subdivision",
     "cages",
     "cages_harmonic",

@@ -267,6 +267,20 @@ WORKS = (
         "arap_bend", "`Arap` to 1 % above its least energy, bar bent by 90 degrees", "libigl", {50_000: 50.0}
     ),
     Work(
+        "shell_iteration",
+        "one iteration of `ThinShellNonlinear`",
+        "one of `Arap`, spokes",
+        {ANY: 3.0},
+        at_most=True,
+    ),
+    Work("shell_frame", "a frame of `ThinShellNonlinear`", "150 ms", {50_000: 1.0}, at_most=True),
+    Work(
+        "shell_joint",
+        "`ThinShellNonlinear` to its least energy",
+        "Gauss-Newton with CHOLMOD, factors and solves",
+        {10_000: 20.0},
+    ),
+    Work(
         "arap_cold",
         "`Arap` to 1 % above its least energy, armadillo",
         "4 iterations of libigl",
@@ -456,6 +470,7 @@ OWN_TIMES = {
     "arap_smooth": "iteration of `Arap`, smooth rotations",
     "arap_bend": "`Arap`, bend to 1 %",
     "arap_cold": "`Arap`, armadillo to 1 %",
+    "shell_iteration": "iteration of `ThinShellNonlinear`",
     "subdivision": "subdivision",
     "handle_added": "adding a handle",
     "stiffness_painted": "painting stiffness",

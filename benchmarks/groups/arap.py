@@ -90,7 +90,7 @@ class Libigl:
         return igl.arap_solve(self.held, self._data, start)
 
 
-def _set_threads(count: int) -> Callable[[], None]:
+def set_threads(count: int) -> Callable[[], None]:
     return lambda: sinew_native.limit_threads(count)
 
 
@@ -109,7 +109,7 @@ def _iteration(case: Case, variants: dict[str, dict], threads: list[int], peers:
             def solve(arap=arap, start=start, budget=budget) -> None:
                 arap.solve(case.poses, start=start, max_iterations=budget, tolerance=0.0)
 
-            works |= {(variant, count, budget): Work(solve, _set_threads(count)) for count in threads}
+            works |= {(variant, count, budget): Work(solve, set_threads(count)) for count in threads}
     for variant in variants if peers else ():
         if variant not in libigl:
             continue
@@ -156,7 +156,7 @@ def _timed(arap: "sinew_native.Arap", case: Case, iterations: int, threads: list
     def solve() -> None:
         arap.solve(case.poses, max_iterations=iterations, tolerance=0.0)
 
-    return {count: Work(solve, _set_threads(count)) for count in threads}
+    return {count: Work(solve, set_threads(count)) for count in threads}
 
 
 def _bend(case: Case, threads: list[int]) -> list[Row]:

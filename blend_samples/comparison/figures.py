@@ -167,6 +167,7 @@ def all_figures(ours: Ours) -> Iterator[Figure]:
             ("Gradient Editing", animal, ours("gradient_editing")(animal)),
             ("Laplacian, implicit", animal, ours("laplacian_editing", transforms="implicit")(animal)),
             ("As-Rigid-As-Possible", animal, ours("arap")(animal)),
+            ("Nonlinear Thin Shell", animal, ours("thin_shell_nonlinear")(animal)),
         ),
     )
 

@@ -147,6 +147,9 @@ void bind_core(py::module_& module)
         .def_property_readonly(
             "irregular_vertices", [](const BindReport& r) { return to_numpy(r.irregular_vertices); },
             "(i,) the vertices of those parts.")
+        .def_property_readonly(
+            "thin_vertices", [](const BindReport& r) { return to_numpy(r.thin_vertices); },
+            "(t,) vertices at edges where the sheet of ThinShellNonlinear is thinner than the mesh can show.")
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
                       "Number of faces with a triangle of (nearly) no area, whose area was raised.")
         .def_readonly("factorizations", &BindReport::factorizations,

@@ -175,8 +175,8 @@ frame without an edit is reproduced. set_handles() costs what that of Arap costs
         .def(py::init([](const SurfaceMesh& mesh, double smoothness, const std::string& cells,
                          const py::object& rigidity, int max_iterations, double tolerance,
                          double point_handles) {
-                 const ArapOptions options = arap_options(smoothness, cells, rigidity, max_iterations,
-                                                          tolerance, point_handles);
+                 const ArapOptions options =
+                     arap_options(smoothness, cells, rigidity, max_iterations, tolerance, point_handles);
                  const py::gil_scoped_release unlocked;
                  return std::make_shared<MeshSequence>(mesh, options);
              }),

@@ -63,21 +63,24 @@ struct BindReport
     int detail_vectors = 0;
     int irregular_parts = 0; ///< parts with a handle that a method for subdivided meshes could not coarsen
     std::vector<int> irregular_vertices; ///< the vertices of those parts
-    int degenerate_faces = 0;       ///< faces with a triangle of (nearly) no area, whose area was raised
-    int factorizations = 0;         ///< numeric factorisations so far, with those of earlier objects
-    int analyses = 0;               ///< symbolic factorisations so far, likewise
-    double refactored = 0.0;        ///< share of the last numeric factorisation that had to be computed
-    std::int64_t factor_bytes = 0;  ///< memory of the factors, without the workspace of solves
-    double seconds = 0.0;           ///< wall clock time of the call
+    /// Vertices at edges where a sheet is thinner than the mesh can show, so that it bends less than asked
+    /// for.
+    std::vector<int> thin_vertices;
+    int degenerate_faces = 0; ///< faces with a triangle of (nearly) no area, whose area was raised
+    int factorizations = 0; ///< numeric factorisations so far, with those of earlier objects
+    int analyses = 0; ///< symbolic factorisations so far, likewise
+    double refactored = 0.0; ///< share of the last numeric factorisation that had to be computed
+    std::int64_t factor_bytes = 0; ///< memory of the factors, without the workspace of solves
+    double seconds = 0.0; ///< wall clock time of the call
 };
 
 /// What solve() reached.
 struct SolveReport
 {
-    int iterations = 0;     ///< accepted steps; 1 for a linear method
-    int rejected = 0;       ///< trial steps that did not lower the energy
-    double energy = 0.0;    ///< of the returned shape: E of the method's class, soft handles included
-    double residual = 0.0;  ///< of a linear method |A d - b| / |b|; else the last relative decrease of E
+    int iterations = 0; ///< accepted steps; 1 for a linear method
+    int rejected = 0; ///< trial steps that did not lower the energy
+    double energy = 0.0; ///< of the returned shape: E of the method's class, soft handles included
+    double residual = 0.0; ///< of a linear method |A d - b| / |b|; else the last relative decrease of E
     bool converged = false; ///< whether the tolerance was met before the iterations were used up
     /// Vertices between handles that are turned against each other by half a turn, where a rule chose the way
     /// to turn.

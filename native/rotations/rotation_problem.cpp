@@ -212,11 +212,11 @@ void RotationProblem::precondition(const Points& gradient, Points& z) const
     cells_.position_factor().solve(gradient, z);
 }
 
-void RotationProblem::positions_for_rotations(Points& x)
+void RotationProblem::positions_for_rotations(Points& x, int solves)
 {
     Points& gradient = buffers_.gradient;
     x = PointsView(buffers_.points.data(), cells_.free_count(), 3);
-    for (int k = 0; k < 2; ++k) { // the factor is in single precision, so each solve leaves a millionth
+    for (int k = 0; k < solves; ++k) { // the factor is in single precision, so each leaves a millionth
         with_pulls(pass(false), gradient);
         cells_.position_factor().solve(gradient, gradient);
         x -= gradient;

@@ -41,9 +41,9 @@ public:
     Matrix3 rotation(int group) const;
     void set_rotation(int group, const Matrix3& R);
 
-    /// (free, 3) the positions that minimise E for the present rotations: a linear solve, and a second one
-    /// for the residual of the first.
-    void positions_for_rotations(Points& x);
+    /// (free, 3) the positions that minimise E for the present rotations: a linear solve, and further ones
+    /// for the residual of the one before.
+    void positions_for_rotations(Points& x, int solves = 2);
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;

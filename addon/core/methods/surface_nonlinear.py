@@ -25,8 +25,98 @@ CELLS = (
     ),
 )
 
+MEASURES = (
+    ("share", "Share of the Size", "Thickness is a share of the diagonal of the box around the rest shape"),
+    ("length", "Length", "Thickness is a length"),
+    ("stiffness", "Stretching and Bending", "Both stiffnesses are set by themselves"),
+)
+
 
 ROWS = (
+    Method(
+        id="thin_shell_nonlinear",
+        number=24,
+        label="Nonlinear Thin Shell",
+        family=Family.SURFACE_NONLINEAR,
+        control=Control.HANDLES,
+        native="ThinShellNonlinear",
+        section="4.3",
+        paper="Terzopoulos et al. 1987",
+        summary="Bends and stretches like a sheet of rubber with a thickness",
+        iterative=True,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.3),
+        reproduces=Reproduced.RIGID_MOTIONS,
+        parameters=(
+            Choice(
+                "measure",
+                "share",
+                MEASURES,
+                rebinds=True,
+                label="Stiffness From",
+                description="What says how stiff the sheet is",
+            ),
+            Float(
+                "thickness",
+                0.02,
+                soft_maximum=0.1,
+                precision=4,
+                step=0.1,
+                paintable=True,
+                rebinds=True,
+                only_with=("measure", ("share", "length")),
+                unit="share of the size, or a length",
+                label="Thickness",
+                description="How thick the sheet is: a thin one bends like paper, a thick one prefers to be stretched. "
+                "Paint a vertex group to let thin parts fold",
+            ),
+            Float(
+                "stretching",
+                1.0,
+                minimum=0.001,
+                soft_maximum=10.0,
+                paintable=True,
+                rebinds=True,
+                only_with=("measure", ("stiffness",)),
+                unit="relative weight",
+                label="Stretching",
+                description="k_s: how much the sheet resists being stretched",
+            ),
+            Float(
+                "bending",
+                0.01,
+                soft_maximum=1.0,
+                precision=5,
+                paintable=True,
+                rebinds=True,
+                only_with=("measure", ("stiffness",)),
+                unit="area, times that of Stretching",
+                label="Bending",
+                description="k_b: how much the sheet resists being bent. The thickness is the square root of "
+                "Bending by Stretching",
+            ),
+            Int(
+                "max_iterations",
+                60,
+                minimum=1,
+                soft_maximum=100,
+                unit="iterations",
+                label="Iterations",
+                description="The largest number of steps per frame. "
+                "While you drag, fewer steps are computed; the others follow when you stop",
+            ),
+            Float(
+                "tolerance",
+                1e-4,
+                maximum=1.0,
+                soft_maximum=0.001,
+                precision=6,
+                unit="share of the energy",
+                label="Tolerance",
+                description="Stop when two steps in a row lower the energy by less than this share of it",
+            ),
+        ),
+    ),
     Method(
         id="arap",
         number=2,

@@ -157,6 +157,20 @@ class Arap(SurfaceMethod):
     ) -> None: ...
     def energy(self, positions: ArrayLike) -> float: ...
 
+class ThinShellNonlinear(SurfaceMethod):
+    def __init__(
+        self,
+        mesh: SurfaceMesh,
+        *,
+        measure: Literal["share", "length", "stiffness"] = "share",
+        thickness: ArrayLike = 0.02,
+        stretching: ArrayLike = 1.0,
+        bending: ArrayLike = 0.01,
+        max_iterations: int = 60,
+        tolerance: float = 1e-4,
+    ) -> None: ...
+    def energy(self, positions: ArrayLike) -> float: ...
+
 class EditKeys:
     def __init__(self, keys: ArrayLike) -> None: ...
     def at(self, handle: int, frame: float) -> Floats: ...

@@ -80,6 +80,11 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
             Elements(Owner.TARGET, "vertex", report.irregular_vertices) if request.on_base else NO_ELEMENTS
         )
         lines.append(Status(Level.WARNING, f"{text}: bent as a plain plate", elements))
+    thin = len(report.thin_vertices)
+    if thin:
+        text = "1 vertex: the sheet is" if thin == 1 else f"{thin:,} vertices: the sheet is"
+        elements = Elements(Owner.TARGET, "vertex", report.thin_vertices) if request.on_base else NO_ELEMENTS
+        lines.append(Status(Level.INFO, f"{text} thinner than these faces can show", elements))
     vectors = report.detail_vectors
     if vectors:
         text = "1 detail is a vector" if vectors == 1 else f"{vectors:,} details are vectors"
