@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Primo: an iteration next to one of `Arap`, the iterations of a frame, and two peers on the same energy.
 
-The peers are joint Gauss-Newton steps with six unknowns per face, of which CHOLMOD's factor and solve are counted
-alone, and the paper's shape matching for single prisms in NumPy. Both begin at Primo's own start.
+The peers are joint Gauss-Newton steps with six unknowns per face, of which CHOLMOD's factor and solve are
+counted alone, and the paper's shape matching for single prisms in NumPy. Both begin at Primo's own start.
 """
 
 import sys

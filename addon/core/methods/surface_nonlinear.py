@@ -67,8 +67,8 @@ ROWS = (
                 only_with=("measure", ("share", "length")),
                 unit="share of the size, or a length",
                 label="Thickness",
-                description="How thick the sheet is: a thin one bends like paper, a thick one prefers to be stretched. "
-                "Paint a vertex group to let thin parts fold",
+                description="How thick the sheet is: a thin one bends like paper, a thick one prefers to be "
+                "stretched. Paint a vertex group to let thin parts fold",
             ),
             Float(
                 "stretching",
@@ -160,8 +160,8 @@ ROWS = (
                 rebinds=True,
                 unit="share of the energy",
                 label="Point Handles",
-                description="How smooth the surface is also around handles of a single vertex, which otherwise "
-                "leave a spike. 0.5 to 0.9 is right for them, 0 for handles of many vertices. "
+                description="How smooth the surface is also around handles of a single vertex, which "
+                "otherwise leave a spike. 0.5 to 0.9 is right for them, 0 for handles of many vertices. "
                 "Only with cells of spokes",
             ),
             Float(
@@ -224,8 +224,8 @@ ROWS = (
                 rebinds=True,
                 unit="share of the size",
                 label="Height",
-                description="How far the prisms on the faces reach above and below the surface, as a share of the "
-                "diagonal of its bounding box. Higher prisms resist bending and twisting more. "
+                description="How far the prisms on the faces reach above and below the surface, as a share of "
+                "the diagonal of its bounding box. Higher prisms resist bending and twisting more. "
                 "Paint a vertex group to let regions bend that are less thick",
             ),
             Int(
