@@ -7,11 +7,18 @@ from bpy.types import Context, Object, Operator
 
 from .. import session
 from ..core.errors import SinewError
+from ..core.methods import METHODS, MeshShape
 from ..ids import Operators
 from .reporting import reports_errors
 from .waiting import BindingOperator
 
-_METHOD = "pyramid_coordinates"
+# The method that can go to another shape of its mesh, and the parameter that names this shape.
+_METHOD, _SHAPE = next(
+    (method.id, parameter.id)
+    for method in METHODS
+    for parameter in method.parameters
+    if isinstance(parameter, MeshShape)
+)
 
 
 class SINEW_OT_morph(BindingOperator, Operator):
@@ -65,12 +72,14 @@ class SINEW_OT_morph(BindingOperator, Operator):
         if is_new:
             deformer = session.add_deformer(obj, _METHOD)
         settings = getattr(deformer, _METHOD)
-        before = settings.target_shape, settings.morph
-        settings.target_shape, settings.morph = other, self.morph
+        before = getattr(settings, _SHAPE), settings.morph
+        setattr(settings, _SHAPE, other)
+        settings.morph = self.morph
         try:
             session.bind(obj, deformer, wait)
         except SinewError:
-            settings.target_shape, settings.morph = before
+            setattr(settings, _SHAPE, before[0])
+            settings.morph = before[1]
             if is_new:
                 session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
             raise
