@@ -28,8 +28,8 @@ from .schema import (
 __all__ = (
     "BY_ID",
     "DEFAULT_CAGE_METHOD",
-    "DEFAULT_PUPPET_METHOD",
     "DEFAULT_METHOD",
+    "DEFAULT_PUPPET_METHOD",
     "HANDLE_PARAMETERS",
     "METHODS",
     "Bool",
