@@ -7,7 +7,7 @@ from bpy.types import Context, Event, Object, Operator
 
 from .. import compat, session
 from ..core.errors import SinewError
-from ..core.methods import METHODS
+from ..core.methods import DEFAULT_PUPPET_METHOD, METHODS
 from ..ids import Operators
 from .modal.motion_properties import MOTION_KEYS, MotionValues
 from .modal.shell import Keys, ViewportTool
@@ -200,7 +200,7 @@ class SINEW_OT_puppet_rig(BindingOperator, Operator):
     method: EnumProperty(
         name="Method",
         items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
-        default="mesh_puppetry",
+        default=DEFAULT_PUPPET_METHOD,
         description="How the mesh follows the bones",
         options={"SKIP_SAVE"},
     )

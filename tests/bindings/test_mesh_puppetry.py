@@ -169,7 +169,7 @@ def test_a_support_holds_the_centre_of_mass():
         joints = joints_of([Rotation.from_rotvec(t) for t in turns])
         return (joints[1:] + joints[:-1]).mean(axis=0) / 2
 
-    assert centre(free)[0] > 0.5
+    assert centre(free)[0] > 0.3
     assert 0.199 < centre(held)[0] <= 0.2
     np.testing.assert_allclose(report.centre, centre(held), atol=1e-12)
     assert report.overhang == 0.0

@@ -32,6 +32,7 @@ __all__ = (
     "BY_ID",
     "DEFAULT_CAGE_METHOD",
     "DEFAULT_METHOD",
+    "DEFAULT_PUPPET_METHOD",
     "HANDLE_PARAMETERS",
     "METHODS",
     "Bool",
@@ -57,6 +58,7 @@ __all__ = (
 
 DEFAULT_METHOD = "arap"  # the method of a deformer that Add Handle makes
 DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Add Cage makes
+DEFAULT_PUPPET_METHOD = "mesh_puppetry"
 DEFAULT_BASE = "thin_shell"  # the method that a method is put around until the artist chooses another one
 
 

@@ -6,7 +6,7 @@ from enum import Enum
 
 import numpy as np
 from bpy.types import Depsgraph, Object, PoseBone
-from mathutils import Matrix
+from mathutils import Euler, Matrix, Quaternion
 
 from ....backend import Puppet, Solution, Targets
 from ....core.errors import ConstraintError, SinewError
@@ -197,7 +197,7 @@ class PuppetDrag:
             if joint is not None and joint[2] == bone.rotation_mode:
                 bone.rotation_euler = found.turns[row]
             else:
-                _turn(bone, Matrix(found.rotations[row].tolist()))
+                _turn(bone, Matrix(found.rotations[row].tolist()), self._before[name])
             if self._moving_roots[row]:
                 move = found.moves[row]
                 if bone.bone.use_local_location:
@@ -237,14 +237,18 @@ def _rotation_channel(bone: PoseBone) -> str:
     return f"rotation_{mode.lower()}" if mode in ("QUATERNION", "AXIS_ANGLE") else "rotation_euler"
 
 
-def _turn(bone: PoseBone, rotation: Matrix) -> None:
-    """Write a rotation into the channels that the bone uses, close to what they say now."""
+def _turn(bone: PoseBone, rotation: Matrix, before: dict[str, tuple[float, ...]]) -> None:
+    """Write a rotation into the channels that the bone uses, close to what they said ``before``.
+
+    Of equal rotations, the one that is closest to the last frame would depend on the way of the drag.
+    """
     if bone.rotation_mode == "QUATERNION":
         turn = rotation.to_quaternion()
-        turn.make_compatible(bone.rotation_quaternion)
+        turn.make_compatible(Quaternion(before["rotation_quaternion"]))
         bone.rotation_quaternion = turn
     elif bone.rotation_mode == "AXIS_ANGLE":
         axis, angle = rotation.to_quaternion().to_axis_angle()
         bone.rotation_axis_angle = (angle, *axis)
     else:
-        bone.rotation_euler = rotation.to_euler(bone.rotation_mode, bone.rotation_euler)
+        mode = bone.rotation_mode
+        bone.rotation_euler = rotation.to_euler(mode, Euler(before["rotation_euler"], mode))
