@@ -57,8 +57,8 @@ ROWS = (
                 rebinds=True,
                 unit="share of the energy",
                 label="Point Handles",
-                description="How smooth the surface is also around handles of a single vertex, which otherwise "
-                "leave a spike. 0.5 to 0.9 is right for them, 0 for handles of many vertices. "
+                description="How smooth the surface is also around handles of a single vertex, which "
+                "otherwise leave a spike. 0.5 to 0.9 is right for them, 0 for handles of many vertices. "
                 "Only with cells of spokes",
             ),
             Float(
@@ -121,8 +121,8 @@ ROWS = (
                 rebinds=True,
                 unit="share of the size",
                 label="Height",
-                description="How far the prisms on the faces reach above and below the surface, as a share of the "
-                "diagonal of its bounding box. Higher prisms resist bending and twisting more. "
+                description="How far the prisms on the faces reach above and below the surface, as a share of "
+                "the diagonal of its bounding box. Higher prisms resist bending and twisting more. "
                 "Paint a vertex group to let regions bend that are less thick",
             ),
             Int(
