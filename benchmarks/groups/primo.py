@@ -173,7 +173,8 @@ def _peers(size: int, threads: list[int]) -> list[Row]:
             "ours": ours,
             "peer": (time.perf_counter() - begin) / sweeps,
             "peer_sweeps": sweeps,
-            "peer_away_percent": 100 * float(np.linalg.norm(single.vertices() - limit) / np.linalg.norm(limit - case.points)),
+            "peer_away_percent": 100
+            * float(np.linalg.norm(single.vertices() - limit) / np.linalg.norm(limit - case.points)),
             **about,
         }
     )

@@ -121,8 +121,8 @@ ROWS = (
                 rebinds=True,
                 unit="share of the size",
                 label="Height",
-                description="How far the prisms on the faces reach above and below the surface, as a share of "
-                "the diagonal of its bounding box. Higher prisms resist bending and twisting more. "
+                description="How far the prisms on the faces reach above and below the surface, as a share "
+                "of the diagonal of its bounding box. Higher prisms resist bending and twisting more. "
                 "Paint a vertex group to let regions bend that are less thick",
             ),
             Int(
