@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One vertex of a plate is lifted: a spike by As-Rigid-As-Possible, by PriMo a bow as wide as it is thick."""
+"""One vertex of a plate is lifted: by As-Rigid-As-Possible, and by PriMo with prisms of two heights."""
 
 from __future__ import annotations
 

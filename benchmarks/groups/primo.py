@@ -135,7 +135,6 @@ def _peers(size: int, threads: list[int]) -> list[Row]:
     primo.solve(case.poses, start=start, max_iterations=iterations, tolerance=0.0)
     ours = (time.perf_counter() - begin) / iterations
     height = 0.05 * np.linalg.norm(np.ptp(case.points, axis=0))
-    away = lambda oracle: np.linalg.norm(oracle.vertices() - limit) / np.linalg.norm(limit - case.points)  # noqa: E731
 
     spent: list[float] = []
 
@@ -174,7 +173,8 @@ def _peers(size: int, threads: list[int]) -> list[Row]:
             "ours": ours,
             "peer": (time.perf_counter() - begin) / sweeps,
             "peer_sweeps": sweeps,
-            "peer_away_percent": 100 * float(away(single)),
+            "peer_away_percent": 100
+            * float(np.linalg.norm(single.vertices() - limit) / np.linalg.norm(limit - case.points)),
             **about,
         }
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The energy of Primo in NumPy, and two ways to minimise it: an oracle of tests and a peer of benchmarks.
+"""The energy of Primo in NumPy, and two ways to minimise it: an oracle of tests, a peer of benchmarks.
 
 Nothing here knows the four orthogonal parts of a gap, or centres of gravity of joints: a prism has eight or
 more corners, and the gaps between them are weighted as the paper says.

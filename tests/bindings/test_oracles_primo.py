@@ -61,7 +61,7 @@ def test_ends_where_joint_steps_end(points, faces, handles, poses) -> None:
     oracle = Prisms(points, faces, handles, poses, height * diagonal)
     oracle.start_from(start)
     energy = oracle.gauss_newton()
-    # Rotations lag behind positions by a part of a step, so the last steps win nothing: 4e-6 on the hill.
+    # Rotations lag behind positions by a part of a step: the last steps win nothing, 4e-6 on the hill.
     assert report.energy == pytest.approx(energy, rel=1e-5)
     assert first.energy < 1.3 * energy
     assert np.abs(found - oracle.vertices()).max() < 1e-4 * diagonal
