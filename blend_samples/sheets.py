@@ -44,7 +44,7 @@ def make() -> bpy.types.Scene:
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=9.0)
     for obj, label in zip(hoses, THICKNESSES):
         studio.add_label(scene, label, (obj.location.x + 0.2, -1.0, 0.0), 0.2)
-    studio.set_up_render(scene, samples=64, width=1600, height=480)
+    studio.set_up_render(scene, samples=32, width=1600, height=480)
     studio.open_at(scene, POSE_FRAME, hoses[-1])
     return scene
 

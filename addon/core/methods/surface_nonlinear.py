@@ -67,8 +67,8 @@ ROWS = (
                 only_with=("measure", ("share", "length")),
                 unit="share of the size, or a length",
                 label="Thickness",
-                description="How thick the sheet is: a thin one bends like paper, a thick one prefers to be "
-                "stretched. Paint a vertex group to let thin parts fold",
+                description="How thick the sheet is: a thin one bends like paper, a thick one stretches. "
+                "Paint a vertex group to let thin parts fold",
             ),
             Float(
                 "stretching",

@@ -334,6 +334,7 @@ class SilhouetteSketch:
 def silhouette_lines(
     mesh: SurfaceMesh, axes: ArrayLike, eye: ArrayLike | None = None
 ) -> list[tuple[Ints, Floats, bool]]: ...
+
 def fit_stroke(
     mesh: SurfaceMesh,
     stroke: ArrayLike,
