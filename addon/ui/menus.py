@@ -95,6 +95,10 @@ class SINEW_MT_deformer(Menu):
         layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="ADD")
         draw_move_entries(layout, Operators.DEFORMER_MOVE)
         layout.separator()
+        layout.operator(Operators.KEY_ADD, icon="KEY_HLT")
+        layout.operator(Operators.KEY_MOVE, icon="KEYFRAME")
+        layout.operator(Operators.KEY_REMOVE, icon="KEY_DEHLT")
+        layout.separator()
         layout.operator(Operators.APPLY, icon="CHECKMARK")
         layout.operator(Operators.APPLY, text="Apply as Shape Key", icon="SHAPEKEY_DATA").as_shape_key = True
         layout.operator(Operators.BAKE, icon="RENDER_ANIMATION")

@@ -108,7 +108,7 @@ class Evaluation:
     @property
     def draft(self) -> bool:
         """Whether an iterative method may show an early shape of a frame."""
-        return self.haste is Haste.DRAFT and self.in_viewport and self.settings.playback == "DRAFT"
+        return self.haste is Haste.DRAFT and self.in_viewport and self.deformer.playback == "DRAFT"
 
     @property
     def shown(self) -> Shown:
