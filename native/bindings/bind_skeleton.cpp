@@ -160,7 +160,7 @@ py::tuple solve_skeleton(const Skeleton& skeleton, const py::object& bones, cons
     if (!support.is_none()) {
         Balance& balance = request.balance.emplace();
         balance.support = bone_points(support, "support");
-        balance.up = bone_vector(up, "up");
+        balance.up = up.is_none() ? Vector3(0, 0, 1) : bone_vector(up, "up");
         if (!masses.is_none())
             balance.masses = numbers(masses, "masses");
         if (!centres.is_none())
@@ -185,7 +185,7 @@ void bind_skeleton(py::module_& module)
                       "Whether the tolerance was met before the iterations were used up.")
         .def_property_readonly(
             "gaps", [](const PoseReport& report) { return to_numpy(report.gaps); },
-            "(targets,) how far from their goals the points are.")
+            "(t,) how far from their goals the points are.")
         .def_property_readonly(
             "centre",
             [](const PoseReport& report) {
@@ -265,7 +265,7 @@ Raises InvalidConstraint.)")
                 return arrays;
             },
             py::arg("mesh"), py::arg("margin") = 0.25,
-            R"(The vertices that each bone holds, a list of k index arrays: the rigid middles of the limbs.
+            R"(The vertices that each bone holds, k arrays (m_i,) of indices: the rigid middles of the limbs.
 
 mesh    SurfaceMesh around the bones at rest.
 margin  in [0, 0.5): how much of a bone's length is left free at each joint.
@@ -285,9 +285,9 @@ Distances go along the surface. A bone outside, or inside of another one's limb,
             py::arg("bones"), py::arg("points"), py::arg("goals"), py::kw_only(),
             py::arg("weights") = py::none(), py::arg("turns") = py::none(), py::arg("moves") = py::none(),
             py::arg("moving_roots") = py::none(), py::arg("locked") = py::none(),
-            py::arg("support") = py::none(), py::arg("up") = py::make_tuple(0.0, 0.0, 1.0),
-            py::arg("masses") = py::none(), py::arg("centres") = py::none(),
-            py::arg("rest") = PoseSolverOptions{}.rest, py::arg("pole") = PoseSolverOptions{}.pole,
+            py::arg("support") = py::none(), py::arg("up") = py::none(), py::arg("masses") = py::none(),
+            py::arg("centres") = py::none(), py::arg("rest") = PoseSolverOptions{}.rest,
+            py::arg("pole") = PoseSolverOptions{}.pole,
             py::arg("max_iterations") = PoseSolverOptions{}.max_iterations,
             py::arg("tolerance") = PoseSolverOptions{}.tolerance,
             R"(The posture in which points on bones come to their goals -> (turns, moves, PoseReport).
@@ -298,7 +298,8 @@ weights         None (1) or (t,) numbers > 0.
 turns, moves    (k, 3) the posture to stay close to, from which every solve starts; None for zeros.
 moving_roots    None, a flag or (k,) flags: the bones without a parent that may move.
 locked          None, a flag or (k,) flags: the bones that do not turn.
-support         None, or (m, 3) points: the centre of mass stays over their convex hull, seen along `up` (3,).
+support         None, or (m, 3) points: the centre of mass stays over their convex hull, seen along `up`.
+up              None for z, or (3,) the direction against gravity.
 masses          None (the lengths of the bones), a number or (k,) numbers >= 0.
 centres         None (their middles) or (k, 3): where the bones' masses are, at rest.
 rest            >= 0: how much it counts that joints turn, beside the targets.

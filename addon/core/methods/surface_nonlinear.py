@@ -441,7 +441,7 @@ ROWS = (
             ),
             Int(
                 "max_iterations",
-                5,
+                20,
                 minimum=1,
                 soft_maximum=50,
                 unit="iterations",

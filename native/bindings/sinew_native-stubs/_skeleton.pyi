@@ -52,7 +52,7 @@ class Skeleton:
         moving_roots: ArrayLike | None = None,
         locked: ArrayLike | None = None,
         support: ArrayLike | None = None,
-        up: ArrayLike = (0.0, 0.0, 1.0),
+        up: ArrayLike | None = None,
         masses: ArrayLike | None = None,
         centres: ArrayLike | None = None,
         rest: float = 1e-4,

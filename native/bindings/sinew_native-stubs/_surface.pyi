@@ -244,7 +244,7 @@ class MeshPuppetry(SurfaceMethod):
         mesh: SurfaceMesh,
         *,
         bending: float = 1e-3,
-        max_iterations: int = 5,
+        max_iterations: int = 20,
         tolerance: float = 1e-4,
     ) -> None: ...
 

@@ -100,6 +100,7 @@ struct Workspace
 struct Binding
 {
     double unit; ///< of the points of the cells, whose squares fit into single precision
+    std::int64_t factor_bytes; ///< of the larger one of both factors, which are not in memory at once
     HandleFields fields;
     RotationCells cells;
     std::vector<std::vector<int>> patches;
@@ -123,9 +124,12 @@ std::unique_ptr<const Binding> bound(const SurfaceMesh& mesh, double unit, const
         fields = HandleFields(HandleGroups(regions, connected_components(mesh)), regions, harmonic);
         progress.tick(0.6, "factorising");
     });
+    BindReport of_fields;
+    harmonic.report(of_fields);
     RotationCells cells(rows, mesh.points(), held, held);
+    const std::int64_t bytes = std::max(of_fields.factor_bytes, cells.factor_bytes());
     return std::unique_ptr<const Binding>(
-        new Binding{unit, std::move(fields), std::move(cells), handle_patches(mesh, regions), {}});
+        new Binding{unit, bytes, std::move(fields), std::move(cells), handle_patches(mesh, regions), {}});
 }
 
 } // namespace
@@ -164,7 +168,7 @@ void MeshPuppetry::bind(const Regions& regions, BindReport& report, const Progre
     self.factorizations += 2;
     report.degenerate_faces = degenerate_face_count(mesh);
     report.factorizations = self.factorizations;
-    report.factor_bytes = self.bound->cells.factor_bytes();
+    report.factor_bytes = self.bound->factor_bytes;
 }
 
 SolveReport MeshPuppetry::deform(const SolveRequest& request, const Targets& targets, Points& positions) const

@@ -13,7 +13,7 @@ struct MeshPuppetryOptions
 {
     /// lambda >= 0: how much the bends and bumps of the surface are kept, beside the lengths of its edges.
     double bending = 1e-3;
-    int max_iterations = 5; ///< iterations per solve, rejected trials included
+    int max_iterations = 20; ///< iterations per solve, rejected trials included
     /// solve() ends when the relative decrease of the energy is below this twice in succession.
     double tolerance = 1e-4;
 };
