@@ -41,10 +41,6 @@ class SINEW_MT_object(Menu):
         for role, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[role][1])
         layout.separator()
-        layout.operator(Operators.PUPPET_POSE, icon="ARMATURE_DATA")
-        layout.operator(Operators.PUPPET_PIN, icon="PINNED")
-        layout.operator(Operators.PUPPET_RIG, icon="BONE_DATA")
-        layout.separator()
         _draw_common(layout)
 
 
@@ -167,6 +163,10 @@ def add_entry(layout: UILayout, role: str, text: str, icon: str, control: str = 
 
 
 def _draw_common(layout: UILayout) -> None:
+    layout.operator(Operators.PUPPET_POSE, icon="ARMATURE_DATA")
+    layout.operator(Operators.PUPPET_PIN, icon="PINNED")
+    layout.operator(Operators.PUPPET_RIG, icon="BONE_DATA")
+    layout.separator()
     layout.operator(Operators.GRAB_REGION, icon="VIEW_PAN")
     layout.operator(Operators.SILHOUETTE_SKETCH, icon="GREASEPENCIL")
     layout.separator()
