@@ -77,6 +77,9 @@ def mannequin(label: str) -> tuple[bpy.types.Object, bpy.types.Object]:
             ball = balls.elements.new(type="BALL")
             ball.co = head.lerp(tail, k / steps)
             ball.radius = 1.25 * (first + (last - first) * k / steps)
+    for k in range(16):  # shoulders, where there are no bones
+        ball = balls.elements.new(type="BALL")
+        ball.co, ball.radius = (-0.17 + 0.34 * k / 15, 0.0, 1.45), 0.085
     clay = bpy.data.objects.new(f"{label} Clay", balls)
     bpy.context.scene.collection.objects.link(clay)
     bpy.context.view_layer.update()
@@ -116,7 +119,7 @@ def pose(skin: bpy.types.Object, rig: bpy.types.Object, drags: tuple) -> None:
         limit.lock_ik_y = limit.lock_ik_z = True
     for name, head, _tail, _parent, _first, _last in all_bones():
         if name in FEET:
-            markers.add_pad(rig.matrix_world @ Vector((head.x, head.y - 0.08, 0.0)), 0.16)
+            markers.add_pad(rig.matrix_world @ Vector((head.x, head.y - 0.08, 0.0)), 0.105)
     posing.make_active(rig)
     for frame, steps in ((1, ()), (POSE_FRAME, drags), (96, ())):
         bpy.context.scene.frame_set(frame)

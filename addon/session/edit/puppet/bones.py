@@ -79,7 +79,7 @@ def read_skeleton(armature: Object, depsgraph: Depsgraph) -> Skeleton:
             moves[row] = move
         else:
             shifts[row] += move
-        axes[row] = rest[:3, :3]
+        axes[row] = _rotation(rest[:3, :3])  # Blender stores it in single precision
         rotations[row] = _rotation(local[:3, :3])
         heads[row] = np.array(bone.head_local) + shifts[row]
         tails[row] = np.array(bone.tail_local) + shifts[row]
