@@ -33,6 +33,7 @@ GROUPS = (
     "riders",
     "memory",
     "arap",
+    "reduced",
     "convergence",
     "subdivision",
     "cages",
