@@ -35,6 +35,7 @@ GROUPS = (
     "memory",
     "arap",
     "pyramid",
+    "reduced",
     "convergence",
     "primo",
     "shell",

@@ -12,7 +12,7 @@ namespace sinew {
 
 namespace {
 
-constexpr double anchor_share = 1e-9; ///< e, as a share of the mean diagonal
+constexpr double anchor_share = 1e-5; ///< e, as a share of the mean diagonal
 constexpr double volume_tolerance = 1e-5; ///< of the coarse volume, while iterating
 constexpr int most_admissions = 4;
 

@@ -22,8 +22,9 @@ namespace sinew {
 /// over ordered pairs of neighbours, with (...)^0 that of the base shape B y^0. All of it is kept as matrices
 /// of the size of y, one per cluster and one per handle: W_k = sum of the rows of cluster k, squared. So an
 /// evaluation never touches the surface, and another base shape needs no pass over it either. The rows of B
-/// sum to 1. M is a rigid motion, and the last term, with e = 1e-9 of the mean diagonal, decides where the
-/// surface leaves a combination of the unknowns open.
+/// sum to 1. M is a rigid motion, and the last term, with e = 1e-5 of the mean diagonal of sum W_k, decides
+/// where the surface leaves a combination of the unknowns open, as a flat one in a symmetric cage does: a
+/// smaller e would let rounding choose there, and a larger one would be seen.
 class SubspaceCells
 {
 public:
@@ -48,6 +49,7 @@ public:
 
     int unknown_count() const { return static_cast<int>(A_.rows()); }
     int cluster_count() const { return static_cast<int>(stiffness_.size()); }
+    double anchor() const { return anchor_; } ///< e
     std::int64_t bytes() const;
 
     /// What depends on the base shape.

@@ -44,7 +44,8 @@ def test_the_native_object_gets_the_mesh_in_the_space_of_the_target(rig: HandleR
     corners = np.array(CORNERS) * 2.0 @ np.array(cage.matrix_world)[:3, :3].T + cage.matrix_world.translation
     back = np.array(rig.obj.matrix_world.inverted())
     shape = native().SurfaceMesh(corners @ back[:3, :3].T + back[:3, 3], faces_of(cage.data))
-    assert close(caged, rig.expected(METHOD, cage=shape).lifted(1.0), ITERATED)
+    expected = rig.expected(METHOD, cage=shape).lifted(1.0)
+    assert np.abs(caged - expected).max() < ITERATED
     rig.deformer.parameters.cage = None
     assert close(rig.points(), own)
 

@@ -8,6 +8,7 @@
 #include "native/graph/clusters.h"
 #include "native/handles/handle_fields.h"
 #include "native/handles/held_system.h"
+#include "native/mesh/normal_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/rotations/subspace_cells.h"
 #include "native/surface/nonlinear/subspace/caged_part.h"
@@ -58,6 +59,7 @@ struct Part
     };
     std::vector<Near> near; ///< vertices that the gap at a handle moves
     double floor = 0.0;     ///< of the energy
+    double unit = 1.0; ///< of the unknowns, whose steps are kept in single precision
 };
 
 /// The vertices within a distance of the hard ones along the edges, and the handle that is nearest.
@@ -282,7 +284,8 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             part.cells = std::make_unique<const SubspaceCells>(B, own, own_mass, clusters.label,
                                                                cluster_count, self.options.bending * areas[g],
                                                                pulls, static_cast<int>(seats));
-            part.base = part.cells->base(space.y);
+            part.unit = normal_unit(rest().points());
+            part.base = part.cells->base(space.y / part.unit);
             double scale = 0.0;
             for (int k = 0; k < cluster_count; ++k)
                 scale += part.base.own.middleRows<3>(3 * k).trace();
@@ -309,7 +312,7 @@ SolveReport SubspaceLaplacian::Impl::solve(const Part& part, const SolveRequest&
         parallel_for(n, [&](int k) { frame.incoming.row(k) = given.row(space.vertices[k]); });
         const Points change = space.means(frame.incoming - space.rest);
         const Points moves = space.projection.solve(space.coarse.transpose() * change);
-        other = part.cells->base(space.y + moves);
+        other = part.cells->base((space.y + moves) / part.unit);
         frame.moves = -moves;
         frame.moved = frame.incoming - space.rest;
         frame.left.resize(n, 3);
@@ -319,7 +322,8 @@ SolveReport SubspaceLaplacian::Impl::solve(const Part& part, const SolveRequest&
     const Points& shape = enters ? frame.incoming : space.rest;
 
     Poses poses;
-    const Vector3 centre = base.y.colwise().mean().transpose();
+    const Points at_base = part.unit * base.y;
+    const Vector3 centre = at_base.colwise().mean().transpose();
     for (const int handle : part.handles) {
         Pose about = targets.poses[handle];
         about.col(3) = apply(about, centre);
@@ -328,27 +332,30 @@ SolveReport SubspaceLaplacian::Impl::solve(const Part& part, const SolveRequest&
     Pose mean = rigid_mean(poses);
     const std::vector<Matrix3> starts = mean_rotations(part.shares, poses, mean.leftCols<3>());
     mean.col(3) -= mean.leftCols<3>() * centre;
-    const Points resting = posed(mean, base.y);
+    const Points resting = posed(mean, at_base);
     std::vector<Points> aims;
     for (const int handle : part.handles) {
         const bool from_rest = targets.from_rest && (*targets.from_rest)[handle];
-        aims.emplace_back(posed(targets.poses[handle], from_rest ? space.y : base.y) - resting);
+        aims.emplace_back((posed(targets.poses[handle], from_rest ? space.y : at_base) - resting) /
+                          part.unit);
     }
     const bool keeps = options.keep_volume && space.has_volume;
     Points coarse;
     if (keeps)
-        coarse = posed(mean, enters ? space.means(shape) : space.coarse_rest);
+        coarse = posed(mean, enters ? space.means(shape) : space.coarse_rest) / part.unit;
     SubspaceProblem problem(*part.cells, base, mean, aims, keeps ? &space.coarse_volume : nullptr, coarse);
     for (int k = 0; k < part.cells->cluster_count(); ++k)
         problem.set_rotation(k, starts[k]);
     Points u = problem.unknowns_for_rotations();
-    const SolveReport report =
-        minimize(problem, u,
-                 {.max_iterations = request.max_iterations.value_or(options.max_iterations),
-                  .tolerance = request.tolerance.value_or(options.tolerance),
-                  .floor = part.floor,
-                  .plain_steps = 4},
-                 request.progress, &frame.descent);
+    SolveReport report = minimize(problem, u,
+                                  {.max_iterations = request.max_iterations.value_or(options.max_iterations),
+                                   .tolerance = request.tolerance.value_or(options.tolerance),
+                                   .floor = part.floor,
+                                   .plain_steps = 4},
+                                  request.progress, &frame.descent);
+
+    u *= part.unit;
+    report.energy *= part.unit * part.unit;
 
     const Matrix3 turn = mean.leftCols<3>() - Matrix3::Identity();
     frame.moved.resize(n, 3);
