@@ -82,7 +82,7 @@ EVERY_CALLABLE = pytest.mark.parametrize(
     ("name", "node", "function"), list(callables()), ids=lambda v: v if isinstance(v, str) else ""
 )
 EVERY_CLASS = pytest.mark.parametrize("name", CLASSES)
-SHAPE = re.compile(r"\((?:[a-z]|\d[a-z])(?:_i)?,(?: ?[\w ]+,?)*\)")  # (n, 3), (k,), (3t, n)
+SHAPE = re.compile(r"\((?:[a-z]|\d[a-z]?)(?:_i)?,(?: ?[\w ]+,?)*\)")  # (n, 3), (k,), (3t, n), (3,)
 ARRAYS = re.compile(r"\b(ArrayLike|Floats|Singles|Ints|NDArray|csc_matrix|csr_matrix)\b")
 REFUSES = re.compile(r"\b(ArrayLike|spmatrix|SurfaceMethod|SpaceMethod)\b")
 

@@ -158,10 +158,10 @@ TEST(MeshPuppetry, TwoUnrelatedStartsMeet)
     }
 }
 
-TEST(MeshPuppetry, FiveIterationsAreCloseToTheEnd)
+TEST(MeshPuppetry, AFewIterationsAreCloseToTheEnd)
 {
     const SurfaceMesh mesh = shapes::bar(20, 5);
-    MeshPuppetry few(mesh), all(mesh, {.max_iterations = 2000, .tolerance = 1e-13});
+    MeshPuppetry few(mesh, {.max_iterations = 5}), all(mesh, {.max_iterations = 2000, .tolerance = 1e-13});
     few.set_handles(shapes::ends(mesh, 2));
     all.set_handles(shapes::ends(mesh, 2));
     for (const Poses& poses : {bend(90, 20), twist(135)}) {
