@@ -335,7 +335,7 @@ ROWS = (
         summary="Smooth bends that keep the volume, in the few unknowns of a cage: for bodies",
         iterative=True,
         moves=frozenset({Moved.MESH}),
-        bind_seconds=factorising(0.4),
+        bind_seconds=factorising(0.11),
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,
         parameters=(
@@ -473,7 +473,7 @@ ROWS = (
         summary="One rotation for each band between two handles: for few handles on heavy meshes",
         iterative=True,
         moves=frozenset({Moved.MESH}),
-        bind_seconds=factorising(0.15),
+        bind_seconds=factorising(0.025),
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Int(
