@@ -100,7 +100,7 @@ class Handles:
 
     def solve(self, method: Any, poses: np.ndarray, **options) -> tuple[np.ndarray, SolveReport]:
         """Positions (n, 3) for ``poses`` (k, 3, 4), and a report; of a ``frame`` if the method has keys."""
-        if "frame" in options:
+        if "keys" in options:
             return method.solve_frame(poses=poses, **options)
         return method.solve(poses, **options)
 

@@ -23,7 +23,7 @@ class SINEW_OT_select_problems(Operator):
         name="Line",
         default=-1,
         min=-1,
-        description="Which of the status lines that name elements; -1 is the first",
+        description="Which of the status lines that name elements; -1 is the first that warns, if one does",
     )
 
     @classmethod
@@ -37,6 +37,8 @@ class SINEW_OT_select_problems(Operator):
         lines = [line for line in (status.current(uid), *status.notes(uid)) if line.elements]
         if self.line >= 0:
             lines = lines[self.line : self.line + 1]
+        else:
+            lines.sort(key=lambda line: line.level is status.Level.INFO)
         if not lines:
             self.report({"INFO"}, "The status names no vertices or faces")
             return {"CANCELLED"}

@@ -8,6 +8,7 @@ import bpy
 from bpy.types import Mesh, Object
 
 from ...backend import Progress
+from ...compat import read_positions
 from ...core import status
 from ...core.errors import ConstraintError, SinewError
 from ...core.status import Level, Status
@@ -15,9 +16,11 @@ from ...properties import SinewDeformer
 from ..blocks import capture, rest_frame, shapes, targets, vertex_groups
 from ..blocks.owners import forget_owners
 from ..control import kinds
+from ..control.handles import keys
 from ..control.kinds import ControlKind
 from ..live import binding
 from ..memory import sessions
+from ..memory.sessions import Bound
 
 
 @sessions.suspended()
@@ -46,6 +49,7 @@ def bind(
                 vertex_groups.follow_renamed_groups(obj, deformer)
                 meshes, entered = capture.rest_meshes(obj, deformer, entered), None
                 sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
+                keys.turn_with_rest(deformer, _bound(deformer), read_positions(meshes[0]))
                 shapes.hold_rest(deformer, meshes)
                 deformer.topology_changed = False
                 kind.set_rest(obj, deformer)
@@ -59,6 +63,11 @@ def bind(
     finally:
         if entered is not None:
             bpy.data.meshes.remove(entered)
+
+
+def _bound(deformer: SinewDeformer) -> Bound | None:
+    session = sessions.find(deformer.uid)
+    return None if session is None else session.bound
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The keys of a deformer as arrays for the native module, which finds the edits between them.
 
-This only reads Blender's data. What it returns depends on the settings and the frame alone.
+What ``keywords`` and ``rows`` return depends on the settings and the frame alone.
 """
 
 import numpy as np
@@ -40,11 +40,30 @@ def rows(deformer: SinewDeformer, handles: tuple[str, ...]) -> np.ndarray:
     return np.array([(*place, *values) for place, values in sorted(found.items(), key=lambda item: item[0])])
 
 
+def turn_with_rest(deformer: SinewDeformer, bound: Bound | None, points: np.ndarray) -> None:
+    """Let the edits do the same when ``points`` (n, 3) become the rest shape, from which handles turn.
+
+    ``bound`` is the factor for the rest shape so far. Without one, nothing is known of it.
+    """
+    if bound is None or not deformer.keys or not bound.factor.recipe.method.keyed:
+        return
+    if bound.factor.is_released or points.shape != bound.rest.points.shape or not np.isfinite(points).all():
+        return
+    frames = bound.factor.still_poses(incoming=points.astype(np.float64), from_rest=True)
+    _turn(deformer, dict(zip(bound.handles, frames[:, :, :3], strict=True)))
+
+
 def take_along(deformer: SinewDeformer, linear: np.ndarray) -> None:
     """Take the edits along with a linear map (3, 3) of the target's object space."""
-    inverse = np.linalg.inv(linear)
+    _turn(deformer, {edit.handle: linear for key in deformer.keys for edit in key.edits})
+
+
+def _turn(deformer: SinewDeformer, maps: dict[str, np.ndarray]) -> None:
+    """Take the edits of handles along with linear maps (3, 3)."""
     for key in deformer.keys:
         for edit in key.edits:
-            values = np.array(edit.edit, dtype=np.float64).reshape(3, 4)
-            turned = np.column_stack((linear @ values[:, :3] @ inverse, linear @ values[:, 3]))
-            edit.edit = turned.ravel().tolist()
+            if edit.handle in maps:
+                linear = maps[edit.handle]
+                values = np.array(edit.edit, dtype=np.float64).reshape(3, 4)
+                turned = (linear @ values[:, :3] @ np.linalg.inv(linear), linear @ values[:, 3])
+                edit.edit = np.column_stack(turned).ravel().tolist()
