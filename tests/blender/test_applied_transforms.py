@@ -176,7 +176,9 @@ def test_undo_and_redo(placed: HandleRig, way: str):
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
 def test_every_method(method):
     rig = rig_for(method.id).start(method.id)
-    rig.exactness = 2e-3 if method.iterative else EXACT
+    # The default stop of an iteration leaves up to .16 % of the box, whose diagonal is 6; and where the axes of
+    # the object decide something, such as a cage, the shape is another one.
+    rig.exactness = (0.01 if method.symmetric else 0.02) if method.iterative else EXACT
     place(rig)
     rig.lift(0.3)
     before = world_points(rig)

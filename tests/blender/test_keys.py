@@ -383,7 +383,9 @@ def test_a_handle_that_comes_later_is_edited_by_its_own_keys(swaying: Rig):
     bpy.ops.sinew.handle_remove(index=2)
     for frame in (1, 10, 20):
         go(frame)
-        assert alike(swaying, swaying.points(), before[frame])
+        # That bind took the shape of frame 10 as its rest shape, so the faces between have other weights.
+        assert close(swaying.points(), before[frame], 0.02)
+        assert close(swaying.points()[swaying.top], before[frame][swaying.top], SINGLE)
 
 
 def test_renders_show_the_keyed_frame(swaying: Rig):

@@ -62,13 +62,13 @@ SurfaceMesh box_around(const Points& points)
     return {all, std::vector<int>(faces.size() / 3, 3), faces};
 }
 
-/// A cage around a part. It is made in a box of size 1, on points rounded to a billionth of it, so that the
-/// last bits of the rest shape do not choose the cage.
+/// A cage around a part. It is made in a box of size 1, on points rounded to 1.5e-5 of it, far less than the
+/// margin of the cage, so that the last bits of a rest shape in single precision do not choose the cage.
 SurfaceMesh cage_around(const SurfaceMesh& part, int faces, const Progress& progress)
 {
     const Eigen::RowVector3d low = part.points().colwise().minCoeff();
     const double size = (part.points().colwise().maxCoeff() - low).norm();
-    constexpr double steps = 1 << 30;
+    constexpr double steps = 1 << 16;
     try {
         const Points rounded = (((part.points().rowwise() - low) / size) * steps).array().round() / steps;
         AutomaticCage made =
