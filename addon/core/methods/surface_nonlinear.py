@@ -84,8 +84,8 @@ ROWS = (
             ),
             Float(
                 "bending",
-                0.01,
-                soft_maximum=1.0,
+                1.0,
+                soft_maximum=10.0,
                 precision=5,
                 paintable=True,
                 rebinds=True,

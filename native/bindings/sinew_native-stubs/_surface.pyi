@@ -165,7 +165,7 @@ class ThinShellNonlinear(SurfaceMethod):
         measure: Literal["share", "length", "stiffness"] = "share",
         thickness: ArrayLike = 0.02,
         stretching: ArrayLike = 1.0,
-        bending: ArrayLike = 0.01,
+        bending: ArrayLike = 1.0,
         max_iterations: int = 60,
         tolerance: float = 1e-4,
     ) -> None: ...

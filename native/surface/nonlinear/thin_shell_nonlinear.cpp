@@ -56,22 +56,21 @@ Stiffnesses stiffnesses(const ThinShellNonlinearOptions& options, int n, double 
         std::vector<double> all = painted(values, n, least, name);
         return all.empty() ? std::vector<double>(n, 0.0) : all; // zero everywhere
     };
-    Stiffnesses k;
+    // Options that do not count with this measure are refused, too, where they mean nothing.
+    std::vector<double> thickness = numbers(options.thickness, 0.0, "thickness");
+    Stiffnesses k{painted(options.stretching, n, least_stretching, "stretching"),
+                  numbers(options.bending, 0.0, "bending")};
     if (options.measure == Measure::stiffness) {
-        k.stretching = painted(options.stretching, n, least_stretching, "stretching");
         if (k.stretching.empty())
             throw InvalidOption("stretching: zero everywhere; give at least one vertex a positive value");
-        k.bending = numbers(options.bending, 0.0, "bending");
         for (double& b : k.bending)
             b /= unit * unit;
         return k;
     }
-    k.stretching.assign(n, 1.0);
-    k.bending = numbers(options.thickness, 0.0, "thickness");
     const double length = options.measure == Measure::share ? diagonal : 1.0 / unit;
-    for (double& t : k.bending)
+    for (double& t : thickness)
         t = t * length * t * length;
-    return k;
+    return {std::vector<double>(n, 1.0), std::move(thickness)};
 }
 
 /// Two triangles at an edge, or one alone.
@@ -331,14 +330,12 @@ void ThinShellNonlinear::bind(const Regions& regions, BindReport& report, const 
 
 std::vector<std::string> ThinShellNonlinear::changed_options(const SurfaceMethod& former) const
 {
-    using Measure = ThinShellNonlinearOptions::Measure;
     const ThinShellNonlinearOptions& own = impl_->options;
     const ThinShellNonlinearOptions& other = static_cast<const ThinShellNonlinear&>(former).impl_->options;
-    const bool by_stiffness = own.measure == Measure::stiffness;
     return names_of({{"measure", own.measure != other.measure},
-                     {"thickness", !by_stiffness && own.thickness != other.thickness},
-                     {"stretching", by_stiffness && own.stretching != other.stretching},
-                     {"bending", by_stiffness && own.bending != other.bending}});
+                     {"thickness", own.thickness != other.thickness},
+                     {"stretching", own.stretching != other.stretching},
+                     {"bending", own.bending != other.bending}});
 }
 
 bool ThinShellNonlinear::updates(const std::string&) const { return false; }

@@ -22,7 +22,7 @@ struct ThinShellNonlinearOptions
     std::vector<double> stretching{1.0};
     /// k_b >= 0, one number or one per vertex, with the unit of k_s times that of an area. Only for
     /// `stiffness`.
-    std::vector<double> bending{0.01};
+    std::vector<double> bending{1.0};
     int max_iterations = 60; ///< iterations on the mesh per solve, rejected trials included
     /// solve() ends when the relative decrease of the energy is below this twice in succession.
     double tolerance = 1e-4;

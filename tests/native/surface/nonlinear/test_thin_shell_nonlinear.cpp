@@ -378,6 +378,7 @@ TEST(ThinShellNonlinear, refuses_options_that_mean_nothing)
     for (double bad : {-1.0, nan, std::numeric_limits<double>::infinity()}) {
         EXPECT_THROW(ThinShellNonlinear(mesh, {.thickness = {bad}}), InvalidOption);
         EXPECT_THROW(ThinShellNonlinear(mesh, {.tolerance = bad}), InvalidOption);
+        EXPECT_THROW(ThinShellNonlinear(mesh, {.bending = {bad}}), InvalidOption); // though it does not count
         EXPECT_THROW(ThinShellNonlinear(mesh, {.measure = Measure::stiffness, .stretching = {bad}}),
                      InvalidOption);
         EXPECT_THROW(ThinShellNonlinear(mesh, {.measure = Measure::stiffness, .bending = {bad}}),
