@@ -199,7 +199,8 @@ def test_poses_of_a_skeleton_are_poses_of_handles():
     turns, moves, _ = skeleton.solve([1], [(0, 0, 8)], [(4, 0, 4)])
     poses = skeleton.poses(turns, moves)
     shown, report = skin.solve(poses)
-    assert report.iterations <= 5
+    assert report.converged
+    assert report.iterations <= 10
     for region, pose in zip(regions, poses, strict=True):
         np.testing.assert_allclose(shown[region], points[region] @ pose[:, :3].T + pose[:, 3], atol=1e-12)
     # The joint is a smooth bend: no edge along the tube turns against the next one by more than a part of it.

@@ -246,8 +246,7 @@ def test_every_operator_has_its_undo_tested():
     names = set(dir(bpy.ops.sinew))
     options = {name: getattr(getattr(bpy.types, f"SINEW_OT_{name}"), "bl_options", ()) for name in names}
     with_undo = {name for name in names if "UNDO" in options[name]}
-    # In test_words, test_methods, test_transfer, test_silhouette_sketch, test_keys, test_morph,
-    # test_puppet and test_control_grid.
+    # In tests of words, methods, transfers, sketches, keys, morphs, puppets and control grids.
     elsewhere = {"control_new", "preset_apply", "curve_edit", "transfer_deformation", "silhouette_sketch"}
     elsewhere |= {"key_add", "key_move", "key_remove", "morph", "grid_new"}
     elsewhere |= {"puppet_pin", "puppet_pose", "puppet_rig"}

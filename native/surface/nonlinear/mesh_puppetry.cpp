@@ -100,7 +100,7 @@ struct Workspace
 struct Binding
 {
     double unit; ///< of the points of the cells, whose squares fit into single precision
-    std::int64_t factor_bytes; ///< of the larger one of both factors, which are not in memory at once
+    std::int64_t factor_bytes; ///< of the larger factor, in the double precision that it is computed in
     HandleFields fields;
     RotationCells cells;
     std::vector<std::vector<int>> patches;
@@ -127,7 +127,7 @@ std::unique_ptr<const Binding> bound(const SurfaceMesh& mesh, double unit, const
     BindReport of_fields;
     harmonic.report(of_fields);
     RotationCells cells(rows, mesh.points(), held, held);
-    const std::int64_t bytes = std::max(of_fields.factor_bytes, cells.factor_bytes());
+    const std::int64_t bytes = std::max(of_fields.factor_bytes, 2 * cells.factor_bytes());
     return std::unique_ptr<const Binding>(
         new Binding{unit, bytes, std::move(fields), std::move(cells), handle_patches(mesh, regions), {}});
 }
