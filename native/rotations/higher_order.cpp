@@ -22,7 +22,7 @@ HigherOrder::HigherOrder(const RotationGraph& graph, double lambda, std::vector<
     laplacian_.setFromTriplets(entries.begin(), entries.end());
 
     const SparseMatrix columns = laplacian_.leftCols(free);
-    SparseMatrix scaled = columns;
+    SparseMatrix scaled = laplacian_.leftCols(free);
     for (int c = 0; c < free; ++c)
         for (SparseMatrix::InnerIterator it(scaled, c); it; ++it)
             it.valueRef() *= lambda / mass_[it.row()];

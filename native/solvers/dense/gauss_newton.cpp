@@ -366,7 +366,8 @@ GaussNewtonReport minimize(LeastSquares& problem, const VariableLimits& limits, 
             double after = merit(trial, next), share = 1.0;
             const VectorX bend = model.bent_step(next, damping) - model.step();
             // The curve x + t step + t^2 bend, from its end to its beginning.
-            for (double t = 1.0; t > 0.1 && !(before - after > 0.5 * share * predicted); t /= 2) {
+            for (int k = 0; k < 4 && !(before - after > 0.5 * share * predicted); ++k) {
+                const double t = std::ldexp(1.0, -k);
                 VectorX nearer = x + t * model.step() + t * t * bend;
                 limits.clamp(nearer);
                 if (const double there = merit(nearer, bent); there < after) {
