@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from probe import render_points
-from rig import base_points, close, evaluated_points, linked, make_active, update
+from rig import base_points, close, evaluated_points, linked, make_active, push, update
 from rigs import HandleRig
 
 METHOD = "pyramid_coordinates"
@@ -51,6 +51,23 @@ def test_the_operator_makes_a_live_morph_without_handles(rig: HandleRig):
     assert np.abs(half - (base_points(obj) + base_points(other)) / 2).max() < 0.2
     assert np.abs(half - base_points(obj)).max() > 0.2
     assert deformer.status_level == "INFO", deformer.status
+
+
+def test_undo_takes_the_morph_back_and_redo_brings_it(rig: HandleRig):
+    obj = reshaped(rig.obj, lambda co: co, "Plain")
+    other = reshaped(obj, dome)
+    there = base_points(other)
+    push("before")
+    assert morph(obj, other) == {"FINISHED"}
+    push("morph")
+    bpy.ops.ed.undo()
+    plain = bpy.data.objects["Plain"]
+    assert len(plain.sinew.deformers) == 0
+    assert close(evaluated_points(plain), base_points(plain), EXACT)
+    bpy.ops.ed.redo()
+    plain = bpy.data.objects["Plain"]
+    assert [deformer.method for deformer in plain.sinew.deformers] == [METHOD]
+    assert close(evaluated_points(plain), there, EXACT)
 
 
 def test_the_factor_is_keyed_and_no_frame_binds_anew(rig: HandleRig):
