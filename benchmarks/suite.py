@@ -39,6 +39,7 @@ GROUPS = (
     "convergence",
     "primo",
     "shell",
+    "sequence",
     "subdivision",
     "cages",
     "cages_harmonic",
