@@ -158,6 +158,7 @@ ROWS = (
                 maximum=0.99,
                 soft_maximum=0.9,
                 rebinds=True,
+                advanced=True,
                 unit="share of the energy",
                 label="Point Handles",
                 description="How smooth the surface is also around handles of a single vertex, which "
