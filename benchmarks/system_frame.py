@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A whole frame in a Blender that is a Python module: ``python system_frame.py --json FILE [--small]``.
 
-Without a peer: the same Blender on another system is compared with it.
+Without a peer: the same Blender on another system is compared with it. ``bare write`` is a frame without
+Sinew's handlers, which writes a shape and shows it: what Blender itself costs there.
 """
 
 import json
@@ -9,7 +10,7 @@ import os
 import sys
 
 import bpy
-from blender_frame import SIDE, CageFrames, Frames, box_around, deformer_on, medians, plate
+from blender_frame import SIDE, Bare, CageFrames, Frames, box_around, deformer_on, medians, plate, silent
 
 
 def measured() -> dict[str, float]:
@@ -17,8 +18,13 @@ def measured() -> dict[str, float]:
     found = {}
     for method in ("thin_shell", "arap"):
         obj = plate(SIDE)
-        frames = Frames(obj, deformer_on(obj, method).handles[1].control)
+        deformer = deformer_on(obj, method)
+        frames = Frames(obj, deformer.handles[1].control)
         found[method] = medians({"ours": frames}, 9)["ours_ms"] / 1000.0
+        if method == "thin_shell":
+            bare = Bare(obj, deformer)
+            with silent():
+                found["bare write"] = medians({"ours": bare}, 21)["ours_ms"] / 1000.0
     obj = plate(SIDE)
     cage = box_around(obj)
     bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method="mean_value")
