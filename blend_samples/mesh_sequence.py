@@ -37,8 +37,9 @@ def make() -> bpy.types.Scene:
     for k, frame in enumerate(SHOWN):
         _show(live, frame, False, places[2 * k], f"Frame {frame}")
         _show(live, frame, True, places[2 * k + 1], "Edited" + (" at its key" if frame == KEY else ""))
-    live.location.y = 6.0  # behind the camera's view, to play with
-    live.hide_render = True
+    live.location.y = 6.0  # behind what the picture shows, to play with
+    for obj in (live, *head.control.children):
+        obj.hide_render = True
 
     studio.add_backdrop(scene, behind=14.0)
     studio.add_camera(scene, target=(0.2, 0.0, 0.92), distance=26.0, elevation=10.0, width=11.4)
