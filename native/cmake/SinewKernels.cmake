@@ -11,6 +11,7 @@ set(SINEW_KERNELS
   native/solvers/descent/kernels avx2
   native/solvers/supernodal/kernels avx2
   native/space/cage/closed_forms/cage_kernels avx2 avx512
+  native/space/cage/closed_forms/quad_kernels avx2 avx512
   native/space/cage/harmonic/layers avx2 avx512
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2

@@ -20,6 +20,7 @@ class Green(CageCoordinates):
         threshold: float = 0.0,
         outside: Literal["nearest", "face", "error"] = "nearest",
         exit_face: int = -1,
+        faces: Literal["triangles", "quads"] = "triangles",
     ) -> None: ...
     @property
     def face_weights(self) -> Floats: ...

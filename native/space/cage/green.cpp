@@ -19,6 +19,8 @@ namespace {
 /// Squares of distances. A point on the cage touches all triangles within `touched`; a distance below
 /// `rounding` may be due to rounding alone.
 constexpr double touched = 1e-25, rounding = 1e-29;
+/// A distance at which a point touches a patch, and how far it is moved in then.
+constexpr double touched_patch = 1e-10, into_patch = 1e-9;
 
 /// s n' of a triangle with the rest sides u and v, by the paper's equation 9.
 Vector3 stretched_normal(const Vector3& u, const Vector3& v, Vector3 to_u, Vector3 to_v)
@@ -40,16 +42,38 @@ Vector3 stretched_normal(const Vector3& u, const Vector3& v, Vector3 to_u, Vecto
 } // namespace
 
 Green::Green(Cage cage, const GreenOptions& options)
-    : CageCoordinates(std::move(cage), options.weights), geometry_(this->cage()), options_(options)
+    : CageCoordinates(std::move(cage), options.weights),
+      patch_faces_(options.faces == GreenFaces::quads ? QuadPatches::faces(this->cage())
+                                                      : std::vector<char>{}),
+      geometry_(this->cage(), patch_faces_), patches_(this->cage(), geometry_, patch_faces_),
+      options_(options)
 {
+    const std::vector<int>& faces = this->cage().rest().triangle_faces();
+    for (const int face : faces) {
+        const bool is_patch = !patch_faces_.empty() && patch_faces_[static_cast<std::size_t>(face)];
+        columns_.push_back(is_patch ? -1 : this->cage().vertex_count() + triangle_columns_++);
+    }
+    const CageTables tables = geometry_.tables();
+    if (patches_.count() > 0) {
+        rest_.setZero(columns(), 3);
+        for (int v = 0; v < tables.vertex_count; ++v)
+            rest_.row(v) = Vector3::Map(tables.vertices + 3 * v).transpose();
+        for (int t = 0; t < tables.triangle_count; ++t)
+            rest_.row(columns_[static_cast<std::size_t>(geometry_.cage_triangle(t))]) =
+                Vector3::Map(tables.triangles[t].normal).transpose();
+        for (int q = 0; q < patches_.count(); ++q)
+            for (int k = 0; k < 3; ++k)
+                rest_.row(first_of_patches() + 3 * q + k) = patches_.rest_normal(q, k).transpose();
+    }
     if (options.outside != GreenOutside::face)
         return;
-    const std::vector<int>& faces = this->cage().rest().triangle_faces();
-    const int count = geometry_.tables().triangle_count;
-    for (int t = 0; t < count && exit_ < 0; ++t)
+    for (int t = 0; t < tables.triangle_count && exit_ < 0; ++t)
         if (faces[static_cast<std::size_t>(geometry_.cage_triangle(t))] == options.exit_face)
             exit_ = t;
-    if (exit_ < 0)
+    for (int q = 0; q < patches_.count(); ++q)
+        if (patches_.face(q) == options.exit_face)
+            exit_patch_ = q;
+    if (exit_ < 0 && exit_patch_ < 0)
         throw InvalidOption("exit face " + std::to_string(options.exit_face) +
                             " is no face of the cage that has an area");
 }
@@ -58,17 +82,22 @@ std::vector<std::string> Green::changed_settings(const SpaceMethod& former) cons
 {
     const GreenOptions& other = static_cast<const Green&>(former).options_;
     return names_of({{"outside", options_.outside != other.outside},
-                     {"exit_face", options_.exit_face != other.exit_face}},
+                     {"exit_face", options_.exit_face != other.exit_face},
+                     {"faces", options_.faces != other.faces}},
                     CageCoordinates::changed_settings(former));
 }
 
-int Green::columns() const { return cage().vertex_count() + static_cast<int>(cage().triangles().size()); }
+int Green::columns() const { return first_of_patches() + 3 * patches_.count(); }
 
 RowMatrix Green::face_weights() const
 {
     const RowMatrix all = weights().dense();
-    return cage().frame().unit() * cage().size() *
-           all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
+    const double unit = cage().frame().unit() * cage().size();
+    RowMatrix faces = all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
+    const Eigen::Index triangles = std::min<Eigen::Index>(faces.cols(), triangle_columns_);
+    faces.leftCols(triangles) *= unit;
+    faces.rightCols(faces.cols() - triangles) /= unit;
+    return faces;
 }
 
 void Green::controls(PointsView vertices, Points& controls) const
@@ -82,9 +111,10 @@ void Green::controls(PointsView vertices, Points& controls) const
             return Vector3::Map(tables.vertices + 3 * v[k]) - Vector3::Map(tables.vertices + 3 * v[0]);
         };
         const auto to_side = [&](int k) -> Vector3 { return vertices.row(v[k]) - vertices.row(v[0]); };
-        controls.row(cage().vertex_count() + geometry_.cage_triangle(t)) =
+        controls.row(columns_[static_cast<std::size_t>(geometry_.cage_triangle(t))]) =
             stretched_normal(side(1), side(2), to_side(1), to_side(2)).transpose();
     }
+    patches_.controls(vertices, controls.bottomRows(3 * patches_.count()));
 }
 
 /// The results of the kernels for one vector of points.
@@ -108,73 +138,140 @@ struct Green::KernelResults
     }
 };
 
-void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+struct Green::Integrals
+{
+    MatrixX weights; ///< (points, columns)
+    VectorX winding;
+    std::vector<char> touching;
+    std::vector<QuadPatches::Place> near; ///< the closest place of the patches near each point
+};
+
+void Green::integrate(const std::vector<Vector3>& points, Integrals& found) const
 {
     const CageTables tables = geometry_.tables();
-    const int vertices = cage().vertex_count(), count = static_cast<int>(block.rows());
+    const int vertices = cage().vertex_count(), count = static_cast<int>(points.size());
     const int lanes = widest_kernels<CageKernels>().lanes;
-    KernelResults together(geometry_), alone(geometry_);
-    rows.setZero(count, columns());
-    outside.assign(static_cast<std::size_t>(count), 0);
-    for (int first = 0; first < count; first += lanes) {
-        std::array<Vector3, most_cage_lanes> x;
-        PointLanes points(widest_kernels<CageKernels>());
-        for (int lane = 0; lane < lanes; ++lane) {
-            x[lane] =
-                geometry_.within_reach(geometry_.normalized(block.row(std::min(first + lane, count - 1))));
-            points.set(lane, x[lane]);
+    found.weights.setZero(count, columns());
+    found.winding.setZero(count);
+    found.touching.assign(points.size(), 0);
+    found.near.assign(points.size(), {});
+    KernelResults results(geometry_);
+    for (int first = 0; first < count && tables.triangle_count > 0; first += lanes) {
+        PointLanes some(widest_kernels<CageKernels>());
+        for (int lane = 0; lane < lanes; ++lane)
+            some.set(lane, points[static_cast<std::size_t>(std::min(first + lane, count - 1))]);
+        results.run(tables, some);
+        const int used = std::min(lanes, count - first);
+        const auto lanes_at = [&](const AlignedVector<double>& from, int i) {
+            return Eigen::Map<const VectorX>(from.data() + results.lanes * static_cast<std::size_t>(i), used);
+        };
+        for (int v = 0; v < vertices; ++v)
+            found.weights.col(v).segment(first, used) = lanes_at(results.phi, v);
+        for (int t = 0; t < tables.triangle_count; ++t)
+            found.weights.col(columns_[static_cast<std::size_t>(geometry_.cage_triangle(t))])
+                .segment(first, used) = lanes_at(results.psi, t);
+        found.winding.segment(first, used) = Eigen::Map<const VectorX>(results.winding.data(), used);
+        for (int lane = 0; lane < used; ++lane)
+            found.touching[static_cast<std::size_t>(first + lane)] = results.touching >> lane & 1;
+    }
+    patches_.add(points, first_of_patches(), found.weights, found.winding, found.near);
+}
+
+void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+{
+    std::vector<Vector3> x, moved;
+    for (Eigen::Index i = 0; i < block.rows(); ++i)
+        x.push_back(geometry_.within_reach(geometry_.normalized(block.row(i))));
+    Integrals found, again;
+    integrate(x, found);
+    // For a point on a face, rounding decides on which side it seems to lie. It counts as inside.
+    std::vector<Eigen::Index> touching;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Eigen::Index row = static_cast<Eigen::Index>(i);
+        if (found.touching[i] || (found.near[i].q >= 0 && found.near[i].distance <= touched_patch) ||
+            (std::round(found.winding[row]) == 0.0 && is_on_cage(x[i]))) {
+            touching.push_back(row);
+            moved.push_back(moved_in(x[i]));
         }
-        together.run(tables, points);
-        for (int lane = 0; lane < std::min(lanes, count - first); ++lane) {
-            const KernelResults* from = &together;
-            // For a point on a face, rounding decides on which side it seems to lie. It counts as inside.
-            const bool touches = (together.touching >> lane & 1) ||
-                                 (std::round(together.winding[lane]) == 0.0 && is_on_cage(x[lane]));
-            if (touches) {
-                PointLanes same(widest_kernels<CageKernels>());
-                for (int k = 0; k < lanes; ++k)
-                    same.set(k, moved_in(x[lane]));
-                alone.run(tables, same);
-                from = &alone;
-            }
-            auto row = rows.row(first + lane);
-            const double times = std::round(from->winding[lane]);
-            const double factor = times == 0.0 ? 1.0 : 1.0 / times;
-            for (int v = 0; v < vertices; ++v)
-                row[v] = factor * from->phi[from->lanes * static_cast<std::size_t>(v) + lane];
-            for (int t = 0; t < tables.triangle_count; ++t)
-                row[vertices + geometry_.cage_triangle(t)] =
-                    factor * from->psi[from->lanes * static_cast<std::size_t>(t) + lane];
-            outside[static_cast<std::size_t>(first + lane)] = times < 1.0;
-            if (times == 0.0)
-                continue_through(x[lane], row);
+    }
+    rows = found.weights;
+    if (!moved.empty()) {
+        integrate(moved, again);
+        for (std::size_t k = 0; k < touching.size(); ++k) {
+            rows.row(touching[k]) = again.weights.row(static_cast<Eigen::Index>(k));
+            found.winding[touching[k]] = again.winding[static_cast<Eigen::Index>(k)];
+        }
+    }
+    outside.assign(x.size(), 0);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        auto row = rows.row(static_cast<Eigen::Index>(i));
+        const double times = std::round(found.winding[static_cast<Eigen::Index>(i)]);
+        row *= times == 0.0 ? 1.0 : 1.0 / times;
+        outside[i] = times < 1.0;
+        if (times == 0.0)
+            represent(place_near(x[i]), 1.0, x[i], row);
+        if (patches_.count() > 0) {
+            const QuadPatches::Place& near = found.near[i];
+            const double sum = 1.0 - row.head(cage().vertex_count()).sum();
+            const Vector3 left = x[i] - (row * rest_).transpose();
+            represent({near.q >= 0 ? -1 : geometry_.nearest(x[i]), near}, sum, left, row);
         }
     }
 }
 
-template <class Row>
-void Green::continue_through(const Vector3& x, Row&& row) const
+Green::Exit Green::place_near(const Vector3& x) const
 {
-    const int exit = exit_ >= 0 ? exit_ : geometry_.nearest(x);
-    const Vector3 alpha = geometry_.barycentric(exit, x);
+    if (exit_ >= 0)
+        return {exit_, {}};
+    if (exit_patch_ >= 0)
+        return {-1, patches_.closest(exit_patch_, x)};
+    const int nearest = geometry_.nearest(x);
+    if (patches_.count() == 0)
+        return {nearest, {}};
+    const QuadPatches::Place place = patches_.closest(x);
+    const bool by_triangle =
+        nearest >= 0 && geometry_.square_distance(nearest, x) < place.distance * place.distance;
+    return {by_triangle ? nearest : -1, place};
+}
+
+void Green::represent(const Exit& exit, double sum, const Vector3& vector,
+                      Eigen::Ref<Eigen::RowVectorXd> row) const
+{
+    if (exit.triangle < 0) {
+        if (exit.place.q >= 0)
+            patches_.represent(exit.place, sum, vector, first_of_patches(), row);
+        return;
+    }
+    const Vector3 middle = Vector3::Zero();
+    Vector3 alpha = geometry_.barycentric(exit.triangle, vector);
+    double depth = geometry_.depth(exit.triangle, vector);
+    if (sum != 1.0) {
+        alpha += (sum - 1.0) * geometry_.barycentric(exit.triangle, middle);
+        depth += (sum - 1.0) * geometry_.depth(exit.triangle, middle);
+    }
     for (int k = 0; k < 3; ++k)
-        row[geometry_.tables().triangles[exit].corners[k]] += alpha[k];
-    row[cage().vertex_count() + geometry_.cage_triangle(exit)] -= geometry_.depth(exit, x);
+        row[geometry_.tables().triangles[exit.triangle].corners[k]] += alpha[k];
+    row[columns_[static_cast<std::size_t>(geometry_.cage_triangle(exit.triangle))]] -= depth;
 }
 
 bool Green::is_on_cage(const Vector3& x) const
 {
-    return geometry_.square_distance(geometry_.nearest(x), x) <= rounding;
+    const int nearest = geometry_.nearest(x);
+    return nearest >= 0 && geometry_.square_distance(nearest, x) <= rounding;
 }
 
 Vector3 Green::moved_in(const Vector3& x) const
 {
     const CageTables tables = geometry_.tables();
+    const double reach = patches_.count() > 0 ? touched_patch * touched_patch : touched;
     Vector3 outwards = Vector3::Zero();
     for (int t = 0; t < tables.triangle_count; ++t)
-        if (geometry_.square_distance(t, x) <= touched)
+        if (geometry_.square_distance(t, x) <= reach)
             outwards += Vector3::Map(tables.triangles[t].normal);
-    return x - 1e-12 * outwards.stableNormalized();
+    for (int q = 0; q < patches_.count(); ++q)
+        if (const QuadPatches::Place place = patches_.closest(q, x); place.distance <= touched_patch)
+            outwards += patches_.normal(place);
+    return x - (patches_.count() > 0 ? into_patch : 1e-12) * outwards.stableNormalized();
 }
 
 } // namespace sinew

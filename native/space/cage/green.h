@@ -3,6 +3,7 @@
 
 #include "native/space/cage/cage_coordinates.h"
 #include "native/space/cage/closed_forms/cage_geometry.h"
+#include "native/space/cage/closed_forms/quad_patches.h"
 
 namespace sinew {
 
@@ -13,14 +14,21 @@ enum class GreenOutside {
     refuse   ///< bind() throws an error that names them
 };
 
+/// What a face with four corners is.
+enum class GreenFaces {
+    triangles, ///< two triangles; the map depends on which diagonal cuts the face
+    quads      ///< a bilinear patch, which no diagonal cuts
+};
+
 struct GreenOptions
 {
     PointWeightOptions weights;
     GreenOutside outside = GreenOutside::nearest;
     int exit_face = -1; ///< the face of the cage that GreenOutside::face uses
+    GreenFaces faces = GreenFaces::triangles;
 };
 
-/// Green coordinates of a closed triangle mesh.
+/// Green coordinates of a closed mesh of triangles and quads.
 ///
 /// Y. Lipman, D. Levin, D. Cohen-Or. "Green Coordinates." ACM Transactions on Graphics 27(3), 2008. Tutorial,
 /// section 5.4.
@@ -46,6 +54,24 @@ struct GreenOptions
 /// triangle changes; the nearer they are to the cage, the less. Where parts of the cage overlap, phi and psi
 /// are divided by how often they wind around x.
 ///
+/// With GreenFaces::quads, faces with four corners are bilinear patches P(s, t):
+///
+/// J.-M. Thiery, T. Boubekeur. "Green Coordinates for Triquad Cages in 3D." SIGGRAPH Asia 2022 Conference
+/// Papers.
+///
+///     x' = sum_v phi_v(x) v' + sum_t psi_t(x) s_t n'_t + sum_q sigma_q sum_k psi_qk(x) N'_qk
+///
+/// phi of a corner is the integral of its bilinear weight times (P - x) . n / 4 pi r^3 over the patch. The
+/// normal dP/ds x dP/dt is N_0 + s N_1 + t N_2, in three parts and not four as in the paper, because that of
+/// s t is 0; psi_qk is the integral of 1, s or t over 4 pi r. Departs from the paper: the stretch sigma_q is
+/// one number per quad instead of one per corner, the mean stretch over the patch divided by the growth of
+/// its area (Gauss's rule with 2 x 2 points). The integrals are computed to 1e-11, see QuadPatches. A point
+/// nearer to a patch than 1e-10 of the cage's size takes the weights of a point 1e-9 further inside. Then
+/// the weights of the patch nearest to a point are changed by what is left of sum phi = 1 and of
+/// sum phi v + sum psi N = x, so that similarities are reproduced to rounding. Outside, the map is continued
+/// through the place (s, t) of the patches nearest to x: x = P + alpha dP/ds + beta dP/dt + gamma n. Faces
+/// that fold as patches, such as darts, are two triangles.
+///
 /// A point farther from the centre of the cage than 1,000 of its sizes takes the coordinates of the point at
 /// 1,000 sizes in the same direction. A triangle without area (its height is below 1e-8 of the cage's size)
 /// has no psi. While a pose leaves a triangle without area, it has no normal, and its s n' is 0.
@@ -55,30 +81,50 @@ public:
     /// \throw InvalidOption  exit_face is no face of the cage, or has no area.
     explicit Green(Cage cage, const GreenOptions& options = {});
 
-    /// (n, t) psi of each triangle that the cage's faces are cut into, in the unit of length of the cage.
+    /// (n, f) psi of each triangle that the cage's faces are cut into, in the unit of length of the cage.
+    /// With GreenFaces::quads, triangles of patches are left out, and behind the others are three columns per
+    /// patch, in the inverse of that unit.
     RowMatrix face_weights() const;
 
 protected:
     void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     int columns() const override;
-    /// The vertices, then s n' of each triangle, multiplied by the cage's size so that the weights have no
-    /// unit.
+    /// The vertices, then s n' of each triangle and sigma N' of each patch, scaled so that the weights have
+    /// no unit.
     void controls(PointsView vertices, Points& controls) const override;
     bool reaches_outside() const override { return options_.outside != GreenOutside::refuse; }
+    int block_size() const override { return (patches_.count() > 0 ? 4 : 1) * PointWeights::part; }
 
 private:
     struct KernelResults;
-    /// Adds alpha and beta to the row of a point outside.
-    template <class Row>
-    void continue_through(const Vector3& x, Row&& row) const;
+    struct Integrals;
+    /// phi and psi of normalised points, times how often the cage winds around each.
+    void integrate(const std::vector<Vector3>& points, Integrals& found) const;
+    /// A triangle of the geometry, or if that is -1 a place of a patch, through which the map is continued.
+    struct Exit
+    {
+        int triangle;
+        QuadPatches::Place place;
+    };
+    Exit place_near(const Vector3& x) const;
+    /// Adds alpha and beta to a row: weights whose sum is `sum` and whose point is `vector`.
+    void represent(const Exit& exit, double sum, const Vector3& vector,
+                   Eigen::Ref<Eigen::RowVectorXd> row) const;
     bool is_on_cage(const Vector3& x) const;
     /// The point of the cage x, moved a little into the cage.
     Vector3 moved_in(const Vector3& x) const;
+    int first_of_patches() const { return cage().vertex_count() + triangle_columns_; }
 
+    std::vector<char> patch_faces_; ///< which faces of the cage are patches; empty for none
     CageGeometry geometry_;
+    QuadPatches patches_;
     GreenOptions options_;
-    int exit_ = -1; ///< the triangle of the geometry that GreenOutside::face uses
+    std::vector<int> columns_; ///< of each triangle of the cage; -1 for those of patches
+    int triangle_columns_ = 0;
+    int exit_ = -1;       ///< the triangle of the geometry that GreenOutside::face uses
+    int exit_patch_ = -1; ///< or the patch
+    Eigen::Matrix<double, Eigen::Dynamic, 3> rest_; ///< what each column stands for at rest, normalised
 };
 
 } // namespace sinew

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -26,7 +27,7 @@ double from_segment(const Vector3& x, const Vector3& a, const Vector3& b)
 
 } // namespace
 
-CageGeometry::CageGeometry(const Cage& cage)
+CageGeometry::CageGeometry(const Cage& cage, const std::vector<char>& without)
     : centre_(0.5 * (cage.rest().points().colwise().maxCoeff() + cage.rest().points().colwise().minCoeff())
                         .transpose()),
       size_(cage.size())
@@ -49,6 +50,9 @@ CageGeometry::CageGeometry(const Cage& cage)
     };
     const std::vector<Triangle>& all = cage.triangles();
     for (int t = 0; t < static_cast<int>(all.size()); ++t) {
+        const int face = cage.rest().triangle_faces()[static_cast<std::size_t>(t)];
+        if (!without.empty() && without[static_cast<std::size_t>(face)])
+            continue;
         const std::array<Vector3, 3> v{vertex(all[t][0]), vertex(all[t][1]), vertex(all[t][2])};
         const Vector3 area = (v[1] - v[0]).cross(v[2] - v[0]);
         const double longest = std::max({(v[1] - v[0]).norm(), (v[2] - v[1]).norm(), (v[0] - v[2]).norm()});
@@ -75,7 +79,7 @@ CageGeometry::CageGeometry(const Cage& cage)
         triangles_.push_back(triangle);
         kept_.push_back(t);
     }
-    if (triangles_.empty())
+    if (triangles_.empty() && std::find(without.begin(), without.end(), 1) == without.end())
         throw InvalidMesh("no face of the cage has an area");
 }
 
@@ -118,9 +122,9 @@ double CageGeometry::depth(int t, const Vector3& x) const
 
 int CageGeometry::nearest(const Vector3& x) const
 {
-    int found = 0;
-    double least = square_distance(0, x);
-    for (int t = 1; t < static_cast<int>(triangles_.size()); ++t)
+    int found = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
         if (const double square = square_distance(t, x); square < least) {
             least = square;
             found = t;

@@ -15,8 +15,9 @@ namespace sinew {
 class CageGeometry
 {
 public:
-    /// \throw InvalidMesh  no triangle is left.
-    explicit CageGeometry(const Cage& cage);
+    /// \param without  which faces of the cage to leave out; empty for none.
+    /// \throw InvalidMesh  no triangle is left, and no face was left out.
+    explicit CageGeometry(const Cage& cage, const std::vector<char>& without = {});
 
     CageTables tables() const;
 
@@ -41,7 +42,7 @@ public:
     Vector3 barycentric(int t, const Vector3& x) const;
     /// The height of x below the plane of triangle t: positive behind it, where the inside of the cage is.
     double depth(int t, const Vector3& x) const;
-    /// The triangle closest to x; of several, the first.
+    /// The triangle closest to x; of several, the first; -1 if there is none.
     int nearest(const Vector3& x) const;
     /// The squared distance of x from triangle t.
     double square_distance(int t, const Vector3& x) const;
