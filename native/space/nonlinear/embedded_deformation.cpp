@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/nonlinear/embedded_deformation.h"
+
+#include "native/core/errors.h"
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
+#include "native/space/nonlinear/graph/deformation_graph.h"
+#include "native/space/nonlinear/graph/embedded_energy.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr double rounding_floor = 1e-24; ///< of the energy per node, in edges
+constexpr int most_alone = 2;            ///< a handle of so few points says too little about its rotation
+constexpr double side_strength = 0.5;
+
+/// The points that handles pull, in units of the edges, and how.
+struct Pulls
+{
+    std::vector<EmbeddedEnergy::Pull> pulls;
+    std::vector<int> points;          ///< of each pull, the point of the handles
+    std::vector<Vector3> sides;       ///< and how far beside it
+};
+
+Pulls pulls_of(const HandleFrames& handles, const std::vector<std::vector<BlendedMaps::Share>>& shares,
+               int nodes)
+{
+    std::vector<double> density(static_cast<std::size_t>(nodes), 0.0);
+    for (std::size_t p = 0; p < shares.size(); ++p)
+        for (const auto& share : shares[p])
+            density[share.map] += handles.weight(static_cast<int>(p)) * share.weight;
+    Pulls result;
+    for (int p = 0; p < static_cast<int>(shares.size()); ++p) {
+        double strength = 0.0;
+        for (const auto& share : shares[p])
+            strength += share.weight * std::min(1.0, 1.0 / density[share.map]);
+        strength *= handles.weight(p);
+        const int handle = handles.handle_of(p);
+        const auto add = [&](const Vector3& side, double share) {
+            result.pulls.push_back({handle, share * strength, shares[p]});
+            result.points.push_back(p);
+            result.sides.push_back(side);
+        };
+        add(Vector3::Zero(), 1.0);
+        if (handles.held().counts[handle] <= most_alone)
+            for (int axis = 0; axis < 3; ++axis)
+                for (const double side : {1.0, -1.0})
+                    add(side * Vector3::Unit(axis), side_strength);
+    }
+    return result;
+}
+
+LbfgsOptions descent(int max_iterations, double tolerance, Eigen::Index nodes)
+{
+    return {.max_iterations = max_iterations,
+            .tolerance = tolerance,
+            .floor = rounding_floor * static_cast<double>(nodes),
+            .plain_steps = 4};
+}
+
+} // namespace
+
+struct EmbeddedDeformation::Binding
+{
+    Points nodes; ///< (m, 3)
+    std::vector<std::array<int, 2>> edges;
+    double edge; ///< the mean edge of the graph, in the units of the motions
+    Pulls pulls;
+    EmbeddedEnergy energy;
+    BlendedMaps points;
+    std::vector<int> node_carriers, handle_carriers; ///< bound points; empty without any
+    mutable Pool<Workspace> workspaces;
+};
+
+struct EmbeddedDeformation::Workspace
+{
+    LbfgsWorkspace descent;
+    Points x;
+    EmbeddedEnergy::Shape shape;
+};
+
+EmbeddedDeformation::EmbeddedDeformation(SurfaceMesh surface, HandlePoints handles,
+                                         const EmbeddedDeformationOptions& options)
+    : HandleMethod(std::move(surface), std::move(handles)), options_(options)
+{
+    require_at_least(options.nodes, 1, "nodes");
+    require_at_least(options.rotation, 1e-6, "rotation");
+    require_at_least(options.regularity, 1e-6, "regularity");
+    require_at_least(options.pulls, 1e-6, "pulls");
+    require_at_least(options.max_iterations, 1, "max_iterations");
+    require_at_least(options.tolerance, 0.0, "tolerance");
+}
+
+EmbeddedDeformation::~EmbeddedDeformation() = default;
+
+void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Progress& progress)
+{
+    DeformationGraph graph(surface(), options_.nodes, progress);
+    progress.tick(0.75, "computing weights");
+    const double edge = graph.edge_length() / unit();
+    const Points& held = handles().held().points;
+    Pulls pulls = pulls_of(handles(), graph.shares(view(held)), graph.size());
+    Points places = in_unit(graph.places()) / edge;
+    Points pulled(static_cast<Eigen::Index>(pulls.points.size()), 3);
+    const Points own = in_unit(held) / edge;
+    for (std::size_t k = 0; k < pulls.points.size(); ++k)
+        pulled.row(static_cast<Eigen::Index>(k)) = own.row(pulls.points[k]) + pulls.sides[k].transpose();
+    BlendedMaps blended;
+    for (const auto& shares : graph.shares(points))
+        blended.add(shares);
+    progress.tick(0.9, "factorising");
+    EmbeddedEnergy energy(graph.edges(), pulls.pulls, handles().count(),
+                          {options_.rotation, options_.regularity, options_.pulls}, places, pulled);
+    std::vector<int> node_carriers = nearest_points(graph.places(), points),
+                     handle_carriers = nearest_points(held, points);
+    std::unique_ptr<const Binding> next(
+        new Binding{graph.places(), graph.edges(), edge, std::move(pulls), std::move(energy),
+                    std::move(blended), std::move(node_carriers), std::move(handle_carriers), {}});
+    report.weight_bytes = next->points.bytes();
+    progress.tick(1.0, "bound");
+    bound_ = std::move(next);
+}
+
+SolveReport EmbeddedDeformation::solve(const std::vector<HandleMotion>& motions, PointsView base,
+                                       bool enters, Workspace& work) const
+{
+    const Binding& own = *bound_;
+    std::vector<HandleMotion> moves = motions;
+    for (HandleMotion& motion : moves)
+        motion.move /= own.edge;
+    work.shape = own.energy.rest();
+    if (enters) {
+        Points places = work.shape.places, pulled = work.shape.points;
+        const auto move = [&](int point) -> Eigen::RowVector3d {
+            return (base.row(point) - points().row(point)) / (unit() * own.edge);
+        };
+        for (Eigen::Index j = 0; j < places.rows(); ++j)
+            places.row(j) += move(own.node_carriers[j]);
+        for (Eigen::Index k = 0; k < pulled.rows(); ++k)
+            pulled.row(k) += move(own.handle_carriers[own.pulls.points[k]]);
+        work.shape = own.energy.shape(places, pulled);
+    }
+    EmbeddedProblem problem(own.energy, work.shape, moves);
+    work.x = problem.start();
+    return minimize(problem, work.x, descent(options_.max_iterations, options_.tolerance, own.nodes.rows()),
+                    {}, &work.descent);
+}
+
+SolveReport EmbeddedDeformation::deform(const std::vector<HandleMotion>& motions, PointsView base,
+                                        bool enters, PositionsOut out) const
+{
+    const Binding& own = *bound_;
+    const auto work = own.workspaces.take([] { return std::make_unique<Workspace>(); });
+    const SolveReport report = solve(motions, base, enters, *work);
+    Poses maps = displacements(work->x, work->shape.places);
+    for (Pose& map : maps)
+        map.col(3) *= unit() * own.edge;
+    std::visit([&](auto* to) { own.points.apply(maps, centre(), base, base, to); }, out);
+    return report;
+}
+
+const EmbeddedDeformation::Binding& EmbeddedDeformation::bound() const
+{
+    if (!bound_)
+        throw InvalidConstraint("no points are bound to the handles: call bind() first");
+    return *bound_;
+}
+
+EmbeddedDeformation::Graph EmbeddedDeformation::graph() const
+{
+    const AccessLock shared = reading();
+    const Binding& own = bound();
+    const auto pulls = static_cast<Eigen::Index>(own.pulls.pulls.size());
+    Graph result{.nodes = own.nodes, .edges = own.edges, .edge_length = own.edge * unit(), .pulls = {}};
+    result.pulls = (own.energy.rest().points * result.edge_length).rowwise() + centre().transpose();
+    result.pull_weights = RowMatrix::Zero(pulls, own.nodes.rows());
+    for (Eigen::Index k = 0; k < pulls; ++k) {
+        const EmbeddedEnergy::Pull& pull = own.pulls.pulls[k];
+        result.strengths.push_back(pull.strength);
+        result.pull_handles.push_back(pull.handle);
+        for (const auto& share : pull.shares)
+            result.pull_weights(k, share.map) = share.weight;
+    }
+    return result;
+}
+
+RowMatrix EmbeddedDeformation::weights() const
+{
+    const AccessLock shared = reading();
+    const Binding& own = bound();
+    RowMatrix W = RowMatrix::Zero(own.points.point_count(), own.nodes.rows());
+    for (int i = 0; i < own.points.point_count(); ++i)
+        for (const auto& share : own.points.shares(i))
+            W(i, share.map) = share.weight;
+    return W;
+}
+
+Points EmbeddedDeformation::posed_nodes(const Poses& poses, const std::optional<PointsView>& incoming) const
+{
+    const AccessLock shared = reading();
+    const Binding& own = bound();
+    if (incoming && incoming->rows() != points().rows())
+        throw InvalidConstraint("incoming: " + std::to_string(incoming->rows()) + " points given for " +
+                                std::to_string(points().rows()) + " bound ones");
+    const Points control = handles().posed(poses);
+    const bool enters = incoming && points().rows() > 0;
+    Workspace work;
+    solve(handles().motions(view(control)), enters ? *incoming : view(points()), enters, work);
+    Points nodes = work.shape.places;
+    for (Eigen::Index j = 0; j < nodes.rows(); ++j)
+        nodes.row(j) += work.x.row(4 * j + 3);
+    return (nodes * own.edge * unit()).rowwise() + centre().transpose();
+}
+
+EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Start start, double tolerance,
+                                                        int max_iterations) const
+{
+    const AccessLock shared = reading();
+    const Binding& own = bound();
+    const Points control = handles().posed(poses);
+    std::vector<HandleMotion> motions = handles().motions(view(control));
+    for (HandleMotion& motion : motions)
+        motion.move /= own.edge;
+    EmbeddedProblem problem(own.energy, own.energy.rest(), motions);
+    Answer result;
+    result.unknowns = start == Start::handles ? problem.start() : problem.start_without_rotations();
+    result.report =
+        minimize(problem, result.unknowns, descent(max_iterations, tolerance, own.nodes.rows()));
+    for (Eigen::Index j = 0; j < own.nodes.rows(); ++j) {
+        result.unknowns.middleRows<3>(4 * j) += Matrix3::Identity();
+        result.unknowns.row(4 * j + 3) *= own.edge * unit();
+        result.unknowns.row(4 * j + 3) += own.nodes.row(j);
+    }
+    return result;
+}
+
+std::vector<std::string> EmbeddedDeformation::changed_settings(const SpaceMethod& former) const
+{
+    const EmbeddedDeformationOptions& other = static_cast<const EmbeddedDeformation&>(former).options_;
+    return names_of({{"nodes", options_.nodes != other.nodes},
+                     {"rotation", options_.rotation != other.rotation},
+                     {"regularity", options_.regularity != other.regularity},
+                     {"pulls", options_.pulls != other.pulls}},
+                    HandleMethod::changed_settings(former));
+}
+
+void EmbeddedDeformation::swap_binding(HandleMethod& other)
+{
+    std::swap(bound_, static_cast<EmbeddedDeformation&>(other).bound_);
+}
+
+} // namespace sinew

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/nonlinear/graph/deformation_graph.h"
+
+#include "native/core/parallel.h"
+#include "native/mesh/triangle_tree.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <optional>
+#include <tuple>
+
+namespace sinew {
+
+namespace {
+
+constexpr double close_parts = 1.5; ///< radii
+constexpr std::size_t links = 3; ///< pairs that join a piece of the graph to the next one
+
+using Share = BlendedMaps::Share;
+
+struct Pieces
+{
+    std::vector<int> parent;
+    explicit Pieces(int count) : parent(static_cast<std::size_t>(count))
+    {
+        std::iota(parent.begin(), parent.end(), 0);
+    }
+    int of(int i)
+    {
+        while (parent[i] != i)
+            i = parent[i] = parent[parent[i]];
+        return i;
+    }
+    void join(int a, int b) { parent[of(a)] = of(b); }
+};
+
+/// Barycentric coordinates of a point of a triangle.
+Vector3 coordinates(const Corners& corners, const Vector3& at)
+{
+    const Vector3 u = corners[1] - corners[0], v = corners[2] - corners[0], w = at - corners[0];
+    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), det = uu * vv - uv * uv;
+    if (!(det > 0.0))
+        return {1.0, 0.0, 0.0};
+    const double b = std::clamp((vv * u.dot(w) - uv * v.dot(w)) / det, 0.0, 1.0),
+                 c = std::clamp((uu * v.dot(w) - uv * u.dot(w)) / det, 0.0, 1.0 - b);
+    return {1.0 - b - c, b, c};
+}
+
+} // namespace
+
+DeformationGraph::DeformationGraph(const SurfaceMesh& mesh, int wanted, const Progress& progress)
+    : mesh_(mesh), near_(mesh, wanted, progress), places_(mesh.points()(near_.nodes(), Eigen::all))
+{
+    connect(progress);
+    double sum = 0.0;
+    for (const auto& [a, b] : edges_)
+        sum += (places_.row(a) - places_.row(b)).norm();
+    if (sum > 0.0)
+        edge_length_ = sum / static_cast<double>(edges_.size());
+}
+
+void DeformationGraph::connect(const Progress& progress)
+{
+    progress.tick(0.7, "connecting nodes");
+    const auto unique = [](std::vector<std::array<int, 2>>& pairs) {
+        std::ranges::sort(pairs);
+        pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    };
+    std::vector<std::array<int, 2>> pairs;
+    std::size_t sorted = 0;
+    for (int v = 0; v < mesh_.vertex_count(); ++v) {
+        const std::vector<Share> own = near_.shares(v);
+        for (const Share& a : own)
+            for (const Share& b : own)
+                if (a.map < b.map)
+                    pairs.push_back({a.map, b.map});
+        if (pairs.size() > 2 * sorted + 100000) {
+            unique(pairs);
+            sorted = pairs.size();
+        }
+    }
+    const auto on_large_part = [&](int j) { return near_.is_on_surface(near_.nodes()[j]); };
+    for (int a = 0; a < size(); ++a)
+        for (int b = a + 1; b < size(); ++b)
+            if (on_large_part(a) && on_large_part(b) &&
+                near_.part(near_.nodes()[a]) != near_.part(near_.nodes()[b]) &&
+                (places_.row(a) - places_.row(b)).norm() <= close_parts * near_.radius())
+                pairs.push_back({a, b});
+    unique(pairs);
+    join_parts(pairs);
+    unique(pairs);
+    edges_ = std::move(pairs);
+}
+
+void DeformationGraph::join_parts(std::vector<std::array<int, 2>>& pairs) const
+{
+    Pieces pieces(size());
+    for (const auto& [a, b] : pairs)
+        pieces.join(a, b);
+    while (true) {
+        const int first = pieces.of(0);
+        std::vector<int> inside, outside;
+        for (int j = 0; j < size(); ++j)
+            (pieces.of(j) == first ? inside : outside).push_back(j);
+        if (outside.empty())
+            return;
+        std::vector<std::tuple<double, int, int>> ways;
+        for (const int a : inside)
+            for (const int b : outside)
+                ways.emplace_back((places_.row(a) - places_.row(b)).squaredNorm(), a, b);
+        const int next = pieces.of(std::get<2>(*std::ranges::min_element(ways)));
+        std::erase_if(ways, [&](const auto& way) { return pieces.of(std::get<2>(way)) != next; });
+        const std::size_t some = std::min(links, ways.size());
+        std::partial_sort(ways.begin(), ways.begin() + static_cast<std::ptrdiff_t>(some), ways.end());
+        for (std::size_t k = 0; k < some; ++k)
+            pairs.push_back({std::min(std::get<1>(ways[k]), std::get<2>(ways[k])),
+                             std::max(std::get<1>(ways[k]), std::get<2>(ways[k]))});
+        pieces.join(first, next);
+    }
+}
+
+std::vector<std::vector<Share>> DeformationGraph::shares(PointsView points) const
+{
+    const int count = static_cast<int>(points.rows());
+    std::vector<std::vector<Share>> result(static_cast<std::size_t>(count));
+    std::vector<int> vertex(static_cast<std::size_t>(count), -1);
+    const Points& own = mesh_.points();
+    if (points.rows() == own.rows() && points == own) {
+        std::iota(vertex.begin(), vertex.end(), 0);
+    } else {
+        std::map<std::array<double, 3>, int> at;
+        for (int v = mesh_.vertex_count() - 1; v >= 0; --v)
+            at[{own(v, 0), own(v, 1), own(v, 2)}] = v;
+        for (int i = 0; i < count; ++i)
+            if (const auto found = at.find({points(i, 0), points(i, 1), points(i, 2)}); found != at.end())
+                vertex[i] = found->second;
+    }
+    std::optional<TriangleTree> tree;
+    std::vector<Vector3> corners;
+    if (std::ranges::any_of(vertex, [](int v) { return v < 0; }) && !mesh_.triangles().empty()) {
+        for (int v = 0; v < mesh_.vertex_count(); ++v)
+            corners.push_back(mesh_.point(v));
+        tree.emplace(corners, mesh_.triangles());
+    }
+    parallel_for(
+        count,
+        [&](int i) {
+            if (vertex[i] >= 0) {
+                result[i] = near_.shares(vertex[i]);
+                return;
+            }
+            const Vector3 place = points.row(i).transpose();
+            if (!tree || tree->empty()) {
+                result[i] = near_.straight_shares(place);
+                return;
+            }
+            const TriangleTree::Place closest = tree->closest_place(place);
+            const Triangle& triangle = mesh_.triangles()[closest.triangle];
+            const Vector3 parts = coordinates(corners_of(corners, triangle), closest.point);
+            std::map<int, double> sums;
+            for (int k = 0; k < 3; ++k)
+                for (const Share& share : near_.shares(triangle[k]))
+                    sums[share.map] += parts[k] * share.weight;
+            for (const auto& [node, weight] : sums)
+                if (weight > 0.0)
+                    result[i].push_back({node, weight});
+        },
+        256);
+    return result;
+}
+
+} // namespace sinew

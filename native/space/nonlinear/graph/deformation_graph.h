@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/progress.h"
+#include "native/core/types.h"
+#include "native/mesh/surface_mesh.h"
+#include "native/space/nonlinear/graph/near_nodes.h"
+#include "native/space/weights/blended_maps.h"
+
+#include <array>
+#include <vector>
+
+namespace sinew {
+
+/// The graph of an embedded deformation: nodes on a shape, the nodes that each point follows, and the pairs
+/// of nodes that are to agree about where they are.
+///
+/// Two nodes agree if a vertex follows both, or if they are on different large parts of the shape and closer
+/// than 1.5 radii. What is not connected then is joined by the three shortest pairs to the part next to it.
+class DeformationGraph
+{
+public:
+    DeformationGraph(const SurfaceMesh& mesh, int wanted, const Progress& progress);
+
+    int size() const { return static_cast<int>(near_.nodes().size()); }
+    /// (m, 3) the nodes.
+    const Points& places() const { return places_; }
+    /// Pairs a < b, ascending.
+    const std::vector<std::array<int, 2>>& edges() const { return edges_; }
+    /// The mean length of the edges; 1 without edges.
+    double edge_length() const { return edge_length_; }
+
+    /// The nodes that each of some points follows. A point at a vertex follows those of the vertex, one
+    /// elsewhere those of the corners of the triangle closest to it. The same point gets the same shares in
+    /// any company.
+    std::vector<std::vector<BlendedMaps::Share>> shares(PointsView points) const;
+
+private:
+    void connect(const Progress& progress);
+    void join_parts(std::vector<std::array<int, 2>>& pairs) const;
+
+    const SurfaceMesh& mesh_;
+    NearNodes near_;
+    Points places_;
+    std::vector<std::array<int, 2>> edges_;
+    double edge_length_ = 1.0;
+};
+
+} // namespace sinew
