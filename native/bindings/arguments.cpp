@@ -140,13 +140,13 @@ std::vector<Handle> handles(const py::handle& regions, const py::object& weights
     return result;
 }
 
-std::optional<std::vector<bool>> flags(const py::object& object, std::size_t count)
+std::optional<std::vector<bool>> flags(const py::object& object, std::size_t count, const char* name)
 {
     if (object.is_none())
         return std::nullopt;
-    const py::array array = any_array(object, "from_rest");
+    const py::array array = any_array(object, name);
     if (array.size() > 0 && array.dtype().kind() != 'b')
-        refuse_type(array, "from_rest", "a flag or one per handle");
+        refuse_type(array, name, "a flag, or several");
     const auto values = py::array_t<bool, py::array::c_style | py::array::forcecast>(array);
     if (values.ndim() == 0)
         return std::vector<bool>(count, *values.data());

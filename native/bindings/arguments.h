@@ -66,7 +66,8 @@ std::vector<Handle> handles(const py::handle& regions, const py::object& weights
                             const py::object& continuity);
 
 /// None, one flag, or one per handle.
-std::optional<std::vector<bool>> flags(const py::object& object, std::size_t count);
+std::optional<std::vector<bool>> flags(const py::object& object, std::size_t count,
+                                       const char* name = "from_rest");
 
 /// Progress that calls a Python callable, or nothing for None. It takes the GIL for that, and lets Ctrl-C
 /// cancel.

@@ -3,7 +3,9 @@
 
 from ._cage import *
 from ._core import *
+from ._curves import *
 from ._enclosure import *
+from ._fields import *
 from ._mesh import *
 from ._operators import *
 from ._skeleton import *

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/points/wires.h"
+
+#include "native/core/errors.h"
+#include "native/core/finite.h"
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr double pi = 3.14159265358979323846;
+
+bool same(const Points& a, const Points& b)
+{
+    return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+}
+
+/// One value per curve.
+std::vector<double> per_curve(std::vector<double> values, std::size_t curves, const char* name, double least,
+                              double most)
+{
+    if (values.size() == 1)
+        values.assign(curves, values.front());
+    if (values.size() != curves)
+        throw InvalidOption(std::string(name) + ": give one number, or one for each of the " +
+                            std::to_string(curves) + " curves");
+    for (std::size_t k = 0; k < curves; ++k)
+        if (!(std::isfinite(values[k]) && values[k] >= least && values[k] <= most))
+            throw InvalidOption(std::string(name) + " of curve " + std::to_string(k) + " is out of range");
+    return values;
+}
+
+/// y turned by `share` of a turn, which is an axis times an angle.
+Vector3 turned(const Vector3& y, const Vector3& turn, double share)
+{
+    const double angle = turn.norm();
+    if (angle == 0.0)
+        return y;
+    const Vector3 axis = turn / angle, across = axis.cross(y);
+    const double half = std::sin(0.5 * share * angle);
+    return y + std::sin(share * angle) * across + 2.0 * half * half * axis.cross(across);
+}
+
+} // namespace
+
+Wires::Wires(Points reference, const WireOptions& options)
+    : reference_(std::move(reference)), options_(options)
+{
+    std::vector<int> bad;
+    for (int v = 0; v < reference_.rows(); ++v)
+        if (!reference_.row(v).allFinite())
+            bad.push_back(v);
+    if (!bad.empty())
+        throw InvalidConstraint("samples " + list_some(bad) + " of the curves are not finite",
+                                Error::Element::vertex, bad);
+    require_at_least(options.exponent, 0.0, "exponent");
+    require_at_least(options.smoothing, 0.0, "smoothing");
+    if (options_.counts.empty())
+        options_.counts = {static_cast<int>(reference_.rows())};
+    add_curves();
+    check_lengths();
+    find_neighbours();
+}
+
+void Wires::add_curves()
+{
+    const std::size_t count = options_.counts.size();
+    constexpr double tiny = 1e-300, huge = 1e300;
+    options_.radius = per_curve(options_.radius, count, "radius", tiny, huge);
+    options_.scale = per_curve(options_.scale, count, "scale", -huge, huge);
+    options_.rotation = per_curve(options_.rotation, count, "rotation", 0.0, 1.0);
+    if (options_.closed.size() <= 1)
+        options_.closed.resize(count, !options_.closed.empty() && options_.closed.front());
+    if (options_.closed.size() != count)
+        throw InvalidOption("closed: give one flag, or one for each of the " + std::to_string(count) +
+                            " curves");
+    if (options_.domain.rows() != 0 && options_.domain.rows() != reference_.rows())
+        throw InvalidOption("domain: give one sample for each of the " + std::to_string(reference_.rows()) +
+                            " samples of the curves, or none");
+    int begin = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const int samples = options_.counts[k], end = begin + samples;
+        if (samples < 2 || end > reference_.rows())
+            throw InvalidOption("counts: curve " + std::to_string(k) + " needs at least two samples, and " +
+                                std::to_string(reference_.rows()) + " are given for all curves");
+        const auto rows = reference_.middleRows(begin, samples);
+        Curve curve{.begin = begin,
+                    .end = end,
+                    .closed = options_.closed[k],
+                    .has_domain = false,
+                    .radius = options_.radius[k],
+                    .scale = options_.scale[k],
+                    .rotation = options_.rotation[k],
+                    .reach = options_.radius[k],
+                    .low = rows.colwise().minCoeff(),
+                    .high = rows.colwise().maxCoeff()};
+        if (options_.domain.rows() != 0 && !options_.domain.middleRows(begin, samples).array().isNaN().all()) {
+            const auto limits = options_.domain.middleRows(begin, samples);
+            if (!limits.allFinite())
+                throw InvalidOption("domain: samples of curve " + std::to_string(k) + " are not finite");
+            curve.has_domain = true;
+            curve.reach = std::max(curve.reach, (limits - rows).rowwise().norm().maxCoeff());
+        }
+        curves_.push_back(curve);
+        begin = end;
+    }
+    if (begin != reference_.rows())
+        throw InvalidOption("counts: " + std::to_string(begin) + " samples are counted, and " +
+                            std::to_string(reference_.rows()) + " are given");
+}
+
+void Wires::check_lengths() const
+{
+    const double size = reference_.size() ? reference_.cwiseAbs().maxCoeff() : 0.0;
+    std::vector<int> without;
+    for (std::size_t k = 0; k < curves_.size(); ++k)
+        if (!((curves_[k].high - curves_[k].low).norm() > 1e-12 * size))
+            without.push_back(static_cast<int>(k));
+    if (!without.empty())
+        throw InvalidConstraint("curves " + list_some(without) + " have no length", Error::Element::handle,
+                                without);
+}
+
+void Wires::find_neighbours()
+{
+    before_.resize(static_cast<std::size_t>(reference_.rows()));
+    after_ = before_;
+    for (const Curve& curve : curves_)
+        for (int v = curve.begin; v < curve.end; ++v) {
+            const auto walk = [&](int step) {
+                for (int at = v;;) {
+                    int next = at + step;
+                    if (curve.closed)
+                        next = next < curve.begin ? curve.end - 1 : next == curve.end ? curve.begin : next;
+                    if (next < curve.begin || next == curve.end || next == v)
+                        return v;
+                    at = next;
+                    if (reference_.row(at) != reference_.row(v))
+                        return at;
+                }
+            };
+            before_[static_cast<std::size_t>(v)] = walk(-1);
+            after_[static_cast<std::size_t>(v)] = walk(1);
+        }
+}
+
+void Wires::add_contact(const Curve& curve, const Vector3& x, Contacts& found) const
+{
+    const Vector3 outside = (curve.low - x).cwiseMax(x - curve.high).cwiseMax(0.0);
+    if (outside.norm() >= curve.reach)
+        return;
+    struct Near
+    {
+        int from, to;
+        double along, square, length;
+    };
+    thread_local std::vector<Near> segments;
+    segments.clear();
+    double nearest = curve.reach * curve.reach;
+    const double factor = (1.0 + options_.smoothing) * (1.0 + options_.smoothing);
+    for (int v = curve.begin; v + 1 < curve.end || (curve.closed && v < curve.end); ++v) {
+        const int w = v + 1 < curve.end ? v + 1 : curve.begin;
+        const Vector3 a = reference_.row(v), side = reference_.row(w).transpose() - a;
+        const double square_length = side.squaredNorm();
+        if (square_length == 0.0)
+            continue;
+        const double along = std::clamp((x - a).dot(side) / square_length, 0.0, 1.0);
+        const double square = (x - a - along * side).squaredNorm();
+        if (square <= factor * nearest)
+            segments.push_back({v, w, along, square, std::sqrt(square_length)});
+        nearest = std::min(nearest, square);
+    }
+    const double window = (factor - 1.0) * nearest;
+    const int first = static_cast<int>(found.shares.size());
+    double sum = 0.0;
+    const auto add = [&](int sample, double share) {
+        for (int k = static_cast<int>(found.samples.size()) - 1; k >= first; --k)
+            if (found.samples[static_cast<std::size_t>(k)] == sample) {
+                found.shares[static_cast<std::size_t>(k)] += share;
+                return;
+            }
+        found.samples.push_back(sample);
+        found.shares.push_back(share);
+    };
+    for (const Near& segment : segments) {
+        const double behind = segment.square - nearest;
+        if (!(behind < window || behind == 0.0))
+            continue;
+        const double left = window > 0.0 ? 1.0 - behind / window : 1.0;
+        const double weight = segment.length * left * left;
+        if (weight == 0.0)
+            continue;
+        sum += weight;
+        add(segment.from, weight * (1.0 - segment.along));
+        add(segment.to, weight * segment.along);
+    }
+    const auto forget = [&] {
+        found.samples.resize(static_cast<std::size_t>(first));
+        found.shares.resize(static_cast<std::size_t>(first));
+    };
+    if (sum == 0.0)
+        return forget(); // beyond the reach
+    Vector3 middle = Vector3::Zero(), limit = Vector3::Zero();
+    for (auto k = static_cast<std::size_t>(first); k < found.shares.size(); ++k) {
+        found.shares[k] /= sum;
+        middle += found.shares[k] * reference_.row(found.samples[k]).transpose();
+        if (curve.has_domain)
+            limit += found.shares[k] * options_.domain.row(found.samples[k]).transpose();
+    }
+    const double distance = std::sqrt(nearest);
+    double radius = curve.radius;
+    if (curve.has_domain) {
+        limit -= middle;
+        const double far = limit.norm(), apart = (x - middle).norm();
+        const double cosine = far > 0.0 && apart > 0.0 ? limit.dot(x - middle) / (far * apart) : 0.0;
+        if (cosine > 0.0)
+            radius += (far - radius) * cosine * cosine;
+    }
+    const double t = distance / radius;
+    if (!(t < 1.0))
+        return forget();
+    const double falloff = (1.0 - t * t) * (1.0 - t * t);
+    found.contacts.push_back({x - middle, falloff, (curve.scale - 1.0) * falloff, first,
+                              static_cast<int>(found.shares.size()) - first});
+}
+
+void Wires::add_contacts(const Vector3& x, Contacts& found) const
+{
+    for (const Curve& curve : curves_)
+        add_contact(curve, x, found);
+    found.begins.push_back(static_cast<int>(found.contacts.size()));
+}
+
+void Wires::compute(PointsView points, SpaceReport& report, const Progress& progress)
+{
+    constexpr int slab = 1 << 16, grain = 1 << 10;
+    const int count = static_cast<int>(points.rows());
+    const auto bytes = [](const Contacts& made) {
+        return static_cast<std::int64_t>(sizeof(int) * (made.begins.size() + made.samples.size()) +
+                                         sizeof(Contact) * made.contacts.size() +
+                                         sizeof(double) * made.shares.size());
+    };
+    Contacts all;
+    all.begins.push_back(0);
+    progress.tick(0.0, "finding the nearest curves");
+    for (int first = 0; first < count; first += slab) {
+        const int some = std::min(slab, count - first);
+        std::vector<Contacts> parts(static_cast<std::size_t>((some + grain - 1) / grain));
+        parallel_chunks(some, grain, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i)
+                add_contacts(points.row(first + i), parts[static_cast<std::size_t>(begin / grain)]);
+        });
+        for (const Contacts& part : parts) {
+            const int contacts = static_cast<int>(all.contacts.size());
+            const int shares = static_cast<int>(all.shares.size());
+            for (const int begin : part.begins)
+                all.begins.push_back(contacts + begin);
+            for (Contact contact : part.contacts) {
+                contact.first += shares;
+                all.contacts.push_back(contact);
+            }
+            all.samples.insert(all.samples.end(), part.samples.begin(), part.samples.end());
+            all.shares.insert(all.shares.end(), part.shares.begin(), part.shares.end());
+        }
+        require_memory(bytes(all), "the wires");
+        progress.tick(static_cast<double>(first + some) / count, "finding the nearest curves");
+    }
+    if (count == 0)
+        progress.tick(1.0, "finding the nearest curves");
+    report.weight_bytes = bytes(all);
+    contacts_ = std::move(all);
+}
+
+Points Wires::turns(PointsView control) const
+{
+    Points turns = Points::Zero(control.rows(), 3);
+    for (const Curve& curve : curves_) {
+        if (curve.rotation == 0.0)
+            continue;
+        for (int v = curve.begin; v < curve.end; ++v) {
+            const int before = before_[static_cast<std::size_t>(v)], after = after_[static_cast<std::size_t>(v)];
+            const auto tangent = [&](const auto& points) -> Vector3 {
+                return (points.row(after) - points.row(before)).transpose().stableNormalized();
+            };
+            const Vector3 rest = tangent(reference_), now = tangent(control), axis = rest.cross(now);
+            const double sine = axis.norm(), cosine = rest.dot(now);
+            if (sine > 1e-12)
+                turns.row(v) = (curve.rotation * std::atan2(sine, cosine) / sine) * axis.transpose();
+            else if (cosine < 0.0) // turned round: any axis across will do
+                turns.row(v) = curve.rotation * pi * rest.unitOrthogonal().transpose();
+        }
+    }
+    return turns;
+}
+
+void Wires::displace(PointsView control, PointsView base, PositionsOut out) const
+{
+    if (control.rows() != reference_.rows())
+        throw InvalidConstraint("the curves have " + std::to_string(reference_.rows()) + " samples, and " +
+                                std::to_string(control.rows()) + " are given");
+    if (!all_finite(control))
+        throw InvalidConstraint("a sample of the curves is not finite");
+    const Points moves = control - reference_, turned_by = turns(control);
+    const double m = options_.exponent;
+    const auto move_of = [&](const Contact& contact) -> Vector3 {
+        Vector3 move = Vector3::Zero(), turn = Vector3::Zero();
+        for (int k = contact.first; k < contact.first + contact.count; ++k) {
+            const int sample = contacts_.samples[static_cast<std::size_t>(k)];
+            const double share = contacts_.shares[static_cast<std::size_t>(k)];
+            move += share * moves.row(sample).transpose();
+            turn += share * turned_by.row(sample).transpose();
+        }
+        const Vector3 scaled = (1.0 + contact.stretch) * contact.from;
+        return (turned(scaled, turn, contact.falloff) - contact.from) + contact.falloff * move;
+    };
+    const auto move = [&](int i) -> Vector3 {
+        const int begin = contacts_.begins[static_cast<std::size_t>(i)];
+        const int end = contacts_.begins[static_cast<std::size_t>(i) + 1];
+        if (begin == end)
+            return Vector3::Zero();
+        if (end == begin + 1)
+            return move_of(contacts_.contacts[static_cast<std::size_t>(begin)]);
+        thread_local std::vector<Vector3> several;
+        several.clear();
+        double longest = 0.0;
+        for (int k = begin; k < end; ++k) {
+            several.push_back(move_of(contacts_.contacts[static_cast<std::size_t>(k)]));
+            longest = std::max(longest, several.back().norm());
+        }
+        if (longest == 0.0)
+            return Vector3::Zero();
+        Vector3 sum = Vector3::Zero();
+        double weights = 0.0;
+        for (const Vector3& one : several) {
+            const double share = one.norm() / longest, weight = m == 1.0 ? share : std::pow(share, m);
+            sum += weight * one;
+            weights += weight;
+        }
+        return sum / weights;
+    };
+    std::visit(
+        [&](auto* positions) {
+            using Number = std::remove_pointer_t<decltype(positions)>;
+            parallel_for(static_cast<int>(base.rows()), [&](int i) {
+                const Vector3 x = base.row(i).transpose() + move(i);
+                for (int k = 0; k < 3; ++k)
+                    positions[3 * static_cast<std::size_t>(i) + k] = static_cast<Number>(x[k]);
+            });
+        },
+        out);
+}
+
+std::vector<std::string> Wires::changed_settings(const SpaceMethod& former) const
+{
+    const auto& other = static_cast<const Wires&>(former);
+    const WireOptions& theirs = other.options_;
+    return names_of({{"curves", !same(reference_, other.reference_) || options_.counts != theirs.counts ||
+                                    options_.closed != theirs.closed},
+                     {"radius", options_.radius != theirs.radius},
+                     {"scale", options_.scale != theirs.scale},
+                     {"rotation", options_.rotation != theirs.rotation},
+                     {"domain", !same(options_.domain, theirs.domain)},
+                     {"exponent", options_.exponent != theirs.exponent},
+                     {"smoothing", options_.smoothing != theirs.smoothing}});
+}
+
+void Wires::swap_weights(SpaceMethod& other)
+{
+    std::swap(contacts_, static_cast<Wires&>(other).contacts_);
+}
+
+} // namespace sinew
