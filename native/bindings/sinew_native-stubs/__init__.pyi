@@ -4,6 +4,7 @@
 from ._cage import *
 from ._core import *
 from ._enclosure import *
+from ._lattice import *
 from ._mesh import *
 from ._operators import *
 from ._skeleton import *
