@@ -176,6 +176,21 @@ class CageFrames(Frames):
         read_back(self.obj, self.flat)
 
 
+class LatticeFrames(Frames):
+    """Moves the points of a lattice, as in Edit Mode."""
+
+    def __init__(self, obj: bpy.types.Object, lattice: bpy.types.Object) -> None:
+        super().__init__(obj, lattice)
+        self.points = np.array([(*point.co_deform, 1.0) for point in lattice.data.points])
+
+    def __call__(self, number: int) -> None:
+        data, posed = self.control.data, self.points @ np.array(motion(number)).T
+        data.points.foreach_set("co_deform", posed[:, :3].astype(np.float32).ravel())
+        data.update_tag()
+        update()
+        read_back(self.obj, self.flat)
+
+
 class Bare:
     """A copy of the object that the add-on does not handle: it writes a shape, evaluates the modifier, and
     reads.
@@ -405,6 +420,51 @@ def overhead(method: str, rounds: int, drag: bool = False) -> dict[str, object]:
     return {**found, "ratio": found["around_ms"] / found["bare_ms"], "goal": 1.2, "at_most": True}
 
 
+def lattice_around(obj: bpy.types.Object) -> bpy.types.Object:
+    """A lattice of 4 x 4 x 4 points and B-splines around the plate."""
+    data = bpy.data.lattices.new("Lattice")
+    data.points_u = data.points_v = data.points_w = 4
+    lattice = bpy.data.objects.new("Lattice", data)
+    lattice.scale = (2.2, 2.2, 0.6)
+    bpy.context.scene.collection.objects.link(lattice)
+    update()
+    return lattice
+
+
+def lattice_frame(bare: bool) -> dict[str, object]:
+    """A frame with a lattice of a million vertices: ``warp`` next to Blender's Lattice modifier alone; or what
+    else it takes, next to writing a shape and evaluating it once.
+
+    The modifier alone is half of what two more of them add to a frame.
+    """
+    obj = plate(LARGE_SIDE)
+    lattice = lattice_around(obj)
+    make_active(obj)
+    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    ours = LatticeFrames(obj, lattice)
+    if bare:
+        alone = Bare(obj, obj.sinew.active)
+
+        def unheard(number: int) -> None:
+            with silent():
+                alone(number)
+
+        found = medians({"ours": ours, "bare": unheard}, 9)
+        return {**found, "ratio": found["around_ms"] / found["bare_ms"], "goal": 1.3, "at_most": True}
+    calls: dict[str, Callable[[int], object]] = {"ours": ours}
+    for name, count in (("one", 1), ("three", 3)):
+        peer, _control = peer_of(obj)
+        other = lattice_around(peer)
+        for _ in range(count):
+            peer.modifiers.new("Lattice", "LATTICE").object = other
+        calls[name] = LatticeFrames(peer, other)
+    found = medians(calls, 9)
+    if min(call.moved() for call in calls.values()) < 0.1:
+        raise RuntimeError("nothing moved")
+    found |= {"vertices": len(obj.data.vertices), "peer_ms": 0.5 * (found["three_ms"] - found["one_ms"])}
+    return {**found, "ratio": found["peer_ms"] / found["native_ms"], "goal": 3.0}
+
+
 def bind(method: str, rounds: int = 3) -> dict[str, object]:
     """The bind and the first frame, next to the bind of Laplacian Deform."""
     ours, theirs = [], []
@@ -498,6 +558,8 @@ ROWS: dict[str, Callable[[], dict[str, object]]] = {
     "frame short arap": lambda: frame("arap", 3, goal=8.0, max_iterations=3),
     "frame draft arap": lambda: frame("arap", 3, draft=True, goal=8.0),
     "frame cage": lambda: cage_frame("mean_value"),
+    "frame lattice": lambda: lattice_frame(bare=False),
+    "overhead lattice": lambda: lattice_frame(bare=True),
     "drag arap": lambda: frame("arap", 3, drag=True, goal=8.0),
     "overhead thin_shell": lambda: overhead("thin_shell", 101),
     "overhead drag arap": lambda: overhead("arap", 31, drag=True),

@@ -42,6 +42,7 @@ GROUPS = (
     "sequence",
     "subdivision",
     "cages",
+    "lattices",
     "cages_harmonic",
     "automatic_cage",
     "blender",

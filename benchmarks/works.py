@@ -385,6 +385,21 @@ WORKS = (
         {ANY: 8.0},
     ),
     Work("frame_cage", "a frame in Blender, `mean_value`, 296 cage vertices", "Mesh Deform", {ANY: 1.0}),
+    Work(
+        "ffd_frame",
+        "`Ffd.warp` of a frame in Blender, cubic lattice of 4 x 4 x 4, a million vertices",
+        "Blender's Lattice modifier",
+        {ANY: 3.0},
+    ),
+    Work(
+        "overhead_ffd",
+        "a frame in Blender without its solve, `ffd`, a million vertices",
+        "writing and evaluating a shape alone",
+        {ANY: 1.3},
+        at_most=True,
+    ),
+    Work("ffd_bind", "binding `Ffd` to a lattice of equal cells", "a second per million points", {ANY: 1.0}),
+    Work("ffd_warp", "`Ffd.warp`, cubic lattice of 4 x 4 x 4", "NumPy's product of its weights", {ANY: 3.0}),
     Work("drag_arap", "a frame of a drag in Blender, `arap`", f"{FRAME}, repeat 3", {ANY: 8.0}),
     Work(
         "overhead_thin_shell",

@@ -31,6 +31,24 @@ def add_pin(
         carry(bpy.context.object, control, f"{control.name} Stem", material)
 
 
+def add_lattice_points(lattice: bpy.types.Object, radius: float, frame: int) -> None:
+    """A ball at each point of the top layer of a lattice, where it is at a frame."""
+    bpy.context.scene.frame_set(frame)
+    evaluated = lattice.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    count = lattice.data.points_u * lattice.data.points_v
+    places = [lattice.matrix_world @ point.co_deform for point in evaluated.data.points[-count:]]
+    mesh = bpy.data.meshes.new(f"{lattice.name} Points")
+    mesh.from_pydata(places, [], [])
+    carrier = bpy.data.objects.new(mesh.name, mesh)
+    bpy.context.scene.collection.objects.link(carrier)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=radius)
+    ball = bpy.context.object
+    ball.data.materials.append(plain_material("Handle", HANDLE_COLOUR, roughness=0.3))
+    ball.parent, carrier.instance_type = carrier, "VERTS"
+    for obj in (carrier, ball):
+        obj.hide_select = True
+
+
 def add_cage_edges(cage: bpy.types.Object, thickness: float) -> None:
     """The edges of a cage: a twin that shares its mesh, and so its poses, with a Wireframe on top."""
     if not cage.data.materials:

@@ -98,6 +98,26 @@ def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bp
     return add_cage(obj, method, source="OBJECT", cage=twin.name)
 
 
+def add_lattice(
+    obj: bpy.types.Object, resolution: Sequence[int], **parameters: float | str
+) -> bpy.types.Object:
+    """The lattice of a new deformer, fitted to the object."""
+    progress(f"a lattice around {obj.name}")
+    make_active(obj)
+    expect(bpy.ops.sinew.lattice_add(resolution=resolution), f"{obj.name}: lattice_add()")
+    deformer = obj.sinew.deformers[-1]
+    for name, value in parameters.items():
+        setattr(deformer.parameters, name, value)
+    return deformer.controls[0].object
+
+
+def lattice_points(lattice: bpy.types.Object) -> np.ndarray:
+    """The points (c, 3) as they are stored, object space."""
+    points = np.empty(3 * len(lattice.data.points), np.float32)
+    lattice.data.points.foreach_get("co_deform", points)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
 def add_pose(
     cage: bpy.types.Object, name: str, points: np.ndarray, values: Mapping[int, float]
 ) -> bpy.types.ShapeKey:

@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..core.methods import Bool, Choice, Control, Method, Parameter, Reproduced, wrapped
-from .recipes import Base, Cage, ControlPoints, HandlePoints, Handles, Recipe, Shape
+from .recipes import Base, Cage, ControlPoints, HandlePoints, Handles, LatticePoints, Recipe, Shape
 
 # Lengths, on shapes 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves
 # of up to 6 units.
@@ -28,9 +28,10 @@ _SHEAR = np.array(((1.2, 0.3, 0.0), (-0.4, 0.8, 0.1), (0.5, 0.2, 2.0)))
 _OFFSET = np.array((0.3, -0.2, 0.5))
 _MAPS: dict[Reproduced, np.ndarray] = {  # (3, 4), one of each
     kind: np.column_stack((linear, _OFFSET))
-    for kind, linear in zip(Reproduced, (np.eye(3), _TURN, 1.5 * _TURN, _SHEAR))
+    for kind, linear in zip(list(Reproduced)[1:], (np.eye(3), _TURN, 1.5 * _TURN, _SHEAR), strict=True)
 }
 _STILL = np.eye(3, 4)
+_MAPS[Reproduced.REST] = _STILL
 _APART = 0.5  # how far two handles move apart
 
 
@@ -119,7 +120,7 @@ def _with_handles(method: Method, options: dict[str, object], solve: dict[str, o
     apart[1, 0, 3] = _APART
     bent = np.stack((_STILL, _MAPS[Reproduced.RIGID_MOTIONS]))
     answers = list(_motions(method, points, lambda matrix: np.stack((matrix, matrix))))
-    if method.symmetric:
+    if method.symmetric and method.reproduces is not Reproduced.REST:
         answers.append(
             KnownAnswer(
                 "the middle between two handles",
@@ -160,6 +161,28 @@ def _in_cage(method: Method, options: dict[str, object], solve: dict[str, object
     yield Rig("points in an octahedron", recipe, solve, (sixth,), every_option=False)
 
 
+def _in_lattice(method: Method, options: dict[str, object], solve: dict[str, object]) -> Iterator[Rig]:
+    """A ball in a lattice of straight lines; in its middle, the numbers of Blender's modifier are the same."""
+    points, faces = ball(2)
+    line = np.linspace(-2.0, 2.0, 5)
+    control = np.stack(np.meshgrid(line, line, line, indexing="ij"), axis=-1)[..., ::-1].reshape(-1, 3)
+    lattice = LatticePoints(control, (5, 5, 5), ("linear",) * 3)
+    recipe = Recipe(method, Shape(points, faces), options, lattice)
+    if options.get("outside") == "freeze":  # only the middle point moves, which holds nothing of the ball
+        answers = [KnownAnswer("rest", control, lambda shape: shape - points)]
+    else:
+        answers = list(_motions(method, points, lambda matrix: _moved(matrix, control)))
+    yield Rig("a ball in a lattice", recipe, solve, tuple(answers))
+    cube = np.array([(x, y, z) for z in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0) for x in (-1.0, 0.0, 1.0)])
+    lifted = cube.copy()
+    lifted[13, 2] += 1.0
+    eighth = KnownAnswer("an eighth of the middle point", lifted, lambda shape: shape[0] - (0.0, 0.0, 0.125))
+    middle = Shape(np.zeros((1, 3)), (np.zeros(0, dtype=np.int32), np.zeros(0, dtype=np.int32)))
+    quadratic = {**options, "basis": "bezier", "outside": "follow"}
+    recipe = Recipe(method, middle, quadratic, LatticePoints(cube, (3, 3, 3), ("linear",) * 3))
+    yield Rig("the middle of a quadratic lattice", recipe, solve, (eighth,), every_option=False)
+
+
 def _among_points(method: Method, options: dict[str, object], solve: dict[str, object]) -> Iterator[Rig]:
     """A ball among six points that move it, such as those of a lattice."""
     points, faces = ball(2)
@@ -172,6 +195,7 @@ def _among_points(method: Method, options: dict[str, object], solve: dict[str, o
 _RIGS: dict[Control, Callable[[Method, dict[str, object], dict[str, object]], Iterator[Rig]]] = {
     Control.HANDLES: _with_handles,
     Control.CAGE: _in_cage,
+    Control.LATTICE: _in_lattice,
 }
 
 
@@ -183,7 +207,6 @@ def _motions(
     def away_from(expected: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
         return lambda shape: shape - expected
 
-    yield KnownAnswer("rest", pose(_STILL), away_from(points))
     kinds = list(Reproduced)
     for kind in kinds[: kinds.index(method.reproduces) + 1]:
         yield KnownAnswer(kind.value, pose(_MAPS[kind]), away_from(_moved(_MAPS[kind], points)))

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from ..core.elements import Elements, Owner
-from ..core.errors import CageError
+from ..core.errors import CageError, ConstraintError
 from ..core.methods import Method
 from ..core.status import Remedy
 
@@ -143,6 +143,29 @@ class ControlPoints:
     ) -> tuple[np.ndarray, None]:
         """Positions (n, 3) for a ``pose`` (c, 3) of the points. There is nothing to report."""
         return method.warp(pose, out=out, incoming=incoming), None
+
+
+@dataclass(frozen=True)
+class LatticePoints(ControlPoints):
+    """A lattice at rest: points in rows along u, then v, then w, or with ``faces`` the corners of hexahedra.
+
+    ``resolution`` is how many points there are along each axis; ``interpolation`` names Blender's function
+    along each of them, by the native module's names. ``faces`` are (counts, corners).
+    """
+
+    resolution: tuple[int, int, int]
+    interpolation: tuple[str, str, str]
+    faces: tuple[np.ndarray, np.ndarray] | None = None
+
+    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
+        """The native method, still without bound points. An error about the lattice names its points."""
+        words = {"resolution": self.resolution, "interpolation": self.interpolation, **recipe.options}
+        try:
+            lattice = self.points if self.faces is None else native.SurfaceMesh(self.points, self.faces)
+            return make(native, recipe.method, lattice, words)
+        except native.InvalidMesh as error:
+            elements = Elements(Owner.CONTROL, error.element_kind, error.elements)
+            raise ConstraintError(str(error), elements, Remedy.LATTICE_REST) from error
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from .grid import SINEW_OT_grid_new
 from .handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select_handle
 from .help import PAGES, SINEW_OT_help
 from .key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
+from .lattice import SINEW_OT_lattice_add, SINEW_OT_lattice_set_rest
 from .mirror import SINEW_OT_handle_mirror
 from .modal.ring import draw_line, ring
 from .morph import SINEW_OT_morph
@@ -55,6 +56,8 @@ register, unregister = register_classes_factory(
         SINEW_OT_cage_set_rest,
         SINEW_OT_cage_flip,
         SINEW_OT_cage_faces,
+        SINEW_OT_lattice_add,
+        SINEW_OT_lattice_set_rest,
         SINEW_OT_handle_add,
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,

@@ -6,13 +6,14 @@ from functools import partial
 
 import bpy
 import numpy as np
-from bpy.props import FloatProperty, FloatVectorProperty, IntProperty
+from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 from bpy.types import Context, Event, Object, Operator, SpaceView3D
 from bpy_extras import view3d_utils
 
 from .. import session
 from ..core.errors import SinewError
 from ..core.geometry import frames
+from ..core.methods import DEFAULT_METHOD, METHODS
 from ..ids import Operators
 from .dragging import Dragging
 from .handle import select_control
@@ -22,6 +23,7 @@ from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, view_of
 from .reporting import reports_errors
 
+_METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
 _KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
 _LINE = (1.0, 1.0, 1.0, 0.9)
 _NOT_HELD = "Nothing holds this part, so all of it moves - click on it to make handles that stay"
@@ -42,6 +44,13 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
     LENGTHS = ("radius", "reach")
     running = False  # while the mouse drags, nothing else needs to be drawn at it
 
+    method: EnumProperty(
+        name="Method",
+        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
+        default=DEFAULT_METHOD,
+        description="How the surface follows; of a deformer that is there, its own method counts",
+        options={"SKIP_SAVE"},
+    )
     origin: FloatVectorProperty(
         name="Origin",
         subtype="XYZ",

@@ -21,6 +21,7 @@ from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
 from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
+from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object, set_rest_lattice
 from .edit.order import move_deformer, move_handle
 from .edit.puppet.bones import require_bones
 from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
@@ -57,6 +58,7 @@ from .tools.sketch import TOO_SHORT, Sight, Sketch, keep_stroke, stroke_of
 __all__ = (
     "CAGE_METHODS",
     "CANCELLED",
+    "LATTICE_METHODS",
     "NOTHING_FREE",
     "TOO_SHORT",
     "Brush",
@@ -64,6 +66,7 @@ __all__ = (
     "Drag",
     "Grab",
     "Hit",
+    "LatticeShape",
     "MirrorOptions",
     "Mirrored",
     "Part",
@@ -76,6 +79,7 @@ __all__ = (
     "add_deformer",
     "add_handle",
     "add_key",
+    "add_lattice_object",
     "apply",
     "attribute_names",
     "begin_evaluation",
@@ -158,6 +162,7 @@ __all__ = (
     "select_group",
     "separate_copies",
     "set_rest_cage",
+    "set_rest_lattice",
     "settle",
     "store",
     "store_shown",

@@ -76,6 +76,7 @@ class SINEW_MT_add(Menu):
         layout.separator()
         for source, text in (("AUTO", "Add Cage"), ("OBJECT", "Use Selected as Cage")):
             layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
+        layout.operator(Operators.LATTICE_ADD, icon="LATTICE_DATA")
         layout.separator()
         layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="MODIFIER")
 

@@ -41,6 +41,7 @@ class Button:
 REMEDIES: dict[Remedy, Button] = {
     Remedy.BIND: Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
     Remedy.CAGE_REST: Button(Operators.CAGE_REST, "Set Rest Cage", "MESH_CUBE"),
+    Remedy.LATTICE_REST: Button(Operators.LATTICE_REST, "Set Rest Lattice", "PIVOT_BOUNDBOX"),
     Remedy.FLIP_CAGE: Button(Operators.CAGE_FLIP, "Flip", "NORMALS_FACE"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),

@@ -32,6 +32,8 @@ FRAMES = {
     "frame short arap": ("frame_arap_3", "ours", "peer"),
     "frame draft arap": ("frame_arap_draft", "ours", "peer"),
     "frame cage": ("frame_cage", "ours", "peer"),
+    "frame lattice": ("ffd_frame", "native", "peer"),
+    "overhead lattice": ("overhead_ffd", "around", "bare"),
     "drag arap": ("drag_arap", "ours", "peer"),
     "overhead thin_shell": ("overhead_thin_shell", "around", "bare"),
     "overhead drag arap": ("overhead_arap", "around", "bare"),

@@ -41,6 +41,7 @@ NATIVE_RANKS = {
 SUB_RANKS = {
     "core": {"": 0, "simd": 1},
     "solvers": {"dense": 0, "descent": 0, "supernodal": 0, "engines": 1, "": 2},
+    "space/lattice": {"grid": 0, "": 1},
     "space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
     "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
     "space/nonlinear": {"fields": 0, "": 1},
@@ -52,6 +53,7 @@ INTERNAL = {
     "solvers/engines",
     "solvers/supernodal",
     "space/cage/closed_forms",
+    "space/lattice/grid",
     "space/cage/harmonic",
     "space/cage/inside",
     "space/cage/visibility",

@@ -11,7 +11,7 @@ import numpy as np
 import sinew_native as sn
 
 from .meshes import BENT, STILL, ends, grid, shift, sphere
-from .methods import EVERY_SPACE_METHOD, EVERY_SURFACE_METHOD, called, inside, made
+from .methods import EVERY_CAGE_METHOD, EVERY_SURFACE_METHOD, called, inside, made
 
 DETAILS = ("normal_displacements", "displacement_volumes", "deformation_transfer")  # beside the default
 
@@ -48,7 +48,7 @@ def answers(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         transfer = sn.MeshTransfer(mesh, sn.SurfaceMesh(of[name] * (1.0, 1.5, 0.8), of[f"{name}_faces"]))
         found[f"solve MeshTransfer {name}"] = transfer.transfer(of[name] + 0.1 * of[name][:, ::-1] ** 2)
     cage = sn.SurfaceMesh(of["cage"], of["cage_faces"])
-    for method, options in EVERY_SPACE_METHOD:
+    for method, options in EVERY_CAGE_METHOD:
         coordinates = made(method, cage, **options)
         coordinates.bind(of["points"])
         found[f"warp {called(method)} {called(options)}"] = coordinates.warp(of["bent"])

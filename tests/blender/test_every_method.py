@@ -86,12 +86,16 @@ def test_a_pose_is_that_of_a_native_object_made_anew(rig: HandleRig, expected: P
 
 
 def test_the_shape_does_what_everything_that_holds_it_does(rig: HandleRig):
-    """Translations for every method; what else a kind of control carries over, its rig says."""
+    """Translations for every method; what else a kind of control carries over, its rig says.
+
+    Where a method leaves alone what is far from its handles, this holds for these.
+    """
     rig.bind_alone(rig.method.id)
-    before = rig.points()
+    there = rig.held if rig.method.reproduces.value == "rest" else slice(None)
+    before = rig.points()[there]
     move_world(rig.control, rig.carries)
     after = apply_matrix(rig.carries, before)
-    assert np.abs(rig.points() - after).max() < 2 * rig.tolerance * max(1.0, np.abs(after).max())
+    assert np.abs(rig.points()[there] - after).max() < 2 * rig.tolerance * max(1.0, np.abs(after).max())
 
 
 def test_each_parameter_reaches_the_native_object(rig: HandleRig):

@@ -40,6 +40,7 @@ class Moved(Enum):
 class Reproduced(Enum):
     """The maps of space that a method reproduces if all its controls move by one; each holds those before."""
 
+    REST = "rest"  # nothing moves far from all controls, so the method reproduces no motion
     TRANSLATIONS = "translations"
     RIGID_MOTIONS = "rigid motions"
     SIMILARITIES = "similarities"

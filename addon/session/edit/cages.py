@@ -66,16 +66,16 @@ def add_cage_object(obj: Object, shape: Shape) -> Object:
     cage = bpy.data.objects.new(mesh.name, mesh)
     for collection in obj.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(cage)
-    _parent(cage, obj)
+    follow(cage, obj, obj.matrix_world.copy())
     cage.show_in_front = True
     bpy.context.view_layer.update()
     return cage
 
 
-def _parent(cage: Object, obj: Object) -> None:
-    """Make the cage follow the object, as Ctrl P does.
+def follow(cage: Object, obj: Object, place: Matrix) -> None:
+    """Make the cage, or another control, follow the object from a ``place`` in the world, as Ctrl P does.
 
-    So the cage stays in its place when it gets another parent, such as an armature. A child of a curve would
+    So it stays in its place when it gets another parent, such as an armature. A child of a curve would
     follow its path, so a constraint makes the cage follow a curve.
     """
     follows = None
@@ -85,12 +85,12 @@ def _parent(cage: Object, obj: Object) -> None:
     else:
         cage.parent = obj
     world = obj.matrix_world.copy()
-    cage.matrix_basis = world
-    sheared = np.abs(np.array(cage.matrix_basis) - np.array(world)).max() > 1e-5 * max(
-        world.median_scale, 1.0
+    cage.matrix_basis = place
+    sheared = np.abs(np.array(cage.matrix_basis) - np.array(place)).max() > 1e-5 * max(
+        place.median_scale, 1.0
     )
     if sheared or world.determinant() == 0.0:
-        cage.matrix_basis = Matrix()
+        cage.matrix_basis = world.inverted_safe() @ place
         return
     if follows is None:
         cage.matrix_parent_inverse = world.inverted()

@@ -2,7 +2,8 @@
 """A handle where an artist presses on the surface, found there or made there, which then moves with the hand.
 
 A handle that is made is a region within a radius over the surface at rest. What holds the rest of the part is
-a support around it, as wide as the reach, unless regions hold it already. Main thread only.
+a support around it, as wide as the reach, unless regions hold it already. A method that deforms space gets a
+handle without a region instead, at the very place. Main thread only.
 """
 
 from dataclasses import dataclass
@@ -28,6 +29,7 @@ from ..memory.background import Work
 from ..memory.evaluation import is_shown
 from .bind import bind, unbind
 from .deformers import add_deformer, remove_deformer
+from .handles import points
 from .handles.handles import add_handle, remove_handle
 from .rigging import rig_region
 
@@ -88,10 +90,10 @@ class Drag:
         vertex = surface.vertex_at(hit, depsgraph)
         painted = _painted(obj)
         self._settings = _Settings(obj)
-        found = _handle_at(obj, painted, vertex)
+        found = _point_at(obj, hit, brush) or _handle_at(obj, painted, vertex)
         self.is_new, self.is_held = found is None, True
         if found is None:
-            deformer, handle = self._make(obj, painted, vertex, brush, wait)
+            deformer, handle = self._make(obj, painted, vertex, brush, wait, hit)
         else:
             deformer, handle = found
             _require_working(obj, deformer)
@@ -132,6 +134,9 @@ class Drag:
             mover.matrix = handle.control.matrix_world.inverted_safe() @ place
         else:
             mover.matrix_world = place
+        deformer = self._deformer(obj)
+        if not handle.vertex_group:
+            points.move_image(obj, deformer, handle)
         locks.hold_locked(mover, self._channels)
 
     def key(self, obj: Object) -> None:
@@ -155,7 +160,7 @@ class Drag:
         return next((deformer for deformer in deformers_of(obj) if deformer.uid == self.uid), None)
 
     def _make(
-        self, obj: Object, painted: dict[str, np.ndarray], vertex: int, brush: Brush, wait: bool
+        self, obj: Object, painted: dict[str, np.ndarray], vertex: int, brush: Brush, wait: bool, hit: Hit
     ) -> tuple[SinewDeformer, SinewHandle]:
         """A handle around a vertex, with a support if it needs one, and a deformer if there is none."""
         if obj.data.library is not None:
@@ -164,6 +169,9 @@ class Drag:
         rows = []
         if deformer is not None:
             _require_working(obj, deformer)
+        if (BY_ID[brush.method] if deformer is None else deformer.definition).is_space:
+            return self._make_point(obj, deformer, brush, wait, hit)
+        if deformer is not None:
             rows = [row for row in deformer.handles if _is_used(row, painted)]
         plan = _plan(obj, rows, painted, vertex, brush)
         self.is_held = plan.is_held
@@ -187,6 +195,26 @@ class Drag:
             self._settings.restore(obj)
             raise
         return deformer, handle
+
+    def _make_point(
+        self, obj: Object, deformer: SinewDeformer | None, brush: Brush, wait: bool, hit: Hit
+    ) -> tuple[SinewDeformer, SinewHandle]:
+        """A handle without a region at the place that was hit, and a deformer if there is none."""
+        self._made = []
+        self._is_first = deformer is None
+        try:
+            deformer = add_deformer(obj, brush.method) if deformer is None else deformer
+            self.uid, self._status = deformer.uid, status.current(deformer.uid)
+            self._was_bound = deformer.is_bound
+            _make_active(obj, deformer)
+            made = points.add_point_handles(obj, deformer, hit.place, 0.5 * brush.radius)
+            self._made += [handle.uid for handle in made]
+            bind(obj, deformer, wait)
+        except SinewError:
+            self._remove(obj)
+            self._settings.restore(obj)
+            raise
+        return deformer, deformer.handles[deformer.active_handle]
 
     def _remove(self, obj: Object) -> None:
         """Remove what was made."""
@@ -285,6 +313,16 @@ def _painted(obj: Object) -> dict[str, np.ndarray]:
 
 def _is_used(row: SinewHandle, painted: dict[str, np.ndarray]) -> bool:
     return row.enabled and row.vertex_group in painted and bool((painted[row.vertex_group] > 0.0).any())
+
+
+def _point_at(obj: Object, hit: Hit, brush: Brush) -> tuple[SinewDeformer, SinewHandle] | None:
+    """The handle without a region that is shown there, and its deformer."""
+    for deformer in _in_order(obj):
+        if _marks_regions(deformer) and deformer.definition.is_space:
+            handle = points.point_handle_near(deformer, hit.place, brush.radius)
+            if handle is not None:
+                return deformer, handle
+    return None
 
 
 def _handle_at(

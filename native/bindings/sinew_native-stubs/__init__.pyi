@@ -6,6 +6,7 @@ from ._core import *
 from ._curves import *
 from ._enclosure import *
 from ._fields import *
+from ._lattice import *
 from ._mesh import *
 from ._operators import *
 from ._skeleton import *

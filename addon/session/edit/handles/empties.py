@@ -32,21 +32,36 @@ def make_empty(
     target = np.array(obj.matrix_world, dtype=np.float64)
     relative = frames.inverse(target, obj.name)
     at_rest = frames.in_world(target, frames.region_frame(rest.points, rest.counts, rest.corners, members))
-    moved = target @ np.vstack((pose, (0.0, 0.0, 0.0, 1.0))) @ relative
     radius = frames.radius(frames.transformed(target, rest.points[members]))
     if radius == 0.0:
         radius = 0.1 * frames.radius(frames.transformed(target, rest.points))
+    frame = relative @ at_rest
+    return new_empty(obj, frame, np.vstack((pose, (0.0, 0.0, 0.0, 1.0))), name, 0.6 * radius), frame
 
+
+def new_empty(obj: Object, frame: np.ndarray, pose: np.ndarray, name: str, size: float) -> Object:
+    """An empty whose rest ``frame`` (4, 4) relative to the target is moved by a ``pose`` (4, 4).
+
+    It is a child of the target, and its own transform is zero at rest.
+    """
+    target = np.array(obj.matrix_world, dtype=np.float64)
+    at_rest = target @ frame
+    moved = target @ pose @ frames.inverse(target, obj.name)
     empty = bpy.data.objects.new(name, None)
     empty.empty_display_type = "SPHERE"
-    empty.empty_display_size = max(0.6 * radius, 1e-3)
+    empty.empty_display_size = max(size, 1e-3)
     empty.show_in_front = True
     for collection in obj.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(empty)
     empty.parent = obj
-    empty.matrix_parent_inverse = Matrix((relative @ at_rest).tolist())
-    empty.matrix_basis = Matrix((np.linalg.inv(at_rest) @ moved @ at_rest).tolist())
-    return empty, relative @ at_rest
+    empty.matrix_parent_inverse = to_matrix(frame)
+    empty.matrix_basis = to_matrix(np.linalg.inv(at_rest) @ moved @ at_rest)
+    return empty
+
+
+def to_matrix(array: np.ndarray) -> Matrix:
+    """A matrix of Blender's from an array (4, 4)."""
+    return Matrix(array.tolist())
 
 
 def assign(

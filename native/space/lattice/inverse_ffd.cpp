@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/lattice/inverse_ffd.h"
+
+#include "native/core/errors.h"
+#include "native/core/memory.h"
+#include "native/space/lattice/grid/placing.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr int most_points = 16; ///< along each axis
+constexpr double margin = 0.05; ///< of the box, on each side, as a share of its longest side
+
+/// A box around points; a side without length gets that of the longest one.
+Pose box_around(const PointsView& points, const Points& handles)
+{
+    Vector3 low = handles.colwise().minCoeff().transpose(), high = handles.colwise().maxCoeff().transpose();
+    if (points.rows() > 0) {
+        low = low.cwiseMin(points.colwise().minCoeff().transpose());
+        high = high.cwiseMax(points.colwise().maxCoeff().transpose());
+    }
+    const double longest = (high - low).maxCoeff() > 0.0 ? (high - low).maxCoeff() : 1.0;
+    Pose box = Pose::Zero();
+    for (int axis = 0; axis < 3; ++axis) {
+        const double side = high[axis] - low[axis] > 1e-6 * longest ? high[axis] - low[axis] : longest;
+        const double middle = 0.5 * (low[axis] + high[axis]);
+        box(axis, axis) = side + 2.0 * margin * longest;
+        box(axis, 3) = middle;
+    }
+    return box;
+}
+
+} // namespace
+
+InverseFfd::InverseFfd(PointsView handles, const InverseFfdOptions& options)
+    : handles_(handles), options_(options)
+{
+    if (handles_.rows() == 0)
+        throw InvalidConstraint("there is no handle: an inverse lattice needs at least one");
+    check_pose_of(control_name(), view(handles_), static_cast<int>(handles_.rows()));
+    for (int count : options.resolution)
+        if (count < 2 || count > most_points)
+            throw InvalidOption("resolution: " + std::to_string(count) + " is not between 2 and " +
+                                std::to_string(most_points));
+    if (!(options.cut_off > 0.0 && options.cut_off < 1.0))
+        throw InvalidOption("cut_off must lie between 0 and 1");
+    for (int count : options.resolution)
+        AxisBasis(options.basis, count, options.degree, LatticeOutside::follow);
+}
+
+void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress& progress)
+{
+    const Pose box = options_.frame ? *options_.frame : box_around(points, handles_);
+    const auto& n = options_.resolution;
+    Points rest(n[0] * n[1] * n[2], 3);
+    for (int k = 0, row = 0; k < n[2]; ++k)
+        for (int j = 0; j < n[1]; ++j)
+            for (int i = 0; i < n[0]; ++i, ++row)
+                rest.row(row) = apply(
+                    box, Vector3(i / (n[0] - 1.0) - 0.5, j / (n[1] - 1.0) - 0.5, k / (n[2] - 1.0) - 0.5));
+    RestGridOptions of_grid;
+    of_grid.basis.fill(options_.basis);
+    of_grid.degree = options_.degree;
+    auto grid = std::make_shared<const RestGrid>(view(rest), n, of_grid);
+
+    const Eigen::Index count = handles_.rows(), controls = rest.rows();
+    const Eigen::Index fewer = std::min(count, controls);
+    require_memory(static_cast<std::int64_t>(sizeof(double)) * (2 * count * controls + 2 * fewer * fewer),
+                   "the inverse of the lattice");
+    MatrixX B(count, controls);
+    for (Eigen::Index c = 0; c < count; ++c)
+        B.row(c) = grid->weights(grid->place(handles_.row(c).transpose())).transpose();
+    progress.tick(0.0, "inverting the lattice");
+    // B^+ = B^T (B B^T)^+ = (B^T B)^+ B^T by the eigenvectors of the smaller product, whose eigenvalues are
+    // the squares of the singular values.
+    const Eigen::SelfAdjointEigenSolver<MatrixX> modes(count <= controls ? MatrixX(B * B.transpose())
+                                                                         : MatrixX(B.transpose() * B));
+    const VectorX& values = modes.eigenvalues();
+    const double least = std::max(options_.cut_off * options_.cut_off, 1e-14) * values[fewer - 1];
+    const VectorX inverses = (values.array() > least).select(values.cwiseInverse(), 0.0);
+    const int rank = static_cast<int>((values.array() > least).count());
+    const MatrixX inner = modes.eigenvectors() * inverses.asDiagonal() * modes.eigenvectors().transpose();
+    MatrixX inverse = count <= controls ? MatrixX(B.transpose() * inner) : MatrixX(inner * B.transpose());
+
+    PlacedPoints placed = placed_in(*grid, points, report, progress);
+    report.weight_bytes = placed.bytes() + static_cast<std::int64_t>(sizeof(double)) * inverse.size();
+    grid_ = std::move(grid);
+    placed_ = std::move(placed);
+    inverse_ = std::move(inverse);
+    rank_ = rank;
+}
+
+Points InverseFfd::moves_for(PointsView posed) const
+{
+    check_pose_of(control_name(), posed, static_cast<int>(handles_.rows()));
+    return inverse_ * MatrixX(posed - handles_);
+}
+
+Points InverseFfd::lattice() const
+{
+    const AccessLock shared = reading();
+    return grid_ ? grid_->points() : Points(0, 3);
+}
+
+Points InverseFfd::control_moves(PointsView posed) const
+{
+    const AccessLock shared = reading();
+    if (!grid_)
+        throw InvalidConstraint("no points are bound to the handles: call bind() first");
+    return moves_for(posed);
+}
+
+void InverseFfd::displace(PointsView control, PointsView base, PositionsOut out) const
+{
+    const Points moves = moves_for(control);
+    std::visit(
+        [&](auto* positions) {
+            placed_.blend([&](int cell) { return grid_->cell(cell, moves.data()); }, base, positions);
+        },
+        out);
+}
+
+std::vector<std::string> InverseFfd::changed_settings(const SpaceMethod& former) const
+{
+    const auto& other = static_cast<const InverseFfd&>(former);
+    const InverseFfdOptions &a = options_, &b = other.options_;
+    const bool same = a.resolution == b.resolution && a.basis == b.basis && a.degree == b.degree &&
+                      a.cut_off == b.cut_off && a.frame == b.frame;
+    return names_of({{"handles", handles_.rows() != other.handles_.rows() || handles_ != other.handles_},
+                     {"lattice", !same}});
+}
+
+void InverseFfd::swap_weights(SpaceMethod& other)
+{
+    auto& others = static_cast<InverseFfd&>(other);
+    std::swap(grid_, others.grid_);
+    std::swap(placed_, others.placed_);
+    std::swap(inverse_, others.inverse_);
+    std::swap(rank_, others.rank_);
+}
+
+} // namespace sinew

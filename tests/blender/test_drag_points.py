@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drag Surface with methods that deform space: handles at the very place, without a region.
+
+Nothing here names a method: each that handles move through space takes part.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Euler, Matrix, Vector
+from registry import BY_ID, ON_HANDLE_POINTS
+from rig import base_points, close, evaluated_points, grid_object, make_active, push, reopen, update
+from test_drag import LIFT, drag, refused
+
+MEETS = 2e-3  # of a plate 2 wide: what a cut-off or a smoothing may leave
+
+
+@pytest.fixture(params=ON_HANDLE_POINTS)
+def method(request: pytest.FixtureRequest) -> str:
+    return request.param
+
+
+def at(obj: bpy.types.Object, x: float, y: float) -> np.ndarray:
+    """The shown place of a vertex that rests there."""
+    index = int(np.argmin(np.linalg.norm(base_points(obj)[:, :2] - (x, y), axis=1)))
+    return evaluated_points(obj)[index]
+
+
+def names(obj: bpy.types.Object) -> list[str]:
+    return [row.name for row in obj.sinew.active.handles]
+
+
+def test_a_drag_without_a_deformer_makes_one_with_a_handle_at_the_place(method: str):
+    obj = grid_object(cells=20)
+    control = drag(0.2, 0.3, method=method)
+    (handle,) = obj.sinew.active.handles
+    assert obj.sinew.active.method == method
+    assert (handle.kind, handle.vertex_group, handle.control) == ("HANDLE", "", control)
+    assert not obj.vertex_groups
+    assert close(at(obj, 0.2, 0.3), np.array((0.2, 0.3, 0.5)), MEETS)
+    assert np.array(control.matrix_world.translation) == pytest.approx((0.2, 0.3, 0.5), abs=1e-5)
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+
+
+def test_a_second_handle_changes_nothing_until_it_is_dragged(method: str):
+    """It rests where the surface rests, and is posed as the surface is."""
+    obj = grid_object(cells=20)
+    drag(-0.5, 0.0, method=method)
+    drag(0.7, 0.6, value=(0.0, 0.0, 0.0), method=method)
+    before = evaluated_points(obj)
+    drag(-0.3, 0.1, value=(0.0, 0.0, 0.0))  # on the slope
+    assert len(names(obj)) == 3
+    if BY_ID[method].reproduces.value == "rest":  # the least change keeps what is met already
+        assert close(evaluated_points(obj), before, MEETS)
+    assert close(at(obj, -0.5, 0.0), np.array((-0.5, 0.0, 0.5)), MEETS)
+    assert close(at(obj, 0.7, 0.6), np.array((0.7, 0.6, 0.0)), MEETS)
+
+
+def test_the_same_place_is_dragged_on(method: str):
+    obj = grid_object(cells=20)
+    first = drag(-0.5, method=method)
+    assert drag(-0.5, value=(0.1, 0.0, 0.2), method=method) == first
+    assert len(names(obj)) == 1
+    assert close(at(obj, -0.5, 0.0), np.array((-0.4, 0.0, 0.7)), MEETS)
+
+
+def test_a_drag_undoes_and_redoes_in_one_step(method: str):
+    obj = grid_object(cells=20)
+    push("plate")
+    drag(0.0, method=method)
+    push("drag")
+    lifted = evaluated_points(obj)
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects["Plate"]
+    assert not obj.sinew.deformers
+    assert close(evaluated_points(obj), base_points(obj))
+    bpy.ops.ed.redo()
+    assert close(evaluated_points(bpy.data.objects["Plate"]), lifted)
+
+
+def test_a_mirrored_drag_moves_both_sides(method: str):
+    obj = grid_object(cells=20)
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method=method)
+    obj.sinew.active.use_mirror_x = True
+    drag(0.5, 0.3, value=(0.1, 0.0, 0.4))
+    assert sorted(names(obj)) == ["Point.L", "Point.R"]
+    assert close(at(obj, 0.5, 0.3), np.array((0.6, 0.3, 0.4)), MEETS)
+    assert close(at(obj, -0.5, 0.3), np.array((-0.6, 0.3, 0.4)), MEETS)
+    drag(0.0, 0.8, value=(0.0, 0.0, 0.0))
+    assert sorted(names(obj)) == ["Point", "Point.L", "Point.R"], "one on the plane of symmetry"
+
+
+def test_a_turned_and_scaled_object_is_dragged_in_the_world(method: str):
+    obj = grid_object(cells=20)
+    obj.matrix_world = Matrix.LocRotScale((1.0, 2.0, 0.5), Euler((0.3, 0.2, 0.5)), (1.5, 0.8, 1.2))
+    update()
+    place = obj.matrix_world @ Vector((0.2, 0.3, 0.0))
+    drag(place.x, place.y, method=method, value=LIFT)
+    index = int(np.argmin(np.linalg.norm(base_points(obj)[:, :2] - (0.2, 0.3), axis=1)))
+    shown = obj.matrix_world @ Vector(evaluated_points(obj)[index])
+    assert (shown - place - Vector(LIFT)).length < 5e-3
+
+
+def test_the_handle_lives_on_in_the_file(method: str, tmp_path: Path):
+    obj = grid_object(cells=20)
+    drag(0.2, 0.3, method=method)
+    before = evaluated_points(obj)
+    reopen(tmp_path / "drag.blend")
+    obj = bpy.data.objects["Plate"]
+    assert np.array_equal(evaluated_points(obj), before)
+    obj.sinew.active.handles[0].control.location.z -= 0.5
+    assert close(evaluated_points(obj), base_points(obj), 1e-5)
+
+
+def test_what_cannot_be_dragged_leaves_nothing_behind(method: str):
+    grid_object(cells=20)
+    refused("no mesh at this place", origin=(5.0, 5.0, 5.0), method=method)
