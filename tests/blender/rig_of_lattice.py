@@ -36,7 +36,7 @@ def place(lattice: bpy.types.Object, points: np.ndarray) -> None:
 
 
 def lattice_object(counts: tuple[int, int, int] = (5, 5, 5), name: str = "Lattice") -> bpy.types.Object:
-    """A lattice around the origin with sides of length 1, made without Sinew."""
+    """A lattice around the origin whose points are a unit apart, made without Sinew."""
     data = bpy.data.lattices.new(name)
     data.points_u, data.points_v, data.points_w = counts
     obj = linked(bpy.data.objects.new(name, data))
