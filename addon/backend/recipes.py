@@ -150,19 +150,21 @@ class LatticePoints(ControlPoints):
     """A lattice at rest: points in rows along u, then v, then w, or with ``faces`` the corners of hexahedra.
 
     ``resolution`` is how many points there are along each axis; ``interpolation`` names Blender's function
-    along each of them, by the native module's names. ``faces`` are (counts, corners).
+    along each of them, by the native module's names. ``faces`` are (counts, corners). ``axes`` (3, 3) are the
+    directions of axes that have one point only, as rows; None if all have more.
     """
 
     resolution: tuple[int, int, int]
     interpolation: tuple[str, str, str]
     faces: tuple[np.ndarray, np.ndarray] | None = None
+    axes: np.ndarray | None = None
 
     def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
         """The native method, still without bound points. An error about the lattice names its points."""
-        words = {"resolution": self.resolution, "interpolation": self.interpolation, **recipe.options}
+        words = {"resolution": self.resolution, "interpolation": self.interpolation, "axes": self.axes}
         try:
             lattice = self.points if self.faces is None else native.SurfaceMesh(self.points, self.faces)
-            return make(native, recipe.method, lattice, words)
+            return make(native, recipe.method, lattice, words | recipe.options)
         except native.InvalidMesh as error:
             elements = Elements(Owner.CONTROL, error.element_kind, error.elements)
             raise ConstraintError(str(error), elements, Remedy.LATTICE_REST) from error

@@ -49,7 +49,7 @@ class SINEW_OT_select_problems(Operator):
                 f"{shown.name} is not in this view layer - add its collection to the view layer first",
             )
             return {"CANCELLED"}
-        if not session.is_mesh(shown):
+        if not session.is_mesh(shown) and shown.type != "LATTICE":
             self.report({"ERROR"}, f"{shown.name} is not a mesh, so its points cannot be selected here")
             return {"CANCELLED"}
         if shown.mode != "EDIT":

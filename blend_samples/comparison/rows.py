@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rows of the matrix: every surface method of the registry, and peers. A row is a function of a case."""
+"""The rows of the matrix: every method of the registry that handles or a lattice steer, and peers.
+
+A row is a function of a case.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +20,13 @@ SPLIT = {"laplacian_editing": "transforms", "multiresolution": "details"}
 
 
 def registry_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str, Solve]]:
-    """A row per surface method that handles steer, with its defaults, in the menu's order.
+    """A row per method that handles or a lattice steer, with its defaults, in the menu's order.
 
     ``methods`` is the add-on's ``core.methods``, ``native`` the compiled module. So a method that the
     registry gains is in the matrix. One that edits animations is left out: on a still mesh it is another row.
     """
     for method in methods.METHODS:
-        if method.is_space or method.keyed or method.control is not methods.Control.HANDLES:
+        if method.keyed or method.control not in (methods.Control.HANDLES, methods.Control.LATTICE):
             continue
         choice = next((p for p in method.parameters if p.id == SPLIT.get(method.id)), None)
         if choice is None:
@@ -39,12 +42,47 @@ def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: 
     method = methods.BY_ID[name]
 
     def solve(case: Case) -> np.ndarray:
+        if method.control is methods.Control.LATTICE:
+            return _by_lattice(native, method, case, options)
+        if method.is_space:
+            return _by_points(native, method, case, options)
         mesh = native.SurfaceMesh(case.points, case.triangles)
         made = _made(methods, native, method, mesh, options)
         made.set_handles(list(case.handles))
         return made.solve(case.poses, **_values(method, False, options))[0]
 
     return solve
+
+
+def _by_points(native: ModuleType, method, case: Case, options: dict[str, object]) -> np.ndarray:
+    """The vertices of both handles are the points that move space."""
+    made = getattr(native, method.native)(case.points[case.held], **_values(method, True, options))
+    made.bind(case.points)
+    return made.warp(case.targets[case.held])
+
+
+def _by_lattice(native: ModuleType, method, case: Case, options: dict[str, object]) -> np.ndarray:
+    """A lattice around the shape, as an artist poses it: each point follows the handles, by how near they are.
+
+    Its cells are about as long as wide, with 12 along the longest side.
+    """
+    low, high = case.points.min(axis=0), case.points.max(axis=0)
+    sides = np.maximum(high - low, 0.05 * np.ptp(case.points))
+    counts = np.maximum(np.round(12 * sides / sides.max()).astype(int) + 1, 4)
+    lines = [np.linspace(m - 0.51 * s, m + 0.51 * s, n) for m, s, n in zip(0.5 * (low + high), sides, counts)]
+    w, v, u = np.meshgrid(*lines[::-1], indexing="ij")
+    rest = np.stack((u, v, w), axis=-1).reshape(-1, 3)
+    away = [
+        np.maximum(
+            np.linalg.norm(rest[:, None] - case.points[handle][None, ::17], axis=2).min(axis=1) - 0.1, 0
+        )
+        for handle in case.handles
+    ]
+    share = (away[0] / np.maximum(away[0] + away[1], 1e-9))[:, None]
+    first, second = (rest @ pose[:, :3].T + pose[:, 3] for pose in case.poses)
+    made = getattr(native, method.native)(rest, resolution=counts, **_values(method, True, options))
+    made.bind(case.points)
+    return made.warp((1.0 - share) * first + share * second)
 
 
 def _made(

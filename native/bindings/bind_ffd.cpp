@@ -45,7 +45,7 @@ std::array<LatticeBasis, 3> ffd_basis(const std::string& basis, const py::object
 
 std::shared_ptr<Ffd> make_ffd(const py::object& points_or_mesh, const py::object& resolution,
                               const std::string& basis, int degree, const py::object& interpolation,
-                              const std::string& outside, int continuity, int smooth)
+                              const std::string& outside, int continuity, int smooth, const py::object& axes)
 {
     RestGridOptions options;
     options.basis = ffd_basis(basis, interpolation);
@@ -53,6 +53,12 @@ std::shared_ptr<Ffd> make_ffd(const py::object& points_or_mesh, const py::object
     options.outside = choose<LatticeOutside>(
         outside, "outside", {{"follow", LatticeOutside::follow}, {"freeze", LatticeOutside::freeze}});
     options.continuity = continuity;
+    if (!axes.is_none()) {
+        const FloatArray rows = floats(axes, "axes");
+        if (rows.ndim() != 2 || rows.shape(0) != 3 || rows.shape(1) != 3)
+            throw InvalidOption("axes: give the directions of the three axes, (3, 3) numbers");
+        options.axes = Eigen::Map<const Matrix3>(rows.data()); // column-major: rows become columns
+    }
     if (py::isinstance<SurfaceMesh>(points_or_mesh)) {
         const auto& mesh = points_or_mesh.cast<const SurfaceMesh&>();
         const py::gil_scoped_release unlocked;
@@ -76,7 +82,7 @@ with cubics; no weights are stored.)")
         .def(py::init(&make_ffd), py::arg("points"), py::kw_only(), py::arg("resolution") = py::none(),
              py::arg("basis") = "bspline", py::arg("degree") = 3, py::arg("interpolation") = "bspline",
              py::arg("outside") = "follow", py::arg("continuity") = 1, py::arg("smooth") = 1,
-             R"(
+             py::arg("axes") = py::none(), R"(
 points         (c, 3) the control points at rest, in rows along u, then v, then w, as Blender orders them; or a
                SurfaceMesh whose faces are the sides of hexahedra.
 resolution     None, for as many along each axis, or (u, v, w) control points.
@@ -88,6 +94,8 @@ outside        'follow': the functions go on as straight lines; 'freeze': some p
                points outside stay. Blender's functions are constant there.
 continuity     k from 0 to 4: with 'freeze', k + 1 planes stay, so that k derivatives are continuous.
 smooth         steps of subdivision of hexahedra, 0 to 4.
+axes           None, or (3, 3): the directions u, v and w of axes that have one point only, along which nothing changes;
+               None for those across the others.
 
 Raises InvalidMesh for a lattice that is flat or folded, or not finite, and names its points; InvalidOption.)")
         .def_property_readonly("control_count", &Ffd::control_count, "Number of control points.")

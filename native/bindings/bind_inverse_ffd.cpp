@@ -60,8 +60,8 @@ resolution  control points of the lattice along each axis, 2 to 16: one number, 
 basis       'bspline' or 'bezier'.
 degree      of B-splines, 1 to 5; axes with fewer points have a lower one.
 cut_off     singular values below this share of the largest count as zero: between 0 and 1.
-frame       None, for a box around the bound points and the constraints; or (3, 4), whose image of the cube from -1/2
-            to 1/2 is the box.
+frame       None, for a box around the bound points and the constraints; or (3, 4), whose image of the cube from -1 to
+            1 is the box.
 
 Raises InvalidConstraint if there is no constraint, or one is not finite; InvalidOption.)")
         .def_property_readonly(

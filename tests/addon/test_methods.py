@@ -133,6 +133,8 @@ def test_a_parameter_is_hidden_where_it_changes_nothing(method: methods.Method, 
     solving = {} if row.rebinds else changes
 
     def shape(options: dict[str, object], keywords: dict[str, object]) -> np.ndarray:
+        if method.is_space:
+            return _in_space(native, method, mesh.points, options)
         surface = getattr(native, method.native)(mesh, **options)
         surface.set_handles([np.flatnonzero(x < 1), np.flatnonzero(x > 7)])
         return surface.solve(poses, **keywords)[0]
@@ -144,6 +146,17 @@ def test_a_parameter_is_hidden_where_it_changes_nothing(method: methods.Method, 
         moved = np.abs(shape(changed, solving) - shape(options, {})).max()
         assert (moved > 1e-6) == (value in values), value
         assert row.is_used(SimpleNamespace(**{name: value})) == (value in values)
+
+
+def _in_space(native, method: methods.Method, points: np.ndarray, options: dict[str, object]) -> np.ndarray:
+    """What the points of a lattice, or some of the points themselves, make of points when they move anyhow."""
+    control = points[::7]
+    if method.control is Control.LATTICE:
+        w, v, u = np.meshgrid(*3 * [np.linspace(-1.0, 9.0, 7)], indexing="ij")
+        control = np.stack((u, v, w), axis=-1).reshape(-1, 3)
+    made = getattr(native, method.native)(control, **options)
+    made.bind(points)
+    return made.warp(control + np.random.default_rng(1).uniform(-0.5, 0.5, control.shape))
 
 
 def test_painted_parameters_rebind():
@@ -163,6 +176,8 @@ def test_the_native_class_of_a_space_method_takes_the_parameters(method: methods
     cage = native.SurfaceMesh(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]]))
     options = default_options(method)
     assert len(options) == len(method.parameters)
+    if method.control is Control.LATTICE:
+        corners = np.array([(x, y, z) for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
     control = cage if method.control is Control.CAGE else corners
     made = getattr(native, method.native)(control, **options)
     points = np.array([(0.2, 0.3, 0.1), (0.25, 0.25, 0.25)])

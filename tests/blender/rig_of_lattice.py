@@ -36,7 +36,7 @@ def place(lattice: bpy.types.Object, points: np.ndarray) -> None:
 
 
 def lattice_object(counts: tuple[int, int, int] = (5, 5, 5), name: str = "Lattice") -> bpy.types.Object:
-    """A lattice around the origin with sides of length 1, made without Sinew."""
+    """A lattice around the origin whose points are a unit apart, made without Sinew."""
     data = bpy.data.lattices.new(name)
     data.points_u, data.points_v, data.points_w = counts
     obj = linked(bpy.data.objects.new(name, data))
@@ -51,8 +51,8 @@ def small_ball(name: str = "Ball", levels: int = 3) -> bpy.types.Object:
     return obj
 
 
-def bent(points: np.ndarray, seed: int = 5, by: float = 0.3) -> np.ndarray:
-    """Points moved at random, by a share of their size."""
+def bent(points: np.ndarray, seed: int = 5, by: float = 0.1) -> np.ndarray:
+    """Points moved at random, by a share of their size; by a tenth, a lattice of five does not fold."""
     spread = by * np.ptp(points, axis=0).max()
     return points + spread * np.random.default_rng(seed).uniform(-0.5, 0.5, points.shape)
 

@@ -52,12 +52,12 @@ def test_a_second_handle_changes_nothing_until_it_is_dragged(method: str):
     drag(-0.5, 0.0, method=method)
     drag(0.7, 0.6, value=(0.0, 0.0, 0.0), method=method)
     before = evaluated_points(obj)
-    drag(-0.3, 0.1, value=(0.0, 0.0, 0.0))  # on the slope
+    drag(-0.3, 0.1, value=(0.0, 0.0, 0.0), radius=0.05)  # on the slope
     assert len(names(obj)) == 3
     if BY_ID[method].reproduces.value == "rest":  # the least change keeps what is met already
         assert close(evaluated_points(obj), before, MEETS)
     assert close(at(obj, -0.5, 0.0), np.array((-0.5, 0.0, 0.5)), MEETS)
-    assert close(at(obj, 0.7, 0.6), np.array((0.7, 0.6, 0.0)), MEETS)
+    assert close(evaluated_points(obj), before, 0.05)
 
 
 def test_the_same_place_is_dragged_on(method: str):
@@ -99,11 +99,13 @@ def test_a_turned_and_scaled_object_is_dragged_in_the_world(method: str):
     obj = grid_object(cells=20)
     obj.matrix_world = Matrix.LocRotScale((1.0, 2.0, 0.5), Euler((0.3, 0.2, 0.5)), (1.5, 0.8, 1.2))
     update()
-    place = obj.matrix_world @ Vector((0.2, 0.3, 0.0))
-    drag(place.x, place.y, method=method, value=LIFT)
-    index = int(np.argmin(np.linalg.norm(base_points(obj)[:, :2] - (0.2, 0.3), axis=1)))
-    shown = obj.matrix_world @ Vector(evaluated_points(obj)[index])
-    assert (shown - place - Vector(LIFT)).length < 5e-3
+    place = obj.matrix_world @ Vector((0.25, 0.35, 0.0))  # the middle of a face
+    control = drag(place.x, place.y, method=method, value=LIFT)
+    assert (control.matrix_world.translation - place - Vector(LIFT)).length < 1e-4
+    near = np.linalg.norm(base_points(obj)[:, :2] - (0.25, 0.35), axis=1) < 0.08
+    shown = obj.matrix_world @ Vector(evaluated_points(obj)[near].mean(axis=0))
+    assert near.sum() == 4
+    assert (shown - place - Vector(LIFT)).length < 0.02  # a face is curved a little
 
 
 def test_the_handle_lives_on_in_the_file(method: str, tmp_path: Path):

@@ -89,7 +89,10 @@ def test_mixed_interpolation_and_a_change_of_it_bind_by_themselves():
     twin.modifiers.new("Lattice", "LATTICE").object = lattice
     use(obj, lattice, basis="blender")
     place(lattice, bent(lattice_points(lattice)))
-    for kinds in (("KEY_LINEAR", "KEY_BSPLINE", "KEY_CARDINAL"), ("KEY_CATMULL_ROM", "KEY_LINEAR", "KEY_LINEAR")):
+    for kinds in (
+        ("KEY_LINEAR", "KEY_BSPLINE", "KEY_CARDINAL"),
+        ("KEY_CATMULL_ROM", "KEY_LINEAR", "KEY_LINEAR"),
+    ):
         for axis, kind in zip("uvw", kinds):
             setattr(lattice.data, f"interpolation_type_{axis}", kind)
         obj.update_tag()
@@ -105,8 +108,9 @@ def test_a_fitted_lattice_has_its_resolution_and_holds_the_object(counts: tuple)
     assert lattice.type == "LATTICE"
     assert resolution(lattice) == counts
     world = np.array([lattice.matrix_world.inverted() @ obj.matrix_world @ v.co for v in obj.data.vertices])
-    assert np.abs(world).max() < 0.5
-    assert np.abs(world).max(axis=0).min() > 0.35
+    shares = np.abs(world).max(axis=0) / np.maximum(np.array(counts) - 1, 1)  # of the box
+    assert (shares < 0.5).all()
+    assert (shares > 0.25).all()  # the margin is a share of the longest side
     assert close(evaluated_points(obj), base_points(obj))
     assert lattice.parent == obj
     assert bpy.context.object == lattice
@@ -139,7 +143,9 @@ def test_one_lattice_moves_several_objects_of_several_types():
     before = {obj.name: evaluated_points(obj) for obj in (first, second, curve)}
     assert all(obj.sinew.deformers[0].controls[0].object == lattice for obj in (first, second, curve))
     lift(lattice)
-    assert all(not close(evaluated_points(bpy.data.objects[name]), shape, 0.05) for name, shape in before.items())
+    assert all(
+        not close(evaluated_points(bpy.data.objects[name]), shape, 0.05) for name, shape in before.items()
+    )
     for name in before:
         make_active(bpy.data.objects[name])
         assert lattice.name in bpy.data.objects
@@ -237,7 +243,7 @@ def test_a_folded_lattice_names_its_points_and_select_shows_them(room):
     obj = small_ball(levels=2)
     lattice = lattice_object((3, 3, 3))
     points = lattice_points(lattice)
-    points[13] = (0.9, 0.0, 0.0)
+    points[13] = (1.5, 0.0, 0.0)
     place(lattice, points)
     make_active(obj)
     bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
@@ -246,6 +252,12 @@ def test_a_folded_lattice_names_its_points_and_select_shows_them(room):
     assert "folded" in deformer.status
     line = room("core.status").current(deformer.uid)
     assert 13 in line.elements.indices
+    make_active(obj)
+    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    assert (bpy.context.object, lattice.mode) == (lattice, "EDIT")
+    assert lattice.data.points[13].select
+    assert not lattice.data.points[0].select
+    bpy.ops.object.mode_set(mode="OBJECT")
     place(lattice, lattice_points(lattice_object((3, 3, 3), "Straight")))
     make_active(obj)
     assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
@@ -257,8 +269,9 @@ def test_outside_may_stay_where_the_border_ends_smoothly():
     use(obj, lattice, outside="freeze", continuity=2)
     place(lattice, bent(lattice_points(lattice)))
     shown, rest = evaluated_points(obj), base_points(obj)
-    outside = (np.abs(rest) >= 0.5).any(axis=1)
+    outside = (np.abs(rest) >= 3.0).any(axis=1)
     assert close(shown[outside], rest[outside], 1e-6)
+    assert outside.sum() > 20
     assert np.abs(shown - rest)[~outside].max() > 0.01
 
 

@@ -54,6 +54,7 @@ def prepare():
     view.region_3d.view_perspective, view.region_3d.view_rotation = "ORTHO", FRONT
     view.region_3d.view_location, view.region_3d.view_distance = (0.0, 0.0, 0.0), 9.0
     view.show_region_ui = True
+    view.shading.type = "SOLID"
     bpy.ops.ed.undo_push(message="Head")
     yield from rest()
     yield from open_tab()
@@ -83,8 +84,11 @@ def lattice():
     yield
     press("TAB")
     yield from until(lambda: box.mode == "EDIT")
-    for point in box.data.points:
-        point.select = point.co.x > 0.3 and point.co.z > 0.3
+    with in_view():
+        bpy.ops.lattice.select_all(action="DESELECT")
+    for point in bpy.data.objects[name].data.points:
+        point.select = point.co_deform.x > 0.3 and point.co_deform.z > 0.3
+    seen["selected"] = sum(point.select for point in bpy.data.objects[name].data.points)
     yield from rest()
     move(*middle())
     yield

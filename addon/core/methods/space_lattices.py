@@ -179,12 +179,12 @@ ROWS = (
             ),
             Pointer(
                 "frame",
-                types=("LATTICE", "EMPTY"),
+                types=("EMPTY",),
                 rebinds=True,
                 advanced=True,
                 label="Box",
-                description="A lattice, or an empty shown as a cube, whose box the hidden lattice fills; without "
-                "one, it fills the box around the shape and its handles",
+                description="An empty whose cube, of size 1, the hidden lattice fills; without one, it fills a box "
+                "around the shape and its handles",
             ),
         ),
     ),

@@ -207,7 +207,7 @@ class Drag:
             self.uid, self._status = deformer.uid, status.current(deformer.uid)
             self._was_bound = deformer.is_bound
             _make_active(obj, deformer)
-            made = points.add_point_handles(obj, deformer, hit.place, 0.5 * brush.radius)
+            made = points.add_point_handles(obj, deformer, hit.place, brush.radius)
             self._made += [handle.uid for handle in made]
             bind(obj, deformer, wait)
         except SinewError:

@@ -64,6 +64,7 @@ def add_lattice_object(objects: Sequence[Object], shape: LatticeShape) -> Object
     name = f"{objects[0].name} Lattice"
     if shape.kind == "BOX":
         obj = bpy.data.objects.new(name, _lattice(name, shape.counts))
+        frame[:3, :3] /= np.maximum(np.array(shape.counts) - 1, 1)  # its points are a unit apart
     else:
         inside = (points - frame[:3, 3]) @ np.linalg.inv(frame[:3, :3]).T
         obj = bpy.data.objects.new(name, _mesh(name, shape, inside, shown))
@@ -104,7 +105,7 @@ def _axes(points: np.ndarray, world: np.ndarray, kind: str) -> np.ndarray:
 
 
 def _lattice(name: str, counts: tuple[int, int, int]) -> bpy.types.Lattice:
-    """A lattice that fills the cube from -1/2 to 1/2."""
+    """A lattice around the origin, whose points are a unit apart."""
     data = bpy.data.lattices.new(name)
     data.points_u, data.points_v, data.points_w = counts
     return data

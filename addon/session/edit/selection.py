@@ -34,7 +34,12 @@ def select_group(obj: Object, vertex_group: str) -> None:
 
 
 def select_elements(obj: Object, elements: Elements) -> int:
-    """Select vertices or faces by index, in Edit Mode; returns how many of them there are."""
+    """Select vertices, faces or points of a lattice by index, in Edit Mode; returns how many there are."""
+    if obj.type == "LATTICE":
+        chosen = set(elements.indices)
+        for index, point in enumerate(obj.data.points):
+            point.select = index in chosen
+        return sum(point.select for point in obj.data.points)
     edit = bmesh.from_edit_mesh(obj.data)
     for vertex in edit.verts:
         vertex.select = False

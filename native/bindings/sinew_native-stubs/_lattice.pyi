@@ -22,6 +22,7 @@ class Ffd(SpaceMethod):
         outside: Literal["follow", "freeze"] = "follow",
         continuity: int = 1,
         smooth: int = 1,
+        axes: ArrayLike | None = None,
     ) -> None: ...
     @property
     def control_count(self) -> int: ...

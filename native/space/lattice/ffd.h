@@ -34,7 +34,7 @@ namespace sinew {
 ///   bind()        the points changed            O(points) for equal cells, else some Newton steps per point
 ///   warp()        the lattice moved             O(points x functions): 64 functions for cubics, or 8
 ///
-/// Memory of a bind: 28 bytes per point, and 24 for the point itself; 144 while it runs.
+/// Memory of a bind: up to 35 bytes per point, and 24 for the point itself; 120 more while it runs.
 class Ffd : public SpaceMethod
 {
 public:

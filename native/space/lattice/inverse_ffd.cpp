@@ -8,8 +8,11 @@
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <array>
+#include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace sinew {
 
@@ -31,10 +34,24 @@ Pose box_around(const PointsView& points, const Points& handles)
     for (int axis = 0; axis < 3; ++axis) {
         const double side = high[axis] - low[axis] > 1e-6 * longest ? high[axis] - low[axis] : longest;
         const double middle = 0.5 * (low[axis] + high[axis]);
-        box(axis, axis) = side + 2.0 * margin * longest;
+        box(axis, axis) = 0.5 * side + margin * longest;
         box(axis, 3) = middle;
     }
     return box;
+}
+
+/// The points that lie at exactly the place of an earlier one.
+std::vector<int> coinciding(const Points& points)
+{
+    std::vector<int> order(static_cast<std::size_t>(points.rows())), found;
+    std::iota(order.begin(), order.end(), 0);
+    const auto key = [&](int i) { return std::array{points(i, 0), points(i, 1), points(i, 2)}; };
+    std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return key(i) < key(j); });
+    for (std::size_t k = 1; k < order.size(); ++k)
+        if (key(order[k]) == key(order[k - 1]))
+            found.push_back(order[k]);
+    std::sort(found.begin(), found.end());
+    return found;
 }
 
 } // namespace
@@ -63,8 +80,8 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     for (int k = 0, row = 0; k < n[2]; ++k)
         for (int j = 0; j < n[1]; ++j)
             for (int i = 0; i < n[0]; ++i, ++row)
-                rest.row(row) = apply(
-                    box, Vector3(i / (n[0] - 1.0) - 0.5, j / (n[1] - 1.0) - 0.5, k / (n[2] - 1.0) - 0.5));
+                rest.row(row) = apply(box, Vector3(2.0 * i / (n[0] - 1.0) - 1.0, 2.0 * j / (n[1] - 1.0) - 1.0,
+                                                   2.0 * k / (n[2] - 1.0) - 1.0));
     RestGridOptions of_grid;
     of_grid.basis.fill(options_.basis);
     of_grid.degree = options_.degree;
@@ -89,6 +106,10 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     const MatrixX inner = modes.eigenvectors() * inverses.asDiagonal() * modes.eigenvectors().transpose();
     MatrixX inverse = count <= controls ? MatrixX(B.transpose() * inner) : MatrixX(inner * B.transpose());
 
+    if (const std::vector<int> twice = coinciding(handles_); !twice.empty())
+        report.remarks.push_back(
+            "handle points " + list_some(twice) +
+            " coincide with others: where they are dragged apart, they meet in the mean");
     PlacedPoints placed = placed_in(*grid, points, report, progress);
     report.weight_bytes = placed.bytes() + static_cast<std::int64_t>(sizeof(double)) * inverse.size();
     grid_ = std::move(grid);

@@ -18,7 +18,7 @@ struct InverseFfdOptions
     /// Directions of control moves that the points see by less than this share of the most visible one stay
     /// still.
     double cut_off = 1e-3;
-    /// The lattice fills the image of the cube from -1/2 to 1/2; without it, a box a tenth longer than that
+    /// The lattice fills the image of the cube from -1 to 1; without it, a box a tenth longer than that
     /// around the points and the handles.
     std::optional<Pose> frame;
 };

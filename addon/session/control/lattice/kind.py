@@ -49,7 +49,8 @@ _NO_ROW = _NoRow()
 class LatticeKind(ObjectKind):
     """The points of a lattice object, or the corners of the hexahedra of a mesh object.
 
-    The rest is stored as a mesh. That of a lattice object has no faces, and remembers the rows of points.
+    The rest is stored as a mesh. That of a lattice object has no faces, and remembers the rows of points. If an
+    axis has one point only, an origin and the ends of the axes follow.
     """
 
     MISSING = "No lattice yet - Add Lattice fits one to the selection"
@@ -102,11 +103,20 @@ class LatticeKind(ObjectKind):
             return super().make_rest(control, depsgraph)
         mesh = bpy.data.meshes.new(control.name)
         points = self.read_points(control, depsgraph)
+        if 1 in _resolution(control.data):  # points do not tell the directions of such axes
+            points = np.concatenate((points, np.zeros((1, 3)), np.eye(3))).astype(np.float32)
         mesh.vertices.add(len(points))
         mesh.vertices.foreach_set("co", points.ravel())
-        mesh[Keys.REST_LATTICE] = _resolution(control.data)
-        mesh[Keys.REST_INTERPOLATION] = " ".join(_types(control.data))
         return mesh
+
+    def take_rest(self, obj: Object, deformer: SinewDeformer) -> None:
+        super().take_rest(obj, deformer)
+        row = self.row(deformer)
+        for key in (Keys.REST_LATTICE, Keys.REST_INTERPOLATION):
+            row.rest.pop(key, None)
+        if row.object.type == "LATTICE":
+            row.rest[Keys.REST_LATTICE] = _resolution(row.object.data)
+            row.rest[Keys.REST_INTERPOLATION] = " ".join(_types(row.object.data))
 
     def bound_to(self, rest: RestShape) -> ControlPoints:
         return ControlPoints(rest.points)
@@ -132,8 +142,10 @@ class LatticeKind(ObjectKind):
             lattice = LatticePoints(points, (0, 0, 0), ("bspline",) * 3, read_faces(stored))
         else:
             resolution, types = described
-            names = [_INTERPOLATION[name] for name in self._types_in_use(settings) or types]
-            lattice = LatticePoints(points, resolution, tuple(names))
+            names = tuple(_INTERPOLATION[name] for name in self._types_in_use(settings) or types)
+            count = int(np.prod(resolution))
+            axes = points[count + 1 :] - points[count] if len(points) > count else None
+            lattice = LatticePoints(points[:count], resolution, names, axes=axes)
         return replace(found, recipe=replace(found.recipe, control=lattice), control=_in_words(lattice))
 
     def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:
@@ -171,9 +183,7 @@ class LatticeKind(ObjectKind):
         if row.object is None:
             raise self.ERROR("The lattice is not in this view layer - nothing to select")
         self.refuse_other_type(row.object)
-        data = row.object.data
-        count = len(data.points if row.object.type == "LATTICE" else data.vertices)
-        if row.rest is not None and count != len(row.rest.vertices):
+        if self.is_stale(deformer):
             raise self.ERROR(f"The lattice has other points than its rest - press {self.REST_BUTTON}")
         return row.object
 

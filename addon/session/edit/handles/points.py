@@ -27,7 +27,6 @@ from ...control.handles.sides import counterpart, mirrored
 from ...memory import sessions
 from . import empties
 
-_CENTRE = 1e-3  # of the size of the shape: places nearer to the plane of symmetry have no mirror image
 _ENDINGS = {Side.LEFT: ".L", Side.RIGHT: ".R"}
 
 
@@ -43,9 +42,10 @@ class _Place:
 def add_point_handles(
     obj: Object, deformer: SinewDeformer, place: np.ndarray, radius: float
 ) -> list[SinewHandle]:
-    """A handle at a place (3,) of the world on the surface that is shown; its empty is as large as ``radius``.
+    """A handle at a place (3,) of the world on the surface that is shown; ``radius`` is its size in the world.
 
-    With X-Axis Mirror, a handle on the other side comes with it. ``bind`` must follow.
+    With X-Axis Mirror, a handle on the other side comes with it, unless both would overlap. ``bind`` must
+    follow.
     """
     mesh = capture.rest_mesh(obj, deformer)
     try:
@@ -53,14 +53,14 @@ def add_point_handles(
     finally:
         bpy.data.meshes.remove(mesh)
     found = _on_surface(obj, deformer, rest, place)
-    size = np.ptp(rest.points, axis=0).max()
-    if not deformer.use_mirror_x or abs(found.rest[0]) <= _CENTRE * size:
+    across = np.linalg.norm(np.array(obj.matrix_world, dtype=np.float64)[:3, 0])  # how long the unit of x is
+    if not deformer.use_mirror_x or abs(found.rest[0]) * across <= radius:
         handles = [_add(obj, deformer, "Point", found, radius)]
     else:
         side = Side.LEFT if found.rest[0] > 0.0 else Side.RIGHT
         name = unique_name("Point", [handle.name[:-2] for handle in deformer.handles]) + _ENDINGS[side]
-        across = np.array((-1.0, 1.0, 1.0))
-        image = _Place(found.rest * across, found.moved * across)
+        flipped = np.array((-1.0, 1.0, 1.0))
+        image = _Place(found.rest * flipped, found.moved * flipped)
         uids = [
             _add(obj, deformer, words, at, radius).uid for words, at in ((name, found), (flip(name), image))
         ]
@@ -80,7 +80,7 @@ def _add(obj: Object, deformer: SinewDeformer, name: str, place: _Place, radius:
     handle.named = unique_name(name, taken)  # so that the name below renames nothing
     handle.name = handle.named
     handle.colour = empties.colour(len(deformer.handles) - 1)
-    handle.control = empties.new_empty(obj, frame, pose, f"{obj.name} {handle.name}", radius)
+    handle.control = empties.new_empty(obj, frame, pose, f"{obj.name} {handle.name}", 0.5 * radius)
     handle.owns_control = True
     poses.set_rest(handle, frame)
     return handle

@@ -218,6 +218,8 @@ double AxisBasis::parameter(double wanted) const
         place(low ? 0.0 : std::nextafter(end_, 0.0), &slope);
         return low ? wanted / slope : end_ + (wanted - (points_ - 1)) / slope;
     }
+    if (pieces() == 3) // one span, whose functions are Bernstein polynomials
+        return wanted / (points_ - 1);
     // The place rises with the parameter. Newton's steps stay between bounds that close in.
     double low = 0.0, high = end_, s = wanted / (points_ - 1) * end_;
     for (int step = 0; step < 60; ++step) {

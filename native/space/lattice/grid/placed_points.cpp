@@ -5,7 +5,7 @@
 #include "native/core/simd/kernel_set.h"
 
 #include <algorithm>
-#include <numeric>
+#include <cstddef>
 
 namespace sinew {
 
@@ -15,38 +15,58 @@ constexpr int lanes = BlendKernels::lanes;
 
 PlacedPoints::PlacedPoints(const std::vector<LatticePlace>& places, int cells)
 {
-    // A counting sort keeps the order of the points within a cell, so that memory is read in that order.
-    std::vector<int> ends(static_cast<std::size_t>(cells) + 1, 0);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const LatticePlace& place = places[i];
-        if (place.weighted)
-            weighted_.push_back({static_cast<int>(i), place.cell, place.weights});
-        else
-            ++ends[static_cast<std::size_t>(place.cell) + 1];
-    }
-    std::partial_sum(ends.begin(), ends.end(), ends.begin());
-    std::vector<int> sorted(static_cast<std::size_t>(ends.back())), next(ends.begin(), ends.end() - 1);
-    for (std::size_t i = 0; i < places.size(); ++i)
-        if (!places[i].weighted)
-            sorted[static_cast<std::size_t>(next[static_cast<std::size_t>(places[i].cell)]++)] =
-                static_cast<int>(i);
-    std::size_t blocks = 0;
-    for (int cell = 0; cell < cells; ++cell)
-        blocks += static_cast<std::size_t>(ends[cell + 1] - ends[cell] + lanes - 1) / lanes;
-    blocks_.reserve(blocks);
-    order_.reserve(blocks * lanes);
-    local_.reserve(blocks * 3 * lanes);
-    for (int cell = 0; cell < cells; ++cell)
-        for (int from = ends[cell]; from < ends[cell + 1]; from += lanes) {
-            const int count = std::min(lanes, ends[cell + 1] - from);
-            blocks_.push_back({cell, count});
-            for (int k = 0; k < lanes; ++k) // the last point fills the block
-                order_.push_back(sorted[static_cast<std::size_t>(from + std::min(k, count - 1))]);
-            for (int axis = 0; axis < 3; ++axis)
-                for (int k = 0; k < lanes; ++k)
-                    local_.push_back(
-                        places[static_cast<std::size_t>(order_[order_.size() - lanes + k])].local[axis]);
+    const int count = static_cast<int>(places.size());
+    std::vector<char> used(static_cast<std::size_t>(cells), 0);
+    for (const LatticePlace& place : places)
+        used[static_cast<std::size_t>(place.cell)] = 1;
+    // Points are sorted by cells within stretches of the whole, so that those of a stretch stay in the cache;
+    // long ones for many cells, so that most blocks are full.
+    const auto filled = static_cast<int>(std::count(used.begin(), used.end(), 1));
+    const int stretch = std::max(8192, 64 * std::min(filled, 1 << 20));
+    const int stretches = (count + stretch - 1) / stretch;
+    std::vector<std::vector<int>> sorted(static_cast<std::size_t>(stretches));
+    parallel_tasks(stretches, [&](int s) {
+        std::vector<int>& own = sorted[static_cast<std::size_t>(s)];
+        for (int i = s * stretch; i < std::min(count, (s + 1) * stretch); ++i)
+            if (!places[static_cast<std::size_t>(i)].weighted)
+                own.push_back(i);
+        std::stable_sort(own.begin(), own.end(), [&](int a, int b) {
+            return places[static_cast<std::size_t>(a)].cell < places[static_cast<std::size_t>(b)].cell;
+        });
+    });
+    for (int i = 0; i < count; ++i)
+        if (const LatticePlace& place = places[static_cast<std::size_t>(i)]; place.weighted)
+            weighted_.push_back({i, place.cell, place.weights});
+    std::vector<int> begins; // of the blocks of each stretch
+    for (const std::vector<int>& own : sorted) {
+        begins.push_back(static_cast<int>(blocks_.size()));
+        for (std::size_t from = 0; from < own.size();) {
+            const int cell = places[static_cast<std::size_t>(own[from])].cell;
+            std::size_t end = from;
+            while (end < own.size() && end < from + lanes &&
+                   places[static_cast<std::size_t>(own[end])].cell == cell)
+                ++end;
+            blocks_.push_back({cell, static_cast<int>(end - from)});
+            from = end;
         }
+    }
+    order_.resize(blocks_.size() * lanes);
+    local_.resize(blocks_.size() * 3 * lanes);
+    parallel_tasks(stretches, [&](int s) {
+        const std::vector<int>& own = sorted[static_cast<std::size_t>(s)];
+        std::size_t from = 0;
+        for (auto b = static_cast<std::size_t>(begins[static_cast<std::size_t>(s)]); from < own.size(); ++b) {
+            const auto held = static_cast<std::size_t>(blocks_[b].count);
+            for (std::size_t k = 0; k < lanes; ++k) { // the last point fills the block
+                const int point = own[from + std::min(k, held - 1)];
+                order_[b * lanes + k] = point;
+                for (int axis = 0; axis < 3; ++axis)
+                    local_[(b * 3 + static_cast<std::size_t>(axis)) * lanes + k] =
+                        places[static_cast<std::size_t>(point)].local[axis];
+            }
+            from += held;
+        }
+    });
 }
 
 template <class Real>

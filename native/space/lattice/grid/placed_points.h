@@ -23,7 +23,7 @@ struct LatticePlace
 };
 
 /// Points of which each is moved by the control points of one cell, in blocks of eight points of the same
-/// cell. Memory: 28 bytes per point, and up to 230 per cell that has points.
+/// cell. Memory: 29 bytes per point; up to a fifth more, as not all blocks are full.
 class PlacedPoints
 {
 public:

@@ -82,10 +82,11 @@ void RestGrid::find_frame()
                         steps += resolution_[axis] - 1;
                     }
         frame_.col(axis) = steps ? Vector3(sum / steps) : Vector3::Zero();
-        if (resolution_[axis] == 1)
+        if (resolution_[axis] == 1 && options_.axes)
+            frame_.col(axis) = options_.axes->col(axis);
+        else if (resolution_[axis] == 1)
             single.push_back(axis);
     }
-    // Along an axis with one point, nothing changes; any direction across the others will do.
     for (std::size_t k = 0; k < single.size(); ++k) {
         const Vector3 a = frame_.col((single[k] + 1) % 3), b = frame_.col((single[k] + 2) % 3);
         Vector3 across = a.cross(b);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace sinew {
@@ -17,6 +18,9 @@ struct RestGridOptions
     int degree = 3;                                  ///< of B-splines, from 1 to 5
     LatticeOutside outside = LatticeOutside::follow; ///< of Bezier and B-spline lattices
     int continuity = 1; ///< k of LatticeOutside::freeze: k + 1 planes of points stay beside each border
+    /// Columns: the direction of each axis that has one point only, along which nothing changes; by default
+    /// across the other axes.
+    std::optional<Matrix3> axes{};
 
     bool operator==(const RestGridOptions&) const = default;
 };
@@ -72,7 +76,7 @@ private:
     std::array<int, 3> resolution_;
     RestGridOptions options_;
     std::vector<AxisBasis> axes_; ///< (3)
-    std::vector<AxisBasis> map_;  ///< (3) the functions of the map that places points in the rest lattice
+    std::vector<AxisBasis> map_; ///< (3) the functions of the map that places points in the rest lattice
     double size_ = 0.0;
     bool is_affine_ = false;
     Vector3 origin_;

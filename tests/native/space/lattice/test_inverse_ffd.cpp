@@ -14,7 +14,7 @@ namespace {
 
 using namespace lattices;
 
-Pose unit_cube() { return shapes::shift(0.5, 0.5, 0.5); }
+Pose unit_cube() { return shapes::affine(0.5 * Matrix3::Identity(), {0.5, 0.5, 0.5}); }
 
 InverseFfdOptions chosen(int n, LatticeBasis basis = LatticeBasis::bspline, double cut_off = 1e-3)
 {

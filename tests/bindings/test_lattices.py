@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lattices next to SciPy's splines and dense pseudo-inverses; what they refuse; and ten million points."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import sinew_native as sn
+
+SPLINES = pytest.importorskip("scipy.interpolate")
+POINTS = np.random.default_rng(4).uniform(0.0, 1.0, (200, 3))
+SHEAR = np.array(((1.2, 0.3, 0.0), (-0.4, 0.8, 0.1), (0.5, 0.2, 2.0)))
+
+
+def lattice(u: int, v: int, w: int) -> np.ndarray:
+    """The points of the unit cube, the first axis first."""
+    lines = [np.linspace(0.0, 1.0, count) if count > 1 else np.array([0.5]) for count in (w, v, u)]
+    z, y, x = np.meshgrid(*lines, indexing="ij")
+    return np.stack((x, y, z), axis=-1).reshape(-1, 3)
+
+
+def bound(rest: np.ndarray, points: np.ndarray, **options: object) -> sn.Ffd:
+    method = sn.Ffd(rest, **options)
+    method.bind(points)
+    return method
+
+
+def along(count: int, degree: int, places: np.ndarray) -> np.ndarray:
+    """The functions of evenly spaced points at places in [0, 1], (n, count): SciPy's, and brentq's parameters."""
+    from scipy.optimize import brentq
+
+    knots = np.concatenate((np.zeros(degree), np.linspace(0.0, 1.0, count - degree + 1), np.ones(degree)))
+    even = SPLINES.BSpline(knots, np.linspace(0.0, 1.0, count), degree)
+    t = np.array([brentq(lambda s, x=x: even(s) - x, 0.0, 1.0, xtol=1e-15) for x in places])
+    return SPLINES.BSpline(knots, np.eye(count), degree)(t)
+
+
+@pytest.mark.parametrize("degree", [1, 2, 3, 4, 5])
+def test_splines_are_scipys(degree: int) -> None:
+    counts = (6, 7, 9)
+    rest = lattice(*counts)
+    posed = rest + np.random.default_rng(degree).uniform(-0.3, 0.3, rest.shape)
+    u, v, w = (along(count, degree, POINTS[:, axis]) for axis, count in enumerate(counts))
+    moves = (posed - rest).reshape(*counts[::-1], 3)
+    expected = POINTS + np.einsum("pi,pj,pk,kjic->pc", u, v, w, moves)
+    found = bound(rest, POINTS, resolution=counts, degree=degree).warp(posed)
+    np.testing.assert_allclose(found, expected, atol=1e-13)
+
+
+@pytest.mark.parametrize("options", [{"basis": "bspline"}, {"basis": "bezier"}, {"degree": 2}])
+def test_an_affine_lattice_is_an_affine_map_also_outside(options: dict) -> None:
+    rest, points = lattice(4, 5, 3), 5.0 * POINTS - 2.0
+    method = bound(rest, points, resolution=(4, 5, 3), **options)
+    np.testing.assert_allclose(method.warp(rest @ SHEAR.T + 3.0), points @ SHEAR.T + 3.0, atol=1e-12)
+    np.testing.assert_array_equal(method.warp(rest), points)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_lattices_do_the_same_in_every_unit_and_place(scale: float) -> None:
+    rest = lattice(4, 4, 4)
+    posed = rest + np.random.default_rng(1).uniform(-0.2, 0.2, rest.shape)
+    expected = bound(rest, POINTS).warp(posed)
+    for offset in (0.0, 1000.0):
+        at = scale * offset
+        found = bound(scale * rest + at, scale * POINTS + at).warp(scale * posed + at)
+        np.testing.assert_allclose((found - at) / scale, expected, atol=1e-9)
+
+
+def cells(counts: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Boxes in the unit cube: points, and all quads."""
+    u, v, w = counts
+    number = np.arange((u + 1) * (v + 1) * (w + 1)).reshape(w + 1, v + 1, u + 1)
+    quads = [
+        np.stack((number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]), -1).reshape(-1, 4),
+        np.stack(
+            (number[:-1, :, :-1], number[1:, :, :-1], number[1:, :, 1:], number[:-1, :, 1:]), -1
+        ).reshape(-1, 4),
+        np.stack(
+            (number[:, :-1, :-1], number[:, 1:, :-1], number[:, 1:, 1:], number[:, :-1, 1:]), -1
+        ).reshape(-1, 4),
+    ]
+    return lattice(u + 1, v + 1, w + 1), np.concatenate(quads).astype(np.int32)
+
+
+def test_unsmoothed_hexahedra_are_trilinear_and_their_affine_maps_affine() -> None:
+    points, quads = cells((2, 3, 2))
+    mesh = sn.SurfaceMesh(points, quads)
+    method = bound(mesh, POINTS, smooth=0)
+    posed = points + np.random.default_rng(1).uniform(-0.1, 0.1, points.shape)
+    linear = bound(points, POINTS, resolution=(3, 4, 3), degree=1)
+    np.testing.assert_allclose(method.warp(posed), linear.warp(posed), atol=1e-12)
+    outside = 4.0 * POINTS - 1.5
+    for smooth in range(3):
+        method = bound(mesh, outside, smooth=smooth)
+        np.testing.assert_allclose(method.warp(points @ SHEAR.T + 3.0), outside @ SHEAR.T + 3.0, atol=1e-9)
+
+
+def test_smooth_hexahedra_come_close_to_cubic_splines_inside() -> None:
+    points, quads = cells((6, 6, 6))
+    middle = POINTS * 0.2 + 0.4
+    posed = points.copy()
+    posed[171] += (0.0, 0.0, 1.0)  # the middle one
+    finest = bound(sn.SurfaceMesh(points, quads), middle, smooth=3).warp(posed)
+    x = 6.0 * (middle - 0.5)
+    b = np.where(abs(x) < 1, (4 - 6 * x**2 + 3 * abs(x) ** 3) / 6, np.maximum(2 - abs(x), 0) ** 3 / 6)
+    np.testing.assert_allclose(finest[:, 2] - middle[:, 2], b.prod(axis=1), atol=0.01)
+
+
+def test_a_folded_lattice_and_a_flat_one_are_named() -> None:
+    rest = lattice(3, 3, 3)
+    folded = rest.copy()
+    folded[13, 0] = 1.4
+    for wrong, some in ((folded, 13), (rest * (1.0, 1.0, 0.0), 5)):
+        with pytest.raises(sn.InvalidMesh) as refused:
+            sn.Ffd(wrong)
+        assert refused.value.element_kind == "vertex"
+        assert some in refused.value.elements
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"degree": 0},
+        {"degree": 6},
+        {"basis": "cubic"},
+        {"basis": "blender", "interpolation": "cubic"},
+        {"basis": "blender", "interpolation": ["linear"]},
+        {"outside": "away"},
+        {"outside": "freeze", "continuity": 3},
+        {"resolution": (4, 4, 5)},
+        {"resolution": (4, 16)},
+        {"axes": np.eye(2)},
+    ],
+    ids=str,
+)
+def test_options_out_of_range_are_refused(wrong: dict) -> None:
+    with pytest.raises(sn.InvalidOption):
+        sn.Ffd(lattice(4, 4, 4), **wrong)
+
+
+def test_sixty_points_need_their_arrangement() -> None:
+    with pytest.raises(sn.InvalidOption, match="no cube"):
+        sn.Ffd(lattice(3, 4, 5))
+
+
+def test_the_inverse_meets_its_handles_by_the_least_moves() -> None:
+    handles = POINTS[:5]
+    method = sn.InverseFfd(handles, resolution=6, cut_off=1e-6)
+    method.bind(POINTS)
+    drag = np.random.default_rng(5).uniform(-0.2, 0.2, handles.shape)
+    moves = method.control_moves(handles + drag)
+    rest = method.lattice
+    forward = bound(rest, handles, resolution=(6, 6, 6))
+    np.testing.assert_allclose(forward.warp(rest + moves) - handles, drag, atol=1e-9)
+    np.testing.assert_allclose(method.warp(handles + drag)[:5], handles + drag, atol=1e-9)
+    B = np.stack(
+        [forward.warp(rest + np.outer(row, (1.0, 0.0, 0.0)))[:, 0] - handles[:, 0] for row in np.eye(216)], 1
+    )
+    np.testing.assert_allclose(moves, np.linalg.pinv(B) @ drag, atol=1e-8)
+    assert method.rank == 5
+
+
+def test_handles_at_one_place_are_met_in_the_mean_and_reported() -> None:
+    handles = np.array(((0.5, 0.5, 0.5), (0.5, 0.5, 0.5)))
+    method = sn.InverseFfd(handles)
+    report = method.bind(POINTS)
+    assert method.rank == 1
+    assert report.remarks == [
+        "handle points 1 coincide with others: where they are dragged apart, they meet in the mean"
+    ]
+    drag = np.array(((0.2, 0.0, 0.0), (0.0, 0.2, 0.0)))
+    forward = bound(method.lattice, handles[:1], resolution=(5, 5, 5))
+    met = forward.warp(method.lattice + method.control_moves(handles + drag))
+    np.testing.assert_allclose(met[0], (0.6, 0.6, 0.5), atol=1e-12)
+
+
+MILLIONS = """
+import numpy as np
+import sinew_native as sn
+points = np.random.default_rng(0).uniform(0.0, 1.0, (10_000_000, 3))
+line = np.linspace(0.0, 1.0, 4)
+w, v, u = np.meshgrid(line, line, line, indexing="ij")
+rest = np.stack((u, v, w), axis=-1).reshape(-1, 3)
+method = sn.Ffd(rest)
+report = method.bind(points)
+out = np.empty((len(points), 3), np.float32)
+method.warp(rest * 1.5, out=out)
+assert np.abs(out - 1.5 * points).max() < 1e-6
+print(report.weight_bytes, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
+"""
+
+
+@pytest.mark.skipif("SINEW_LONG_TESTS" not in os.environ, reason="it takes gigabytes, and half a minute")
+def test_ten_million_points_need_less_than_four_gigabytes() -> None:
+    run = subprocess.run([sys.executable, "-c", MILLIONS], capture_output=True, text=True, check=True)
+    kept, peak = map(int, run.stdout.split())
+    print(f"kept {kept / 1e9:.2f} GB, peak {peak / 1e9:.2f} GB")
+    assert kept < 30 * 10_000_000
+    assert peak < 4e9
