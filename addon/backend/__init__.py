@@ -19,7 +19,18 @@ from .native import (
     sketched_part,
 )
 from .puppet import Bones, Puppet, Solution, Targets
-from .recipes import Base, Cage, CageReport, ControlPoints, HandlePoints, Handles, Progress, Recipe, Shape
+from .recipes import (
+    Base,
+    Cage,
+    CageReport,
+    ControlParts,
+    ControlPoints,
+    HandlePoints,
+    Handles,
+    Progress,
+    Recipe,
+    Shape,
+)
 from .self_check import Check, check_installation, last_check
 
 __all__ = (
@@ -29,6 +40,7 @@ __all__ = (
     "Cage",
     "CageReport",
     "Check",
+    "ControlParts",
     "ControlPoints",
     "Diagnosis",
     "Factor",

@@ -66,14 +66,14 @@ def add_cage_object(obj: Object, shape: Shape) -> Object:
     cage = bpy.data.objects.new(mesh.name, mesh)
     for collection in obj.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(cage)
-    _parent(cage, obj)
+    follow(cage, obj)
     cage.show_in_front = True
     bpy.context.view_layer.update()
     return cage
 
 
-def _parent(cage: Object, obj: Object) -> None:
-    """Make the cage follow the object, as Ctrl P does.
+def follow(cage: Object, obj: Object) -> None:
+    """Make a cage, or another control, follow the object, as Ctrl P does.
 
     So the cage stays in its place when it gets another parent, such as an armature. A child of a curve would
     follow its path, so a constraint makes the cage follow a curve.

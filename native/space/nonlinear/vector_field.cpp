@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
 
@@ -160,8 +161,10 @@ void VectorField::add_tools()
         throw InvalidConstraint("tools " + list_some(flat) + " are flat", Error::Element::handle, flat);
 }
 
-void VectorField::compute(PointsView, SpaceReport&, const Progress& progress)
+void VectorField::compute(PointsView points, SpaceReport& report, const Progress& progress)
 {
+    report.weight_bytes = static_cast<std::int64_t>(sizeof(double)) * points.size();
+    require_memory(report.weight_bytes, "the points");
     progress.tick(0.0, "copying the points");
     progress.tick(1.0, "copying the points");
 }
