@@ -16,9 +16,9 @@ SPACING = 2.2
 # the tool, where it rests, its reach, and how it has moved in the frame of the pillar
 TOOLS = {
     "Rest": None,
-    "Twist": ("twist", 0.25, {"inner": 0.0, "outer": 1.4, "width": 1.0}, Move(turn=(0.0, 0.0, 170.0))),
-    "Bend": ("bend", 0.55, {"inner": 0.0, "outer": 0.9, "width": 0.4}, Move(turn=(0.0, 75.0, 0.0))),
-    "Drag": ("drag", 1.65, {"inner": 0.28, "outer": 0.9}, Move(shift=(0.62, 0.0, 0.12))),
+    "Twist": ("twist", 1.0, {"inner": -0.75, "outer": 0.75, "width": 1.0}, Move(turn=(0.0, 0.0, 200.0))),
+    "Bend": ("bend", 1.0, {"inner": -0.75, "outer": 0.75, "width": 0.45}, Move(turn=(0.0, 80.0, 0.0))),
+    "Drag": ("drag", 1.5, {"inner": 0.3, "outer": 1.2}, Move(shift=(0.55, 0.0, -0.05))),
 }
 
 
@@ -33,7 +33,7 @@ def make() -> bpy.types.Scene:
             posing.check_posed(obj, 1, POSE_FRAME)
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.1, 0.0, 0.84), distance=24.0, elevation=10.0, width=9.2)
+    studio.add_camera(scene, target=(0.1, 0.0, 0.9), distance=24.0, elevation=10.0, width=8.6)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=9.0)
     scene.frame_set(POSE_FRAME)
     whole = volume(row[0])
@@ -43,7 +43,7 @@ def make() -> bpy.types.Scene:
         text = f"{drift:+.3f} % of the volume" if label != "Rest" else "100 % of the volume"
         print(f"> {label}: {text}", flush=True)
         studio.add_label(scene, text, (obj.location.x, -1.5, 0.0), 0.11)
-    studio.set_up_render(scene, samples=32, width=1680, height=460)
+    studio.set_up_render(scene, samples=32, width=1680, height=520)
     studio.open_at(scene, POSE_FRAME, row[-1])
     return scene
 

@@ -63,7 +63,7 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
             values = {
                 "tools": self.tool,
                 "outer": outer,
-                "inner": outer / 4.0 if self.tool == "drag" else 0.0,
+                "inner": outer / 4.0 if self.tool == "drag" else -outer,
                 "width": 0.75 * widths[1] or outer,
             }
             deformer, refusal = session.add_to(

@@ -30,6 +30,19 @@ def places_of(wire: bpy.types.Object) -> np.ndarray:
     return np.array([point.co[:3] for spline in wire.data.splines for point in spline.points], dtype=float)
 
 
+def stroke_through(places: np.ndarray) -> list[dict[str, object]]:
+    """A stroke for an operator: which members its elements have differs between releases."""
+    members = bpy.types.OperatorStrokeElement.bl_rna.properties
+    element = {
+        member.identifier: tuple(member.default_array)
+        if getattr(member, "is_array", False)
+        else member.default
+        for member in members
+        if member.identifier != "rna_type"
+    }
+    return [{**element, "location": tuple(place)} for place in np.asarray(places, dtype=float).tolist()]
+
+
 class ByWires(Poses):
     """What a wire makes of the vertices of an object. Made while the wire is at rest."""
 

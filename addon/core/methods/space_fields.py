@@ -63,11 +63,12 @@ ROWS = (
             Float(
                 "inner",
                 0.25,
+                minimum=-1e9,
                 unit="length",
                 rebinds=True,
                 label="Inner",
                 description="Within this distance of a Drag, all moves with it. Below this height over a "
-                "Twist or Bend, nothing turns. In the space of the tool",
+                "Twist or Bend, which may be negative, nothing turns. In the space of the tool",
             ),
             Float(
                 "outer",

@@ -258,7 +258,7 @@ def release(rows: Iterable[Row]) -> None:
             continue
         data = obj.data
         bpy.data.objects.remove(obj)
-        if data.users == 0:
+        if data is not None and data.users == 0:
             bpy.data.batch_remove((data,))
 
 

@@ -95,7 +95,7 @@ def new_tool(obj: Object, place: np.ndarray, axis: np.ndarray, size: float, name
 
 
 def _frame(place: np.ndarray, axis: np.ndarray) -> Matrix:
-    turned = Vector(axis).to_track_quat("Z", "Y").to_matrix().to_4x4()
+    turned = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(axis)).to_matrix().to_4x4()
     return Matrix.Translation(Vector(place)) @ turned
 
 

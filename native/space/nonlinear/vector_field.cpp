@@ -134,8 +134,10 @@ void VectorField::add_tools()
         if (frames < 1 || frames > frames_.rows() / 4 - begin)
             throw InvalidOption("counts: tool " + std::to_string(k) + " needs at least one frame, and " +
                                 std::to_string(frames_.rows() / 4) + " are given for all tools");
-        if (!(std::isfinite(outer) && inner >= 0.0 && inner < outer))
-            throw InvalidOption("tool " + std::to_string(k) + ": inner and outer must satisfy 0 <= inner < outer");
+        if (!(std::isfinite(outer) && std::isfinite(inner) && inner < outer))
+            throw InvalidOption("tool " + std::to_string(k) + ": inner must be less than outer");
+        if (options_.tools[k] == FieldTool::drag && inner < 0.0)
+            throw InvalidOption("tool " + std::to_string(k) + ": inner must not be negative for a drag");
         if (!(std::isfinite(options_.width[k]) && options_.width[k] > 0.0))
             throw InvalidOption("tool " + std::to_string(k) + ": width must be positive");
         const auto first = frames_.middleRows<4>(4 * begin);

@@ -51,6 +51,8 @@ class ToolsKind(SeveralKind):
             return f"{name} is flat, as its scale is 0 - scale it, then Rebind"
         if row.outer <= row.inner:
             return f"{name}: Outer must be larger than Inner"
+        if row.tools == "drag" and row.inner < 0.0:
+            return f"{name}: Inner must not be negative for a Drag"
         return ""
 
     def part(self, settings: SinewDeformer, row: SinewControl, rest: RestShape) -> Part:
