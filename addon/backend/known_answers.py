@@ -13,7 +13,17 @@ from types import MappingProxyType
 import numpy as np
 
 from ..core.methods import Bool, Choice, Control, Method, Parameter, Reproduced, wrapped
-from .recipes import Base, Cage, ControlPoints, HandlePoints, Handles, LatticePoints, Recipe, Shape
+from .recipes import (
+    Base,
+    Cage,
+    ControlParts,
+    ControlPoints,
+    HandlePoints,
+    Handles,
+    LatticePoints,
+    Recipe,
+    Shape,
+)
 
 # Lengths, on shapes 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves
 # of up to 6 units.
@@ -192,10 +202,44 @@ def _among_points(method: Method, options: dict[str, object], solve: dict[str, o
     yield Rig("a ball among six points", recipe, solve, tuple(motions))
 
 
+def _along_wires(method: Method, options: dict[str, object], solve: dict[str, object]) -> Iterator[Rig]:
+    """A ball beside two wires that reach much farther than its size, so that they carry it as a whole."""
+    points, faces = ball(2)
+    line = np.linspace(-1.0, 1.0, 9)[:, None] * (2.0, 0.0, 0.0)
+    control = np.concatenate((line + (0.0, 1.2, 0.3), line[:5] - (0.0, 1.2, 0.0)))
+    own = {"counts": np.array((9, 5)), "radius": np.array((1e5, 1e5))}
+    motions = _motions(method, points, lambda matrix: _moved(matrix, control))
+    recipe = Recipe(method, Shape(points, faces), options, ControlParts(control, own))
+    yield Rig("a ball beside two wires", recipe, solve, tuple(motions))
+
+
+def _with_tools(method: Method, options: dict[str, object], solve: dict[str, object]) -> Iterator[Rig]:
+    """A ball within a tool, which carries it as a whole, and then one that a tool twists."""
+    points, faces = ball(2)
+    frame = np.concatenate((np.zeros((1, 3)), np.eye(3)))
+    shape = Shape(points, faces)
+    dragged = ControlParts(frame, {"inner": np.array((1.5,)), "outer": np.array((3.0,))})
+    motions = _motions(method, points, lambda matrix: _moved(matrix, frame))
+    yield Rig("a ball in a tool", Recipe(method, shape, options, dragged), solve, tuple(motions))
+    own = {"tools": ("twist",), "inner": (0.0,), "outer": (0.5,), "width": (2.0,)}
+    quarter = np.array(((0.0, -1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)))
+    half = np.where((points[:, 2] > 0.5)[:, None], _moved(quarter, points), points)
+    sure = (points[:, 2] > 0.5) | (points[:, 2] <= 0.0)
+    twisted = KnownAnswer(
+        "one half turned by 90 degrees, the other one still",
+        _moved(quarter, frame),
+        lambda found: (found - half)[sure],
+    )
+    recipe = Recipe(method, shape, options, ControlParts(frame, own))
+    yield Rig("a ball that is twisted", recipe, solve, (twisted,))
+
+
 _RIGS: dict[Control, Callable[[Method, dict[str, object], dict[str, object]], Iterator[Rig]]] = {
     Control.HANDLES: _with_handles,
     Control.CAGE: _in_cage,
     Control.LATTICE: _in_lattice,
+    Control.CURVES: _along_wires,
+    Control.TOOLS: _with_tools,
 }
 
 

@@ -193,6 +193,17 @@ class HandlePoints(ControlPoints):
 
 
 @dataclass(frozen=True)
+class ControlParts(ControlPoints):
+    """Points of several controls, one after the other. ``own`` are keywords with one value per control."""
+
+    own: dict[str, object]
+
+    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
+        """The native method, still without bound points."""
+        return make(native, recipe.method, self.points, {**recipe.options, **self.own})
+
+
+@dataclass(frozen=True)
 class CageReport:
     """What a bind to a cage found: the vertices ``outside`` the cage, and its faces that cross others
     (indices).

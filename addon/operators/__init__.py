@@ -30,6 +30,11 @@ from .repair import SINEW_OT_part_regions, SINEW_OT_repair
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
 from .silhouette_sketch import SINEW_OT_silhouette_sketch
+from .rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
+from .tool_drag import SINEW_OT_tool_drag
+from .tools import SINEW_OT_tool_add, SINEW_OT_tool_stop
+from .wire_draw import SINEW_OT_wire_draw
+from .wires import SINEW_OT_wire_add
 from .target import explain_no_target, target_of
 from .transfer import SINEW_OT_transfer_deformation
 
@@ -58,6 +63,13 @@ register, unregister = register_classes_factory(
         SINEW_OT_cage_faces,
         SINEW_OT_lattice_add,
         SINEW_OT_lattice_set_rest,
+        SINEW_OT_wire_add,
+        SINEW_OT_tool_add,
+        SINEW_OT_tool_stop,
+        SINEW_OT_tool_drag,
+        SINEW_OT_wire_draw,
+        SINEW_OT_control_remove,
+        SINEW_OT_control_set_rest,
         SINEW_OT_handle_add,
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,

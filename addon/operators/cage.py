@@ -169,7 +169,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
                 obj, cage, self.method, owned=self.source == "AUTO", wait=wait
             )
             if obj == target_of(context):
-                _show(context, obj, cage)
+                show_only(context, obj, cage)
         self.report_bind(refusal, deformer.uid, cage.name, more)
         return {"FINISHED"}
 
@@ -196,8 +196,8 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         return others[0]
 
 
-def _show(context: Context, obj: Object, cage: Object) -> None:
-    """Select the cage, so that Tab edits it and G moves it. The panel still shows the mesh."""
+def show_only(context: Context, obj: Object, cage: Object) -> None:
+    """Select a control alone, so that Tab edits it and G moves it. The panel still shows the mesh."""
     if cage.name not in context.view_layer.objects:
         return
     for other in context.selected_objects:

@@ -5,12 +5,20 @@ import bpy
 from bpy.props import BoolProperty, PointerProperty, StringProperty
 from bpy.types import Context, Mesh, Object, PropertyGroup
 
+from ..core.methods import CONTROL_PARAMETERS
+from .parameters import declare
 from .setting import evaluate_again, record, setting
 
 
 def _object_changed(control: "SinewControl", context: Context) -> None:
     """Forget the rest shape, since another object was chosen. The next bind stores its rest shape."""
     control.rest = None
+    evaluate_again(control, context)
+
+
+def _domain_changed(control: "SinewControl", context: Context) -> None:
+    """Forget the shape of the domain curve. The next bind stores that of the new one beside the wire."""
+    control.has_domain = False
     evaluate_again(control, context)
 
 
@@ -40,7 +48,26 @@ class SinewControl(PropertyGroup):
     owned: record(
         BoolProperty, description="Whether the object was made for this deformer, and is removed with it"
     )
+    domain: setting(
+        PointerProperty,
+        update=_domain_changed,
+        name="Domain",
+        type=Object,
+        poll=lambda control, obj: obj.type == "CURVE" and obj not in (control.object, control.id_data),
+        description="A curve beside a wire. In its direction, the wire reaches only as far as that",
+    )
+    has_domain: record(BoolProperty, description="Whether the rest shape holds the domain curve, too")
+    enabled: setting(
+        BoolProperty,
+        name="Use",
+        default=True,
+        description="Use this control. If it is off, nothing follows it",
+    )
     missing = property(_is_missing)
+
+
+for _parameter in CONTROL_PARAMETERS:
+    SinewControl.__annotations__[_parameter.id] = declare(_parameter)
 
 
 class StoredCage:

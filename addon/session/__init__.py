@@ -31,7 +31,9 @@ from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
 from .edit.saving import store, store_shown
+from .edit.rows import add_to, new_tool, remove_row, rows_of, set_rest_of, stop_here, forget_stops, stop_count
 from .edit.selection import group_from_selection, select_elements, select_group
+from .edit.wires import wire_from_edges, wire_through
 from .edit.upkeep import collect, has_pending, restore_shapes, separate_copies, tidy
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
 from .live.dependencies import circle
@@ -179,4 +181,14 @@ __all__ = (
     "use_control",
     "waiting_for_control",
     "watch",
+    "wire_through",
+    "wire_from_edges",
+    "stop_count",
+    "forget_stops",
+    "stop_here",
+    "set_rest_of",
+    "rows_of",
+    "remove_row",
+    "new_tool",
+    "add_to",
 )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The lists of deformers and of handles."""
+"""The lists of deformers, of handles, and of objects that control a deformer together."""
 
 from bpy.types import Context, UILayout, UIList
 from bpy.utils import register_classes_factory
@@ -8,7 +8,7 @@ from .. import session
 from ..core import status
 from ..core.status import Level
 from ..ids import Operators
-from ..properties import HANDLE_ROLES, SinewDeformer, SinewHandle, SinewObject
+from ..properties import HANDLE_ROLES, SinewControl, SinewDeformer, SinewHandle, SinewObject
 from .keys import SINEW_UL_keys
 from .text import columns
 
@@ -84,4 +84,36 @@ class SINEW_UL_handles(UIList):
         row.prop(handle, "enabled", text="", emboss=False, icon="HIDE_OFF" if handle.enabled else "HIDE_ON")
 
 
-register, unregister = register_classes_factory((SINEW_UL_deformers, SINEW_UL_handles, SINEW_UL_keys))
+class SINEW_UL_controls(UIList):
+    """The wires or tools of a deformer: the object, and whether it is used"""
+
+    def draw_item(
+        self,
+        _context: Context,
+        layout: UILayout,
+        _owner: SinewDeformer,
+        control: SinewControl,
+        icon: int,
+        _active_owner: SinewDeformer,
+        _active_property: str,
+    ) -> None:
+        row = layout.row(align=True)
+        row.active = control.enabled
+        row.alert = control.missing
+        if control.object is None:
+            row.prop(control, "object", text="")
+        else:
+            row.prop(control.object, "name", text="", emboss=False, icon_value=icon)
+        row.prop(control, "enabled", text="", emboss=False, icon="HIDE_OFF" if control.enabled else "HIDE_ON")
+
+    def filter_items(
+        self, _context: Context, deformer: SinewDeformer, _property: str
+    ) -> tuple[list[int], list[int]]:
+        """Only the rows of the kind that the method in use asks for."""
+        shown = {row.as_pointer() for row in session.rows_of(deformer)}
+        return [self.bitflag_filter_item if row.as_pointer() in shown else 0 for row in deformer.controls], []
+
+
+register, unregister = register_classes_factory(
+    (SINEW_UL_deformers, SINEW_UL_handles, SINEW_UL_controls, SINEW_UL_keys)
+)

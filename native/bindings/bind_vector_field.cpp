@@ -81,8 +81,8 @@ points     (4 f, 3) the frames on the paths at rest, tool after tool, each by fo
 counts     (k,) how many frames the path of each tool has; None for a single tool.
 tools      'drag', 'twist' or 'bend', or (k,) of them: a ball moves and turns with the tool; what lies above
            the tool turns about its z axis; or about axes across that.
-inner      >= 0, a number or (k,): within this distance of a drag, all moves with the tool; below this height
-           over a twist or bend, nothing turns.
+inner      a number or (k,): within this distance of a drag, all moves with the tool; below this height over a
+           twist or bend, which may be negative, nothing turns.
 outer      > inner, likewise: beyond it, nothing moves, or all turns.
 width      > 0, a number or (k,): within this distance of the axis of a twist or bend all turns, and at twice
            the distance nothing does.
@@ -97,13 +97,19 @@ Raises InvalidConstraint for frames that are not finite, flat, or differ at rest
 cage_points  (4 f, 3) the frames, as warp() takes them.
 piece        of the pieces on which a tool moves, in order.
 time         in [0, 1], on this piece.
-points       (n, 3) where; they need not be bound.)")
+points       (n, 3) where; they need not be bound.
+
+Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or a piece that there is not.)")
         .def("piece_count",
              [](const VectorField& field, const py::object& control) {
                  const FloatArray array = floats(control, "cage_points");
                  return field.piece_count(points<InvalidConstraint>(array, "cage_points"));
              },
-             py::arg("cage_points"), "On how many pieces of the paths a tool moves.")
+             py::arg("cage_points"), R"(On how many pieces of the paths a tool moves.
+
+cage_points  (4 f, 3) the frames, as warp() takes them.
+
+Raises InvalidConstraint for a wrong count or shape, or a number that is not finite.)")
         .def_property_readonly("tool_count", &VectorField::tool_count, "Number of tools.");
 }
 

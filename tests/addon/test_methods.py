@@ -62,7 +62,7 @@ def test_parameters_teach(method: methods.Method):
     names = [parameter.id for parameter in method.parameters]
     names += [group_property(parameter) for parameter in method.paintable]
     assert len(set(names)) == len(names)
-    for parameter in (*method.parameters, *method.handle_parameters):
+    for parameter in (*method.parameters, *method.handle_parameters, *method.control_parameters):
         assert parameter.label
         assert len(parameter.description) > 10
         assert not parameter.description.endswith(".")

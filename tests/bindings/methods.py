@@ -28,9 +28,14 @@ SPACE_METHODS = methods_of(sn.SpaceMethod)
 CAGE_METHODS = methods_of(sn.CageCoordinates)
 
 
+def control(method: type, mesh: sn.SurfaceMesh) -> np.ndarray:
+    """The points of a control: those of the mesh, or a frame for a method that tools move."""
+    return np.concatenate((np.zeros((1, 3)), np.eye(3))) if method is sn.VectorField else mesh.points
+
+
 def made(method: type, mesh: sn.SurfaceMesh, **options: object):
     """A method on a mesh, or moved by its vertices, or around a thin shell."""
-    given = {"mesh": mesh, "cage": mesh, "points": mesh.points}
+    given = {"mesh": mesh, "cage": mesh, "points": control(method, mesh)}
     if "base" in required(method):
         given["base"] = sn.ThinShell(mesh)
     return method(**{word: given[word] for word in required(method)}, **options)
@@ -68,6 +73,7 @@ def called(entry: type | dict[str, object]) -> str:
 
 EVERY_SURFACE_METHOD = [(method, options) for method in SURFACE_METHODS for options in choices(method)]
 EVERY_CAGE_METHOD = [(method, options) for method in CAGE_METHODS for options in choices(method)]
+EVERY_SPACE_METHOD = [(method, options) for method in SPACE_METHODS for options in choices(method)]
 
 
 def inside(cage: np.ndarray, count: int = 40) -> np.ndarray:

@@ -260,14 +260,15 @@ def test_surface_methods_agree_on_shapes_and_refusals(name: str) -> None:
 @pytest.mark.parametrize("name", subclasses(sn.SpaceMethod))
 def test_space_methods_agree_on_shapes_and_refusals(name: str) -> None:
     method, points = made(name), np.random.default_rng(1).uniform(0.2, 0.8, (20, 3))
+    control = methods.control(PUBLIC[name], CUBE)
     with pytest.raises(sn.InvalidConstraint):
-        method.warp(CUBE.points)
+        method.warp(control)
     report = method.bind(points)
     assert (report.reuse, report.changed, report.point_count) == ("anew", "", 20)
     entering, out = points + [1.0, 2.0, 3.0], np.empty((20, 3), dtype=np.float32)
-    np.testing.assert_array_equal(method.warp(CUBE.points), points)
-    np.testing.assert_array_equal(method.warp(CUBE.points, incoming=entering), entering)
-    moved = CUBE.points * 1.1
+    np.testing.assert_array_equal(method.warp(control), points)
+    np.testing.assert_array_equal(method.warp(control, incoming=entering), entering)
+    moved = control * 1.1
     np.testing.assert_allclose(
         method.warp(moved, incoming=entering) - entering, method.warp(moved) - points, atol=1e-15
     )

@@ -28,6 +28,7 @@ CONTROLS = {
     "LATTICE": "a lattice",
     "POINTS": "points",
     "CURVES": "curves",
+    "TOOLS": "tools",
 }
 
 
@@ -138,7 +139,11 @@ def head(root: Path, row) -> str:
     ]
     lines = [f"# {row.label}", "", f"{row.summary}.", "", "| | |", "|---|---|"]
     lines += [f"| {name} | {value} |" for name, value in facts]
-    for title, parameters in (("parameter", row.parameters), ("of each handle", row.handle_parameters)):
+    for title, parameters in (
+        ("parameter", row.parameters),
+        ("of each handle", row.handle_parameters),
+        ("of each control", row.control_parameters),
+    ):
         if parameters:
             lines += ["", f"| {title} | default | unit | what it does |", "|---|---|---|---|"]
             lines += map(_parameter, parameters)

@@ -30,6 +30,7 @@ from .schema import (
 
 __all__ = (
     "BY_ID",
+    "CONTROL_PARAMETERS",
     "DEFAULT_CAGE_METHOD",
     "DEFAULT_METHOD",
     "DEFAULT_PUPPET_METHOD",
@@ -77,6 +78,9 @@ METHODS: tuple[Method, ...] = tuple(sorted(_rows(), key=_menu_order))
 BY_ID: dict[str, Method] = {method.id: method for method in METHODS}
 HANDLE_PARAMETERS: tuple[Parameter, ...] = tuple(
     {parameter.id: parameter for method in METHODS for parameter in method.handle_parameters}.values()
+)
+CONTROL_PARAMETERS: tuple[Parameter, ...] = tuple(
+    {parameter.id: parameter for method in METHODS for parameter in method.control_parameters}.values()
 )
 
 

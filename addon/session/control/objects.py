@@ -160,9 +160,12 @@ class ObjectKind:
 
     def take_rest(self, obj: Object, deformer: SinewDeformer) -> None:
         row = self.row(deformer)
-        control = row.object
-        if control is None:
+        if row.object is None:
             raise self.ERROR(self.MISSING)
+        row.rest = self.rest_of(obj, row.object, row.rest)
+
+    def rest_of(self, obj: Object, control: Object, held: Mesh | None) -> Mesh:
+        """The rest mesh of an object as it is now, in the datablock ``held`` if that can hold it."""
         if libraries.is_lost(control):
             raise self.ERROR(libraries.explain(control))
         self.refuse_other_type(control)
@@ -175,7 +178,7 @@ class ObjectKind:
         mesh.name = Datablocks.REST
         mesh.materials.clear()
         mesh[Keys.REST_TOKEN] = shapes.new_key()
-        row.rest = shapes.put_mesh(row.rest, mesh)
+        return shapes.put_mesh(held, mesh)
 
     def take_along(self, _deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
         """The last pose follows; the rest is a stored rest shape, and follows by itself."""
@@ -186,9 +189,10 @@ class ObjectKind:
         """Nothing: without the object, the last shape stays as the file has stored it."""
 
     def forget_rest(self, deformer: SinewDeformer) -> None:
-        _forget_rest(self.row(deformer))
+        forget_row_rest(self.row(deformer))
 
-    def use(self, obj: Object, deformer: SinewDeformer, control: Object, owned: bool) -> None:
+    def refuse_use(self, obj: Object, control: Object) -> None:
+        """Raises a ``SinewError`` unless the control can move the object."""
         if control == obj:
             other = f"choose another {self.TYPE.lower()}"
             raise self.ERROR(f"{control.name} cannot be its own {self.NOUN} - {other}")
@@ -197,6 +201,9 @@ class ObjectKind:
             raise self.ERROR(
                 f"{control.name} follows {obj.name} itself - choose a {self.NOUN} that does not depend on it"
             )
+
+    def use(self, obj: Object, deformer: SinewDeformer, control: Object, owned: bool) -> None:
+        self.refuse_use(obj, control)
         row = self.row(deformer)
         row.object, row.owned = control, owned
 
@@ -236,7 +243,8 @@ def _leads_to(control: Object, obj: Object) -> bool:
     return False
 
 
-def _forget_rest(row: Row) -> None:
+def forget_row_rest(row: Row) -> None:
+    """Remove the rest mesh of a row, unless another row uses it."""
     mesh, row.rest = row.rest, None
     shapes.free_meshes(mesh)
 
@@ -244,13 +252,13 @@ def _forget_rest(row: Row) -> None:
 def release(rows: Iterable[Row]) -> None:
     """Remove the objects that were made for a deformer, unless another deformer uses them."""
     for row in rows:
-        _forget_rest(row)
+        forget_row_rest(row)
         obj, row.object = row.object, None
         if obj is None or not row.owned or obj.library is not None or deformers_of(obj) or _is_used(obj):
             continue
         data = obj.data
         bpy.data.objects.remove(obj)
-        if data.users == 0:
+        if data is not None and data.users == 0:
             bpy.data.batch_remove((data,))
 
 

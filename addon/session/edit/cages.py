@@ -66,19 +66,21 @@ def add_cage_object(obj: Object, shape: Shape) -> Object:
     cage = bpy.data.objects.new(mesh.name, mesh)
     for collection in obj.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(cage)
-    follow(cage, obj, obj.matrix_world.copy())
+    follow(cage, obj)
     cage.show_in_front = True
     bpy.context.view_layer.update()
     return cage
 
 
-def follow(cage: Object, obj: Object, place: Matrix) -> None:
+def follow(cage: Object, obj: Object, place: Matrix | None = None) -> None:
     """Make the cage, or another control, follow the object from a ``place`` in the world, as Ctrl P does.
+
+    Without a place it starts where the object is.
 
     So it stays in its place when it gets another parent, such as an armature. A child of a curve would
     follow its path, so a constraint makes the cage follow a curve.
     """
-    follows = None
+    follows, place = None, place or obj.matrix_world.copy()
     if targets.is_path(obj):
         follows = cage.constraints.new("CHILD_OF")
         follows.target = obj

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
 
@@ -133,8 +134,10 @@ void VectorField::add_tools()
         if (frames < 1 || frames > frames_.rows() / 4 - begin)
             throw InvalidOption("counts: tool " + std::to_string(k) + " needs at least one frame, and " +
                                 std::to_string(frames_.rows() / 4) + " are given for all tools");
-        if (!(std::isfinite(outer) && inner >= 0.0 && inner < outer))
-            throw InvalidOption("tool " + std::to_string(k) + ": inner and outer must satisfy 0 <= inner < outer");
+        if (!(std::isfinite(outer) && std::isfinite(inner) && inner < outer))
+            throw InvalidOption("tool " + std::to_string(k) + ": inner must be less than outer");
+        if (options_.tools[k] == FieldTool::drag && inner < 0.0)
+            throw InvalidOption("tool " + std::to_string(k) + ": inner must not be negative for a drag");
         if (!(std::isfinite(options_.width[k]) && options_.width[k] > 0.0))
             throw InvalidOption("tool " + std::to_string(k) + ": width must be positive");
         const auto first = frames_.middleRows<4>(4 * begin);
@@ -160,8 +163,10 @@ void VectorField::add_tools()
         throw InvalidConstraint("tools " + list_some(flat) + " are flat", Error::Element::handle, flat);
 }
 
-void VectorField::compute(PointsView, SpaceReport&, const Progress& progress)
+void VectorField::compute(PointsView points, SpaceReport& report, const Progress& progress)
 {
+    report.weight_bytes = static_cast<std::int64_t>(sizeof(double)) * points.size();
+    require_memory(report.weight_bytes, "the points");
     progress.tick(0.0, "copying the points");
     progress.tick(1.0, "copying the points");
 }

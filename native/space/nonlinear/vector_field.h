@@ -20,7 +20,7 @@ struct VectorFieldOptions
 {
     std::vector<int> counts{}; ///< frames on the path of each tool; empty: all frames are those of one tool
     std::vector<FieldTool> tools{FieldTool::drag};
-    std::vector<double> inner{0.5}, outer{1.0}; ///< 0 <= inner < outer
+    std::vector<double> inner{0.5}, outer{1.0}; ///< inner < outer; of a drag 0 <= inner
     std::vector<double> width{1.0}; ///< > 0, of a twist or bend
     int order = 4;           ///< of the Runge-Kutta rule: 1, 2 or 4
     int steps = 0;           ///< on each piece of a path; 0: as many as each point needs
@@ -51,7 +51,8 @@ struct VectorFieldOptions
 ///              curl(beta phi A) = beta phi w x y + grad(beta phi) x A,   A = h (w . y) a - n^2 / 2 w
 ///          A vanishes on the axis, so what gives way does so around the bent part, and not along it. In
 ///          beta, a lies halfway between the axis of the tool at rest and now, so that neither side of the
-///          bend runs into the region of the other.
+///          bend runs into the region of the other. With the tool in the middle of the blend, inner = -outer,
+///          a bar keeps its length best.
 ///
 /// The control is a path per tool: its frames, in order, from rest on. Between two frames the tool moves and
 /// turns evenly, by less than half a turn. The tools act one after the other. So a shape depends on the paths

@@ -384,6 +384,8 @@ TEST(VectorField, refuses_what_is_no_tool)
     EXPECT_THROW(made(two, {.counts = {2, 0}}), InvalidOption);
     EXPECT_THROW(made(two, {.inner = {1.0}}), InvalidOption);
     EXPECT_THROW(made(two, {.inner = {-0.1}}), InvalidOption);
+    EXPECT_NO_THROW(made(two, {.tools = {FieldTool::bend}, .inner = {-0.1}}));
+    EXPECT_THROW(made(two, {.width = {0.0}}), InvalidOption);
     EXPECT_THROW(made(two, {.outer = {std::numeric_limits<double>::infinity()}}), InvalidOption);
     EXPECT_THROW(made(two, {.outer = {1.0, 2.0, 3.0}}), InvalidOption);
     EXPECT_THROW(made(two, {.order = 3}), InvalidOption);

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Field Drag: press on the surface and drag it like clay. The path of the mouse becomes the path of a tool."""
+
+from enum import Enum
+from functools import partial
+
+import bpy
+import numpy as np
+from bpy.props import CollectionProperty, FloatProperty
+from bpy.types import Context, Event, Object, Operator, OperatorStrokeElement
+from mathutils import Vector
+
+from .. import session
+from ..core.errors import SinewError
+from ..core.transform.typed_motion import View
+from ..ids import Operators
+from ..properties import SinewControl, SinewDeformer
+from .drag import surface_under
+from .grabbing import RESIZE
+from .modal.moving import CANCEL, NAVIGATE
+from .modal.ring import draw_line, ring
+from .modal.shell import Keys, Outcome, ViewportTool
+from .modal.view import length_text
+from .reporting import reports_errors
+from .target import has_target, target_of
+from .tools import METHOD
+
+_KEYS: Keys = (
+    (("MOUSE_LMB_DRAG",), "Drag"),
+    (("MOUSE_MMB_DRAG",), "Size"),
+    (("MOUSE_RMB",), "Cancel"),
+)
+_RING = (1.0, 1.0, 1.0, 0.9)
+_WAY = (1.0, 0.6, 0.1, 1.0)
+_STOPS = 0.25  # the way between two stops, as a share of the radius
+_INNER = 0.3  # of the outer radius
+
+
+class Stage(Enum):
+    """What the artist does at the moment."""
+
+    WAITING = "press on the surface and drag"
+    DRAGGING = "release to keep"
+
+
+class FieldDragging:
+    """A tool that is dragged. Call ``process`` with each event until it says that it ends."""
+
+    job = None  # no thread works
+
+    def __init__(self, context: Context, name: str, pivot: np.ndarray, radius: float) -> None:
+        """``name`` of the object to drag, ``radius`` in the world."""
+        self._context, self._name, self.pivot, self.radius = context, name, pivot, radius
+        self.notice = ""  # an error that does not end the tool
+        self.stage = Stage.WAITING
+        self.path: list[np.ndarray] = []  # places (3,) in the world, from where it was pressed on
+        self.hit: session.Hit | None = None
+        self.uid = ""
+        self._was_new = False
+        self._from = (0.0, 0.0)
+
+    def process(self, obj: Object, event: Event, view: View) -> Outcome:
+        """Process an event. ``view`` describes the viewport at this moment."""
+        key, pressed = event.type, event.value == "PRESS"
+        if key in CANCEL and pressed:
+            self.restore(obj)
+            return Outcome.CANCELLED
+        moved = key in ("MOUSEMOVE", "INBETWEEN_MOUSEMOVE")
+        if self.stage is Stage.DRAGGING:
+            if moved:
+                self._drag(obj, event, view)
+            elif key == "LEFTMOUSE" and event.value == "RELEASE":
+                self._drag(obj, event, view)
+                return Outcome.CONFIRMED
+            return Outcome.GO_ON
+        if key in NAVIGATE or key.startswith("NDOF") or event.ctrl:
+            return Outcome.PASS
+        if moved:
+            self.hit = self._under(event)
+        elif key in RESIZE and pressed:
+            self.radius *= RESIZE[key]
+        elif key == "LEFTMOUSE" and pressed:
+            self._press(obj, event)
+        return Outcome.GO_ON
+
+    def restore(self, obj: Object) -> None:
+        """Remove the tool again."""
+        if not self.uid:
+            return
+        deformer = self.deformer(obj)
+        if self._was_new:
+            session.remove_deformer(obj, list(obj.sinew.deformers).index(deformer))
+        else:
+            session.remove_row(obj, deformer, len(deformer.controls) - 1)
+            session.try_bind(obj, deformer)
+        self.uid = ""
+
+    def deformer(self, obj: Object) -> SinewDeformer:
+        """The deformer that has the tool; looked up each time, as lists move in memory."""
+        return next(deformer for deformer in obj.sinew.deformers if deformer.uid == self.uid)
+
+    def _under(self, event: Event) -> session.Hit | None:
+        hit = surface_under(self._context, event.mouse_x, event.mouse_y)
+        return hit if hit is not None and hit.obj.name == self._name else None
+
+    def _press(self, obj: Object, event: Event) -> None:
+        self.hit = self._under(event)
+        if self.hit is None:
+            self.notice = f"Press on {self._name}"
+            return
+        before = {deformer.uid for deformer in obj.sinew.deformers}
+        deformer = begin(obj, self.hit.place, self.hit.normal, self.radius)
+        self.uid, self._was_new = deformer.uid, deformer.uid not in before
+        self.pivot, self.path = self.hit.place, [self.hit.place]
+        self._from, self.stage = (event.mouse_x, event.mouse_y), Stage.DRAGGING
+
+    def _drag(self, obj: Object, event: Event, view: View) -> None:
+        x, y = event.mouse_x - self._from[0], event.mouse_y - self._from[1]
+        place = self.path[0] + view.pixel * (x * view.right + y * view.up)
+        deformer = self.deformer(obj)
+        if lead(obj, deformer, deformer.controls[-1], place, self.path[-1], self.radius):
+            self.path.append(place)
+
+
+def begin(obj: Object, place: np.ndarray, normal: np.ndarray, radius: float) -> SinewDeformer:
+    """A new tool that drags ``obj`` at a ``place`` (3,) of the world."""
+    scale = max(obj.matrix_world.median_scale, 1e-12)
+    outer = radius / scale
+    tool = session.new_tool(obj, place, normal, outer, "Drag")
+    values = {"tools": "drag", "outer": outer, "inner": _INNER * outer}
+    deformer, refusal = session.add_to(obj, [tool], METHOD, True, **values)
+    if refusal is not None:
+        raise refusal
+    return deformer
+
+
+def lead(
+    obj: Object,
+    deformer: SinewDeformer,
+    row: SinewControl,
+    place: np.ndarray,
+    last: np.ndarray,
+    radius: float,
+) -> bool:
+    """Move a tool to a ``place`` (3,) of the world; whether that is a stop, far enough from the ``last``."""
+    matrix = row.object.matrix_world.copy()
+    matrix.translation = Vector(place)
+    row.object.matrix_world = matrix
+    bpy.context.view_layer.update()
+    if np.linalg.norm(place - last) < _STOPS * radius:
+        return False
+    session.stop_here(obj, deformer, row)
+    return True
+
+
+class SINEW_OT_tool_drag(ViewportTool, Operator):
+    """Drag the surface like clay: its volume stays, and it never cuts itself. The path of the mouse is kept"""
+
+    bl_idname = Operators.TOOL_DRAG
+    bl_label = "Field Drag"
+    bl_options = {"REGISTER", "UNDO", "BLOCKING"}
+
+    KEYS = _KEYS
+
+    path: CollectionProperty(type=OperatorStrokeElement, options={"SKIP_SAVE", "HIDDEN"})
+    radius: FloatProperty(
+        name="Radius",
+        subtype="DISTANCE",
+        min=0.0,
+        description="How far the drag reaches; 0 for a third of the size of the object",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_target(cls, context, mesh=True):
+            return False
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go to Object Mode to drag the surface")
+            return False
+        return True
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        if len(self.path) < 2:
+            raise SinewError("There is no path - drag in a 3D Viewport")
+        obj, places = target_of(context), [np.array(point.location, dtype=float) for point in self.path]
+        radius = self.radius or _size(obj) / 3.0
+        deformer = begin(obj, places[0], np.array((0.0, 0.0, 1.0)), radius)
+        last = places[0]
+        for place in places[1:]:
+            if lead(obj, deformer, deformer.controls[-1], place, last, radius):
+                last = place
+        return {"FINISHED"}
+
+    def start(self, context: Context, _event: Event) -> set[str]:
+        obj = target_of(context)
+        pivot = np.array(obj.matrix_world.translation, dtype=np.float64)
+        tool = FieldDragging(context, obj.name, pivot, self.radius or _size(obj) / 3.0)
+        return self.begin(context, tool, obj, partial(_draw, tool))
+
+    def worked_on(self, context: Context) -> Object | None:
+        """The object that is dragged, as long as it is in Object Mode."""
+        return context.scene.objects.get(self.object_name) if context.mode == "OBJECT" else None
+
+    def store_result(self, context: Context) -> None:
+        self.radius = self.tool.radius
+        self.path.clear()
+        row = self.tool.deformer(self.worked_on(context)).controls[-1]
+        for place in (*self.tool.path, np.array(row.object.matrix_world.translation)):
+            self.path.add().location = place
+
+    def header(self, context: Context) -> str:
+        length = length_text(context.scene.unit_settings, self.tool.radius)
+        return f"{self.bl_label}: {self.tool.stage.value}, radius {length}"
+
+
+def _size(obj: Object) -> float:
+    return max(obj.dimensions) or 1.0
+
+
+def _draw(tool: FieldDragging) -> None:
+    """Draw the reach under the mouse, and the way so far, in each 3D Viewport."""
+    context = bpy.context
+    if context.region_data is None:
+        return
+    if tool.stage is Stage.WAITING and tool.hit is not None:
+        circle = ring(tool.hit.place, tool.hit.normal, tool.radius)
+        draw_line(context.region, context.region_data, circle, _RING)
+    if len(tool.path) > 1:
+        draw_line(context.region, context.region_data, np.array(tool.path), _WAY)

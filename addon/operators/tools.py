@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add Tool, and the stops on the path of a tool."""
+
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+from bpy.types import Context, Object, Operator
+from mathutils import Vector
+
+from .. import session
+from ..core.errors import SinewError
+from ..core.methods import BY_ID
+from ..ids import Operators
+from .cage import show_only
+from .reporting import reports_errors
+from .rows import has_rows
+from .target import has_target, object_mode, target_of
+from .waiting import BindingOperator
+
+METHOD = "vector_field"
+(_TOOL,) = (row for row in BY_ID[METHOD].control_parameters if row.id == "tools")
+
+
+class SINEW_OT_tool_add(BindingOperator, Operator):
+    """Add an empty that drags, twists or bends what is around it, and keeps volumes"""
+
+    bl_idname = Operators.TOOL_ADD
+    bl_label = "Add Tool"
+    bl_options = {"REGISTER", "UNDO"}
+
+    tool: EnumProperty(name="Tool", items=_TOOL.items, default="drag", description=_TOOL.description)
+    control: StringProperty(
+        name="Control",
+        options={"SKIP_SAVE"},
+        description="The name of an object to use as the tool; if empty, a new empty is made",
+    )
+    location: FloatVectorProperty(
+        name="Location",
+        subtype="XYZ",
+        options={"SKIP_SAVE"},
+        description="Where the new tool is, in the world. If it is not given: at the 3D cursor for a Drag, "
+        "and in the middle of the object for the others",
+    )
+    outer: FloatProperty(
+        name="Outer",
+        subtype="DISTANCE",
+        min=0.0,
+        options={"SKIP_SAVE"},
+        description="How far the tool reaches; 0 for a third of the size of the object",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_target(cls, context)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        size = max(obj.dimensions) or 1.0
+        outer = self.outer or size / 3.0
+        with object_mode(context, obj):
+            control = self._control(context, obj, outer)
+            widths = sorted(obj.dimensions)
+            values = {
+                "tools": self.tool,
+                "outer": outer,
+                "inner": outer / 4.0 if self.tool == "drag" else -outer,
+                "width": 0.75 * widths[1] or outer,
+            }
+            deformer, refusal = session.add_to(
+                obj, [control], METHOD, owned=not self.control, wait=wait, **values
+            )
+            if obj == target_of(context):
+                show_only(context, obj, control)
+        self.report_bind(refusal, deformer.uid, control.name)
+        return {"FINISHED"}
+
+    def _control(self, context: Context, obj: Object, outer: float) -> Object:
+        if self.control:
+            control = context.scene.objects.get(self.control)
+            if control is None:
+                raise SinewError(f"There is no object '{self.control}' in the scene")
+            return control
+        box = np.array([obj.matrix_world @ Vector(corner) for corner in obj.bound_box])
+        place = 0.5 * (box.min(axis=0) + box.max(axis=0))
+        if self.properties.is_property_set("location"):
+            place = np.array(self.location)
+        elif self.tool == "drag":
+            place = np.array(context.scene.cursor.location)
+        label = next(item[1] for item in _TOOL.items if item[0] == self.tool)
+        return session.new_tool(obj, place, np.array((0.0, 0.0, 1.0)), outer, label)
+
+
+class SINEW_OT_tool_stop(BindingOperator, Operator):
+    """Let the path of the active tool lead through where it is now, or go straight again"""
+
+    bl_idname = Operators.TOOL_STOP
+    bl_label = "Add Stop"
+    bl_options = {"REGISTER", "UNDO"}
+
+    clear: BoolProperty(
+        name="Straight",
+        options={"SKIP_SAVE"},
+        description="Remove all stops, so that the tool goes straight from rest to where it is",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_rows(cls, context):
+            return False
+        if target_of(context).sinew.active.method != METHOD:
+            cls.poll_message_set("Only tools have a path")
+            return False
+        return True
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        row = deformer.controls[min(deformer.active_control, len(deformer.controls) - 1)]
+        if self.clear:
+            session.forget_stops(obj, row)
+        else:
+            session.stop_here(obj, deformer, row)
+        context.view_layer.update()
+        self.report({"INFO"}, f"{row.name} has {session.stop_count(row)} stops on its path")
+        return {"FINISHED"}

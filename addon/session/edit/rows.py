@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adds and removes the objects that control a deformer together, such as wires or tools. Main thread only."""
+
+import bpy
+import numpy as np
+from bpy.types import Object
+from mathutils import Matrix, Vector
+
+from ...core.errors import SinewError
+from ...core.geometry import frames
+from ...core.geometry.paths import AXES
+from ...core.methods import BY_ID
+from ...properties import SinewControl, SinewDeformer
+from ..blocks import rest_frame
+from ..control import kinds, objects
+from ..control.several import SeveralKind
+from ..control.tools.kind import KIND as TOOLS
+from ..live import binding
+from ..memory import sessions
+from .cages import follow
+from .deformers import add_deformer, remove_deformer
+from .rigging import try_bind
+
+_SIZE = "SPHERE"  # how an empty shows the reach of a tool
+
+
+def rows_of(deformer: SinewDeformer) -> list[SinewControl]:
+    """The objects that control the deformer with its method; none if that has another kind of control."""
+    kind = kinds.kind_in_use(deformer)
+    return kind.rows(deformer) if isinstance(kind, SeveralKind) else []
+
+
+def add_to(
+    obj: Object, controls: list[Object], method: str, owned: bool, wait: bool = True, **values: object
+) -> tuple[SinewDeformer, SinewError | None]:
+    """Let objects control the active deformer, or a new one with ``method``; and the error if not bound.
+
+    The active one, if its method asks for the same kind of control. ``values`` are set for each of them, by
+    the names of the method's parameters.
+    """
+    active = obj.sinew.active
+    kind = kinds.kind_of_method(BY_ID[method])
+    is_new = active is None or kinds.kind_in_use(active) is not kind
+    deformer = add_deformer(obj, method) if is_new else active
+    before = len(deformer.controls)
+    try:
+        with sessions.suspended():
+            for control in controls:
+                kind.use(obj, deformer, control, owned)
+                for name, value in values.items():
+                    setattr(deformer.controls[-1], name, value)
+            kinds.keep_evaluated(obj)
+    except SinewError:
+        if is_new:
+            remove_deformer(obj, len(obj.sinew.deformers) - 1)
+        else:
+            while len(deformer.controls) > before:
+                deformer.controls.remove(len(deformer.controls) - 1)
+        raise
+    return deformer, try_bind(obj, deformer, wait)
+
+
+@sessions.suspended()
+def remove_row(obj: Object, deformer: SinewDeformer, index: int) -> None:
+    """Remove a control from the list, and the object if it was made for the deformer. ``bind`` must follow."""
+    row = deformer.controls[index]
+    objects.release([row])
+    deformer.controls.remove(index)
+    deformer.active_control = max(min(index, len(deformer.controls) - 1), 0)
+    kinds.keep_evaluated(obj)
+    obj.update_tag()
+
+
+@sessions.suspended()
+def set_rest_of(obj: Object, deformer: SinewDeformer) -> None:
+    """Let all controls rest where they are now, so that the target is at rest too. ``bind`` must follow."""
+    rest_frame.absorb(deformer)
+    kinds.kind_in_use(deformer).take_rest(obj, deformer)
+    binding.abandon(deformer.uid)
+
+
+@sessions.suspended()
+def new_tool(obj: Object, place: np.ndarray, axis: np.ndarray, size: float, name: str) -> Object:
+    """An empty at a ``place`` (3,) in the world, with its z axis along ``axis`` (3,), which follows ``obj``."""
+    empty = bpy.data.objects.new(f"{obj.name} {name}", None)
+    for collection in obj.users_collection or (bpy.context.scene.collection,):
+        collection.objects.link(empty)
+    empty.empty_display_type, empty.empty_display_size = _SIZE, size
+    empty.show_in_front = True
+    follow(empty, obj)
+    bpy.context.view_layer.update()
+    empty.matrix_world = _frame(place, axis)
+    bpy.context.view_layer.update()
+    return empty
+
+
+def _frame(place: np.ndarray, axis: np.ndarray) -> Matrix:
+    turned = Vector((0.0, 0.0, 1.0)).rotation_difference(Vector(axis)).to_matrix().to_4x4()
+    return Matrix.Translation(Vector(place)) @ turned
+
+
+@sessions.suspended()
+def stop_here(obj: Object, deformer: SinewDeformer, row: SinewControl) -> None:
+    """Let the path of a tool lead through where it is now."""
+    if row.rest is None or row.missing:
+        raise SinewError(f"{row.name} is not bound yet - press Rebind")
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    world = np.array(row.object.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    target = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    frame = frames.transformed(frames.inverse(target, obj.name) @ world, AXES)
+    frame = frames.transformed(frames.inverse(rest_frame.matrix(deformer), obj.name), frame)
+    TOOLS.set_stops(row, np.concatenate((TOOLS.stops(row), frame)))
+    obj.update_tag()
+
+
+@sessions.suspended()
+def forget_stops(obj: Object, row: SinewControl) -> None:
+    """Let a tool go straight from rest to where it is."""
+    if row.rest is not None:
+        TOOLS.set_stops(row, np.zeros((0, 3)))
+        obj.update_tag()
+
+
+def stop_count(row: SinewControl) -> int:
+    """How many stops the path of a tool has."""
+    return 0 if row.rest is None else len(row.rest.vertices) // len(AXES) - 1

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vector fields against SciPy's integrator and fields written from the formulas with derivatives by hand."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+import sinew_native as sn
+
+FRAME = np.concatenate((np.zeros((1, 3)), np.eye(3)))
+INNER, OUTER = 0.4, 1.2
+
+
+def rotation(axis, angle: float) -> np.ndarray:
+    axis = np.asarray(axis, dtype=float) / np.linalg.norm(axis)
+    K = np.array(((0, -axis[2], axis[1]), (axis[2], 0, -axis[0]), (-axis[1], axis[0], 0)))
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
+
+
+def share(u: np.ndarray) -> np.ndarray:
+    u = np.clip(u, 0.0, 1.0)
+    return 4 * u**3 * (1 - u) + u**4
+
+
+def curl(potential, x: np.ndarray, step: float = 1e-5) -> np.ndarray:
+    """Of a vector potential (n, 3) -> (n, 3), by central differences."""
+    d = [
+        (potential(x + step * axis) - potential(x - step * axis)) / (2 * step) for axis in np.eye(3)
+    ]  # d[k][:, j] is the derivative of component j along k
+    return np.stack((d[1][:, 2] - d[2][:, 1], d[2][:, 0] - d[0][:, 2], d[0][:, 1] - d[1][:, 0]), axis=1)
+
+
+def drag_field(move: np.ndarray, turn: np.ndarray):
+    """grad p x grad q, from p and q themselves: curl(p grad q) for the move, and beta w x y for the turn."""
+
+    def field(t: float, x: np.ndarray) -> np.ndarray:
+        y = x - t * move
+        across = np.linalg.svd(move[None])[2][1:]  # two unit vectors across the move
+        sign = np.sign(np.linalg.det(np.vstack((across, move))))
+
+        def beta(z):
+            return 1 - share((np.linalg.norm(z, axis=1) - INNER) / (OUTER - INNER))
+
+        def gradient(function, z, step=1e-6):
+            return np.stack(
+                [(function(z + step * e) - function(z - step * e)) / (2 * step) for e in np.eye(3)], 1
+            )
+
+        p = gradient(lambda z: beta(z) * (z @ across[0]) * np.linalg.norm(move) * sign, y)
+        q = gradient(lambda z: beta(z) * (z @ across[1]), y)
+        return np.cross(p, q) + beta(y)[:, None] * np.cross(turn, y)
+
+    return field
+
+
+def test_the_field_of_a_drag_is_the_product_of_two_gradients() -> None:
+    move, turn = np.array((0.5, -0.3, 0.6)), 0.8 * np.array((2.0, 1.0, -2.0)) / 3.0
+    posed = FRAME @ rotation(turn, np.linalg.norm(turn)).T + move
+    points = np.random.default_rng(1).uniform(-1.3, 1.3, (500, 3))
+    field = sn.VectorField(FRAME, inner=INNER, outer=OUTER)
+    assert field.piece_count(posed) == 1
+    for time in (0.0, 0.4, 1.0):
+        expected = drag_field(move, turn)(time, points)
+        # Differences over 1e-6 are good to 1e-9, but for the points within that of a kink: there are none.
+        np.testing.assert_allclose(field.velocities(posed, 0, time, points), expected, atol=1e-8)
+
+
+def test_the_field_of_a_bend_is_the_curl_of_its_potential() -> None:
+    angle = 0.7
+    posed = FRAME @ rotation((1, 0, 0), angle).T
+    points = np.random.default_rng(2).uniform(-1.5, 1.5, (500, 3))
+    field = sn.VectorField(FRAME, tools="bend", inner=-0.5, outer=0.8, width=0.6)
+    for time in (0.0, 0.5, 1.0):
+        own = rotation((1, 0, 0), time * angle)[:, 2]
+        halfway = rotation((1, 0, 0), 0.5 * time * angle)[:, 2]
+        w = angle * np.eye(3)[0]
+
+        def potential(x, own=own, halfway=halfway, w=w):
+            h = x @ own
+            out = x - h[:, None] * own
+            n2 = (out**2).sum(1) - out[:, 0] ** 2
+            full = share((x @ halfway + 0.5) / 1.3) * (1 - share(np.linalg.norm(out, axis=1) / 0.6 - 1))
+            return full[:, None] * ((h * (x @ w))[:, None] * own - 0.5 * n2[:, None] * w)
+
+        expected = curl(potential, points)
+        np.testing.assert_allclose(field.velocities(posed, 0, time, points), expected, atol=1e-7)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_flow_is_that_of_scipy(turned: bool) -> None:
+    move, turn = np.array((0.9, 0.2, -0.4)), np.array((0.0, 0.9, 0.3)) * turned
+    posed = FRAME @ (rotation(turn, np.linalg.norm(turn)).T if turned else np.eye(3)) + move
+    points = np.random.default_rng(3).uniform(-1.2, 1.2, (150, 3))
+    field = sn.VectorField(FRAME, inner=INNER, outer=OUTER, tolerance=1e-9)
+    field.bind(points)
+
+    def velocity(t, x):
+        return field.velocities(posed, 0, t, x.reshape(-1, 3)).ravel()
+
+    found = solve_ivp(velocity, (0.0, 1.0), points.ravel(), method="DOP853", rtol=1e-10, atol=1e-10)
+    np.testing.assert_allclose(field.warp(posed), found.y[:, -1].reshape(-1, 3), atol=1e-7)
+
+
+def test_tools_act_one_after_the_other() -> None:
+    two = np.concatenate((FRAME, FRAME + (0.3, 0.0, 0.0)))
+    posed = two + np.repeat(((0.0, 0.5, 0.0), (0.0, 0.0, -0.4)), 4, axis=0)
+    points = np.random.default_rng(5).uniform(-1, 1, (300, 3))
+    both = sn.VectorField(two, [1, 1], tools=["drag", "drag"], inner=[0.2, 0.1], outer=0.9)
+    both.bind(points)
+    first = sn.VectorField(two[:4], inner=0.2, outer=0.9)
+    first.bind(points)
+    second = sn.VectorField(two[4:], inner=0.1, outer=0.9)
+    second.bind(first.warp(posed[:4]))
+    np.testing.assert_allclose(both.warp(posed), second.warp(posed[4:]), atol=1e-14)
+    assert both.tool_count == 2
+
+
+def test_refusals_name_tools() -> None:
+    flat = FRAME.copy()
+    flat[3] = 0.0
+    with pytest.raises(sn.InvalidConstraint, match="flat") as refused:
+        sn.VectorField(np.concatenate((FRAME, flat)), [1, 1])
+    assert (refused.value.element_kind, list(refused.value.elements)) == ("handle", [1])
+    for wrong in ({"tools": "pull"}, {"order": 3}, {"inner": 2.0}, {"width": 0.0}, {"counts": [2]}):
+        with pytest.raises(sn.InvalidOption):
+            sn.VectorField(FRAME, **wrong)
