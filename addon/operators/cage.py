@@ -182,6 +182,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
             margin=self.margin,
             quads=self.quads,
             symmetry=symmetry,
+            flat=session.takes_flat_cage(self.method),
         )
 
     def _chosen(self, context: Context, obj: Object) -> Object:

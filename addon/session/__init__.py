@@ -12,7 +12,15 @@ from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
 from .edit.automatic import change_cage, check_cage, face_count, is_automatic
 from .edit.bind import bind, unbind
-from .edit.cages import CAGE_METHODS, add_cage_object, cage_maker, cage_seconds, flip_cage, set_rest_cage
+from .edit.cages import (
+    CAGE_METHODS,
+    add_cage_object,
+    cage_maker,
+    cage_seconds,
+    flip_cage,
+    set_rest_cage,
+    takes_flat_cage,
+)
 from .edit.deformers import add_deformer, remove_deformer
 from .edit.drag import Brush, Drag
 from .edit.grids import has_grid, new_grid
@@ -172,6 +180,7 @@ __all__ = (
     "stroke_of",
     "summary",
     "suspended",
+    "takes_flat_cage",
     "tidy",
     "try_bind",
     "unbind",

@@ -60,7 +60,7 @@ Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)"
                                   Own... values) {
                    const Options chosen = options(weight_options(precision, threshold), values...);
                    const py::gil_scoped_release unlocked;
-                   return std::make_shared<Method>(Cage(cage), chosen);
+                   return std::make_shared<Method>(Cage(cage, Method::takes_flat), chosen);
                }),
                py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0,
                std::forward<Words>(own)..., text.c_str());

@@ -248,8 +248,15 @@ def _mean_value(points: np.ndarray, rest: np.ndarray, faces: np.ndarray) -> np.n
 
 
 def inside(points: np.ndarray, cage: bpy.types.Object) -> np.ndarray:
-    """By winding number: the sum of the solid angles of the triangles."""
+    """By winding number: the sum of the solid angles of the triangles; in its plane if the cage is flat."""
     corners = np.array([vertex.co for vertex in cage.data.vertices], dtype=float)
+    if len(cage.data.polygons) == 1:
+        normal = np.array(cage.data.polygons[0].normal)
+        seen = corners[list(cage.data.polygons[0].vertices)][None] - points[:, None]
+        ahead = np.roll(seen, -1, axis=1)
+        turns = np.arctan2(np.cross(seen, ahead) @ normal, (seen * ahead).sum(2)).sum(axis=1)
+        level = np.abs((points - corners[0]) @ normal) < 1e-5 * np.ptp(corners, axis=0).max()
+        return level & (np.abs(turns - 2.0 * np.pi) < 1e-6)
     faces = np.array([polygon.vertices[:] for polygon in cage.data.polygons])
     a, b, c = np.moveaxis(corners[faces][None] - points[:, None, None], 2, 0)
     la, lb, lc = (np.linalg.norm(side, axis=2) for side in (a, b, c))

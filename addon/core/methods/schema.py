@@ -221,7 +221,7 @@ class Method:
     takes the ``frame`` and the ``keys``. ``draft_iterations``: how many an iterative method takes for a draft
     of a frame in playback. ``reproduces``: the most that the method promises, on any shape. ``symmetric``:
     whether a mesh that is its own mirror image gets a shape that is; not where the order of the vertices
-    decides something.
+    decides something. ``takes_flat``: its cage may be a mesh in a plane, around art in that plane.
     """
 
     id: str
@@ -238,6 +238,7 @@ class Method:
     bind_seconds: BindSeconds
     reproduces: Reproduced = Reproduced.TRANSLATIONS
     symmetric: bool = True
+    takes_flat: bool = False
     wraps: tuple[Family, ...] = ()
     keyed: bool = False
     draft_iterations: int = 1

@@ -108,6 +108,7 @@ ROWS = (
         moves=frozenset(Moved),
         bind_seconds=per_pair(1e-8),
         reproduces=Reproduced.AFFINE_MAPS,
+        takes_flat=True,
         parameters=CAGE_PARAMETERS,
     ),
     Method(
@@ -189,6 +190,7 @@ ROWS = (
         moves=frozenset(Moved),
         bind_seconds=_green_seconds,
         reproduces=Reproduced.SIMILARITIES,
+        takes_flat=True,
         parameters=(
             Choice(
                 "outside",

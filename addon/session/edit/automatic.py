@@ -39,7 +39,9 @@ def is_automatic(cage: Object) -> bool:
 
 
 def face_count(cage: Object) -> int:
-    """How many triangles the faces of the cage are."""
+    """How many triangles the faces of the cage are; those that were asked for if it is flat."""
+    if is_automatic(cage) and cage.data[Keys.CAGE_ORIGIN].get("flat", False):
+        return int(cage.data[Keys.CAGE_ORIGIN]["faces"])
     return sum(len(face.vertices) - 2 for face in cage.data.polygons)
 
 
@@ -71,7 +73,7 @@ def check_cage(obj: Object, deformer: SinewDeformer) -> dict:
         raise CageError(f"{cage.name} moves {others[0]} as well - give that another cage first")
     if deformer.is_bound and not _is_unposed(obj, deformer):
         raise CageError(f"{cage.name} is posed, and the pose would be lost - move it back, or Set Rest Cage")
-    return {**options, "quads": bool(options["quads"])}
+    return {**options, "quads": bool(options["quads"]), "flat": bool(options.get("flat", False))}
 
 
 @sessions.suspended()

@@ -12,6 +12,7 @@ from mathutils import Matrix
 
 from ...backend import Progress, automatic_cage
 from ...core.errors import CageError, MeshError
+from ...core.geometry import flat_outline
 from ...mesh_io import read_rest
 from ...properties import SinewDeformer
 from ..blocks import capture, rest_frame, shapes, targets
@@ -28,8 +29,8 @@ CAGE_METHODS = kinds.methods_of(CAGE)
 def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
     """A function that makes a cage around what enters the deformer, or would enter a new one.
 
-    Any thread may call the function. ``options`` are those of ``backend.automatic_cage``. The cage of points
-    without faces is made around their convex hull.
+    Any thread may call the function. ``options`` are those of ``backend.automatic_cage``, and ``flat`` if the
+    cage of a flat shape may be flat. The cage of points without faces is made around their convex hull.
     """
     modifier = None if deformer is None else shapes.find_modifier(obj, deformer)
     position = len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
@@ -41,9 +42,18 @@ def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callab
     if not len(rest.points):
         raise MeshError(f"{obj.name} has no points - add some, or check the modifiers before Sinew")
     points, faces = rest.points, (rest.counts, rest.corners)
+    if options.pop("flat", False):
+        corners = flat_outline.around(points, options["margin"], options["faces"])
+        if corners is not None:
+            return partial(_flat, corners, options)
     if not len(rest.counts):
         points, faces = hull.around(points)
     return partial(_around, points, faces, options)
+
+
+def takes_flat_cage(method: str) -> bool:
+    """Whether the cage of a method may be flat."""
+    return any(row.takes_flat for row in CAGE_METHODS if row.id == method)
 
 
 def cage_seconds(margin: float) -> float:
@@ -56,6 +66,12 @@ def _around(
 ) -> Shape:
     around, counts, corners, more = automatic_cage(points, faces, progress, **options)
     return around, counts, corners, options, more
+
+
+def _flat(corners: np.ndarray, options: dict, _progress: Progress | None) -> Shape:
+    count = len(corners)
+    kept = {**options, "flat": True}
+    return corners, np.array([count], np.int32), np.arange(count, dtype=np.int32), kept, ""
 
 
 @sessions.suspended()

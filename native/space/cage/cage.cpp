@@ -58,7 +58,7 @@ double volume(const SurfaceMesh& mesh)
 
 } // namespace
 
-Cage::Cage(SurfaceMesh rest)
+Cage::Cage(SurfaceMesh rest, bool may_be_flat)
     : frame_(rest.points()), rest_(frame_.in(rest)),
       size_((rest_.points().colwise().maxCoeff() - rest_.points().colwise().minCoeff()).norm())
 {
@@ -66,6 +66,15 @@ Cage::Cage(SurfaceMesh rest)
         given_ = std::move(rest);
     if (rest_.face_count() == 0)
         throw InvalidMesh("the cage has no faces");
+    std::vector<int> all(static_cast<std::size_t>(rest_.face_count()));
+    std::iota(all.begin(), all.end(), 0);
+    outline_ = flat_outline(rest_);
+    if (outline_ && !may_be_flat)
+        throw InvalidMesh("the cage is flat: mean value and Green coordinates take flat cages, other methods "
+                          "need one that encloses a volume",
+                          Error::Element::face, std::move(all));
+    if (outline_)
+        return;
     const std::vector<int> unbalanced = unbalanced_vertices(rest_);
     if (!unbalanced.empty())
         throw InvalidMesh("the cage is open, or neighbouring faces look to different sides, at vertices " +
@@ -73,8 +82,6 @@ Cage::Cage(SurfaceMesh rest)
                           Error::Element::vertex, unbalanced);
     // Due to rounding, a flat cage may have a volume of some 1e-16 of the cube of its size.
     if (const double enclosed = volume(rest_); !(enclosed > 1e-14 * size_ * size_ * size_)) {
-        std::vector<int> all(static_cast<std::size_t>(rest_.face_count()));
-        std::iota(all.begin(), all.end(), 0);
         throw InvalidMesh(enclosed < -1e-14 * size_ * size_ * size_ ? "the cage is inside out: flip its faces"
                                                                     : "the cage encloses no volume",
                           Error::Element::face, std::move(all));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/mesh/flat_outline.h"
 #include "native/mesh/normal_frame.h"
 
 #include <optional>
@@ -18,14 +19,23 @@ enum class CageOutside {
 /// It has faces of any size, and any number of parts. Coordinates are defined on the triangles that
 /// SurfaceMesh cuts its faces into, unless a method says otherwise. Faces look outwards, so the enclosed
 /// volume is positive.
+///
+/// Some methods also take a flat cage: a mesh in a plane, whose outline is what moves the points in that
+/// plane.
 class Cage
 {
 public:
-    /// \throw InvalidMesh  there is no face; or faces run along an edge more often in one direction than in
+    /// \param may_be_flat  whether the method takes flat cages.
+    /// \throw InvalidMesh  there is no face; or the cage is flat and must not be, or its outline crosses
+    ///   itself; or faces run along an edge more often in one direction than in
     ///   the other, which means that the cage is open or that neighbouring faces look to different sides (the
     ///   vertices of such edges are named); or the volume is not positive, which means that the cage is flat
     ///   or inside out (faces are named).
-    explicit Cage(SurfaceMesh rest);
+    explicit Cage(SurfaceMesh rest, bool may_be_flat = false);
+
+    bool is_flat() const { return outline_.has_value(); }
+    /// Of a flat cage.
+    const FlatOutline& outline() const { return *outline_; }
 
     /// The rest cage in its own frame(), in which all coordinates are computed. So neither its size nor its
     /// place matters.
@@ -46,6 +56,7 @@ private:
     NormalFrame frame_;
     SurfaceMesh rest_;
     std::optional<SurfaceMesh> given_; ///< where the frame is not the identity
+    std::optional<FlatOutline> outline_;
     double size_;
 };
 

@@ -17,6 +17,7 @@ namespace sinew {
 class CageCoordinates : public LinearSpaceMethod
 {
 public:
+    static constexpr bool takes_flat = false; ///< whether the cage may be flat
     const Cage& cage() const { return cage_; }
 
 protected:

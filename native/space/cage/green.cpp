@@ -43,11 +43,18 @@ Vector3 stretched_normal(const Vector3& u, const Vector3& v, Vector3 to_u, Vecto
 
 Green::Green(Cage cage, const GreenOptions& options)
     : CageCoordinates(std::move(cage), options.weights),
-      patch_faces_(options.faces == GreenFaces::quads ? QuadPatches::faces(this->cage())
-                                                      : std::vector<char>{}),
+      patch_faces_(options.faces == GreenFaces::quads && !this->cage().is_flat()
+                       ? QuadPatches::faces(this->cage())
+                       : std::vector<char>{}),
       geometry_(this->cage(), patch_faces_), patches_(this->cage(), geometry_, patch_faces_),
       options_(options)
 {
+    if (this->cage().is_flat()) {
+        flat_.emplace(this->cage(), geometry_);
+        if (options.outside == GreenOutside::face)
+            throw InvalidOption("a flat cage has no face through which the outside could be reached");
+        return;
+    }
     const std::vector<int>& faces = this->cage().rest().triangle_faces();
     for (const int face : faces) {
         const bool is_patch = !patch_faces_.empty() && patch_faces_[static_cast<std::size_t>(face)];
@@ -87,13 +94,20 @@ std::vector<std::string> Green::changed_settings(const SpaceMethod& former) cons
                     CageCoordinates::changed_settings(former));
 }
 
-int Green::columns() const { return first_of_patches() + 3 * patches_.count(); }
+int Green::columns() const
+{
+    if (flat_)
+        return cage().vertex_count() + flat_->edge_count() + 1;
+    return first_of_patches() + 3 * patches_.count();
+}
 
 RowMatrix Green::face_weights() const
 {
     const RowMatrix all = weights().dense();
     const double unit = cage().frame().unit() * cage().size();
     RowMatrix faces = all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
+    if (flat_)
+        return unit * faces.leftCols(std::max<Eigen::Index>(0, faces.cols() - 1));
     const Eigen::Index triangles = std::min<Eigen::Index>(faces.cols(), triangle_columns_);
     faces.leftCols(triangles) *= unit;
     faces.rightCols(faces.cols() - triangles) /= unit;
@@ -105,6 +119,10 @@ void Green::controls(PointsView vertices, Points& controls) const
     const CageTables tables = geometry_.tables();
     controls.setZero(columns(), 3);
     controls.topRows(cage().vertex_count()) = vertices;
+    if (flat_) {
+        flat_->controls(vertices, true, controls.bottomRows(flat_->edge_count() + 1));
+        return;
+    }
     for (int t = 0; t < tables.triangle_count; ++t) {
         const int* const v = tables.triangles[t].corners;
         const auto side = [&](int k) -> Vector3 {
@@ -179,6 +197,10 @@ void Green::integrate(const std::vector<Vector3>& points, Integrals& found) cons
 
 void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
+    if (flat_) {
+        flat_->green(block, rows, outside);
+        return;
+    }
     std::vector<Vector3> x, moved;
     for (Eigen::Index i = 0; i < block.rows(); ++i)
         x.push_back(geometry_.within_reach(geometry_.normalized(block.row(i))));
@@ -212,8 +234,13 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
             represent(place_near(x[i]), 1.0, x[i], row);
         if (patches_.count() > 0) {
             const QuadPatches::Place& near = found.near[i];
-            const double sum = 1.0 - row.head(cage().vertex_count()).sum();
-            const Vector3 left = x[i] - (row * rest_).transpose();
+            // In the order of the columns: Eigen's order depends on where the row is in memory.
+            double sum = 1.0;
+            Vector3 left = x[i];
+            for (int c = 0; c < columns(); ++c) {
+                sum -= c < cage().vertex_count() ? row[c] : 0.0;
+                left -= row[c] * rest_.row(c).transpose();
+            }
             represent({near.q >= 0 ? -1 : geometry_.nearest(x[i]), near}, sum, left, row);
         }
     }

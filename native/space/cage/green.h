@@ -3,7 +3,11 @@
 
 #include "native/space/cage/cage_coordinates.h"
 #include "native/space/cage/closed_forms/cage_geometry.h"
+#include "native/space/cage/closed_forms/flat_forms.h"
 #include "native/space/cage/closed_forms/quad_patches.h"
+
+#include <optional>
+#include <vector>
 
 namespace sinew {
 
@@ -72,18 +76,25 @@ struct GreenOptions
 /// through the place (s, t) of the patches nearest to x: x = P + alpha dP/ds + beta dP/dt + gamma n. Faces
 /// that fold as patches, such as darts, are two triangles.
 ///
+/// A flat cage has the coordinates of its outline, in its plane (the 2D case of Lipman et al.): n'_e is the
+/// outer normal of an edge in the plane of the posed cage and s_e its stretch. The map of the plane is
+/// conformal. Outside, it is continued through the nearest edge. A point over the plane keeps its distance
+/// from it: it moves along the normal of the posed cage.
+///
 /// A point farther from the centre of the cage than 1,000 of its sizes takes the coordinates of the point at
 /// 1,000 sizes in the same direction. A triangle without area (its height is below 1e-8 of the cage's size)
 /// has no psi. While a pose leaves a triangle without area, it has no normal, and its s n' is 0.
 class Green : public CageCoordinates
 {
 public:
-    /// \throw InvalidOption  exit_face is no face of the cage, or has no area.
+    static constexpr bool takes_flat = true;
+    /// \throw InvalidOption  GreenOutside::face is asked for with a flat cage, or exit_face is no face of the
+    /// cage, or has no area.
     explicit Green(Cage cage, const GreenOptions& options = {});
 
     /// (n, f) psi of each triangle that the cage's faces are cut into, in the unit of length of the cage.
     /// With GreenFaces::quads, triangles of patches are left out, and behind the others are three columns per
-    /// patch, in the inverse of that unit.
+    /// patch, in the inverse of that unit. Of a flat cage, those of the edges of the outline.
     RowMatrix face_weights() const;
 
 protected:
@@ -119,12 +130,13 @@ private:
     std::vector<char> patch_faces_; ///< which faces of the cage are patches; empty for none
     CageGeometry geometry_;
     QuadPatches patches_;
+    std::optional<FlatForms> flat_;
     GreenOptions options_;
     std::vector<int> columns_; ///< of each triangle of the cage; -1 for those of patches
     int triangle_columns_ = 0;
     int exit_ = -1;       ///< the triangle of the geometry that GreenOutside::face uses
     int exit_patch_ = -1; ///< or the patch
-    Eigen::Matrix<double, Eigen::Dynamic, 3> rest_; ///< what each column stands for at rest, normalised
+    Points rest_;         ///< what each column stands for at rest, normalised
 };
 
 } // namespace sinew

@@ -3,6 +3,9 @@
 
 #include "native/space/cage/cage_coordinates.h"
 #include "native/space/cage/closed_forms/cage_geometry.h"
+#include "native/space/cage/closed_forms/flat_forms.h"
+
+#include <optional>
 
 namespace sinew {
 
@@ -28,21 +31,31 @@ namespace sinew {
 /// of the distance, to 1e-7 at 1,000 sizes. A point even farther away takes the weights of the point at 1,000
 /// sizes in the same direction.
 ///
+/// A flat cage has the coordinates of its outline, in its plane:
+///
+/// M. S. Floater. "Mean Value Coordinates." Computer Aided Geometric Design 20(1), 2003. K. Hormann, M. S.
+/// Floater. "Mean Value Coordinates for Arbitrary Planar Polygons." ACM Transactions on Graphics 25(4), 2006.
+///
+/// The outline may be concave and have holes. The weights sum to 1 and have linear precision in the plane. A
+/// point over the plane keeps its distance from it: it moves along the normal of the posed cage.
+///
 /// If parts of a cage that crosses itself are inside out, there may be points where sum w is 0 and the
 /// weights have no meaning. Such points stay at rest and are reported as outside.
 class MeanValue : public CageCoordinates
 {
 public:
-    explicit MeanValue(Cage cage, const PointWeightOptions& options = {})
-        : CageCoordinates(std::move(cage), options), geometry_(this->cage())
-    {
-    }
+    static constexpr bool takes_flat = true;
+    explicit MeanValue(Cage cage, const PointWeightOptions& options = {});
 
 protected:
     void evaluate(int first, PointsView block, RowMatrix& rows, std::vector<char>& outside) const override;
+    /// The vertices; of a flat cage also its normal, times its size.
+    int columns() const override;
+    void controls(PointsView vertices, Points& controls) const override;
 
 private:
     CageGeometry geometry_;
+    std::optional<FlatForms> flat_;
 };
 
 } // namespace sinew

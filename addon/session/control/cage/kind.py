@@ -18,11 +18,11 @@ from ..objects import ObjectKind
 
 
 class CageKind(ObjectKind):
-    """A closed mesh around the target. It is drawn as wire."""
+    """A closed mesh around the target, or a flat one around flat art. It is drawn as wire."""
 
     MISSING = "No cage yet - Add Cage takes the other selected mesh"
     NOUN = "cage"
-    WANTED = "a cage is a closed mesh around the target"
+    WANTED = "a cage is a closed mesh around the target, or a flat one around flat art"
     REST_BUTTON, REST_REMEDY = "Set Rest Cage", Remedy.CAGE_REST
     ERROR = CageError
 
