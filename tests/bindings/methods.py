@@ -25,6 +25,7 @@ def methods_of(base: type) -> list[type]:
 
 SURFACE_METHODS = methods_of(sn.SurfaceMethod)
 SPACE_METHODS = methods_of(sn.SpaceMethod)
+CAGE_METHODS = methods_of(sn.CageCoordinates)
 
 
 def made(method: type, mesh: sn.SurfaceMesh, **options: object):
@@ -66,6 +67,7 @@ def called(entry: type | dict[str, object]) -> str:
 
 
 EVERY_SURFACE_METHOD = [(method, options) for method in SURFACE_METHODS for options in choices(method)]
+EVERY_CAGE_METHOD = [(method, options) for method in CAGE_METHODS for options in choices(method)]
 EVERY_SPACE_METHOD = [(method, options) for method in SPACE_METHODS for options in choices(method)]
 
 

@@ -13,7 +13,7 @@ import pytest
 import sinew_native as sn
 
 from .meshes import STILL, grid, shift, sphere, turn
-from .methods import EVERY_SPACE_METHOD, EVERY_SURFACE_METHOD, called, inside, made
+from .methods import EVERY_CAGE_METHOD, EVERY_SPACE_METHOD, EVERY_SURFACE_METHOD, called, inside, made
 
 SCALES = [2.0**k for k in range(-180, 181, 40)]  # 1e-54 to 1e54
 PLACES = [2.0**k for k in (8, 20, 33, 44)]  # up to 2e13
@@ -99,8 +99,8 @@ def bound(method: type, options: dict, cage: tuple[np.ndarray, np.ndarray], poin
     return coordinates, report.error
 
 
-@pytest.mark.parametrize(("method", "options"), EVERY_SPACE_METHOD, ids=called)
-def test_space_methods_give_the_same_weights_in_every_unit_and_place(method, options: dict, ball) -> None:
+@pytest.mark.parametrize(("method", "options"), EVERY_CAGE_METHOD, ids=called)
+def test_cages_give_the_same_weights_in_every_unit_and_place(method, options: dict, ball) -> None:
     cage, faces, points = ball
     here, error = bound(method, options, (cage, faces), points)
     places = [(scale, 0.0) for scale in SCALES] + list(itertools.product((1.0, 2.0**-70, 2.0**70), PLACES))

@@ -26,7 +26,7 @@ struct Pulls
     std::vector<Vector3> sides;       ///< and how far beside it
 };
 
-Pulls pulls_of(const HandleFrames& handles, const std::vector<std::vector<BlendedMaps::Share>>& shares,
+Pulls pulls_of(const HandleControl& handles, const std::vector<std::vector<BlendedMaps::Share>>& shares,
                int nodes)
 {
     std::vector<double> density(static_cast<std::size_t>(nodes), 0.0);
@@ -99,27 +99,28 @@ EmbeddedDeformation::~EmbeddedDeformation() = default;
 
 void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Progress& progress)
 {
-    DeformationGraph graph(surface(), options_.nodes, progress);
+    const SurfaceMesh mesh = surface_in_unit();
+    const DeformationGraph graph(mesh, options_.nodes, progress);
     progress.tick(0.75, "computing weights");
-    const double edge = graph.edge_length() / unit();
-    const Points& held = handles().held().points;
+    const double edge = graph.edge_length();
+    const Points held = in_unit(view(handles().held().points)), bound = in_unit(points);
     Pulls pulls = pulls_of(handles(), graph.shares(view(held)), graph.size());
-    Points places = in_unit(graph.places()) / edge;
     Points pulled(static_cast<Eigen::Index>(pulls.points.size()), 3);
-    const Points own = in_unit(held) / edge;
-    for (std::size_t k = 0; k < pulls.points.size(); ++k)
-        pulled.row(static_cast<Eigen::Index>(k)) = own.row(pulls.points[k]) + pulls.sides[k].transpose();
+    for (Eigen::Index k = 0; k < pulled.rows(); ++k)
+        pulled.row(k) = held.row(pulls.points[k]) / edge + pulls.sides[k].transpose();
     BlendedMaps blended;
-    for (const auto& shares : graph.shares(points))
+    for (const auto& shares : graph.shares(view(bound)))
         blended.add(shares);
     progress.tick(0.9, "factorising");
     EmbeddedEnergy energy(graph.edges(), pulls.pulls, handles().count(),
-                          {options_.rotation, options_.regularity, options_.pulls}, places, pulled);
-    std::vector<int> node_carriers = nearest_points(graph.places(), points),
-                     handle_carriers = nearest_points(held, points);
+                          {options_.rotation, options_.regularity, options_.pulls}, graph.places() / edge,
+                          pulled);
+    std::vector<int> node_carriers = nearest_points(graph.places(), view(bound)),
+                     handle_carriers = nearest_points(held, view(bound));
     std::unique_ptr<const Binding> next(
-        new Binding{graph.places(), graph.edges(), edge, std::move(pulls), std::move(energy),
-                    std::move(blended), std::move(node_carriers), std::move(handle_carriers), {}});
+        new Binding{(unit() * graph.places()).rowwise() + centre().transpose(), graph.edges(), edge,
+                    std::move(pulls), std::move(energy), std::move(blended), std::move(node_carriers),
+                    std::move(handle_carriers), {}});
     report.weight_bytes = next->points.bytes();
     progress.tick(1.0, "bound");
     bound_ = std::move(next);
@@ -199,21 +200,16 @@ RowMatrix EmbeddedDeformation::weights() const
     return W;
 }
 
-Points EmbeddedDeformation::posed_nodes(const Poses& poses, const std::optional<PointsView>& incoming) const
+HandleMethod::Network EmbeddedDeformation::posed_network(const std::vector<HandleMotion>& motions,
+                                                         PointsView base, bool enters) const
 {
-    const AccessLock shared = reading();
     const Binding& own = bound();
-    if (incoming && incoming->rows() != points().rows())
-        throw InvalidConstraint("incoming: " + std::to_string(incoming->rows()) + " points given for " +
-                                std::to_string(points().rows()) + " bound ones");
-    const Points control = handles().posed(poses);
-    const bool enters = incoming && points().rows() > 0;
     Workspace work;
-    solve(handles().motions(view(control)), enters ? *incoming : view(points()), enters, work);
+    solve(motions, base, enters && base.rows() > 0, work);
     Points nodes = work.shape.places;
     for (Eigen::Index j = 0; j < nodes.rows(); ++j)
         nodes.row(j) += work.x.row(4 * j + 3);
-    return (nodes * own.edge * unit()).rowwise() + centre().transpose();
+    return {(nodes * own.edge * unit()).rowwise() + centre().transpose(), own.edges};
 }
 
 EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Start start, double tolerance,
@@ -221,8 +217,7 @@ EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Star
 {
     const AccessLock shared = reading();
     const Binding& own = bound();
-    const Points control = handles().posed(poses);
-    std::vector<HandleMotion> motions = handles().motions(view(control));
+    std::vector<HandleMotion> motions = handles().motions(poses);
     for (HandleMotion& motion : motions)
         motion.move /= own.edge;
     EmbeddedProblem problem(own.energy, own.energy.rest(), motions);

@@ -64,7 +64,7 @@ class EmbeddedDeformation : public HandleMethod
 public:
     /// \param surface  the shape on which the nodes are: a mesh, or points without faces.
     /// \throw InvalidOption      nodes < 1, max_iterations < 1, or a weight or the tolerance is out of range.
-    /// \throw InvalidConstraint  as HandleFrames
+    /// \throw InvalidConstraint  as HandleControl
     EmbeddedDeformation(SurfaceMesh surface, HandlePoints handles,
                         const EmbeddedDeformationOptions& options = {});
     ~EmbeddedDeformation() override;
@@ -82,8 +82,6 @@ public:
     };
     /// \throw InvalidConstraint  before a bind
     Graph graph() const;
-    /// (m, 3) where poses take the nodes.
-    Points posed_nodes(const Poses& poses, const std::optional<PointsView>& incoming = {}) const;
     /// (n, m) the weights of the bound points.
     RowMatrix weights() const;
 
@@ -102,6 +100,8 @@ protected:
     SolveReport deform(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
                        PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
+    Network posed_network(const std::vector<HandleMotion>& motions, PointsView base,
+                          bool enters) const override;
     void swap_binding(HandleMethod& other) override;
 
 private:

@@ -58,7 +58,7 @@ class RigidCells : public HandleMethod
 public:
     /// \param surface  the shape that the cells fill: a mesh, open or closed, or points without faces.
     /// \throw InvalidOption      an option is out of range.
-    /// \throw InvalidConstraint  as HandleFrames; bind() throws it for handles without a cell of their own.
+    /// \throw InvalidConstraint  as HandleControl; bind() throws it for handles without a cell of their own.
     RigidCells(SurfaceMesh surface, HandlePoints handles, const RigidCellsOptions& options = {});
     ~RigidCells() override;
 
@@ -87,6 +87,8 @@ protected:
     SolveReport deform(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
                        PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
+    Network posed_network(const std::vector<HandleMotion>& motions, PointsView base,
+                          bool enters) const override;
     void swap_binding(HandleMethod& other) override;
 
 private:

@@ -24,10 +24,10 @@ const SurfaceMesh bar = shapes::bar(24, 6);
 
 Poses bent(double degrees)
 {
-    return {shapes::still(), shapes::turn({0, 1, 0}, degrees, {12, 3, 3}, {-3, 0, -4})};
+    return {shapes::still(), shapes::turn({0, 1, 0}, degrees, {12, 0, 0}, {-3, 0, 0})};
 }
 
-Poses twisted(double degrees) { return {shapes::still(), shapes::turn({1, 0, 0}, degrees, {0, 3, 3})}; }
+Poses twisted(double degrees) { return {shapes::still(), shapes::turn({1, 0, 0}, degrees)}; }
 
 struct Bound : RigidCells
 {
@@ -44,13 +44,12 @@ SpaceTraits traits()
         return
             [options] { return std::make_shared<RigidCells>(bar, shapes::held_ends(bar, 2.0), options); };
     };
-    const auto method = make({})();
     return {.name = "RigidCells",
             .variants = {{"300 cells", make({.cells = 300})}, {"one size", make({.cells = 120, .levels = 0})}},
-            .control = method->handles().posed({shapes::still(), shapes::still()}),
+            .control = shapes::held_ends(bar, 2.0).points,
             .points = bar.points(),
-            .follow = 12.0, // a tip of a frame turns and shears all that its handle holds
-            .outside = Vector3(-5, 3, 3),
+            .follow = 1.5,
+            .outside = Vector3(-5, 0, 0),
             .other = make({.cells = 301})};
 }
 
