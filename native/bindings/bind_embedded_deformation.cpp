@@ -86,7 +86,7 @@ strengths     (p,) how strongly.
 pull_weights  (p, m) which nodes they follow.
 
 Raises InvalidConstraint before bind().)")
-        .def("weights", &embedded_weights, "(n, m) which nodes each bound point follows; rows sum to 1.")
+        .def("weights", &embedded_weights, "(n, m + k) which nodes and handles each bound point follows; rows sum to 1.")
         .def("answer", &embedded_answer, py::arg("poses"), py::kw_only(), py::arg("from_rotations") = true,
              py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 40,
              R"(The maps of the nodes -> (4 m, 3), SolveReport. Four rows per node: the columns of its matrix, and where it is.

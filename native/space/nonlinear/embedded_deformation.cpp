@@ -6,6 +6,7 @@
 #include "native/core/parallel.h"
 #include "native/space/nonlinear/graph/deformation_graph.h"
 #include "native/space/nonlinear/graph/embedded_energy.h"
+#include "native/space/nonlinear/handles/handle_reach.h"
 
 #include <algorithm>
 #include <utility>
@@ -104,13 +105,19 @@ void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Pr
     progress.tick(0.75, "computing weights");
     const double edge = graph.edge_length();
     const Points held = in_unit(view(handles().held().points)), bound = in_unit(points);
-    Pulls pulls = pulls_of(handles(), graph.shares(view(held)), graph.size());
+    const std::vector<HandleReach::Shares> held_shares = graph.shares(view(held));
+    Pulls pulls = pulls_of(handles(), held_shares, graph.size());
     Points pulled(static_cast<Eigen::Index>(pulls.points.size()), 3);
     for (Eigen::Index k = 0; k < pulled.rows(); ++k)
         pulled.row(k) = held.row(pulls.points[k]) / edge + pulls.sides[k].transpose();
+    std::vector<HandleReach::Shares> shares = graph.shares(view(bound));
+    const HandleReach reach(handles(), held, held_shares, edge);
+    parallel_for(
+        static_cast<int>(shares.size()),
+        [&](int i) { reach.add_to(shares[i], bound.row(i).transpose(), graph.size()); }, 256);
     BlendedMaps blended;
-    for (const auto& shares : graph.shares(view(bound)))
-        blended.add(shares);
+    for (const HandleReach::Shares& own : shares)
+        blended.add(own);
     progress.tick(0.9, "factorising");
     EmbeddedEnergy energy(graph.edges(), pulls.pulls, handles().count(),
                           {options_.rotation, options_.regularity, options_.pulls}, graph.places() / edge,
@@ -159,7 +166,10 @@ SolveReport EmbeddedDeformation::deform(const std::vector<HandleMotion>& motions
     const SolveReport report = solve(motions, base, enters, *work);
     Poses maps = displacements(work->x, work->shape.places);
     for (Pose& map : maps)
-        map.col(3) *= unit() * own.edge;
+        map.col(3) *= own.edge;
+    append_displacements(motions, maps);
+    for (Pose& map : maps)
+        map.col(3) *= unit();
     std::visit([&](auto* to) { own.points.apply(maps, centre(), base, base, to); }, out);
     return report;
 }
@@ -193,7 +203,7 @@ RowMatrix EmbeddedDeformation::weights() const
 {
     const AccessLock shared = reading();
     const Binding& own = bound();
-    RowMatrix W = RowMatrix::Zero(own.points.point_count(), own.nodes.rows());
+    RowMatrix W = RowMatrix::Zero(own.points.point_count(), own.nodes.rows() + handles().count());
     for (int i = 0; i < own.points.point_count(); ++i)
         for (const auto& share : own.points.shares(i))
             W(i, share.map) = share.weight;

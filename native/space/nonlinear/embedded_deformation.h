@@ -49,6 +49,8 @@ struct EmbeddedDeformationOptions
 /// unknowns, from rotations that are blended between the handles: a step takes three solves. The minimum is
 /// the same.
 ///
+/// The points of a handle follow it exactly, and those around it, up to one edge away, partly, see HandleReach.
+///
 /// With an incoming shape, the graph rides on it: nodes and handle points enter where the vertices nearest to
 /// them do, so animations and simulations are edited in each frame's own shape. Where handles rest, the
 /// incoming shape comes out as it is.
@@ -82,7 +84,7 @@ public:
     };
     /// \throw InvalidConstraint  before a bind
     Graph graph() const;
-    /// (n, m) the weights of the bound points.
+    /// (n, m + k) the weights of the bound points: of the nodes, and of the handles.
     RowMatrix weights() const;
 
     /// From which start to minimise, for tests: that of the method, or one that knows no rotations.

@@ -9,6 +9,7 @@
 #include "native/rotations/body_problem.h"
 #include "native/rotations/cascade_start.h"
 #include "native/space/nonlinear/cells/cell_grid.h"
+#include "native/space/nonlinear/handles/handle_reach.h"
 
 #include <algorithm>
 #include <map>
@@ -189,14 +190,25 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
                        progress);
     progress.tick(0.8, "computing weights");
     const Points bound = in_unit(points);
+    const auto named = [&](std::vector<HandleReach::Shares> shares) {
+        for (HandleReach::Shares& own : shares)
+            for (BlendedMaps::Share& share : own)
+                share.map = renamed[share.map];
+        return shares;
+    };
+    std::vector<int> unused;
+    const Points held_points = in_unit(view(handles().held().points));
+    const std::vector<HandleReach::Shares> held_shares = named(grid.shares(view(held_points), unused));
+    std::vector<HandleReach::Shares> shares = named(grid.shares(view(bound), report.outside));
+    const HandleReach reach(handles(), held_points, held_shares, grid.side());
+    parallel_for(
+        static_cast<int>(shares.size()),
+        [&](int i) { reach.add_to(shares[i], bound.row(i).transpose(), grid.size()); }, 256);
     BlendedMaps blended;
-    for (std::vector<BlendedMaps::Share>& shares : grid.shares(view(bound), report.outside)) {
-        for (BlendedMaps::Share& share : shares)
-            share.map = renamed[share.map];
-        blended.add(shares);
-    }
+    for (const HandleReach::Shares& own : shares)
+        blended.add(own);
     const Vector3 first =
-        in_unit(view(handles().held().points)).topRows(handles().held().counts[0]).colwise().mean().transpose();
+        held_points.topRows(handles().held().counts[0]).colwise().mean().transpose();
     std::unique_ptr<const Binding> next(new Binding{std::move(cells), std::move(faces), std::move(rest),
                                                     first, std::move(graph), std::move(bodies), std::move(start),
                                                     std::move(blended), {}});
@@ -296,6 +308,7 @@ SolveReport RigidCells::deform(const std::vector<HandleMotion>& motions, PointsV
     Solve solve(own, motions, *work);
     const SolveReport report = solve.run(Start::cascade, options_.tolerance, options_.max_iterations);
     Poses maps = solve.maps();
+    append_displacements(motions, maps);
     for (Pose& map : maps)
         map.col(3) *= unit();
     std::visit([&](auto* to) { own.points.apply(maps, centre(), view(points()), base, to); }, out);

@@ -36,7 +36,8 @@ struct RigidCellsOptions
 ///
 ///     x' = sum_i w_i(x) (R_i (x - c_i) + t_i)
 ///
-/// with smooth weights that sum to 1, see CellGrid::shares().
+/// with smooth weights that sum to 1, see CellGrid::shares(). The points of a handle follow it exactly, and
+/// those around it, up to one side of the finest cells away, partly, see HandleReach.
 ///
 /// Departs from the paper: V counts only what lies behind the side, as a fine cell would otherwise be coupled
 /// to a coarse one three times too softly. The weights of points are compact radial ones, so that a frame
