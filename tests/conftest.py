@@ -24,7 +24,8 @@ def count_native(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Counter]:
 
             return call
 
-        methods = native.SurfaceMethod.__subclasses__()  # some have verbs of their own
+        # some have verbs of their own
+        methods = [*native.SurfaceMethod.__subclasses__(), *native.SpaceMethod.__subclasses__()]
         for owner in (native, native.SurfaceMesh, native.SurfaceMethod, native.SpaceMethod, *methods):
             for name in names or BINDS:
                 if name in vars(owner):

@@ -175,6 +175,18 @@ class Factor:
         with _translated(self._native):
             return method.control_grids(poses, **options)
 
+    def network(self, poses: np.ndarray, **options) -> tuple[np.ndarray, np.ndarray] | None:
+        """The nodes (m, 3) between the handles as they move, and pairs (l, 2) that hold together.
+
+        None if the method has no nodes.
+        """
+        with self._lock:
+            method = self._bound_method()
+        if not hasattr(method, "network"):
+            return None
+        with _translated(self._native):
+            return method.network(poses, **options)
+
     @property
     def folded_rings(self) -> np.ndarray:
         """The vertices (f,) that a method takes as the plain mean of their rings, because these overlap."""

@@ -172,17 +172,31 @@ class LatticePoints(ControlPoints):
 
 @dataclass(frozen=True)
 class HandlePoints(ControlPoints):
-    """Points that move with handles, handle after handle: ``counts`` (k,) is how many each of them has."""
+    """Points that move with handles, handle after handle: ``counts`` (k,) is how many each of them has.
+
+    A native class with ``warp_poses`` is built around the target, and takes the poses of the handles.
+    """
 
     counts: tuple[int, ...]
+
+    def make(self, native, recipe: "Recipe", mesh: object) -> Any:
+        """The native method, still without bound points."""
+        if not hasattr(recipe.native_class(native), "warp_poses"):
+            return super().make(native, recipe, mesh)
+        own = {"points": self.points, "counts": self.counts}
+        return make(native, recipe.method, mesh, own | recipe.options)
 
     def solve(
         self, method: Any, pose: np.ndarray, *, from_rest: np.ndarray | None = None, **options
     ) -> tuple[np.ndarray, None]:
         """Positions (n, 3) for a ``pose`` (k, 3, 4) of the handles.
 
-        The incoming shape gets the same displacements whatever ``from_rest`` says.
+        A method that takes points adds the same displacements to the incoming shape whatever ``from_rest``
+        says.
         """
+        if hasattr(method, "warp_poses"):
+            options.pop("progress", None)
+            return method.warp_poses(pose, from_rest=from_rest, **options), None
         ends = np.cumsum(self.counts)[:-1]
         posed = np.empty_like(self.points)
         parts = zip(np.split(posed, ends), np.split(self.points, ends), pose, strict=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Control grids as meshes that an overlay draws: bars along their lines, and beads at their points."""
+"""Control grids and graphs as meshes that an overlay draws: bars along their lines, beads at their points."""
 
 from collections.abc import Sequence
 
@@ -20,7 +20,20 @@ _SIDES = np.array(
 
 def grid_mesh(grids: Sequence[np.ndarray], opacity: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points float32 (m, 3), triangles int32 (t, 3), colours float32 (m, 4). A grid is (rows, columns, 3)."""
-    parts = [shape for grid in grids for shape in _shapes(np.asarray(grid, dtype=np.float64))]
+    return _mesh([shape for grid in grids for shape in _grid(np.asarray(grid, dtype=np.float64))], opacity)
+
+
+def graph_mesh(
+    nodes: np.ndarray, links: np.ndarray, opacity: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The same for nodes (m, 3) and links (l, 2) between them."""
+    return _mesh(_shapes(nodes[links[:, 0]], nodes[links[:, 1]], nodes), opacity)
+
+
+_Shape = tuple[np.ndarray, np.ndarray, tuple[float, float, float]]
+
+
+def _mesh(parts: Sequence[_Shape], opacity: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     points, triangles, paints, count = [], [], [], 0
     for corners, faces, colour in parts:
         points.append(corners)
@@ -34,11 +47,15 @@ def grid_mesh(grids: Sequence[np.ndarray], opacity: float) -> tuple[np.ndarray, 
     )
 
 
-def _shapes(grid: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, tuple[float, float, float]]]:
+def _grid(grid: np.ndarray) -> list[_Shape]:
     starts = np.concatenate((grid[:, :-1].reshape(-1, 3), grid[:-1].reshape(-1, 3)))
     ends = np.concatenate((grid[:, 1:].reshape(-1, 3), grid[1:].reshape(-1, 3)))
+    return _shapes(starts, ends, grid.reshape(-1, 3))
+
+
+def _shapes(starts: np.ndarray, ends: np.ndarray, beaded: np.ndarray) -> list[_Shape]:
     lengths = np.linalg.norm(ends - starts, axis=1)
-    size = lengths.mean()
+    size = lengths.mean() if len(lengths) else 0.0
     along = (ends - starts) / np.maximum(lengths, 1e-30)[:, None]
     away = np.eye(3)[np.abs(along).argmin(axis=1)]  # the axis that is farthest from the line
     across = np.cross(along, away)
@@ -47,7 +64,7 @@ def _shapes(grid: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, tuple[float,
     bars = np.concatenate(
         (starts[:, None] + _BAR * size * corners, ends[:, None] + _BAR * size * corners), axis=1
     )
-    beads = grid.reshape(-1, 1, 3) + _BEAD * size * _AXES
+    beads = beaded[:, None] + _BEAD * size * _AXES
     return [
         (bars.reshape(-1, 3), _repeated(_SIDES, len(bars), 8), _LINE_COLOUR),
         (beads.reshape(-1, 3), _repeated(_OCTAHEDRON, len(beads), 6), _POINT_COLOUR),

@@ -19,7 +19,7 @@ from ..session.shown import final_mesh, result
 from ..session.shown.result import Result
 from . import overlay_colours as colours
 from .overlay_colours import Colour, Legend
-from .overlay_grid import grid_mesh
+from .overlay_grid import graph_mesh, grid_mesh
 
 _SUPPORT = "support"  # key of the fixed region around a support, see ``session/control/handles/regions.py``
 _MOST_ROWS = 12
@@ -97,11 +97,9 @@ class OverlayCache:
         shape = result.shape_shown(obj, deformer)
         if not len(shape.triangles):
             return None
-        grids = result.control_grids(deformer) if settings.overlay == "GRID" else []
-        if grids:
-            numbers = sorted({f"{grid.shape[1]} x {grid.shape[0]} points" for grid in grids})
-            legend = Legend("Control Grid", note=", ".join(numbers))
-            self._meshes[deformer.uid] = OverlayMesh(key, source, *grid_mesh(grids, settings.opacity), legend)
+        lines = _lines(deformer, settings)
+        if lines is not None:
+            self._meshes[deformer.uid] = OverlayMesh(key, source, *lines)
             self.computed += 1
             return self._meshes[deformer.uid]
         painted, legend = _paint(obj, deformer, settings, shape)
@@ -127,6 +125,19 @@ def overlay_settings(context: Context) -> OverlaySettings:
         compressed=colours.on_screen(chosen.overlay_compressed),
         stretched=colours.on_screen(chosen.overlay_stretched),
     )
+
+
+def _lines(
+    deformer: SinewDeformer, settings: OverlaySettings
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, Legend] | None:
+    """A mesh of bars and beads, and its legend; None where the overlay colours the mesh instead."""
+    if settings.overlay == "GRID" and (grids := result.control_grids(deformer)):
+        numbers = sorted({f"{grid.shape[1]} x {grid.shape[0]} points" for grid in grids})
+        return *grid_mesh(grids, settings.opacity), Legend("Control Grid", note=", ".join(numbers))
+    if settings.overlay == "GRAPH" and (found := result.network(deformer)) is not None:
+        nodes, links = found
+        return *graph_mesh(nodes, links, settings.opacity), Legend("Graph", note=f"{len(nodes):,} nodes")
+    return None
 
 
 def shown_parameter(deformer: SinewDeformer, chosen: str) -> Parameter | None:
@@ -173,6 +184,7 @@ def _paint(
         "MASK": _mask,
         "CAGE": _cage,
         "GRID": _no_grid,
+        "GRAPH": _no_graph,
         "BANDS": _bands,
         "DISTORTION": _distortion,
     }[settings.overlay](obj, deformer, settings, shape)
@@ -278,6 +290,13 @@ def _no_grid(
 ) -> tuple[np.ndarray, Legend]:
     bare = np.zeros((len(shape.points), 4), dtype=np.float32)
     return bare, Legend("Control Grid", note=f"{deformer.definition.label} has no control grid")
+
+
+def _no_graph(
+    _obj: Object, deformer: SinewDeformer, _settings: OverlaySettings, shape: Result
+) -> tuple[np.ndarray, Legend]:
+    bare = np.zeros((len(shape.points), 4), dtype=np.float32)
+    return bare, Legend("Graph", note=f"{deformer.definition.label} has no graph")
 
 
 def _bands(

@@ -95,6 +95,12 @@ void SpaceMethod::warp(PointsView control, const std::optional<PointsView>& inco
                        std::optional<Eigen::Index> room) const
 {
     const AccessLock shared = reading();
+    displace(control, checked_base(incoming, room), out);
+}
+
+PointsView SpaceMethod::checked_base(const std::optional<PointsView>& incoming,
+                                     std::optional<Eigen::Index> room) const
+{
     if (!bound_)
         throw InvalidConstraint(std::string("no points are bound to the ") + control_name() +
                                 ": call bind() first");
@@ -111,7 +117,7 @@ void SpaceMethod::warp(PointsView control, const std::optional<PointsView>& inco
                                     Error::Element::vertex, bad);
         }
     }
-    displace(control, incoming ? *incoming : view(points_), out);
+    return incoming ? *incoming : view(points_);
 }
 
 } // namespace sinew

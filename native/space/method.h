@@ -86,6 +86,11 @@ public:
 protected:
     SpaceMethod() = default;
 
+    /// The shape that a warp deforms, checked as warp() does; the caller holds reading().
+    /// \throw InvalidConstraint  as warp()
+    PointsView checked_base(const std::optional<PointsView>& incoming,
+                            std::optional<Eigen::Index> room) const;
+
     /// Computes what warp() needs and completes the report. Must leave the object as it was if it throws.
     virtual void compute(PointsView points, SpaceReport& report, const Progress& progress) = 0;
     /// Writes base + displacements to `out`.

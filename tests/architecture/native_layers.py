@@ -46,6 +46,7 @@ SUB_RANKS = {
     "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
     "space/nonlinear": {"fields": 0, "": 1},
     "surface/nonlinear": {"primo": 0, "pyramids": 0, "sequence": 0, "subspace": 0, "": 1},
+    "space/nonlinear": {"handles": 0, "cells": 1, "graph": 1, "": 2},
     "multiresolution": {"details": 0, "transfer": 1, "": 1},
 }
 # Sub-rooms that nobody outside their room may see.
@@ -58,6 +59,8 @@ INTERNAL = {
     "space/cage/inside",
     "space/cage/visibility",
     "space/nonlinear/fields",
+    "space/nonlinear/cells",
+    "space/nonlinear/graph",
     "surface/linear/propagation",
     "surface/linear/pyramid",
     "surface/linear/semi_regular",

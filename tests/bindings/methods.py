@@ -73,7 +73,6 @@ def called(entry: type | dict[str, object]) -> str:
 
 EVERY_SURFACE_METHOD = [(method, options) for method in SURFACE_METHODS for options in choices(method)]
 EVERY_CAGE_METHOD = [(method, options) for method in CAGE_METHODS for options in choices(method)]
-EVERY_SPACE_METHOD = [(method, options) for method in SPACE_METHODS for options in choices(method)]
 
 
 def inside(cage: np.ndarray, count: int = 40) -> np.ndarray:

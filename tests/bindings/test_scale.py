@@ -100,7 +100,7 @@ def bound(method: type, options: dict, cage: tuple[np.ndarray, np.ndarray], poin
 
 
 @pytest.mark.parametrize(("method", "options"), EVERY_CAGE_METHOD, ids=called)
-def test_cage_methods_give_the_same_weights_in_every_unit_and_place(method, options: dict, ball) -> None:
+def test_cages_give_the_same_weights_in_every_unit_and_place(method, options: dict, ball) -> None:
     cage, faces, points = ball
     here, error = bound(method, options, (cage, faces), points)
     places = [(scale, 0.0) for scale in SCALES] + list(itertools.product((1.0, 2.0**-70, 2.0**70), PLACES))

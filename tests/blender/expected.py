@@ -55,6 +55,27 @@ def new_native(row: object, target: object, options: dict[str, object]) -> objec
     return getattr(native(), row.native)(target, **options)
 
 
+def space_warp(
+    row: object, rest: np.ndarray, faces: tuple, members: list[np.ndarray], options: dict[str, object]
+) -> Callable[[np.ndarray, np.ndarray | None], np.ndarray]:
+    """A warp of ``rest`` (n, 3) by a new native object whose handles hold points: takes poses (k, 3, 4)."""
+    points = np.concatenate(members)
+    made = getattr(native(), row.native)
+    if hasattr(made, "warp_poses"):
+        mesh = native().SurfaceMesh(rest, faces)
+        solver = made(mesh, points, [len(own) for own in members], **options)
+        solver.bind(rest)
+        return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)
+    solver = new_native(row, points, options)
+    solver.bind(rest)
+
+    def warp(poses: np.ndarray, incoming: np.ndarray | None) -> np.ndarray:
+        posed = [own @ pose[:, :3].T + pose[:, 3] for pose, own in zip(poses, members, strict=True)]
+        return solver.warp(np.concatenate(posed), incoming=incoming)
+
+    return warp
+
+
 class Poses(ABC):
     """What a control at rest, moved by a motion of its object, makes of a shape. Made while it is at rest."""
 
@@ -106,8 +127,7 @@ class Expected(Poses):
         self._still = [np.eye(4)[:3]] * (len(groups) - 1)
         self._members = [rest[group[0]] for group in groups]
         if self._row.is_space:
-            self._solver = new_native(self._row, np.concatenate(self._members), self._options)
-            self._solver.bind(rest)
+            self._solver = space_warp(self._row, rest, faces_of(obj.data), self._members, self._options)
             return
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
         self._solver = new_native(self._row, mesh, self._options)
@@ -120,10 +140,9 @@ class Expected(Poses):
         return cls(plate.obj, plate.control, method=method, **options)
 
     def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
-        if self._row.is_space:
-            moved, *still = self._members
-            return self._solver.warp(np.concatenate((apply_matrix(pose, moved), *still)), incoming=incoming)
         rows = np.array([np.array(pose)[:3], *self._still])
+        if self._row.is_space:
+            return self._solver(rows, incoming)
         return self._solver.solve(rows, incoming=incoming, **self._steps)[0]
 
 

@@ -144,6 +144,20 @@ def control_grids(deformer: SinewDeformer) -> list[np.ndarray]:
     return bound.factor.control_grids(shown.control, incoming=shown.incoming, **shown.further)
 
 
+def network(deformer: SinewDeformer) -> tuple[np.ndarray, np.ndarray] | None:
+    """The nodes (m, 3) of the shape shown, in object space, and the pairs (l, 2) that hold together.
+
+    None if the method has no nodes.
+    """
+    session = sessions.find(deformer.uid)
+    if session is None or session.bound is None or session.bound.factor.is_released:
+        return None
+    bound, shown = session.bound, session.view("VIEWPORT")
+    if shown.control is None or not shown.signature or shown.signature[0] != bound.key:
+        return None  # another factor made this shape
+    return bound.factor.network(shown.control, incoming=shown.incoming, **shown.further)
+
+
 def bands(deformer: SinewDeformer) -> np.ndarray | None:
     """The band of each vertex, (n,) int32, -1 for one in none; None if the method has no bands."""
     session = sessions.find(deformer.uid)

@@ -12,6 +12,7 @@ from ._operators import *
 from ._skeleton import *
 from ._solvers import *
 from ._space import *
+from ._space_handles import *
 from ._subdivision import *
 from ._surface import *
 

@@ -6,6 +6,7 @@
 #include "native/core/parallel.h"
 #include "native/space/nonlinear/graph/deformation_graph.h"
 #include "native/space/nonlinear/graph/embedded_energy.h"
+#include "native/space/nonlinear/handles/handle_reach.h"
 
 #include <algorithm>
 #include <utility>
@@ -26,7 +27,7 @@ struct Pulls
     std::vector<Vector3> sides;       ///< and how far beside it
 };
 
-Pulls pulls_of(const HandleFrames& handles, const std::vector<std::vector<BlendedMaps::Share>>& shares,
+Pulls pulls_of(const HandleControl& handles, const std::vector<std::vector<BlendedMaps::Share>>& shares,
                int nodes)
 {
     std::vector<double> density(static_cast<std::size_t>(nodes), 0.0);
@@ -99,27 +100,34 @@ EmbeddedDeformation::~EmbeddedDeformation() = default;
 
 void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Progress& progress)
 {
-    DeformationGraph graph(surface(), options_.nodes, progress);
+    const SurfaceMesh mesh = surface_in_unit();
+    const DeformationGraph graph(mesh, options_.nodes, progress);
     progress.tick(0.75, "computing weights");
-    const double edge = graph.edge_length() / unit();
-    const Points& held = handles().held().points;
-    Pulls pulls = pulls_of(handles(), graph.shares(view(held)), graph.size());
-    Points places = in_unit(graph.places()) / edge;
+    const double edge = graph.edge_length();
+    const Points held = in_unit(view(handles().held().points)), bound = in_unit(points);
+    const std::vector<HandleReach::Shares> held_shares = graph.shares(view(held));
+    Pulls pulls = pulls_of(handles(), held_shares, graph.size());
     Points pulled(static_cast<Eigen::Index>(pulls.points.size()), 3);
-    const Points own = in_unit(held) / edge;
-    for (std::size_t k = 0; k < pulls.points.size(); ++k)
-        pulled.row(static_cast<Eigen::Index>(k)) = own.row(pulls.points[k]) + pulls.sides[k].transpose();
+    for (Eigen::Index k = 0; k < pulled.rows(); ++k)
+        pulled.row(k) = held.row(pulls.points[k]) / edge + pulls.sides[k].transpose();
+    std::vector<HandleReach::Shares> shares = graph.shares(view(bound));
+    const HandleReach reach(handles(), held, held_shares, edge);
+    parallel_for(
+        static_cast<int>(shares.size()),
+        [&](int i) { reach.add_to(shares[i], bound.row(i).transpose(), graph.size()); }, 256);
     BlendedMaps blended;
-    for (const auto& shares : graph.shares(points))
-        blended.add(shares);
+    for (const HandleReach::Shares& own : shares)
+        blended.add(own);
     progress.tick(0.9, "factorising");
     EmbeddedEnergy energy(graph.edges(), pulls.pulls, handles().count(),
-                          {options_.rotation, options_.regularity, options_.pulls}, places, pulled);
-    std::vector<int> node_carriers = nearest_points(graph.places(), points),
-                     handle_carriers = nearest_points(held, points);
+                          {options_.rotation, options_.regularity, options_.pulls}, graph.places() / edge,
+                          pulled);
+    std::vector<int> node_carriers = nearest_points(graph.places(), view(bound)),
+                     handle_carriers = nearest_points(held, view(bound));
     std::unique_ptr<const Binding> next(
-        new Binding{graph.places(), graph.edges(), edge, std::move(pulls), std::move(energy),
-                    std::move(blended), std::move(node_carriers), std::move(handle_carriers), {}});
+        new Binding{(unit() * graph.places()).rowwise() + centre().transpose(), graph.edges(), edge,
+                    std::move(pulls), std::move(energy), std::move(blended), std::move(node_carriers),
+                    std::move(handle_carriers), {}});
     report.weight_bytes = next->points.bytes();
     progress.tick(1.0, "bound");
     bound_ = std::move(next);
@@ -158,7 +166,10 @@ SolveReport EmbeddedDeformation::deform(const std::vector<HandleMotion>& motions
     const SolveReport report = solve(motions, base, enters, *work);
     Poses maps = displacements(work->x, work->shape.places);
     for (Pose& map : maps)
-        map.col(3) *= unit() * own.edge;
+        map.col(3) *= own.edge;
+    append_displacements(motions, maps);
+    for (Pose& map : maps)
+        map.col(3) *= unit();
     std::visit([&](auto* to) { own.points.apply(maps, centre(), base, base, to); }, out);
     return report;
 }
@@ -192,28 +203,23 @@ RowMatrix EmbeddedDeformation::weights() const
 {
     const AccessLock shared = reading();
     const Binding& own = bound();
-    RowMatrix W = RowMatrix::Zero(own.points.point_count(), own.nodes.rows());
+    RowMatrix W = RowMatrix::Zero(own.points.point_count(), own.nodes.rows() + handles().count());
     for (int i = 0; i < own.points.point_count(); ++i)
         for (const auto& share : own.points.shares(i))
             W(i, share.map) = share.weight;
     return W;
 }
 
-Points EmbeddedDeformation::posed_nodes(const Poses& poses, const std::optional<PointsView>& incoming) const
+HandleMethod::Network EmbeddedDeformation::posed_network(const std::vector<HandleMotion>& motions,
+                                                         PointsView base, bool enters) const
 {
-    const AccessLock shared = reading();
     const Binding& own = bound();
-    if (incoming && incoming->rows() != points().rows())
-        throw InvalidConstraint("incoming: " + std::to_string(incoming->rows()) + " points given for " +
-                                std::to_string(points().rows()) + " bound ones");
-    const Points control = handles().posed(poses);
-    const bool enters = incoming && points().rows() > 0;
     Workspace work;
-    solve(handles().motions(view(control)), enters ? *incoming : view(points()), enters, work);
+    solve(motions, base, enters && base.rows() > 0, work);
     Points nodes = work.shape.places;
     for (Eigen::Index j = 0; j < nodes.rows(); ++j)
         nodes.row(j) += work.x.row(4 * j + 3);
-    return (nodes * own.edge * unit()).rowwise() + centre().transpose();
+    return {(nodes * own.edge * unit()).rowwise() + centre().transpose(), own.edges};
 }
 
 EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Start start, double tolerance,
@@ -221,8 +227,7 @@ EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Star
 {
     const AccessLock shared = reading();
     const Binding& own = bound();
-    const Points control = handles().posed(poses);
-    std::vector<HandleMotion> motions = handles().motions(view(control));
+    std::vector<HandleMotion> motions = handles().motions(poses);
     for (HandleMotion& motion : motions)
         motion.move /= own.edge;
     EmbeddedProblem problem(own.energy, own.energy.rest(), motions);

@@ -49,6 +49,8 @@ struct EmbeddedDeformationOptions
 /// unknowns, from rotations that are blended between the handles: a step takes three solves. The minimum is
 /// the same.
 ///
+/// The points of a handle follow it exactly, and those around it, up to one edge away, partly, see HandleReach.
+///
 /// With an incoming shape, the graph rides on it: nodes and handle points enter where the vertices nearest to
 /// them do, so animations and simulations are edited in each frame's own shape. Where handles rest, the
 /// incoming shape comes out as it is.
@@ -64,7 +66,7 @@ class EmbeddedDeformation : public HandleMethod
 public:
     /// \param surface  the shape on which the nodes are: a mesh, or points without faces.
     /// \throw InvalidOption      nodes < 1, max_iterations < 1, or a weight or the tolerance is out of range.
-    /// \throw InvalidConstraint  as HandleFrames
+    /// \throw InvalidConstraint  as HandleControl
     EmbeddedDeformation(SurfaceMesh surface, HandlePoints handles,
                         const EmbeddedDeformationOptions& options = {});
     ~EmbeddedDeformation() override;
@@ -82,9 +84,7 @@ public:
     };
     /// \throw InvalidConstraint  before a bind
     Graph graph() const;
-    /// (m, 3) where poses take the nodes.
-    Points posed_nodes(const Poses& poses, const std::optional<PointsView>& incoming = {}) const;
-    /// (n, m) the weights of the bound points.
+    /// (n, m + k) the weights of the bound points: of the nodes, and of the handles.
     RowMatrix weights() const;
 
     /// From which start to minimise, for tests: that of the method, or one that knows no rotations.
@@ -102,6 +102,8 @@ protected:
     SolveReport deform(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
                        PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
+    Network posed_network(const std::vector<HandleMotion>& motions, PointsView base,
+                          bool enters) const override;
     void swap_binding(HandleMethod& other) override;
 
 private:

@@ -5,9 +5,11 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/mesh/regions.h"
+#include "native/operators/rotation_fit.h"
 #include "native/rotations/body_problem.h"
 #include "native/rotations/cascade_start.h"
 #include "native/space/nonlinear/cells/cell_grid.h"
+#include "native/space/nonlinear/handles/handle_reach.h"
 
 #include <algorithm>
 #include <map>
@@ -30,15 +32,16 @@ struct Seats
     std::vector<double> strength; ///< 1 holds the cell
 };
 
-Seats seats_of(const CellGrid& grid, const HandleFrames& handles)
+/// \param held  (c, 3) the points of the handles, in the coordinates of the grid.
+Seats seats_of(const CellGrid& grid, const HandleControl& handles, const Points& held)
 {
     struct Sum
     {
         double points = 0.0, strength = 0.0;
     };
     std::vector<std::map<int, Sum>> tallies(static_cast<std::size_t>(grid.size()));
-    for (int p = 0; p < handles.held().points.rows(); ++p) {
-        Sum& sum = tallies[grid.cell_at(handles.held().points.row(p).transpose())][handles.handle_of(p)];
+    for (int p = 0; p < held.rows(); ++p) {
+        Sum& sum = tallies[grid.cell_at(held.row(p).transpose())][handles.handle_of(p)];
         sum.points += 1.0;
         sum.strength += handles.weight(p);
     }
@@ -109,9 +112,10 @@ struct RigidCells::Workspace
 /// Cells have the numbers of the graph.
 struct RigidCells::Binding
 {
-    std::vector<Cell> cells; ///< in object space
+    std::vector<Cell> cells; ///< in the coordinates of motions
     std::vector<CellFace> faces;
-    Points rest; ///< (m, 3) centres, in the coordinates of motions
+    Points rest;         ///< (m, 3) their centres
+    Vector3 first_middle; ///< of the points of the first handle
     RotationGraph graph;
     RigidBodies bodies;
     CascadeStart start;
@@ -136,8 +140,8 @@ RigidCells::~RigidCells() = default;
 
 void RigidCells::build(PointsView points, SpaceReport& report, const Progress& progress)
 {
-    CellGrid grid(surface(), options_.cells, options_.levels, progress);
-    const Seats seats = seats_of(grid, handles());
+    CellGrid grid(surface_in_unit(), options_.cells, options_.levels, progress);
+    const Seats seats = seats_of(grid, handles(), in_unit(view(handles().held().points)));
     std::vector<char> held;
     for (const int handle : seats.handle)
         held.push_back(handle >= 0);
@@ -145,7 +149,7 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
     std::vector<BodyJoint> joints;
     for (const CellFace& face : grid.faces()) {
         const double halves = grid.cells()[face.cell[0]].half + grid.cells()[face.cell[1]].half;
-        joints.push_back({{face.cell[0], face.cell[1]}, 4.0 * face.half * face.half / (halves * unit())});
+        joints.push_back({{face.cell[0], face.cell[1]}, 4.0 * face.half * face.half / halves});
     }
     Points centres(grid.size(), 3);
     for (int c = 0; c < grid.size(); ++c)
@@ -154,18 +158,18 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
     RotationGraph graph(graph_of(grid, seats, joints),
                         {.rigidity = std::vector<double>(static_cast<std::size_t>(grid.size()), 1.0),
                          .triangles = {}},
-                        in_unit(centres));
+                        centres);
     std::vector<Cell> cells;
     for (const int old : graph.order())
         cells.push_back(grid.cells()[old]);
-    Points rest = in_unit(centres)(graph.order(), Eigen::all);
+    Points rest = centres(graph.order(), Eigen::all);
     const std::vector<int> renamed = new_numbers(graph.order());
     std::vector<CellFace> faces = grid.faces();
     double square = 0.0;
     for (std::size_t k = 0; k < faces.size(); ++k) {
         for (const int side : {0, 1})
             faces[k].cell[side] = joints[k].body[side] = renamed[faces[k].cell[side]];
-        square += faces[k].half * faces[k].half / (unit() * unit() * static_cast<double>(faces.size()));
+        square += faces[k].half * faces[k].half / static_cast<double>(faces.size());
     }
     RigidBodies bodies(
         graph, std::move(joints),
@@ -173,8 +177,8 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
             const CellFace& face = faces[k];
             JointShape shape;
             for (const int side : {0, 1})
-                shape.lever[side] = (face.middle - cells[face.cell[side]].centre) / unit();
-            Vector3 extents = Vector3::Constant(face.half * face.half / (3.0 * unit() * unit()));
+                shape.lever[side] = face.middle - cells[face.cell[side]].centre;
+            Vector3 extents = Vector3::Constant(face.half * face.half / 3.0);
             if (face.axis >= 0)
                 extents[face.axis] = 0.0;
             shape.form = extents.asDiagonal();
@@ -185,14 +189,28 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
                        {.rigidity = graph.cells().rigidity, .smoothing = square / 6.0, .triangles = {}}, rest,
                        progress);
     progress.tick(0.8, "computing weights");
+    const Points bound = in_unit(points);
+    const auto named = [&](std::vector<HandleReach::Shares> shares) {
+        for (HandleReach::Shares& own : shares)
+            for (BlendedMaps::Share& share : own)
+                share.map = renamed[share.map];
+        return shares;
+    };
+    std::vector<int> unused;
+    const Points held_points = in_unit(view(handles().held().points));
+    const std::vector<HandleReach::Shares> held_shares = named(grid.shares(view(held_points), unused));
+    std::vector<HandleReach::Shares> shares = named(grid.shares(view(bound), report.outside));
+    const HandleReach reach(handles(), held_points, held_shares, grid.side());
+    parallel_for(
+        static_cast<int>(shares.size()),
+        [&](int i) { reach.add_to(shares[i], bound.row(i).transpose(), grid.size()); }, 256);
     BlendedMaps blended;
-    for (std::vector<BlendedMaps::Share>& shares : grid.shares(points, report.outside)) {
-        for (BlendedMaps::Share& share : shares)
-            share.map = renamed[share.map];
-        blended.add(shares);
-    }
+    for (const HandleReach::Shares& own : shares)
+        blended.add(own);
+    const Vector3 first =
+        held_points.topRows(handles().held().counts[0]).colwise().mean().transpose();
     std::unique_ptr<const Binding> next(new Binding{std::move(cells), std::move(faces), std::move(rest),
-                                                    std::move(graph), std::move(bodies), std::move(start),
+                                                    first, std::move(graph), std::move(bodies), std::move(start),
                                                     std::move(blended), {}});
     report.weight_bytes = next->points.bytes();
     progress.tick(1.0, "bound");
@@ -206,16 +224,23 @@ public:
     Solve(const Binding& bound, const std::vector<HandleMotion>& motions, Workspace& work)
         : bound_(bound), work_(work), targets_{poses_, view(bound.rest), {}, nullptr}
     {
+        // All is relative to the rigid motion of the first handle. So nothing is left to solve where all move
+        // like that, and numbers stay small.
+        turn_ = fit_rotation(Matrix3::Identity() + motions[0].turn);
+        middle_ = bound.first_middle;
+        there_ = middle_ + motions[0](middle_);
         for (const HandleMotion& motion : motions) {
             Pose& pose = poses_.emplace_back();
-            pose.leftCols<3>() = Matrix3::Identity() + motion.turn;
-            pose.col(3) = motion.move;
+            pose.leftCols<3>() = turn_.transpose() * (Matrix3::Identity() + motion.turn);
+            pose.col(3) = turn_.transpose() * (middle_ + motion(middle_) - there_) + middle_ -
+                          pose.leftCols<3>() * middle_;
         }
         work.centres = bound.rest;
         work.goals.set(bound.graph, targets_);
         const int free = bound.graph.free_count();
         for (int c = free; c < bound.graph.size(); ++c)
-            work.centres.row(c) += motions[bound.graph.nodes().hard(c)](bound.rest.row(c).transpose()).transpose();
+            work.centres.row(c) =
+                apply(poses_[bound.graph.nodes().hard(c)], bound.rest.row(c).transpose()).transpose();
         problem_.emplace(bound.graph, bound.bodies, bound.bodies.rest_numbers(), work.centres,
                          work.goals.pulls, &work.bodies);
         for (int c = free; c < bound.graph.size(); ++c)
@@ -225,7 +250,7 @@ public:
     SolveReport run(Start from, double tolerance, int max_iterations)
     {
         const int free = bound_.graph.free_count();
-        work_.x = work_.centres.topRows(free);
+        work_.x = bound_.rest.topRows(free);
         if (free == 0)
             return {.converged = true};
         if (from == Start::cascade) {
@@ -242,13 +267,23 @@ public:
                         {}, &work_.descent);
     }
 
-    /// The displacements of the cells, in the coordinates of motions.
+    /// (m, 3) where the cells are, in the coordinates of motions.
+    Points centres()
+    {
+        Points result = work_.centres;
+        result.topRows(bound_.graph.free_count()) = work_.x;
+        for (Eigen::Index c = 0; c < result.rows(); ++c)
+            result.row(c) = (there_ + turn_ * (result.row(c).transpose() - middle_)).transpose();
+        return result;
+    }
+
+    /// The displacements of the cells.
     Poses maps()
     {
-        const PointsView centres = bound_.graph.free_count() > 0 ? problem_->place(work_.x) : view(work_.centres);
+        const Points centres = this->centres();
         Poses maps(static_cast<std::size_t>(bound_.graph.size()));
         for (int c = 0; c < bound_.graph.size(); ++c) {
-            maps[c].leftCols<3>() = problem_->rotation(c) - Matrix3::Identity();
+            maps[c].leftCols<3>() = turn_ * problem_->rotation(c) - Matrix3::Identity();
             maps[c].col(3) = (centres.row(c) - bound_.rest.row(c)).transpose() -
                              maps[c].leftCols<3>() * bound_.rest.row(c).transpose();
         }
@@ -258,6 +293,8 @@ public:
 private:
     const Binding& bound_;
     Workspace& work_;
+    Matrix3 turn_;
+    Vector3 middle_, there_;
     Poses poses_;
     Targets targets_;
     std::optional<BodyProblem> problem_;
@@ -271,6 +308,7 @@ SolveReport RigidCells::deform(const std::vector<HandleMotion>& motions, PointsV
     Solve solve(own, motions, *work);
     const SolveReport report = solve.run(Start::cascade, options_.tolerance, options_.max_iterations);
     Poses maps = solve.maps();
+    append_displacements(motions, maps);
     for (Pose& map : maps)
         map.col(3) *= unit();
     std::visit([&](auto* to) { own.points.apply(maps, centre(), view(points()), base, to); }, out);
@@ -291,8 +329,8 @@ RigidCells::Cells RigidCells::cells() const
     Cells result;
     result.centres.resize(own.graph.size(), 3);
     for (int c = 0; c < own.graph.size(); ++c) {
-        result.centres.row(c) = own.cells[c].centre.transpose();
-        result.sides.push_back(2.0 * own.cells[c].half);
+        result.centres.row(c) = centre().transpose() + unit() * own.rest.row(c);
+        result.sides.push_back(2.0 * unit() * own.cells[c].half);
         result.handles.push_back(own.graph.nodes().hard(c));
     }
     for (const CellFace& face : own.faces)
@@ -300,24 +338,26 @@ RigidCells::Cells RigidCells::cells() const
     return result;
 }
 
+HandleMethod::Network RigidCells::posed_network(const std::vector<HandleMotion>& motions, PointsView,
+                                                bool) const
+{
+    const Binding& own = bound();
+    Workspace work;
+    Solve solve(own, motions, work);
+    solve.run(Start::cascade, options_.tolerance, options_.max_iterations);
+    return {(unit() * solve.centres()).rowwise() + centre().transpose(), cells().links};
+}
+
 RigidCells::Answer RigidCells::answer(const Poses& poses, Start start, double tolerance,
                                       int max_iterations) const
 {
     const AccessLock shared = reading();
     const Binding& own = bound();
-    const Points control = handles().posed(poses);
-    const std::vector<HandleMotion> motions = handles().motions(view(control));
+    const std::vector<HandleMotion> motions = handles().motions(poses);
     Workspace work;
     Solve solve(own, motions, work);
-    Answer result;
-    result.report = solve.run(start, tolerance, max_iterations);
-    result.centres.resize(own.graph.size(), 3);
-    const Poses maps = solve.maps();
-    for (int c = 0; c < own.graph.size(); ++c)
-        result.centres.row(c) =
-            own.cells[c].centre.transpose() +
-            unit() * (maps[c].leftCols<3>() * own.rest.row(c).transpose() + maps[c].col(3)).transpose();
-    return result;
+    const SolveReport report = solve.run(start, tolerance, max_iterations);
+    return {(unit() * solve.centres()).rowwise() + centre().transpose(), report};
 }
 
 std::vector<std::string> RigidCells::changed_settings(const SpaceMethod& former) const

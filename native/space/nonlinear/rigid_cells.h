@@ -36,7 +36,8 @@ struct RigidCellsOptions
 ///
 ///     x' = sum_i w_i(x) (R_i (x - c_i) + t_i)
 ///
-/// with smooth weights that sum to 1, see CellGrid::shares().
+/// with smooth weights that sum to 1, see CellGrid::shares(). The points of a handle follow it exactly, and
+/// those around it, up to one side of the finest cells away, partly, see HandleReach.
 ///
 /// Departs from the paper: V counts only what lies behind the side, as a fine cell would otherwise be coupled
 /// to a coarse one three times too softly. The weights of points are compact radial ones, so that a frame
@@ -58,7 +59,7 @@ class RigidCells : public HandleMethod
 public:
     /// \param surface  the shape that the cells fill: a mesh, open or closed, or points without faces.
     /// \throw InvalidOption      an option is out of range.
-    /// \throw InvalidConstraint  as HandleFrames; bind() throws it for handles without a cell of their own.
+    /// \throw InvalidConstraint  as HandleControl; bind() throws it for handles without a cell of their own.
     RigidCells(SurfaceMesh surface, HandlePoints handles, const RigidCellsOptions& options = {});
     ~RigidCells() override;
 
@@ -87,6 +88,8 @@ protected:
     SolveReport deform(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
                        PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
+    Network posed_network(const std::vector<HandleMotion>& motions, PointsView base,
+                          bool enters) const override;
     void swap_binding(HandleMethod& other) override;
 
 private:

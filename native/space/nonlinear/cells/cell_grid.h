@@ -46,6 +46,7 @@ public:
     const std::vector<Cell>& cells() const { return cells_; }
     const std::vector<CellFace>& faces() const { return faces_; }
     int size() const { return static_cast<int>(cells_.size()); }
+    double side() const { return side_; } ///< of the finest cells
     /// The cell that has a point, or the nearest one; and whether it has.
     int cell_at(const Vector3& point, bool* inside = nullptr) const;
 

@@ -6,7 +6,7 @@
 #include "native/solvers/descent/metric_lbfgs.h"
 #include "native/solvers/single_factor.h"
 #include "native/space/nonlinear/graph/deformation_graph.h"
-#include "native/space/nonlinear/handles/handle_frames.h"
+#include "native/space/nonlinear/handles/handle_control.h"
 
 #include <array>
 #include <vector>

@@ -21,26 +21,30 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 constexpr double large_part = 4.0;
 /// A node farther away than this many radii moves nothing.
 constexpr double reach = 5.0;
+/// How much farther than needed a front runs.
+constexpr double beyond = 1.3;
 constexpr int kept = NearNodes::count + 1;
 /// The least share by which a distance has to become shorter. Among slivers, each gain sets off others, so it
 /// doubles with every `patience` offers.
 constexpr double least_gain = 1e-6;
 constexpr int patience = 8;
 
-/// The distance of `c` where it is linear on the edge from a to b, if the way crosses the edge between its
-/// ends; infinite otherwise.
+/// The distance of `c` from the point in the plane, on the other side of the edge from a to b, that is as far
+/// from these as they say, if the way to it crosses the edge; infinite otherwise.
 double across(const Vector3& a, double at_a, const Vector3& b, double at_b, const Vector3& c)
 {
     const Vector3 edge = b - a, side = c - a;
     const double length = edge.norm();
     if (!(length > 0.0))
         return infinite;
-    const double slope = (at_b - at_a) / length, along = side.dot(edge) / length;
-    if (std::abs(slope) >= 1.0)
+    const double source = 0.5 * (length + (at_a - at_b) * (at_a + at_b) / length);
+    const double depth = std::sqrt(std::max(0.0, at_a * at_a - source * source));
+    const double along = side.dot(edge) / length,
+                 height = std::sqrt(std::max(0.0, side.squaredNorm() - along * along));
+    if (!(depth + height > 0.0))
         return infinite;
-    const double height = std::sqrt(std::max(0.0, side.squaredNorm() - along * along));
-    const double sine = std::sqrt(1.0 - slope * slope), crossing = along - height * slope / sine;
-    return crossing > 0.0 && crossing < length ? at_a + slope * along + height * sine : infinite;
+    const double crossing = source + (along - source) * depth / (depth + height);
+    return crossing > 0.0 && crossing < length ? std::hypot(along - source, depth + height) : infinite;
 }
 
 double area_of(const SurfaceMesh& mesh)
@@ -166,9 +170,15 @@ void NearNodes::choose(int wanted, Fronts& fronts, const Progress& progress)
     for (int v = 0; v < n; ++v)
         if (!is_on_surface(v))
             loose.push_back(v);
+    // Begins at the far end of a large part, so that no small one gets a node for nothing.
     const Vector3 centre = mesh_.points().colwise().mean().transpose();
     int next = 0;
-    (mesh_.points().rowwise() - centre.transpose()).rowwise().squaredNorm().maxCoeff(&next);
+    std::pair<bool, double> best{false, -1.0};
+    for (int v = 0; v < n; ++v)
+        if (const std::pair here{is_on_surface(v), (mesh_.point(v) - centre).squaredNorm()}; here > best) {
+            best = here;
+            next = v;
+        }
     while (true) {
         if (nodes_.size() % 64 == 0)
             progress.tick(0.4 * std::min(1.0, static_cast<double>(nodes_.size()) / wanted), "placing nodes");
@@ -210,10 +220,11 @@ void NearNodes::find_near(Fronts& fronts, const Progress& progress)
         if (j % 64 == 0)
             progress.tick(0.4 + 0.3 * j / static_cast<double>(nodes_.size()), "measuring distances");
         if (is_on_surface(nodes_[j]))
-            // A node that is not among the nearest of a vertex is not of those behind it, either.
+            // A node that is not among the nearest of a vertex is not of those behind it, either; but a front
+            // that crosses an edge needs both of its ends.
             fronts.from(
                 nodes_[j],
-                [&](int v) { return near_[static_cast<std::size_t>(v) * kept + kept - 1].first; },
+                [&](int v) { return beyond * near_[static_cast<std::size_t>(v) * kept + kept - 1].first; },
                 [&](int v, double distance) { put(v, distance, j); });
     }
     parallel_for(

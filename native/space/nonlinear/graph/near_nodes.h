@@ -18,9 +18,11 @@ namespace sinew {
 /// its vertices follow its own nodes only, so that limbs side by side stay apart. All other vertices (small
 /// parts, points of a cloud or of a curve) are measured straight, to nodes anywhere.
 ///
-/// Each node is the vertex farthest from all nodes before it. Distances along the surface are found by
-/// fronts that cross the triangles, as in operators/geodesic_distance.h, and end where they have met `count`
-/// + 1 nearer nodes.
+/// Each node is the vertex farthest from all nodes before it. Distances along the surface are those of fronts
+/// that cross the triangles and end where they have met `count` + 1 nearer nodes. A front is taken as that of
+/// a point in the plane of each triangle, which is exact where the surface unfolds into a plane (M. Novotni,
+/// R. Klein, "Computing Geodesic Distances on Triangular Meshes", WSCG 2002); operators/geodesic_distance.h,
+/// whose fronts are straight, is off by some percent near single points.
 class NearNodes
 {
 public:

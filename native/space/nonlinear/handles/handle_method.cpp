@@ -69,63 +69,89 @@ std::vector<int> nearest_points(const Points& places, PointsView points)
 
 HandleMethod::HandleMethod(SurfaceMesh surface, HandlePoints held)
     : surface_(std::move(surface)), centre_(middle(surface_.points())), unit_(diagonal(surface_.points())),
-      frames_(std::move(held), centre_, unit_)
+      control_(std::move(held), centre_, unit_)
 {
+}
+
+SurfaceMesh HandleMethod::surface_in_unit() const
+{
+    std::vector<int> counts, corners;
+    for (int f = 0; f < surface_.face_count(); ++f) {
+        counts.push_back(static_cast<int>(surface_.face(f).size()));
+        corners.insert(corners.end(), surface_.face(f).begin(), surface_.face(f).end());
+    }
+    return {in_unit(view(surface_.points())), std::move(counts), std::move(corners)};
 }
 
 void HandleMethod::compute(PointsView points, SpaceReport& report, const Progress& progress)
 {
-    std::vector<int> carriers = nearest_points(frames_.held().points, points);
+    std::vector<int> carriers = nearest_points(control_.held().points, points);
     build(points, report, progress);
     carriers_ = std::move(carriers);
 }
 
 void HandleMethod::displace(PointsView control, PointsView base, PositionsOut out) const
 {
-    const std::vector<HandleMotion> motions = frames_.motions(control);
+    write(control_.motions(control), base, out);
+}
+
+void HandleMethod::write(const std::vector<HandleMotion>& motions, PointsView base, PositionsOut out) const
+{
     const auto rests = [](const HandleMotion& m) { return m.turn.isZero(0.0) && m.move.isZero(0.0); };
     if (base.rows() == 0)
         return;
     if (std::ranges::all_of(motions, rests)) // the least energy, 0, is that of the shape that enters
         std::visit([&](auto* to) { std::copy(base.data(), base.data() + base.size(), to); }, out);
     else
-        deform(motions, base, base.data() != points().data(), out);
+        deform(motions, base, enters(base), out);
+}
+
+std::vector<HandleMotion> HandleMethod::aimed(const Poses& poses, PointsView base,
+                                              const std::vector<bool>& from_rest) const
+{
+    if (!from_rest.empty() && from_rest.size() != poses.size())
+        throw InvalidConstraint("from_rest: " + std::to_string(from_rest.size()) + " flags given for " +
+                                std::to_string(poses.size()) + " handles");
+    Poses result = poses;
+    if (enters(base) && base.rows() > 0 && static_cast<int>(poses.size()) == control_.count())
+        for (int h = 0, first = 0; h < control_.count(); first += control_.held().counts[h++])
+            if (!from_rest.empty() && from_rest[h]) {
+                // What has moved the incoming shape has moved the control, too.
+                const auto count = control_.held().counts[h];
+                Points before(count, 3), now(count, 3);
+                for (int k = 0; k < count; ++k) {
+                    before.row(k) = points().row(carriers_[first + k]);
+                    now.row(k) = base.row(carriers_[first + k]);
+                }
+                const Pose fit = rigid_fit(before, now);
+                result[h].leftCols<3>() = poses[h].leftCols<3>() * fit.leftCols<3>().transpose();
+                result[h].col(3) = poses[h].col(3) - result[h].leftCols<3>() * fit.col(3);
+            }
+    return control_.motions(result);
 }
 
 void HandleMethod::warp_poses(const Poses& poses, const std::optional<PointsView>& incoming, PositionsOut out,
                               std::optional<Eigen::Index> room, const std::vector<bool>& from_rest) const
 {
-    if (!from_rest.empty() && from_rest.size() != poses.size())
-        throw InvalidConstraint("from_rest: " + std::to_string(from_rest.size()) + " flags given for " +
-                                std::to_string(poses.size()) + " handles");
     const AccessLock shared = reading();
-    Poses aimed = poses;
-    const bool fits = incoming && incoming->rows() == points().rows() && incoming->rows() > 0 &&
-                      all_finite(*incoming) && static_cast<int>(poses.size()) == frames_.count();
-    for (int h = 0, first = 0; fits && h < frames_.count(); first += frames_.held().counts[h++])
-        if (!from_rest.empty() && from_rest[h]) {
-            // What has moved the incoming shape has moved the control, too.
-            const auto count = frames_.held().counts[h];
-            Points before(count, 3), now(count, 3);
-            for (int k = 0; k < count; ++k) {
-                before.row(k) = points().row(carriers_[first + k]);
-                now.row(k) = incoming->row(carriers_[first + k]);
-            }
-            const Pose fit = rigid_fit(before, now);
-            const Matrix3 back = fit.leftCols<3>().transpose();
-            aimed[h].leftCols<3>() = poses[h].leftCols<3>() * back;
-            aimed[h].col(3) = poses[h].col(3) - aimed[h].leftCols<3>() * fit.col(3);
-        }
-    const Points control = frames_.posed(aimed);
-    warp(view(control), incoming, out, room);
+    const PointsView base = checked_base(incoming, room);
+    write(aimed(poses, base, from_rest), base, out);
+}
+
+HandleMethod::Network HandleMethod::network(const Poses& poses, const std::optional<PointsView>& incoming,
+                                            const std::vector<bool>& from_rest) const
+{
+    const AccessLock shared = reading();
+    const PointsView base = checked_base(incoming, {});
+    return posed_network(aimed(poses, base, from_rest), base, enters(base));
 }
 
 SolveReport HandleMethod::report_for(const Poses& poses) const
 {
     const AccessLock shared = reading();
-    const Points control = frames_.posed(poses);
-    Points out(points().rows(), 3);
-    return deform(frames_.motions(view(control)), view(points()), false, out.data());
+    const PointsView base = checked_base({}, {});
+    Points out(base.rows(), 3);
+    return deform(control_.motions(poses), base, false, out.data());
 }
 
 void HandleMethod::swap_weights(SpaceMethod& other)
@@ -139,7 +165,7 @@ std::vector<std::string> HandleMethod::changed_settings(const SpaceMethod& forme
 {
     const auto& other = static_cast<const HandleMethod&>(former);
     return names_of({{"surface", !(surface_ == other.surface_)},
-                     {"handles", !(frames_.held() == other.frames_.held())}});
+                     {"handles", !(control_.held() == other.control_.held())}});
 }
 
 } // namespace sinew

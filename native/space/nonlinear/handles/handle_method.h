@@ -3,8 +3,9 @@
 
 #include "native/mesh/surface_mesh.h"
 #include "native/space/method.h"
-#include "native/space/nonlinear/handles/handle_frames.h"
+#include "native/space/nonlinear/handles/handle_control.h"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,12 +18,13 @@ std::vector<int> nearest_points(const Points& places, PointsView points);
 
 /// A space method that handles move, with an energy of the shape in its space.
 ///
-/// The control of warp() is (4 k, 3), the frames of the handles; warp_poses() takes poses instead. The answer
-/// depends on the poses and the incoming shape alone.
+/// The control of warp() is (c, 3), the posed points of the handles, which are fitted with a motion per handle;
+/// warp_poses() takes poses instead, so that single points turn, too. The answer depends on these and on the
+/// incoming shape alone.
 class HandleMethod : public SpaceMethod
 {
 public:
-    const HandleFrames& handles() const { return frames_; }
+    const HandleControl& handles() const { return control_; }
     const SurfaceMesh& surface() const { return surface_; }
 
     /// warp() for poses (k), from object space to object space.
@@ -32,18 +34,29 @@ public:
     void warp_poses(const Poses& poses, const std::optional<PointsView>& incoming, PositionsOut out,
                     std::optional<Eigen::Index> room = {}, const std::vector<bool>& from_rest = {}) const;
 
+    /// What moves the points between the handles: nodes, and which of them hold together.
+    struct Network
+    {
+        Points nodes; ///< (m, 3)
+        std::vector<std::array<int, 2>> links;
+    };
+    /// Where poses take the network of the last bind. \throw as warp_poses()
+    Network network(const Poses& poses, const std::optional<PointsView>& incoming = {},
+                    const std::vector<bool>& from_rest = {}) const;
+
     /// What a warp of the bound points reaches: iterations, energy and whether it converged.
     /// \throw as warp_poses()
     SolveReport report_for(const Poses& poses) const;
 
 protected:
     /// \param surface  the shape that the space is built around, of any number of faces, also none.
-    /// \throw as HandleFrames
+    /// \throw as HandleControl
     HandleMethod(SurfaceMesh surface, HandlePoints held);
 
     const Vector3& centre() const { return centre_; }
     double unit() const { return unit_; } ///< the diagonal of the box around the surface; 1 for a point
-    Points in_unit(const Points& points) const { return (points.rowwise() - centre_.transpose()) / unit_; }
+    Points in_unit(PointsView points) const { return (points.rowwise() - centre_.transpose()) / unit_; }
+    SurfaceMesh surface_in_unit() const;
 
     /// As compute(). The last tick comes before anything of the object is changed.
     virtual void build(PointsView points, SpaceReport& report, const Progress& progress) = 0;
@@ -51,6 +64,8 @@ protected:
     /// \param enters  whether `base` is another shape than the bound points.
     virtual SolveReport deform(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
                                PositionsOut out) const = 0;
+    virtual Network posed_network(const std::vector<HandleMotion>& motions, PointsView base,
+                                  bool enters) const = 0;
     virtual void swap_binding(HandleMethod& other) = 0;
 
     void compute(PointsView points, SpaceReport& report, const Progress& progress) final;
@@ -61,10 +76,15 @@ protected:
     const char* control_name() const override { return "handles"; }
 
 private:
+    void write(const std::vector<HandleMotion>& motions, PointsView base, PositionsOut out) const;
+    std::vector<HandleMotion> aimed(const Poses& poses, PointsView base,
+                                    const std::vector<bool>& from_rest) const;
+    bool enters(PointsView base) const { return base.data() != points().data(); }
+
     SurfaceMesh surface_;
     Vector3 centre_;
     double unit_;
-    HandleFrames frames_;
+    HandleControl control_;
     std::vector<int> carriers_; ///< (c) the bound point nearest to each point of a handle; empty without any
 };
 

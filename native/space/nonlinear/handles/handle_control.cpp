@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/space/nonlinear/handles/handle_frames.h"
+#include "native/space/nonlinear/handles/handle_control.h"
 
 #include "native/core/errors.h"
+#include "native/core/symmetric.h"
+#include "native/operators/rotation_fit.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -15,8 +21,11 @@ namespace {
 /// How far two handles may take one point apart, as a share of the unit: more than rounding in Blender's
 /// single precision leaves.
 constexpr double together = 1e-5;
+/// Points count as flat where they are spread by less than this share of their width, and as one point
+/// where they are spread by less than that in units.
+constexpr double flat = 1e-6, nothing = 1e-12;
 
-void check(const HandlePoints& held)
+void require_valid(const HandlePoints& held)
 {
     if (held.counts.empty())
         throw InvalidConstraint("handles: there is none; at least one has to move the shape");
@@ -48,19 +57,15 @@ void check(const HandlePoints& held)
 
 } // namespace
 
-HandleFrames::HandleFrames(HandlePoints held, const Vector3& centre, double unit)
+HandleControl::HandleControl(HandlePoints held, const Vector3& centre, double unit)
     : held_(std::move(held)), centre_(centre), unit_(unit)
 {
-    check(held_);
+    require_valid(held_);
     for (int h = 0; h < count(); ++h)
         handle_of_.insert(handle_of_.end(), held_.counts[h], h);
-    rest_.resize(4 * static_cast<Eigen::Index>(count()), 3);
-    for (int h = 0; h < count(); ++h)
-        for (int k = 0; k < 4; ++k) {
-            rest_.row(4 * h + k) = centre.transpose();
-            if (k > 0)
-                rest_(4 * h + k, k - 1) += unit;
-        }
+    places_ = (held_.points.rowwise() - centre.transpose()) / unit;
+    for (int h = 0, first = 0; h < count(); first += held_.counts[h++])
+        extents_.push_back(extent(first, held_.counts[h]));
 
     std::vector<int> order(handle_of_.size());
     std::iota(order.begin(), order.end(), 0);
@@ -75,38 +80,84 @@ HandleFrames::HandleFrames(HandlePoints held, const Vector3& centre, double unit
     }
 }
 
-Points HandleFrames::posed(const Poses& poses) const
+HandleControl::Extent HandleControl::extent(int first, int count) const
+{
+    const auto own = places_.middleRows(first, count);
+    Extent result{first, 0, own.colwise().mean().transpose(), Matrix3::Zero()};
+    const Points relative = own.rowwise() - result.middle.transpose();
+    const Matrix3 moment = relative.transpose() * relative;
+    const Vector3 spread = eigenvectors(moment).values; // rising
+    const double least = std::max(flat * flat * spread[2], nothing * nothing);
+    for (int axis = 0; axis < 3; ++axis)
+        result.rank += spread[axis] > least;
+    if (result.rank == 3)
+        result.inverse = moment.inverse();
+    return result;
+}
+
+HandleMotion HandleControl::fit(const Extent& extent, int count, PointsView posed) const
+{
+    const Points moves =
+        (posed.middleRows(extent.first, count) - held_.points.middleRows(extent.first, count)) / unit_;
+    HandleMotion motion{Matrix3::Zero(), moves.colwise().mean().transpose()};
+    if (moves.isZero(0.0))
+        return motion;
+    const Points from = places_.middleRows(extent.first, count).rowwise() - extent.middle.transpose();
+    const Points apart = moves.rowwise() - motion.move.transpose();
+    const Matrix3 S = (from + apart).transpose() * from;
+    if (extent.rank == 3) {
+        motion.turn = apart.transpose() * from * extent.inverse;
+    } else if (extent.rank == 2) {
+        motion.turn = fit_rotation(S) - Matrix3::Identity();
+    } else if (extent.rank == 1) {
+        Eigen::Index farthest = 0;
+        from.rowwise().squaredNorm().maxCoeff(&farthest);
+        const Vector3 line = from.row(farthest).transpose();
+        motion.turn = Eigen::Quaterniond::FromTwoVectors(line, S * line).toRotationMatrix() -
+                      Matrix3::Identity();
+    }
+    motion.move -= motion.turn * extent.middle;
+    return motion;
+}
+
+std::vector<HandleMotion> HandleControl::motions(const Poses& poses) const
 {
     if (static_cast<int>(poses.size()) != count())
         throw InvalidConstraint("poses: " + std::to_string(poses.size()) + " given for " +
                                 std::to_string(count()) + " handles");
-    Points control(rest_.rows(), 3);
-    for (Eigen::Index k = 0; k < rest_.rows(); ++k)
-        control.row(k) = apply(poses[k / 4], rest_.row(k).transpose()).transpose();
-    return control;
+    std::vector<HandleMotion> motions;
+    for (const Pose& pose : poses) {
+        const Matrix3 turn = pose.leftCols<3>() - Matrix3::Identity();
+        motions.push_back({turn, (turn * centre_ + pose.col(3)) / unit_});
+    }
+    check(motions);
+    return motions;
 }
 
-std::vector<HandleMotion> HandleFrames::motions(PointsView control) const
+std::vector<HandleMotion> HandleControl::motions(PointsView posed) const
 {
-    if (control.rows() != rest_.rows())
-        throw InvalidConstraint("handles: " + std::to_string(control.rows()) + " points given for " +
-                                std::to_string(count()) + " frames of four points");
-    std::vector<HandleMotion> motions(count());
+    if (posed.rows() != places_.rows())
+        throw InvalidConstraint("handles: " + std::to_string(posed.rows()) + " points given for " +
+                                std::to_string(places_.rows()));
+    std::vector<HandleMotion> motions(extents_.size(), {Matrix3::Zero(), Vector3::Constant(NAN)});
+    for (int h = 0; h < count(); ++h)
+        if (posed.middleRows(extents_[h].first, held_.counts[h]).allFinite())
+            motions[h] = fit(extents_[h], held_.counts[h], posed);
+    check(motions);
+    return motions;
+}
+
+void HandleControl::check(const std::vector<HandleMotion>& motions) const
+{
     std::vector<int> broken;
-    for (int h = 0; h < count(); ++h) {
-        const Eigen::Matrix<double, 4, 3> moves =
-            (control.middleRows<4>(4 * h) - rest_.middleRows<4>(4 * h)) / unit_;
-        if (!moves.allFinite())
+    for (int h = 0; h < count(); ++h)
+        if (!motions[h].turn.allFinite() || !motions[h].move.allFinite())
             broken.push_back(h);
-        motions[h].move = moves.row(0).transpose();
-        for (int axis = 0; axis < 3; ++axis)
-            motions[h].turn.col(axis) = (moves.row(axis + 1) - moves.row(0)).transpose();
-    }
     if (!broken.empty())
         throw InvalidConstraint("the poses of handles " + list_some(broken) + " are not finite",
                                 Error::Element::handle, broken);
     for (const auto& [a, b] : coincident_) {
-        const Vector3 y = (held_.points.row(a).transpose() - centre_) / unit_;
+        const Vector3 y = places_.row(a).transpose();
         const int first = handle_of_[a], second = handle_of_[b];
         if ((motions[first](y) - motions[second](y)).norm() > together)
             throw InvalidConstraint("handles " + std::to_string(first) + " and " + std::to_string(second) +
@@ -114,7 +165,6 @@ std::vector<HandleMotion> HandleFrames::motions(PointsView control) const
                                         "out of a handle, or move both alike",
                                     Error::Element::handle, {first, second});
     }
-    return motions;
 }
 
 } // namespace sinew

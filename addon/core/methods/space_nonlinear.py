@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nonlinear space methods: an energy of the space around a shape decides where its points go."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from .schema import Control, Family, Float, Int, Method, Moved, Reproduced
+
+_ITERATIONS = Int(
+    "max_iterations",
+    40,
+    minimum=1,
+    maximum=1000,
+    soft_maximum=100,
+    rebinds=True,
+    advanced=True,
+    unit="iterations per frame",
+    label="Iterations",
+    description="The most iterations per frame. Fewer are taken where the shape no longer changes",
+)
+_TOLERANCE = Float(
+    "tolerance",
+    1e-4,
+    minimum=0.0,
+    maximum=1.0,
+    soft_maximum=0.01,
+    precision=6,
+    rebinds=True,
+    advanced=True,
+    unit="share of the energy",
+    label="Tolerance",
+    description="A frame is done when two iterations in succession lower the energy by a smaller share",
+)
+
+
+def _graph_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
+    """Fronts from each node, and the pulls of the handles."""
+    return 1e-5 * points + 1e-8 * points * options["nodes"] ** 0.5 + 2e-5 * size + 1e-4 * options["nodes"]
+
+
+def _cells_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
+    """The shape is filled some times until the number of cells fits."""
+    return 3e-5 * points + 2e-7 * size + 1e-4 * options["cells"]
+
+
+ROWS = (
+    Method(
+        id="embedded_deformation",
+        number=44,
+        label="Embedded Deformation",
+        family=Family.SPACE_NONLINEAR,
+        control=Control.HANDLES,
+        native="EmbeddedDeformation",
+        section="7",
+        paper="Sumner, Schmid & Pauly 2007",
+        summary="A graph of local motions takes anything along: scans of many parts, animations, point clouds",
+        iterative=False,
+        moves=frozenset(Moved),
+        bind_seconds=_graph_seconds,
+        reproduces=Reproduced.RIGID_MOTIONS,
+        symmetric=False,
+        parameters=(
+            Int(
+                "nodes",
+                300,
+                minimum=1,
+                maximum=5000,
+                soft_maximum=1000,
+                rebinds=True,
+                unit="nodes of the graph",
+                label="Nodes",
+                description="How many nodes the graph has. More of them bend finer, and take longer",
+            ),
+            Float(
+                "rotation",
+                1.0,
+                minimum=1e-6,
+                maximum=1e6,
+                soft_maximum=100.0,
+                rebinds=True,
+                advanced=True,
+                unit="weight",
+                label="Rigidity",
+                description="How strongly nodes only turn, instead of stretching and shearing",
+            ),
+            Float(
+                "regularity",
+                10.0,
+                minimum=1e-6,
+                maximum=1e6,
+                soft_maximum=1000.0,
+                rebinds=True,
+                advanced=True,
+                unit="weight",
+                label="Smoothness",
+                description="How strongly neighbouring nodes move alike",
+            ),
+            Float(
+                "pulls",
+                100.0,
+                minimum=1e-6,
+                maximum=1e6,
+                soft_maximum=10000.0,
+                rebinds=True,
+                unit="weight",
+                label="Handle Strength",
+                description="How strongly handles hold their points. Higher values come closer to the handles, "
+                "and let the shape stretch more",
+            ),
+            _ITERATIONS,
+            _TOLERANCE,
+        ),
+    ),
+    Method(
+        id="rigid_cells",
+        number=45,
+        label="Rigid Cells",
+        family=Family.SPACE_NONLINEAR,
+        control=Control.HANDLES,
+        native="RigidCells",
+        section="7",
+        paper="Botsch, Pauly, Wicke & Gross 2007",
+        summary="Cubes that fill the shape stay rigid and hold together: it bends like a solid body",
+        iterative=False,
+        moves=frozenset(Moved),
+        bind_seconds=_cells_seconds,
+        reproduces=Reproduced.RIGID_MOTIONS,
+        symmetric=False,
+        parameters=(
+            Int(
+                "cells",
+                2000,
+                minimum=8,
+                maximum=100_000,
+                soft_maximum=10_000,
+                rebinds=True,
+                unit="cells",
+                label="Cells",
+                description="About how many cubes fill the shape. More of them keep thinner parts apart, and "
+                "take longer",
+            ),
+            Int(
+                "levels",
+                2,
+                minimum=0,
+                maximum=6,
+                soft_maximum=4,
+                rebinds=True,
+                advanced=True,
+                unit="doublings",
+                label="Coarsening",
+                description="How often cells inside of the shape may double their size, away from the surface",
+            ),
+            _ITERATIONS,
+            _TOLERANCE,
+        ),
+    ),
+)

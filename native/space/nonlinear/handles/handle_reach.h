@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/types.h"
+#include "native/space/nonlinear/handles/handle_control.h"
+#include "native/space/weights/blended_maps.h"
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace sinew {
+
+/// How points follow the handles themselves: a point of a handle exactly, and points around it the less the
+/// farther away they are, so that the shape stays smooth there. Nodes and cells alone would miss handles by
+/// some thousandths of the size.
+class HandleReach
+{
+public:
+    using Shares = std::vector<BlendedMaps::Share>;
+
+    /// \param held    (c, 3) the points of the handles.
+    /// \param shares  (c) what they follow besides. Only points that follow one of these are reached, so that
+    ///                the reach does not jump from one limb to the next.
+    /// \param radius  how far it goes.
+    HandleReach(const HandleControl& handles, Points held, const std::vector<Shares>& shares, double radius);
+
+    /// Adds shares of the handles, whose maps are numbered from `first` on, to those of a point. With f = 1 -
+    /// 3 r^2 + 2 r^3 at the distance r, in radii, to the nearest point of a handle, times the weight of that
+    /// point, and t = f / (1 - f), a handle gets t / (1 + sum t).
+    void add_to(Shares& shares, const Vector3& point, int first) const;
+
+private:
+    std::array<int, 3> bin_of(const Vector3& point) const;
+
+    const HandleControl& handles_;
+    Points held_;
+    const std::vector<Shares>& shares_;
+    double radius_;
+    std::map<std::array<int, 3>, std::vector<int>> bins_;
+};
+
+/// The displacements of the handles for BlendedMaps, about the centre of their coordinates.
+void append_displacements(const std::vector<HandleMotion>& motions, Poses& maps);
+
+} // namespace sinew

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/nonlinear/cells/cell_grid.h"
+
+#include "tests/native/space/nonlinear/legs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+namespace sinew {
+
+namespace {
+
+double volume(const CellGrid& grid)
+{
+    double sum = 0.0;
+    for (const Cell& cell : grid.cells())
+        sum += std::pow(2 * cell.half, 3);
+    return sum;
+}
+
+} // namespace
+
+TEST(CellGrid, fills_a_solid_with_about_as_many_cells_as_wanted)
+{
+    const SurfaceMesh ball = shapes::sphere(4);
+    for (const int wanted : {100, 1000, 5000}) {
+        const CellGrid grid(ball, wanted, 3, {});
+        EXPECT_NEAR(grid.size(), wanted, 0.3 * wanted);
+        EXPECT_GT(volume(grid), 4.0 / 3.0 * shapes::pi * 0.98); // the mesh is inside of the sphere
+    }
+    EXPECT_NEAR(volume(CellGrid(ball, 20000, 3, {})), 4.0 / 3.0 * shapes::pi, 0.7);
+}
+
+TEST(CellGrid, neighbours_differ_by_one_level_at_most)
+{
+    const CellGrid grid(shapes::sphere(4), 3000, 4, {});
+    std::map<long, int> sizes;
+    for (const Cell& cell : grid.cells())
+        ++sizes[std::lround(1e6 * cell.half)];
+    EXPECT_GE(sizes.size(), 3);
+    for (const CellFace& face : grid.faces()) {
+        const Cell &a = grid.cells()[face.cell[0]], &b = grid.cells()[face.cell[1]];
+        const double ratio = a.half / b.half;
+        EXPECT_TRUE(std::abs(ratio - 1) < 1e-9 || std::abs(ratio - 2) < 1e-9 || std::abs(ratio - 0.5) < 1e-9);
+        EXPECT_EQ(face.half, std::min(a.half, b.half)) << "the smaller of the two sides";
+        for (const Cell* cell : {&a, &b}) { // the middle of the side is on both
+            const Vector3 apart = (face.middle - cell->centre).cwiseAbs();
+            EXPECT_NEAR(apart[face.axis], cell->half, 1e-9);
+            EXPECT_LE(apart.maxCoeff(), cell->half + 1e-9);
+        }
+    }
+}
+
+TEST(CellGrid, sides_of_a_cell_inside_are_covered_once)
+{
+    const CellGrid grid(shapes::sphere(4), 3000, 4, {});
+    std::vector<double> covered(grid.size(), 0.0);
+    for (const CellFace& face : grid.faces())
+        for (const int cell : face.cell)
+            covered[cell] += 4 * face.half * face.half;
+    int whole = 0;
+    for (int c = 0; c < grid.size(); ++c) {
+        const double surface = 24 * grid.cells()[c].half * grid.cells()[c].half;
+        EXPECT_LE(covered[c], surface * (1 + 1e-9));
+        whole += covered[c] > surface * (1 - 1e-9);
+    }
+    EXPECT_GT(whole, grid.size() / 4);
+}
+
+TEST(CellGrid, legs_side_by_side_are_not_linked)
+{
+    const CellGrid grid(legs::pair(), 700, 2, {});
+    int apart = 0;
+    for (const CellFace& face : grid.faces()) {
+        const Vector3 a = grid.cells()[face.cell[0]].centre, b = grid.cells()[face.cell[1]].centre;
+        apart += legs::side(a) * legs::side(b) < 0;
+    }
+    EXPECT_EQ(apart, 0);
+}
+
+TEST(CellGrid, loose_pieces_are_joined_to_held_ones)
+{
+    const SurfaceMesh two = shapes::joined(shapes::sphere(3), shapes::sphere(2), {4, 0, 0});
+    CellGrid grid(two, 400, 2, {});
+    const std::size_t before = grid.faces().size();
+    std::vector<char> held(grid.size(), 0);
+    held[grid.cell_at({-1, 0, 0})] = 1;
+    grid.join_loose_pieces(held);
+    ASSERT_EQ(grid.faces().size(), before + 1);
+    EXPECT_EQ(grid.faces().back().axis, -1);
+    held[grid.cell_at({4, 0, 0})] = 1;
+    CellGrid other(two, 400, 2, {});
+    other.join_loose_pieces(held);
+    EXPECT_EQ(other.faces().size(), before) << "each has a handle of its own";
+}
+
+TEST(CellGrid, weights_are_smooth_and_sum_to_one_after_division)
+{
+    const SurfaceMesh ball = shapes::sphere(4);
+    const CellGrid grid(ball, 1500, 3, {});
+    // Along a line just inside of the surface, weights change little from point to point.
+    Points line(4000, 3);
+    for (int k = 0; k < line.rows(); ++k) {
+        const double angle = 2 * shapes::pi * k / static_cast<double>(line.rows());
+        line.row(k) << 0.95 * std::cos(angle), 0.95 * std::sin(angle) * 0.8, 0.57 * std::sin(angle);
+    }
+    std::vector<int> outside;
+    const auto shares = grid.shares(view(line), outside);
+    EXPECT_TRUE(outside.empty());
+    const auto normalised = [&](int k) {
+        std::map<int, double> result;
+        double sum = 0.0;
+        for (const auto& share : shares[k])
+            sum += share.weight;
+        for (const auto& share : shares[k])
+            result[share.map] = share.weight / sum;
+        return result;
+    };
+    double most = 0.0;
+    for (int k = 1; k < line.rows(); ++k) {
+        std::map<int, double> change = normalised(k);
+        for (const auto& [cell, weight] : normalised(k - 1))
+            change[cell] -= weight;
+        double sum = 0.0;
+        for (const auto& [cell, weight] : change)
+            sum += std::abs(weight);
+        most = std::max(most, sum);
+    }
+    // A step is a thousandth of the ball, and a side of a cell about a tenth: without jumps, weights change by
+    // some slopes times a hundredth.
+    EXPECT_LT(most, 0.15);
+    std::cout << "largest change " << most << ", cells " << grid.size() << " side "
+              << 2 * grid.cells()[0].half << "\n";
+}
+
+TEST(CellGrid, takes_a_point_a_line_and_a_sheet)
+{
+    for (const SurfaceMesh& mesh : {SurfaceMesh(Points::Zero(1, 3), {}, {}), shapes::grid(10, 10),
+                                    SurfaceMesh(shapes::grid_points(50, 0), {}, {}), shapes::messy()}) {
+        const CellGrid grid(mesh, 300, 2, {});
+        EXPECT_GE(grid.size(), 1);
+        std::vector<int> outside;
+        for (const auto& shares : grid.shares(view(mesh.points()), outside))
+            EXPECT_FALSE(shares.empty());
+        EXPECT_TRUE(outside.empty());
+    }
+}
+
+} // namespace sinew

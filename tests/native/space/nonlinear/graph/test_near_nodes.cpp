@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/nonlinear/graph/near_nodes.h"
+
+#include "native/space/nonlinear/graph/deformation_graph.h"
+#include "tests/native/space/nonlinear/legs.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+namespace sinew {
+
+namespace {
+
+using Shares = std::vector<BlendedMaps::Share>;
+
+double sum_of(const Shares& shares)
+{
+    double sum = 0.0;
+    for (const auto& share : shares)
+        sum += share.weight;
+    return sum;
+}
+
+/// How many vertices of one leg follow a node of the other, well below the join.
+int glued(const SurfaceMesh& mesh, const std::vector<int>& nodes,
+          const std::function<Shares(int)>& shares)
+{
+    int count = 0;
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        for (const auto& share : shares(v))
+            if (legs::side(mesh.point(v)) * legs::side(mesh.point(nodes[share.map])) < 0) {
+                ++count;
+                break;
+            }
+    return count;
+}
+
+} // namespace
+
+TEST(NearNodes, has_four_nodes_per_vertex_with_the_weights_of_the_formula)
+{
+    const SurfaceMesh mesh = shapes::grid(20, 20);
+    const NearNodes near(mesh, 30, {});
+    EXPECT_EQ(near.nodes().size(), 30);
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        const Shares own = near.shares(v);
+        ASSERT_LE(own.size(), 4);
+        EXPECT_NEAR(sum_of(own), 1.0, 1e-14);
+        std::vector<double> straight; // in a plane, the ways are straight
+        for (const int node : near.nodes())
+            straight.push_back((mesh.point(node) - mesh.point(v)).norm());
+        std::ranges::sort(straight);
+        double sum = 0.0, first = 0.0;
+        for (int k = 0; k < 4; ++k) {
+            const double w = std::pow(1.0 - straight[k] / straight[4], 2);
+            first = k == 0 ? w : first;
+            sum += w;
+        }
+        double largest = 0.0;
+        for (const auto& share : own)
+            largest = std::max(largest, share.weight);
+        EXPECT_NEAR(largest, first / sum, 1e-9) << v;
+    }
+}
+
+TEST(NearNodes, legs_side_by_side_share_no_node)
+{
+    const SurfaceMesh mesh = legs::pair();
+    const NearNodes near(mesh, 60, {});
+    EXPECT_EQ(glued(mesh, near.nodes(), [&](int v) { return near.shares(v); }), 0);
+    EXPECT_GT(glued(mesh, near.nodes(), [&](int v) { return near.straight_shares(mesh.point(v)); }), 20)
+        << "straight distances would glue them, so the test says something";
+}
+
+TEST(NearNodes, measures_small_parts_and_clouds_straight)
+{
+    const SurfaceMesh body = shapes::sphere(3);
+    Points button = 0.02 * shapes::sphere(0).points();
+    const SurfaceMesh both = shapes::joined(body, shapes::moved(shapes::sphere(0), button), {1.03, 0, 0});
+    const NearNodes near(both, 40, {});
+    for (int v = body.vertex_count(); v < both.vertex_count(); ++v) {
+        EXPECT_FALSE(near.is_on_surface(v));
+        for (const auto& share : near.shares(v))
+            EXPECT_LT(near.nodes()[share.map], body.vertex_count()) << "the button has no node of its own";
+    }
+    const SurfaceMesh cloud(shapes::sphere(3).points(), {}, {});
+    const NearNodes points(cloud, 40, {});
+    for (int v = 0; v < cloud.vertex_count(); ++v)
+        EXPECT_NEAR(sum_of(points.shares(v)), 1.0, 1e-14);
+}
+
+TEST(NearNodes, takes_few_and_coincident_points)
+{
+    for (const int count : {1, 2, 4, 7}) {
+        Points points = Points::Zero(count, 3);
+        for (int k = 1; k < count; ++k)
+            points(k, 0) = k % 3; // some coincide
+        const SurfaceMesh mesh(points, {}, {});
+        const NearNodes near(mesh, 300, {});
+        EXPECT_LE(near.nodes().size(), 3);
+        for (int v = 0; v < count; ++v)
+            EXPECT_NEAR(sum_of(near.shares(v)), 1.0, 1e-14);
+    }
+}
+
+TEST(DeformationGraph, is_connected_whatever_the_parts)
+{
+    SurfaceMesh mesh = shapes::sphere(3);
+    for (int k = 1; k < 4; ++k)
+        mesh = shapes::joined(mesh, shapes::sphere(3), Vector3(5.0 * k, k, 0));
+    const DeformationGraph graph(mesh, 50, {});
+    std::vector<int> piece(graph.size());
+    for (int j = 0; j < graph.size(); ++j)
+        piece[j] = j;
+    for (int round = 0; round < graph.size(); ++round)
+        for (const auto& [a, b] : graph.edges())
+            piece[a] = piece[b] = std::min(piece[a], piece[b]);
+    EXPECT_EQ(*std::ranges::max_element(piece), 0);
+}
+
+} // namespace sinew
