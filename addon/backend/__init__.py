@@ -19,7 +19,18 @@ from .native import (
     sketched_part,
 )
 from .puppet import Bones, Puppet, Solution, Targets
-from .recipes import Base, Cage, CageReport, ControlPoints, HandlePoints, Handles, Progress, Recipe, Shape
+from .recipes import (
+    Base,
+    Cage,
+    CageReport,
+    ControlPoints,
+    HandlePoints,
+    Handles,
+    Progress,
+    Recipe,
+    Shape,
+    handle_points,
+)
 from .self_check import Check, check_installation, last_check
 
 __all__ = (
@@ -48,6 +59,7 @@ __all__ = (
     "check_installation",
     "connected_parts",
     "diagnose",
+    "handle_points",
     "last_check",
     "limit_memory",
     "limit_threads",

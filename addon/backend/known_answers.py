@@ -13,7 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..core.methods import Bool, Choice, Control, Method, Parameter, Reproduced, wrapped
-from .recipes import Base, Cage, ControlPoints, HandlePoints, Handles, Recipe, Shape
+from .recipes import Base, Cage, ControlPoints, HandlePoints, Handles, Recipe, Shape, handle_points
 
 # Lengths, on shapes 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves
 # of up to 6 units.
@@ -107,8 +107,8 @@ def _with_handles(method: Method, options: dict[str, object], solve: dict[str, o
     points = points * (2.0, 1.0, 1.0)
     ends = [np.flatnonzero(points[:, 0] < -1.2), np.flatnonzero(points[:, 0] > 1.2)]
     middle = np.flatnonzero(points[:, 0] == 0.0)
-    control: Handles | HandlePoints = HandlePoints(
-        np.concatenate([points[end] for end in ends]), tuple(map(len, ends))
+    control: Handles | HandlePoints = handle_points(
+        method, np.concatenate([points[end] for end in ends]), tuple(map(len, ends))
     )
     if not method.is_space:
         own: dict[str, Sequence[object]] = {

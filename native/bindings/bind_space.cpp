@@ -3,6 +3,8 @@
 #include "native/bindings/representation.h"
 #include "native/space/method.h"
 
+#include <pybind11/stl.h>
+
 #include <memory>
 
 namespace sinew::bindings {
@@ -92,6 +94,8 @@ void bind_space(py::module_& module)
             "at most this times the longest move of a cage vertex.")
         .def_readonly("error", &SpaceReport::error,
                       "Estimate of the largest error of a weight; 0 for a closed form.")
+        .def_readonly("remarks", &SpaceReport::remarks,
+                      "What the control cannot carry, and what is used instead; a list of texts.")
         .def_readonly("weight_bytes", &SpaceReport::weight_bytes, "Memory of the weights.")
         .def_readonly("seconds", &SpaceReport::seconds, "Wall clock time of the call.")
         .def("__repr__", [](const SpaceReport& report) {

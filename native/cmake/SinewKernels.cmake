@@ -12,6 +12,8 @@ set(SINEW_KERNELS
   native/solvers/supernodal/kernels avx2
   native/space/cage/closed_forms/cage_kernels avx2 avx512
   native/space/cage/harmonic/layers avx2 avx512
+  native/space/nonlinear/mls/kernels avx2
+  native/space/points/rbf/kernels avx2 avx512
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2
   native/surface/linear/propagation/kernels avx2

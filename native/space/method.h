@@ -23,6 +23,7 @@ struct SpaceReport
     std::vector<int> outside; ///< points outside the control
     double dropped = 0.0;     ///< how much the threshold changed the weights, see PointWeights::dropped()
     double error = 0.0; ///< estimate of the largest error of a weight; 0 where the method has a closed form
+    std::vector<std::string> remarks; ///< what the control cannot carry, and what is used instead
     std::int64_t weight_bytes = 0; ///< memory of the weights
     double seconds = 0.0;          ///< wall clock time of the call
 };

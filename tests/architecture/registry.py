@@ -76,7 +76,9 @@ def _row_offences(root: Path, row: Row) -> Iterator[str]:
     if (root / test).is_file() and f", {suite}," not in (root / test).read_text(encoding="utf-8"):
         yield f"{place}: {test} does not run {suite}"
     bindings = "".join(path.read_text(encoding="utf-8") for path in files(root, "native/bindings", ".cpp"))
-    if not re.search(rf'(class_|bind_surface_method|bind_cage_method)<[^;]*?"{row.native}"', bindings):
+    if not re.search(
+        rf'(class_|bind_surface_method|bind_cage_method|bind_points_method)<[^;]*?"{row.native}"', bindings
+    ):
         yield f"{place}: native/bindings binds no class {row.native}"
     types = "".join(path.read_text(encoding="utf-8") for path in files(root, "native/bindings", ".pyi"))
     if not re.search(rf"^class {row.native}\b", types, re.MULTILINE):

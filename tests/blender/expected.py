@@ -106,7 +106,8 @@ class Expected(Poses):
         self._still = [np.eye(4)[:3]] * (len(groups) - 1)
         self._members = [rest[group[0]] for group in groups]
         if self._row.is_space:
-            self._solver = new_native(self._row, np.concatenate(self._members), self._options)
+            counts = {"counts": [len(points) for points in self._members]} if self._row.poses_maps else {}
+            self._solver = new_native(self._row, np.concatenate(self._members), self._options | counts)
             self._solver.bind(rest)
             return
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
@@ -122,6 +123,9 @@ class Expected(Poses):
     def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
         if self._row.is_space:
             moved, *still = self._members
+            if self._row.poses_maps:
+                rows = 4 if len(moved) > 1 else 1
+                moved, still = np.split(self._solver.control, [rows])[0], [self._solver.control[rows:]]
             return self._solver.warp(np.concatenate((apply_matrix(pose, moved), *still)), incoming=incoming)
         rows = np.array([np.array(pose)[:3], *self._still])
         return self._solver.solve(rows, incoming=incoming, **self._steps)[0]

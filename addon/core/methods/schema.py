@@ -218,7 +218,8 @@ class Method:
     takes the ``frame`` and the ``keys``. ``draft_iterations``: how many an iterative method takes for a draft
     of a frame in playback. ``reproduces``: the most that the method promises, on any shape. ``symmetric``:
     whether a mesh that is its own mirror image gets a shape that is; not where the order of the vertices
-    decides something.
+    decides something. ``poses_maps``: the native constructor of a space method that handles move takes the
+    ``counts`` of their points, and ``warp`` takes its ``control`` as the maps of the handles pose it.
     """
 
     id: str
@@ -235,6 +236,7 @@ class Method:
     bind_seconds: BindSeconds
     reproduces: Reproduced = Reproduced.TRANSLATIONS
     symmetric: bool = True
+    poses_maps: bool = False
     wraps: tuple[Family, ...] = ()
     keyed: bool = False
     draft_iterations: int = 1

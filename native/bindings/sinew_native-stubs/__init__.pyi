@@ -6,6 +6,7 @@ from ._core import *
 from ._enclosure import *
 from ._mesh import *
 from ._operators import *
+from ._points import *
 from ._skeleton import *
 from ._solvers import *
 from ._space import *
