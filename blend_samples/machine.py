@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A locomotive of thousands of loose parts under handles: the boiler stretches and bends, the wheels stay round."""
+"""A locomotive of thousands of loose parts: the boiler stretches and bends, the wheels stay round."""
 
 from __future__ import annotations
 

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A steam locomotive of thousands of loose parts: plates, rivets, rods, wheels with spokes.
 
-x points ahead, z up, and the rails lie at z = 0. No part is joined to another, so nothing that needs a surface
-can move it as a whole.
+x points ahead, z up, and the rails lie at z = 0. No part is joined to another, so nothing that needs a
+surface can move it as a whole.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import cos, pi, sin, tau
 
 import bpy
@@ -186,7 +187,7 @@ def _wheel(yard: Yard, centre: tuple, radius: float, spokes: int, group: str) ->
 def _rods(yard: Yard, side: float) -> None:
     """The rods between the large wheels go with these."""
     y = side * (GAUGE + 0.07)
-    for a, b in zip(DRIVERS, DRIVERS[1:]):
+    for a, b in pairwise(DRIVERS):
         _box(yard, ((a + b) / 2, y, 0.22), ((b - a) / 2, 0.012, 0.022), STEEL, "Drivers")
     for x in DRIVERS:
         _tube(yard, (x, y - side * 0.03, 0.22), (x, y + side * 0.03, 0.22), 0.034, BRASS, "Drivers")
