@@ -31,6 +31,7 @@ from .recipes import (
     Progress,
     Recipe,
     Shape,
+    handle_points,
 )
 from .self_check import Check, check_installation, last_check
 
@@ -62,6 +63,7 @@ __all__ = (
     "check_installation",
     "connected_parts",
     "diagnose",
+    "handle_points",
     "last_check",
     "limit_memory",
     "limit_threads",

@@ -23,6 +23,7 @@ from .recipes import (
     LatticePoints,
     Recipe,
     Shape,
+    handle_points,
 )
 
 # Lengths, on shapes 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves
@@ -118,8 +119,8 @@ def _with_handles(method: Method, options: dict[str, object], solve: dict[str, o
     points = points * (2.0, 1.0, 1.0)
     ends = [np.flatnonzero(points[:, 0] < -1.2), np.flatnonzero(points[:, 0] > 1.2)]
     middle = np.flatnonzero(points[:, 0] == 0.0)
-    control: Handles | HandlePoints = HandlePoints(
-        np.concatenate([points[end] for end in ends]), tuple(map(len, ends))
+    control: Handles | HandlePoints = handle_points(
+        method, np.concatenate([points[end] for end in ends]), tuple(map(len, ends))
     )
     if not method.is_space:
         own: dict[str, Sequence[object]] = {

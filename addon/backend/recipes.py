@@ -218,6 +218,29 @@ class ControlParts(ControlPoints):
 
 
 @dataclass(frozen=True)
+class HandleMaps(HandlePoints):
+    """The same for a method that knows which points each handle has, so that a frame costs as many maps."""
+
+    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
+        """The native method, still without bound points."""
+        return make(native, recipe.method, self.points, {"counts": self.counts, **recipe.options})
+
+    def solve(
+        self, method: Any, pose: np.ndarray, *, from_rest: np.ndarray | None = None, **options
+    ) -> tuple[np.ndarray, None]:
+        """Positions (n, 3) for a ``pose`` (k, 3, 4) of the handles, as above."""
+        counts = np.array(self.counts)
+        maps = np.repeat(pose, np.where(counts == 1, 1, 4), axis=0)
+        posed = np.einsum("rij,rj->ri", maps[:, :, :3], method.control) + maps[:, :, 3]
+        return ControlPoints.solve(self, method, posed, **options)
+
+
+def handle_points(method: Method, points: np.ndarray, counts: tuple[int, ...]) -> HandlePoints:
+    """The control of a space method that handles move: ``counts`` of ``points`` (c, 3) belong to each."""
+    return (HandleMaps if method.poses_maps else HandlePoints)(points, counts)
+
+
+@dataclass(frozen=True)
 class CageReport:
     """What a bind to a cage found: the vertices ``outside`` the cage, and its faces that cross others
     (indices).

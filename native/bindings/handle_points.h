@@ -3,9 +3,9 @@
 
 #include "native/bindings/arguments.h"
 #include "native/bindings/method_binding.h"
-#include "native/space/nonlinear/handles/handle_method.h"
+#include "native/space/handle_points/handle_points.h"
+#include "native/space/method.h"
 
-#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -13,40 +13,41 @@
 
 namespace sinew::bindings {
 
-/// \param counts   None, which makes each point a handle, or one count per handle.
-/// \param weights  None, or one per point.
-HandlePoints handle_points(const py::object& points, const py::object& counts, const py::object& weights);
-
-/// (l, 2)
-py::array_t<int> pairs(const std::vector<std::array<int, 2>>& list);
-
-/// Defines the class of a space method that handles move, and its constructor, which takes the shape and the
-/// handles and then the method's own options. The caller adds what only this method can do.
-/// \param options  makes the method's options from its own arguments.
-/// \param words    documentation of its own arguments.
-/// \param own      py::arg(...) = default for each of its own arguments.
-template <class Method, class Options, class... Own, class... Words>
-py::class_<Method, HandleMethod, std::shared_ptr<Method>>
-bind_handle_method(py::module_& module, const char* name, const char* doc, Options (*options)(Own...),
-                   const std::string& words, Words&&... own)
+/// Handle points from the arguments of a constructor in Python.
+inline HandlePoints handle_points(const py::object& given, const py::object& counts)
 {
-    py::class_<Method, HandleMethod, std::shared_ptr<Method>> result(module, name, doc);
-    const std::string text = R"(
-mesh     SurfaceMesh, the shape whose space is deformed; one without faces for curves and clouds of points.
-points   (c, 3) the rest points that handles hold, handle after handle.
-counts   None, which makes each point a handle, or (k,) how many points each handle holds.
-weights  None (1), or (c,) in (0, 1]: how strongly each point is held.
-)" + words + R"(
-Raises InvalidConstraint for handles without points, or numbers that are not finite; InvalidOption.)";
-    result.def(py::init([options](const SurfaceMesh& mesh, const py::object& points, const py::object& counts,
-                                  const py::object& weights, Own... values) {
-                   HandlePoints held = handle_points(points, counts, weights);
-                   const Options chosen = options(values...);
-                   const py::gil_scoped_release unlocked;
-                   return std::make_shared<Method>(mesh, std::move(held), chosen);
-               }),
-               py::arg("mesh"), py::arg("points"), py::arg("counts") = py::none(), py::kw_only(),
-               py::arg("weights") = py::none(), std::forward<Words>(own)..., text.c_str());
+    const FloatArray array = floats(given, "points");
+    const PointsView view = points<InvalidConstraint>(array, "points");
+    std::vector<int> of_handles;
+    if (!counts.is_none()) {
+        of_handles = integers(counts, "counts");
+        if (of_handles.empty())
+            throw InvalidConstraint("counts: there is no handle");
+    }
+    return HandlePoints(view, std::move(of_handles));
+}
+
+/// What the constructors of methods on handle points say about these.
+inline const std::string handle_points_doc = R"(
+points     (c, 3) the points of the handles at rest, handle after handle.
+counts     (k,) how many points each handle has; None if each point is a handle, which moves it anywhere. A handle of
+           more points moves them by one affine map.
+)";
+
+/// The class of a method on handle points, with what all of them have. The caller adds a constructor.
+template <class Method>
+py::class_<Method, SpaceMethod, std::shared_ptr<Method>> bind_points_method(py::module_& module,
+                                                                            const char* name, const char* doc)
+{
+    py::class_<Method, SpaceMethod, std::shared_ptr<Method>> result(module, name, doc);
+    result.def_property_readonly(
+        "control",
+        [](const Method& method) {
+            Points control = method.handles().control();
+            return to_numpy(std::move(control));
+        },
+        R"((r, 3) the control at rest, whose pose warp() takes: the point of a handle of one point; of any other
+four points, a centre and a step from it along each axis, to which the handle's map is applied.)");
     return result;
 }
 

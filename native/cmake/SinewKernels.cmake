@@ -15,6 +15,8 @@ set(SINEW_KERNELS
   native/space/cage/harmonic/layers avx2 avx512
   native/space/nonlinear/fields/field_kernels avx2 avx512
   native/space/lattice/grid/blend_kernels avx2 avx512
+  native/space/nonlinear/mls/kernels avx2
+  native/space/points/rbf/kernels avx2 avx512
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2
   native/surface/linear/propagation/kernels avx2

@@ -151,6 +151,10 @@ def test_a_parameter_is_hidden_where_it_changes_nothing(method: methods.Method, 
 def _in_space(native, method: methods.Method, points: np.ndarray, options: dict[str, object]) -> np.ndarray:
     """What the points of a lattice, or some of the points themselves, make of points when they move anyhow."""
     control = points[::7]
+    if method.poses_maps:  # whose handles are the points themselves
+        made = getattr(native, method.native)(points, **options)
+        made.bind(points + 0.2)
+        return made.warp(points + np.sin(3.0 * points))
     if method.control is Control.LATTICE:
         w, v, u = np.meshgrid(*3 * [np.linspace(-1.0, 9.0, 7)], indexing="ij")
         control = np.stack((u, v, w), axis=-1).reshape(-1, 3)
@@ -179,7 +183,9 @@ def test_the_native_class_of_a_space_method_takes_the_parameters(method: methods
     if method.control is Control.LATTICE:
         corners = np.array([(x, y, z) for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
     control = cage if method.control is Control.CAGE else corners
-    own = (cage,) if hasattr(getattr(native, method.native), "warp_poses") else ()  # it is built around a shape
+    own = (
+        (cage,) if hasattr(getattr(native, method.native), "warp_poses") else ()
+    )  # it is built around a shape
     made = getattr(native, method.native)(*own, control, **options)
     points = np.array([(0.2, 0.3, 0.1), (0.25, 0.25, 0.25)])
     made.bind(points)

@@ -66,8 +66,11 @@ def space_warp(
         solver = made(mesh, points, [len(own) for own in members], **options)
         solver.bind(rest)
         return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)
-    solver = new_native(row, points, options)
+    counts = {"counts": [len(own) for own in members]} if row.poses_maps else {}
+    solver = new_native(row, points, options | counts)
     solver.bind(rest)
+    if row.poses_maps:
+        members = np.split(solver.control, np.cumsum([4 if len(own) > 1 else 1 for own in members])[:-1])
 
     def warp(poses: np.ndarray, incoming: np.ndarray | None) -> np.ndarray:
         posed = [own @ pose[:, :3].T + pose[:, 3] for pose, own in zip(poses, members, strict=True)]

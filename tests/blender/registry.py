@@ -61,4 +61,4 @@ def other_values(parameter: object) -> Iterable[object]:
     if not hasattr(parameter, "minimum"):
         return []
     least, most = parameter.minimum, parameter.soft_maximum
-    return [most if most != parameter.default else 0.5 * (least + most)]
+    return [most if most != parameter.default else type(parameter.default)(0.5 * (least + most))]

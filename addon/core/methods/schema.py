@@ -222,6 +222,8 @@ class Method:
     of a frame in playback. ``reproduces``: the most that the method promises, on any shape. ``symmetric``:
     whether a mesh that is its own mirror image gets a shape that is; not where the order of the vertices
     decides something. ``takes_flat``: its cage may be a mesh in a plane, around art in that plane.
+    ``poses_maps``: the native constructor of a space method that handles move takes the
+    ``counts`` of their points, and ``warp`` takes its ``control`` as the maps of the handles pose it.
     """
 
     id: str
@@ -239,6 +241,7 @@ class Method:
     reproduces: Reproduced = Reproduced.TRANSLATIONS
     symmetric: bool = True
     takes_flat: bool = False
+    poses_maps: bool = False
     wraps: tuple[Family, ...] = ()
     keyed: bool = False
     draft_iterations: int = 1

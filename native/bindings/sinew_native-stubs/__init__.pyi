@@ -9,6 +9,7 @@ from ._fields import *
 from ._lattice import *
 from ._mesh import *
 from ._operators import *
+from ._points import *
 from ._skeleton import *
 from ._solvers import *
 from ._space import *

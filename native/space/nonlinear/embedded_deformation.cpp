@@ -84,7 +84,7 @@ struct EmbeddedDeformation::Workspace
     EmbeddedEnergy::Shape shape;
 };
 
-EmbeddedDeformation::EmbeddedDeformation(SurfaceMesh surface, HandlePoints handles,
+EmbeddedDeformation::EmbeddedDeformation(SurfaceMesh surface, HeldPoints handles,
                                          const EmbeddedDeformationOptions& options)
     : HandleMethod(std::move(surface), std::move(handles)), options_(options)
 {

@@ -67,7 +67,7 @@ public:
     /// \param surface  the shape on which the nodes are: a mesh, or points without faces.
     /// \throw InvalidOption      nodes < 1, max_iterations < 1, or a weight or the tolerance is out of range.
     /// \throw InvalidConstraint  as HandleControl
-    EmbeddedDeformation(SurfaceMesh surface, HandlePoints handles,
+    EmbeddedDeformation(SurfaceMesh surface, HeldPoints handles,
                         const EmbeddedDeformationOptions& options = {});
     ~EmbeddedDeformation() override;
 

@@ -123,7 +123,7 @@ struct RigidCells::Binding
     mutable Pool<Workspace> workspaces;
 };
 
-RigidCells::RigidCells(SurfaceMesh surface, HandlePoints handles, const RigidCellsOptions& options)
+RigidCells::RigidCells(SurfaceMesh surface, HeldPoints handles, const RigidCellsOptions& options)
     : HandleMethod(std::move(surface), std::move(handles)), options_(options)
 {
     require_at_least(options.cells, 8, "cells");

@@ -60,7 +60,7 @@ public:
     /// \param surface  the shape that the cells fill: a mesh, open or closed, or points without faces.
     /// \throw InvalidOption      an option is out of range.
     /// \throw InvalidConstraint  as HandleControl; bind() throws it for handles without a cell of their own.
-    RigidCells(SurfaceMesh surface, HandlePoints handles, const RigidCellsOptions& options = {});
+    RigidCells(SurfaceMesh surface, HeldPoints handles, const RigidCellsOptions& options = {});
     ~RigidCells() override;
 
     /// The cells of the last bind, for drawing them and for tests.

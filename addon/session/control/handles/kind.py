@@ -64,7 +64,7 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     if len(request.unused) > _NAMED:
         lines.append(Status(Level.WARNING, f"{len(request.unused) - _NAMED:,} more regions are not used"))
     if request.recipe.method.is_space:
-        return tuple(lines)
+        return (*lines, *(Status(Level.WARNING, remark) for remark in report.remarks))
     riding, staying = len(report.rides), report.free_parts
     if riding:
         text = "1 loose part follows" if riding == 1 else f"{riding:,} loose parts follow"

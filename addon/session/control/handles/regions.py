@@ -7,7 +7,7 @@ This only reads Blender's data.
 import numpy as np
 from bpy.types import Mesh
 
-from ....backend import HandlePoints, Handles, Recipe, Shape, connected_parts
+from ....backend import Handles, Recipe, Shape, connected_parts, handle_points
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.status import Remedy
@@ -127,7 +127,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             method,
             Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            HandlePoints(np.concatenate(points), tuple(map(len, points)))
+            handle_points(method, np.concatenate(points), tuple(map(len, points)))
             if method.is_space
             else Handles(
                 tuple(indices),

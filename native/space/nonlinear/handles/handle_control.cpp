@@ -25,7 +25,7 @@ constexpr double together = 1e-5;
 /// where they are spread by less than that in units.
 constexpr double flat = 1e-6, nothing = 1e-12;
 
-void require_valid(const HandlePoints& held)
+void require_valid(const HeldPoints& held)
 {
     if (held.counts.empty())
         throw InvalidConstraint("handles: there is none; at least one has to move the shape");
@@ -57,7 +57,7 @@ void require_valid(const HandlePoints& held)
 
 } // namespace
 
-HandleControl::HandleControl(HandlePoints held, const Vector3& centre, double unit)
+HandleControl::HandleControl(HeldPoints held, const Vector3& centre, double unit)
     : held_(std::move(held)), centre_(centre), unit_(unit)
 {
     require_valid(held_);

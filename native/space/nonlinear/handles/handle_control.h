@@ -9,13 +9,13 @@
 namespace sinew {
 
 /// Points that move with handles: regions of the shape, or the place of a control that has no region.
-struct HandlePoints
+struct HeldPoints
 {
     Points points;               ///< (c, 3) at rest, handle after handle
     std::vector<int> counts;     ///< (k) how many each handle holds
     std::vector<double> weights; ///< (c) in (0, 1], how strongly each is held; empty where all are 1
 
-    bool operator==(const HandlePoints& other) const
+    bool operator==(const HeldPoints& other) const
     {
         return counts == other.counts && weights == other.weights && points.rows() == other.points.rows() &&
                points == other.points;
@@ -39,10 +39,10 @@ public:
     /// \throw InvalidConstraint  there is no handle, a handle holds no point, the counts do not add up, a
     ///   point is not finite, or there is another number of weights than of points.
     /// \throw InvalidOption      a weight is not in (0, 1].
-    HandleControl(HandlePoints held, const Vector3& centre, double unit);
+    HandleControl(HeldPoints held, const Vector3& centre, double unit);
 
     int count() const { return static_cast<int>(held_.counts.size()); }
-    const HandlePoints& held() const { return held_; }
+    const HeldPoints& held() const { return held_; }
     int handle_of(int point) const { return handle_of_[point]; }
     double weight(int point) const { return held_.weights.empty() ? 1.0 : held_.weights[point]; }
 
@@ -68,7 +68,7 @@ private:
     HandleMotion fit(const Extent& extent, int count, PointsView posed) const;
     void check(const std::vector<HandleMotion>& motions) const;
 
-    HandlePoints held_;
+    HeldPoints held_;
     Vector3 centre_;
     double unit_;
     std::vector<int> handle_of_;

@@ -67,7 +67,7 @@ std::vector<int> nearest_points(const Points& places, PointsView points)
     return found;
 }
 
-HandleMethod::HandleMethod(SurfaceMesh surface, HandlePoints held)
+HandleMethod::HandleMethod(SurfaceMesh surface, HeldPoints held)
     : surface_(std::move(surface)), centre_(middle(surface_.points())), unit_(diagonal(surface_.points())),
       control_(std::move(held), centre_, unit_)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/handle_points.h"
+#include "native/bindings/held_points.h"
 #include "native/bindings/representation.h"
 
 #include <algorithm>
@@ -71,10 +71,10 @@ py::array_t<int> pairs(const std::vector<std::array<int, 2>>& list)
     return result;
 }
 
-HandlePoints handle_points(const py::object& given, const py::object& counts, const py::object& weights)
+HeldPoints held_points(const py::object& given, const py::object& counts, const py::object& weights)
 {
     const FloatArray array = floats(given, "points");
-    HandlePoints held;
+    HeldPoints held;
     held.points = points<InvalidConstraint>(array, "points");
     if (counts.is_none())
         held.counts.assign(static_cast<std::size_t>(held.points.rows()), 1);
@@ -85,7 +85,7 @@ HandlePoints handle_points(const py::object& given, const py::object& counts, co
     return held;
 }
 
-void bind_handle_points(py::module_& module)
+void bind_held_points(py::module_& module)
 {
     py::class_<HandleMethod, SpaceMethod, std::shared_ptr<HandleMethod>>(
         module, "HandleMethod", R"(What every deformation of space that handles move can do.

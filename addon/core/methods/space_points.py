@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Space methods that the points of handles move."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from .schema import Choice, Control, Family, Float, Int, Method, Moved, Reproduced, per_pair
+from .space_linear import PRECISIONS
+
+_DENSE = 3e-11  # seconds per cube of the handle points, for their system
+_FITTED = 400  # handle points; with more of them, centres are chosen
+
+
+def _rbf_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
+    """A dense system, or a fit; then the functions of the handles at each point."""
+    exact = size <= _FITTED or options["tolerance"] == 0.0 or options["kernel"].startswith("wendland")
+    centres = size if exact else min(size, 1000)
+    system = _DENSE * centres**3 if exact else 1e-10 * min(size, 12_000) * centres**2
+    return system + 2e-9 * points * centres
+
+
+ROWS = (
+    Method(
+        id="rbf",
+        number=30,
+        label="Radial Basis Functions",
+        family=Family.SPACE_LINEAR,
+        control=Control.HANDLES,
+        native="Rbf",
+        section="5.3",
+        paper="Duchon 1977, Botsch & Kobbelt 2005",
+        summary="The smoothest deformation of space that meets all handles: for loose parts, curves and "
+        "point clouds",
+        iterative=False,
+        moves=frozenset(Moved),
+        bind_seconds=_rbf_seconds,
+        poses_maps=True,
+        parameters=(
+            Choice(
+                "kernel",
+                "triharmonic",
+                (
+                    ("triharmonic", "Triharmonic", "The smoothest: nothing shows where handles are"),
+                    ("biharmonic", "Biharmonic", "Calmer far away from handles; single points pull cones"),
+                    ("wendland_c2", "Compact, Smooth", "Each point reaches as far as the radius"),
+                    ("wendland_c4", "Compact, Smoother", "The same, smoother and more pointed"),
+                ),
+                rebinds=True,
+                label="Kernel",
+                description="How the influence of a handle point changes with the distance",
+            ),
+            Float(
+                "radius",
+                0.5,
+                minimum=1e-3,
+                maximum=1e3,
+                soft_maximum=2.0,
+                rebinds=True,
+                only_with=("kernel", ("wendland_c2", "wendland_c4")),
+                unit="size of all handles",
+                label="Radius",
+                description="How far a handle point reaches, relative to the longest side of the box around "
+                "all of them",
+            ),
+            Int(
+                "degree",
+                2,
+                minimum=-1,
+                maximum=2,
+                soft_maximum=2,
+                rebinds=True,
+                advanced=True,
+                unit="degree",
+                label="Degree",
+                description="Maps of space up to this degree are kept as they are: 0 for moves, 1 for affine "
+                "maps. The triharmonic kernel uses at least 1, the others at most 1. With -1, a compact "
+                "kernel leaves everything beyond its radius at rest",
+            ),
+            Float(
+                "tolerance",
+                1e-4,
+                maximum=0.1,
+                soft_maximum=0.01,
+                precision=6,
+                step=0.001,
+                rebinds=True,
+                advanced=True,
+                unit="share of the longest move",
+                label="Tolerance",
+                description="Handles of many points are met up to this share of their longest move, with as "
+                "few radial functions as that takes. 0 meets all exactly, which takes long",
+            ),
+            Choice(
+                "precision",
+                "single",
+                PRECISIONS,
+                rebinds=True,
+                advanced=True,
+                label="Precision",
+                description="The precision with which the functions of handles are stored",
+            ),
+        ),
+        reproduces=Reproduced.AFFINE_MAPS,
+    ),
+    Method(
+        id="mls",
+        number=31,
+        label="Moving Least Squares",
+        family=Family.SPACE_NONLINEAR,
+        control=Control.HANDLES,
+        native="Mls",
+        section="7",
+        paper="Schaefer, McPhail & Warren 2006, Zhu & Gortler 2007",
+        summary="Each point moves by the rigid map that fits the handles near it best: details turn along",
+        iterative=False,
+        moves=frozenset(Moved),
+        bind_seconds=per_pair(8e-9),
+        poses_maps=True,
+        reproduces=Reproduced.RIGID_MOTIONS,
+        parameters=(
+            Choice(
+                "maps",
+                "rigid",
+                (
+                    ("rigid", "Rigid", "Details keep their shape and size"),
+                    ("similarity", "Similarity", "Details may grow and shrink, too"),
+                    ("affine", "Affine", "Details may shear; needs handles that do not lie in a plane"),
+                ),
+                rebinds=True,
+                label="Maps",
+                description="The maps that are fitted to the handles at each point",
+            ),
+            Float(
+                "alpha",
+                1.0,
+                minimum=0.1,
+                maximum=8.0,
+                soft_maximum=4.0,
+                precision=2,
+                step=0.1,
+                rebinds=True,
+                label="Falloff",
+                unit="exponent",
+                description="The larger, the more each point follows only the nearest handles",
+            ),
+            Choice(
+                "precision",
+                "single",
+                PRECISIONS,
+                rebinds=True,
+                advanced=True,
+                label="Precision",
+                description="The precision with which the weights of handles are stored",
+            ),
+        ),
+    ),
+)

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from ._space import SpaceMethod
+from ._types import Floats
+
+class Rbf(SpaceMethod):
+    def __init__(
+        self,
+        points: ArrayLike,
+        counts: ArrayLike | None = None,
+        *,
+        kernel: Literal[
+            "triharmonic", "biharmonic", "wendland_c0", "wendland_c2", "wendland_c4"
+        ] = "triharmonic",
+        degree: int = 2,
+        radius: float = 0.5,
+        tolerance: float = 1e-4,
+        precision: Literal["single", "double"] = "single",
+    ) -> None: ...
+    @property
+    def control(self) -> Floats: ...
+    @property
+    def centres(self) -> Floats: ...
+
+class Mls(SpaceMethod):
+    def __init__(
+        self,
+        points: ArrayLike,
+        counts: ArrayLike | None = None,
+        *,
+        maps: Literal["affine", "similarity", "rigid"] = "rigid",
+        alpha: float = 1.0,
+        segments: ArrayLike | None = None,
+        precision: Literal["single", "double"] = "single",
+    ) -> None: ...
+    @property
+    def control(self) -> Floats: ...
+    @property
+    def maps(self) -> Literal["affine", "similarity", "rigid"]: ...

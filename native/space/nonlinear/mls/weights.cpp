@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/nonlinear/mls/weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sinew {
+
+namespace {
+
+/// What lies so close to a segment, as a share of the size, lies on it.
+constexpr double on_segment = 1e-14;
+
+/// Places and weights of Gauss and Legendre's quadrature on [-1, 1].
+constexpr int nodes = 8;
+constexpr double half_places[] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
+                                  0.9602898564975363};
+constexpr double half_weights[] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
+                                   0.1012285362903763};
+
+/// (least / square)^alpha
+double decay(double least, double square, double alpha)
+{
+    const double ratio = least / square;
+    return alpha == 1.0 ? ratio : alpha == 2.0 ? ratio * ratio : std::pow(ratio, alpha);
+}
+
+struct Segment
+{
+    Vector3 from, along; ///< relative to v
+    double length, foot, distance; ///< the foot of v is at `foot` of the length
+
+    Segment(const Vector3& a, const Vector3& b, const Vector3& v) : from(a - v), along(b - a)
+    {
+        length = along.norm();
+        foot = length > 0.0 ? -from.dot(along) / (length * length) : 0.0;
+        distance = (from + foot * along).norm();
+    }
+    double least_square() const { return (from + std::clamp(foot, 0.0, 1.0) * along).squaredNorm(); }
+};
+
+void add(double* ten, double w, const Vector3& p)
+{
+    *ten++ += w;
+    for (int a = 0; a < 3; ++a)
+        *ten++ += w * p[a];
+    for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b)
+            *ten++ += w * p[a] * p[b];
+}
+
+/// With the distance along the segment as D sinh(u), the integrand is a power of cosh(u): smooth however near
+/// v is. The foot of v, where it peaks, parts the range in two.
+void add_segment(const Segment& segment, double least, double size, double alpha, double* ten)
+{
+    const double D = std::max(segment.distance, 1e-12 * segment.length);
+    const double begin = std::asinh(-segment.foot * segment.length / D),
+                 end = std::asinh((1.0 - segment.foot) * segment.length / D);
+    const double middle = std::clamp(0.0, begin, end);
+    const auto part = [&](double from, double to) {
+        if (!(to > from))
+            return;
+        for (int k = 0; k < nodes; ++k) {
+            const double place = k % 2 ? half_places[k / 2] : -half_places[k / 2];
+            const double u = 0.5 * (from + to) + 0.5 * (to - from) * place;
+            const double t = std::clamp(segment.foot + D * std::sinh(u) / segment.length, 0.0, 1.0);
+            const Vector3 p = segment.from + t * segment.along;
+            const double w = 0.5 * (to - from) * half_weights[k / 2] * D * std::cosh(u) / size *
+                             decay(least, D * D * std::cosh(u) * std::cosh(u), alpha);
+            add(ten, w, p);
+        }
+    };
+    part(begin, middle);
+    part(middle, end);
+}
+
+} // namespace
+
+void mls_weights(const HandlePoints& handles, const MlsElements& elements, double alpha, const Vector3& v,
+                 double* numbers)
+{
+    const Points& points = handles.points();
+    const auto relative = [&](int i) -> Vector3 { return points.row(i).transpose() - v; };
+    std::fill_n(numbers, elements.numbers(), 0.0);
+    double least = std::numeric_limits<double>::infinity();
+    for (const int i : elements.points)
+        least = std::min(least, relative(i).squaredNorm());
+    for (const int h : elements.groups)
+        for (int i = handles.begin(h); i < handles.begin(h + 1); ++i)
+            least = std::min(least, relative(i).squaredNorm());
+    for (const auto& [a, b] : elements.segments)
+        least = std::min(least, Segment(points.row(a), points.row(b), v).least_square());
+    const double touching = on_segment * handles.size() * on_segment * handles.size();
+    const bool on = least <= (elements.segments.empty() ? 0.0 : touching);
+    double* to = numbers;
+    for (const int i : elements.points) {
+        const double square = relative(i).squaredNorm();
+        *to++ = on ? (square <= least ? 1.0 : 0.0) : decay(least, square, alpha);
+    }
+    for (const int h : elements.groups) {
+        const double share = 1.0 / (handles.begin(h + 1) - handles.begin(h));
+        for (int i = handles.begin(h); i < handles.begin(h + 1); ++i) {
+            const Vector3 p = relative(i);
+            const double square = p.squaredNorm();
+            if (!on)
+                add(to, share * decay(least, square, alpha), p);
+            else if (square <= least)
+                *to = 1.0;
+        }
+        to += 10;
+    }
+    for (const auto& [a, b] : elements.segments) {
+        const Segment segment(points.row(a), points.row(b), v);
+        if (!on)
+            add_segment(segment, least, handles.size(), alpha, to);
+        else if (segment.least_square() <= touching)
+            *to = 1.0;
+        to += 10;
+    }
+    double sum = 0.0;
+    const auto alone = elements.points.size();
+    for (std::size_t k = 0; k < alone; ++k)
+        sum += numbers[k];
+    for (auto k = static_cast<int>(alone); k < elements.numbers(); k += 10)
+        sum += numbers[k];
+    for (int k = 0; k < elements.numbers(); ++k)
+        numbers[k] /= sum;
+}
+
+} // namespace sinew

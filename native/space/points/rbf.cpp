@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/space/points/rbf.h"
+
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
+#include "native/core/simd/product_of_eight.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+/// Up to so many points, a dense system is solved faster than centres are chosen.
+constexpr int few_points = 400;
+constexpr int most_centres = 2500;
+/// The incremental fit sees so many points, spread evenly; all of them are checked afterwards.
+constexpr int most_fitted = 12000;
+
+int degree_of(const RbfOptions& options)
+{
+    switch (options.function) {
+    case RbfFunction::triharmonic:
+        return std::clamp(options.degree, 1, 2);
+    case RbfFunction::biharmonic:
+        return std::clamp(options.degree, 0, 1);
+    default:
+        return std::min(options.degree, 1);
+    }
+}
+
+/// Points closer than this, in the unit box, are one centre: phi of two would be equal up to rounding.
+double least_distance(const RbfBasis& basis)
+{
+    switch (basis.function) {
+    case RbfFunction::triharmonic:
+        return 1e-4;
+    case RbfFunction::biharmonic:
+        return 1e-9;
+    case RbfFunction::wendland_c0:
+        return 1e-9 / basis.scale;
+    case RbfFunction::wendland_c2:
+        return 1e-4 / basis.scale;
+    case RbfFunction::wendland_c4:
+        return 2e-3 / basis.scale;
+    }
+    return 0.0;
+}
+
+/// Points that stand for those near them.
+struct Places
+{
+    Points centres;         ///< (c, 3)
+    std::vector<int> of;    ///< the centre of each point
+    std::vector<int> sizes; ///< how many points each centre stands for
+
+    Places(const Points& points, double reach);
+    /// (c, k) the means of values (n, k) of the points.
+    RowMatrix means(const RowMatrix& values) const
+    {
+        RowMatrix sums = RowMatrix::Zero(centres.rows(), values.cols());
+        for (std::size_t i = 0; i < of.size(); ++i)
+            sums.row(of[i]) += values.row(static_cast<Eigen::Index>(i));
+        for (std::size_t c = 0; c < sizes.size(); ++c)
+            sums.row(static_cast<Eigen::Index>(c)) /= sizes[c];
+        return sums;
+    }
+};
+
+Places::Places(const Points& points, double reach) : of(static_cast<std::size_t>(points.rows()), -1)
+{
+    std::vector<int> order(of.size()), firsts;
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](int i) { return points(i, 0); });
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const int i = order[k];
+        if (of[static_cast<std::size_t>(i)] >= 0)
+            continue;
+        const int own = static_cast<int>(firsts.size());
+        firsts.push_back(i);
+        sizes.push_back(0);
+        for (std::size_t l = k; l < order.size() && points(order[l], 0) - points(i, 0) <= reach; ++l)
+            if (int& other = of[static_cast<std::size_t>(order[l])];
+                other < 0 && (points.row(order[l]) - points.row(i)).norm() <= reach) {
+                other = own;
+                ++sizes.back();
+            }
+    }
+    centres.resize(static_cast<Eigen::Index>(firsts.size()), 3);
+    for (std::size_t c = 0; c < firsts.size(); ++c)
+        centres.row(static_cast<Eigen::Index>(c)) = points.row(firsts[c]);
+}
+
+} // namespace
+
+/// The centres, and what is computed of them.
+struct Rbf::Solved
+{
+    std::unique_ptr<const Places> places; ///< of the handle points, in the unit box
+    Points centres;                       ///< (c, 3) these places, or some of them
+    Polynomials polynomials;
+    RbfSystem system;             ///< if each handle is one point
+    RbfCoefficients coefficients; ///< otherwise: of the columns of the control
+    /// The same as a table of three columns after the other: (columns / 3 rounded up, c + count, 3).
+    std::vector<double> factors;
+    double error = 0.0;
+};
+
+Rbf::Rbf(HandlePoints handles, const RbfOptions& options)
+    : LinearSpaceMethod({options.precision, 0.0}), handles_(std::move(handles)), options_(options)
+{
+    if (options.degree < -1 || options.degree > 2)
+        throw InvalidOption("degree must be from -1 to 2");
+    if (!(options.radius > 0.0) || !std::isfinite(options.radius))
+        throw InvalidOption("radius must be a finite number above 0");
+    require_at_least(options.tolerance, 0.0, "tolerance");
+    basis_ = {options.function, is_compact(options.function) ? 1.0 / options.radius : 1.0};
+}
+
+Rbf::~Rbf() = default;
+
+Points Rbf::centres() const
+{
+    const AccessLock shared = reading();
+    if (!solved_)
+        return {};
+    return (handles_.size() * solved_->centres).rowwise() + handles_.corner().transpose();
+}
+
+double Rbf::error() const
+{
+    const AccessLock shared = reading();
+    return solved_ ? solved_->error : 0.0;
+}
+
+double Rbf::prepare(PointsView points, const Progress& progress)
+{
+    if (solved_)
+        return 0.0;
+    // Values of phi for each point and centre take the rest of the time.
+    const double c = handles_.point_count(),
+                 own = c * c * c / (c * c * c + 40.0 * c * static_cast<double>(points.rows()) + 1.0);
+    const Progress within([&](double fraction, const char* stage) {
+        progress.tick(own * fraction, stage);
+        return true;
+    });
+    auto solved = std::make_shared<Solved>();
+    const Points scaled = (handles_.points().rowwise() - handles_.corner().transpose()) / handles_.size();
+    solved->places = std::make_unique<const Places>(scaled, least_distance(basis_));
+    const Points& places = solved->places->centres;
+    solved->polynomials = Polynomials(places, degree_of(options_));
+    if (handles_.all_single()) {
+        solved->centres = places;
+        solved->system = RbfSystem(places, basis_, solved->polynomials, within);
+        solved_ = std::move(solved);
+        return own;
+    }
+    const RowMatrix all = handles_.all_shares();
+    const RowMatrix values = solved->places->means(all);
+    if (options_.tolerance == 0.0 || places.rows() <= few_points || is_compact(options_.function)) {
+        solved->centres = places;
+        const RbfSystem system(places, basis_, solved->polynomials, within);
+        solved->coefficients = system.solve(values);
+    } else {
+        // Every so many points in the order of a curve through space would be better spread, but a region's
+        // vertices are in an order that is almost one.
+        const auto m = static_cast<int>(places.rows());
+        const int fitted = std::min(m, most_fitted);
+        Points some(fitted, 3);
+        RowMatrix of_some(fitted, values.cols());
+        for (int k = 0; k < fitted; ++k) {
+            const auto i = static_cast<Eigen::Index>(static_cast<std::int64_t>(k) * m / fitted);
+            some.row(k) = places.row(i);
+            of_some.row(k) = values.row(i);
+        }
+        RbfFit fit = fit_incrementally(some, of_some, basis_, solved->polynomials, options_.tolerance,
+                                       most_centres, within);
+        solved->centres = std::move(fit.centres);
+        solved->coefficients = std::move(fit.coefficients);
+    }
+    const auto count = static_cast<int>(solved->centres.rows()) + solved->polynomials.count();
+    const auto columns = static_cast<int>(values.cols());
+    solved->factors.assign(static_cast<std::size_t>((columns + 2) / 3) * count * 3, 0.0);
+    for (int k = 0; k < columns; ++k)
+        for (int j = 0; j < count; ++j) {
+            const auto c_count = static_cast<int>(solved->centres.rows());
+            solved->factors[(static_cast<std::size_t>(k / 3) * count + j) * 3 + k % 3] =
+                j < c_count ? solved->coefficients.weights(j, k)
+                            : solved->coefficients.polynomial(j - c_count, k);
+        }
+    // What all handle points get, against what they should get.
+    const auto m = static_cast<int>(all.rows());
+    std::vector<double> worst(static_cast<std::size_t>((m + 63) / 64), 0.0);
+    parallel_chunks(m, 64, [&](int begin, int end) {
+        RowMatrix rows;
+        const Points block = handles_.points().middleRows(begin, end - begin);
+        evaluate(*solved, view(block), rows);
+        worst[static_cast<std::size_t>(begin / 64)] =
+            (rows - all.middleRows(begin, end - begin)).cwiseAbs().rowwise().sum().maxCoeff();
+    });
+    solved->error = *std::ranges::max_element(worst);
+    within.tick(1.0, "checking the handles");
+    solved_ = std::move(solved);
+    return own;
+}
+
+void Rbf::evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
+{
+    evaluate(*solved_, block, rows);
+    outside.assign(static_cast<std::size_t>(block.rows()), 0);
+}
+
+void Rbf::evaluate(const Solved& solved, PointsView block, RowMatrix& rows) const
+{
+    const int n = static_cast<int>(block.rows()), columns = static_cast<int>(handles_.control().rows()),
+              c = static_cast<int>(solved.centres.rows()), q = solved.polynomials.count();
+    const auto phi = widest_kernels<RbfKernels>().values[static_cast<int>(basis_.function)];
+    const auto multiply = widest_kernels<ProductOfEight>().multiply;
+    rows.resize(n, columns);
+    // Sums to start from, values at the centres, and monomials: eight numbers each.
+    std::vector<double> values(24 + 8 * static_cast<std::size_t>(c + q), 0.0);
+    std::array<double, 24> eight{}, sums{};
+    std::array<double, Polynomials::most> monomials{};
+    for (int begin = 0; begin < n; begin += 8) {
+        const int some = std::min(8, n - begin);
+        for (int i = 0; i < some; ++i) {
+            const Vector3 x = (block.row(begin + i).transpose() - handles_.corner()) / handles_.size();
+            for (int k = 0; k < 3; ++k)
+                eight[8 * k + i] = x[k];
+            solved.polynomials.evaluate(x, monomials.data());
+            for (int k = 0; k < q; ++k)
+                values[24 + 8 * static_cast<std::size_t>(c + k) + i] = monomials[k];
+        }
+        phi(solved.centres.data(), c, basis_.scale, eight.data(), values.data() + 24);
+        for (int k = 0; k < columns; k += 3) {
+            multiply(values.data(), c + q,
+                     solved.factors.data() + static_cast<std::size_t>(k / 3) * (c + q) * 3, sums.data());
+            for (int l = k; l < std::min(k + 3, columns); ++l)
+                for (int i = 0; i < some; ++i)
+                    rows(begin + i, l) = sums[8 * (l - k) + i];
+        }
+    }
+}
+
+void Rbf::compute(PointsView points, SpaceReport& report, const Progress& progress)
+{
+    if (!handles_.all_single()) {
+        LinearSpaceMethod::compute(points, report, progress);
+        return;
+    }
+    progress.tick(0.0, "computing weights");
+    prepare(points, progress);
+    finish(report);
+    progress.tick(1.0, "computing weights");
+}
+
+void Rbf::finish(SpaceReport& report) const
+{
+    const Solved& solved = *solved_;
+    report.error = solved.error;
+    if (handles_.all_single())
+        report.weight_bytes = solved.system.bytes();
+    if (const std::string remark = solved.polynomials.remark(); !remark.empty())
+        report.remarks.push_back(remark);
+    if (!handles_.all_single() && solved.error > std::max(1e-6, 1.01 * options_.tolerance)) {
+        std::array<char, 64> text{};
+        std::snprintf(text.data(), text.size(), "%.1e", solved.error);
+        report.remarks.push_back(std::string("handle points are met to ") + text.data() +
+                                 " of the longest move");
+    }
+    std::vector<int> near;
+    for (int i = 0; i < handles_.point_count(); ++i)
+        if (handles_.all_single() && solved.places->sizes[static_cast<std::size_t>(solved.places->of[i])] > 1)
+            near.push_back(i);
+    if (!near.empty())
+        report.remarks.push_back("handle points " + list_some(near) +
+                                 " nearly coincide with others: they are met in the mean");
+    if (solved.system.softness() > 0.0)
+        report.remarks.emplace_back("handle points are so close together that some are only nearly met");
+}
+
+void Rbf::displace(PointsView control, PointsView base, PositionsOut out) const
+{
+    if (!handles_.all_single()) {
+        LinearSpaceMethod::displace(control, base, out);
+        return;
+    }
+    handles_.check(control);
+    const Solved& solved = *solved_;
+    const auto c = static_cast<int>(solved.centres.rows());
+    const RbfCoefficients found = solved.system.solve(solved.places->means(control - handles_.points()));
+    std::vector<double> table(6 * static_cast<std::size_t>(c));
+    for (int j = 0; j < c; ++j)
+        for (int k = 0; k < 3; ++k) {
+            table[6 * static_cast<std::size_t>(j) + k] = solved.centres(j, k);
+            table[6 * static_cast<std::size_t>(j) + 3 + k] = found.weights(j, k);
+        }
+    std::visit([&](auto* positions) { add_sums(table, found.polynomial, base, positions); }, out);
+}
+
+template <class Real>
+void Rbf::add_sums(const std::vector<double>& table, const RowMatrix& polynomial, PointsView base,
+                   Real* out) const
+{
+    const Points& bound = points();
+    const auto sums_of = widest_kernels<RbfKernels>().sums[static_cast<int>(basis_.function)];
+    const int c = static_cast<int>(table.size() / 6), q = static_cast<int>(polynomial.rows());
+    parallel_chunks(static_cast<int>(bound.rows()), 512, [&](int from, int to) {
+        std::array<double, 24> eight{}, sums{};
+        std::array<double, Polynomials::most> monomials{};
+        for (int begin = from; begin < to; begin += 8) {
+            const int some = std::min(8, to - begin);
+            for (int i = 0; i < some; ++i)
+                for (int k = 0; k < 3; ++k)
+                    eight[8 * k + i] = (bound(begin + i, k) - handles_.corner()[k]) / handles_.size();
+            sums_of(table.data(), c, basis_.scale, eight.data(), sums.data());
+            for (int i = 0; i < some; ++i) {
+                const Vector3 x(eight[i], eight[8 + i], eight[16 + i]);
+                solved_->polynomials.evaluate(x, monomials.data());
+                for (int k = 0; k < 3; ++k) {
+                    double move = sums[8 * k + i];
+                    for (int l = 0; l < q; ++l)
+                        move += monomials[l] * polynomial(l, k);
+                    out[3 * static_cast<std::size_t>(begin + i) + k] =
+                        static_cast<Real>(base(begin + i, k) + move);
+                }
+            }
+        }
+    });
+}
+
+std::vector<std::string> Rbf::changed_settings(const SpaceMethod& former) const
+{
+    const auto& other = static_cast<const Rbf&>(former);
+    const RbfOptions &own = options_, &its = other.options_;
+    return names_of({{"handles", !(handles_ == other.handles_)},
+                     {"function", own.function != its.function},
+                     {"degree", own.degree != its.degree},
+                     {"radius", own.radius != its.radius},
+                     {"tolerance", own.tolerance != its.tolerance}},
+                    LinearSpaceMethod::changed_settings(former));
+}
+
+void Rbf::swap_weights(SpaceMethod& other)
+{
+    LinearSpaceMethod::swap_weights(other);
+    std::swap(solved_, static_cast<Rbf&>(other).solved_);
+}
+
+} // namespace sinew

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/types.h"
+
+#include <string>
+
+namespace sinew {
+
+/// The polynomials beside radial basis functions: all monomials up to a degree, in coordinates along the
+/// directions in which some points extend.
+///
+/// The degree is the highest one, up to that asked for, at which no polynomial vanishes at all points: on
+/// points of a plane these are polynomials in the plane, and on a sphere or another quadric they are affine.
+class Polynomials
+{
+public:
+    static constexpr int most = 10;
+
+    Polynomials() = default;
+    /// \param points  (c, 3) of which at least one.
+    /// \param degree  in [-1, 2]; -1 for none.
+    Polynomials(const Points& points, int degree);
+
+    int degree() const { return degree_; }
+    int count() const { return count_; }
+    /// (3) directions in which the points extend: 3 in space, 2 in a plane, 1 on a line, 0 for one place.
+    int dimensions() const { return dimensions_; }
+    /// \param[out] row  (count)
+    void evaluate(const Vector3& x, double* row) const;
+    /// (n, count)
+    RowMatrix evaluate(const Points& points) const;
+    /// Which maps of the degree asked for are not carried, and what is used instead; empty if all are.
+    std::string remark() const;
+
+private:
+    void set_degree(int degree);
+
+    int asked_ = -1, degree_ = -1, count_ = 0, dimensions_ = 3;
+    Vector3 centre_ = Vector3::Zero();
+    Matrix3 axes_ = Matrix3::Identity(); ///< rows, the first `dimensions_` of which count
+};
+
+} // namespace sinew

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/dense/cholesky.h"
+
+#include "tests/native/refusals.h"
+#include "tests/native/shapes.h"
+
+#include <Eigen/Cholesky>
+#include <gtest/gtest.h>
+
+namespace sinew {
+
+namespace {
+
+DenseCholesky of(const MatrixX& A)
+{
+    DenseCholesky factor(static_cast<int>(A.rows()));
+    for (int i = 0; i < A.rows(); ++i)
+        for (int j = i; j < A.cols(); ++j)
+            factor.row(i)[j] = A(i, j);
+    return factor;
+}
+
+MatrixX definite(int size)
+{
+    shapes::Random random(static_cast<std::uint64_t>(size));
+    const MatrixX B = random.dense(size, size);
+    return B * B.transpose() + MatrixX::Identity(size, size);
+}
+
+} // namespace
+
+TEST(DenseCholesky, solves_as_eigen_does)
+{
+    shapes::Random random(1);
+    for (const int size : {0, 1, 7, 64, 65, 200, 331}) {
+        const MatrixX A = definite(size), b = random.dense(size, 5);
+        DenseCholesky factor = of(A);
+        ASSERT_EQ(factor.factorize({}, "factorising"), -1);
+        RowMatrix x = b;
+        factor.solve(x);
+        const MatrixX expected = A.llt().solve(b);
+        // A condition of up to 1e5.
+        EXPECT_LT(size > 0 ? (x - expected).cwiseAbs().maxCoeff() : 0.0, 1e-10);
+    }
+}
+
+TEST(DenseCholesky, tells_where_a_matrix_is_not_positive_definite)
+{
+    MatrixX A = definite(150);
+    A(100, 100) = -1.0;
+    DenseCholesky factor = of(A);
+    EXPECT_EQ(factor.factorize({}, "factorising"), 100);
+}
+
+TEST(DenseCholesky, gives_the_same_bits_on_any_number_of_threads)
+{
+    const MatrixX A = definite(300);
+    const auto solved = [&] {
+        DenseCholesky factor = of(A);
+        factor.factorize({}, "factorising");
+        RowMatrix x = RowMatrix::Ones(300, 3);
+        factor.solve(x);
+        return x;
+    };
+    const RowMatrix all = solved();
+    for (const int threads : {1, 3}) {
+        const ThreadLimit limit(threads);
+        EXPECT_EQ(solved(), all);
+    }
+}
+
+TEST(DenseCholesky, refuses_what_takes_more_memory_than_allowed)
+{
+    const MemoryLimit limit(1000);
+    EXPECT_THROW(DenseCholesky(100), OutOfMemory);
+}
+
+} // namespace sinew
