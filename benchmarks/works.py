@@ -347,6 +347,20 @@ WORKS = (
     Work("mean_value_double", "`MeanValue.bind`, double precision", "the loop of the paper", {ANY: 7.0}),
     Work("mean_value", "`MeanValue.bind`", "the loop of the paper, one thread", {ANY: (7.0, 20.0)}),
     Work("green", "`Green.bind`", "the loop of the paper, one thread", {ANY: 50.0}),
+    Work(
+        "green_quads",
+        "`Green.bind`, `faces='quads'`, points near the cage",
+        "the same cage as triangles",
+        {ANY: 6.0},
+        at_most=True,
+    ),
+    Work(
+        "green_quads_frame",
+        "`warp` of `Green`, `faces='quads'`",
+        "the same cage as triangles",
+        {ANY: 1.1},
+        at_most=True,
+    ),
     Work("cage_warp", "`warp` of a cage, single precision", "BLAS `sgemm`, one thread", {ANY: 1.5}),
     Work(
         "sequence_frame",

@@ -18,13 +18,14 @@ BINDS = {
     "mean_value": (sinew_native.MeanValue, "single"),
     "green": (sinew_native.Green, "single"),
 }
+QUAD_WORKS = ("green_quads", "green_quads_frame")  # beside the same cage, cut into triangles
 
 
 def plan(options: Options) -> list[Task]:
     sizes = POINTS[:1] if options.quick else POINTS
     return [
         Task("cages", works, {"work": works[0], "size": size, "cage": cage, "threads": options.threads})
-        for works in (*((bind,) for bind in BINDS), ("cage_warp",))
+        for works in (*((bind,) for bind in BINDS), ("cage_warp",), QUAD_WORKS)
         for size in sizes
         for cage in ((100,) if options.smallest else (300,) if options.quick else CAGES)
     ]
@@ -58,6 +59,10 @@ def bumpy_sphere(vertices: int) -> tuple[np.ndarray, np.ndarray]:
 def measure(work: str, size: int, cage: int, threads: list[int]) -> list[Row]:
     vertices, triangles = bumpy_sphere(cage)
     points = np.random.default_rng(0).uniform(-0.5, 0.5, (size, 3))
+    if work in QUAD_WORKS:
+        rows = _quads(cage, size, threads)
+        common = {"size": size, "case": f"{size // 1000}k, cage of {cage}", "vertices": size, "unit": "s"}
+        return [{**common, **row} for row in rows]
     if work == "cage_warp":
         rows = _warp(vertices, triangles, points, threads)
     else:
@@ -130,3 +135,59 @@ def _warp(vertices, triangles, points, threads: list[int]) -> list[Row]:
         }
         for count in threads
     ]
+
+
+def quad_ball(vertices: int) -> tuple[np.ndarray, np.ndarray]:
+    """A closed ball of quads with bumps, none of them flat, of about that number of vertices."""
+    cells = max(1, round((vertices / 6) ** 0.5))
+    steps = np.tan(np.pi / 4 * (2 * np.arange(cells + 1) / cells - 1))
+    corners: list[np.ndarray] = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            grid = np.empty((cells + 1, cells + 1, 3))
+            grid[..., axis] = side
+            grid[..., (axis + 1) % 3], grid[..., (axis + 2) % 3] = steps[:, None], steps[None]
+            quads = np.stack((grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]), 2).reshape(
+                -1, 4, 3
+            )
+            corners.append(quads if side > 0 else quads[:, ::-1])
+    every = np.concatenate(corners).reshape(-1, 3)
+    _, first, index = np.unique(np.round(every, 9), axis=0, return_index=True, return_inverse=True)
+    points = every[first] / np.linalg.norm(every[first], axis=1, keepdims=True)
+    bumps = np.random.default_rng(3).uniform(0.95, 1.05, (len(points), 1))
+    return points * bumps, index.reshape(-1, 4).astype(np.int32)
+
+
+def _quads(cage: int, size: int, threads: list[int]) -> list[Row]:
+    """Points of a surface under the cage, of which each has some quads near it."""
+    vertices, quads = quad_ball(cage)
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(size, 3))
+    points *= rng.uniform(0.6, 0.88, (size, 1)) / np.linalg.norm(points, axis=1, keepdims=True)
+    mesh = sinew_native.SurfaceMesh(vertices, quads)
+    ours, theirs = (sinew_native.Green(mesh, faces=faces) for faces in ("quads", "triangles"))
+    posed = vertices * (1.2, 1.0, 0.8) + (0.1, 0.2, 0.3)
+    out = np.zeros((size, 3), np.float32)
+    rows: list[Row] = []
+    for work, call in (
+        ("green_quads", lambda green: green.bind(points)),
+        ("green_quads_frame", lambda green: green.warp(posed, out=out)),
+    ):
+        works = {
+            f"{count} {faces}": Work(
+                lambda green=green: call(green), lambda count=count: sinew_native.limit_threads(count)
+            )
+            for count in threads
+            for faces, green in (("quads", ours), ("triangles", theirs))
+        }
+        alternate(works)
+        rows += [
+            {
+                "work": work,
+                "threads": count,
+                "ours": works[f"{count} quads"].best,
+                "peer": works[f"{count} triangles"].best,
+            }
+            for count in threads
+        ]
+    return rows

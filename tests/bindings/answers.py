@@ -10,6 +10,7 @@ import numpy as np
 
 import sinew_native as sn
 
+from .cages import CUBE, QUADS
 from .meshes import BENT, STILL, ends, grid, shift, sphere
 from .methods import EVERY_CAGE_METHOD, EVERY_SURFACE_METHOD, called, inside, made
 
@@ -52,9 +53,26 @@ def answers(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         coordinates = made(method, cage, **options)
         coordinates.bind(of["points"])
         found[f"warp {called(method)} {called(options)}"] = coordinates.warp(of["bent"])
+    found |= by_quads_and_outlines(of)
     ball = sn.SurfaceMesh(of["ball"], of["ball_faces"])
     for count in (60, 100, 300):
         found[f"automatic cage {count}"] = sn.automatic_cage(ball, count, 0.1)[0]
+    return found
+
+
+def by_quads_and_outlines(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Points that follow a cage of quads as patches, and those that follow the outline of a flat cage."""
+    box = 2.0 * CUBE - 1.0 + 0.1 * CUBE[:, ::-1] ** 2
+    green = sn.Green(sn.SurfaceMesh(box, QUADS), faces="quads")
+    green.bind(of["points"])
+    found = {"warp Green faces=quads box": green.warp(1.5 * box + 0.1 * box[:, ::-1] ** 2)}
+    corners = np.array(
+        [(-2.0, -2.0, 0.0), (2.0, -2.0, 0.0), (2.0, 2.0, 0.0), (0.0, 0.5, 0.0), (-2.0, 2.0, 0.0)]
+    )
+    for method in (sn.Green, sn.MeanValue):
+        flat = method(sn.SurfaceMesh(corners, [[0, 1, 2, 3, 4]]))
+        flat.bind(of["points"])
+        found[f"warp {method.__name__} flat"] = flat.warp(corners + 0.1 * corners[:, [2, 0, 1]] ** 2)
     return found
 
 

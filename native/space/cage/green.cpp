@@ -162,6 +162,7 @@ struct Green::Integrals
     VectorX winding;
     std::vector<char> touching;
     std::vector<QuadPatches::Place> near; ///< the closest place of the patches near each point
+    MatrixX rest; ///< (points, 4) the sum of phi, and the point that the weights give at rest
 };
 
 void Green::integrate(const std::vector<Vector3>& points, Integrals& found) const
@@ -192,7 +193,16 @@ void Green::integrate(const std::vector<Vector3>& points, Integrals& found) cons
         for (int lane = 0; lane < used; ++lane)
             found.touching[static_cast<std::size_t>(first + lane)] = results.touching >> lane & 1;
     }
+    if (patches_.count() == 0)
+        return;
     patches_.add(points, first_of_patches(), found.weights, found.winding, found.near);
+    found.rest.setZero(count, 4);
+    for (int c = 0; c < columns(); ++c) {
+        if (c < vertices)
+            found.rest.col(0) += found.weights.col(c);
+        for (int axis = 0; axis < 3; ++axis)
+            found.rest.col(1 + axis) += rest_(c, axis) * found.weights.col(c);
+    }
 }
 
 void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
@@ -222,27 +232,28 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
         for (std::size_t k = 0; k < touching.size(); ++k) {
             rows.row(touching[k]) = again.weights.row(static_cast<Eigen::Index>(k));
             found.winding[touching[k]] = again.winding[static_cast<Eigen::Index>(k)];
+            if (patches_.count() > 0)
+                found.rest.row(touching[k]) = again.rest.row(static_cast<Eigen::Index>(k));
         }
     }
     outside.assign(x.size(), 0);
     for (std::size_t i = 0; i < x.size(); ++i) {
-        auto row = rows.row(static_cast<Eigen::Index>(i));
-        const double times = std::round(found.winding[static_cast<Eigen::Index>(i)]);
-        row *= times == 0.0 ? 1.0 : 1.0 / times;
+        const Eigen::Index point = static_cast<Eigen::Index>(i);
+        auto row = rows.row(point);
+        const double times = std::round(found.winding[point]), factor = times == 0.0 ? 1.0 : 1.0 / times;
+        row *= factor;
         outside[i] = times < 1.0;
-        if (times == 0.0)
-            represent(place_near(x[i]), 1.0, x[i], row);
-        if (patches_.count() > 0) {
-            const QuadPatches::Place& near = found.near[i];
-            // In the order of the columns: Eigen's order depends on where the row is in memory.
-            double sum = 1.0;
-            Vector3 left = x[i];
-            for (int c = 0; c < columns(); ++c) {
-                sum -= c < cage().vertex_count() ? row[c] : 0.0;
-                left -= row[c] * rest_.row(c).transpose();
-            }
-            represent({near.q >= 0 ? -1 : geometry_.nearest(x[i]), near}, sum, left, row);
+        if (patches_.count() == 0) {
+            if (times == 0.0)
+                represent(place_near(x[i]), 1.0, x[i], row);
+            continue;
         }
+        // What the weights lack at rest: outside it is all but for the errors of the integrals.
+        const double sum = 1.0 - factor * found.rest(point, 0);
+        const Vector3 left = x[i] - factor * found.rest.row(point).tail<3>().transpose();
+        const QuadPatches::Place& near = found.near[i];
+        represent(times == 0.0 ? place_near(x[i]) : Exit{near.q >= 0 ? -1 : geometry_.nearest(x[i]), near},
+                  sum, left, row);
     }
 }
 

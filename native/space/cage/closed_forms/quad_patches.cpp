@@ -51,12 +51,9 @@ struct FarRule
     double from;
     GaussRule rule;
 };
-constexpr FarRule far_rules[] = {{9.0, gauss_rule(4)},
-                                 {5.5, gauss_rule(5)},
-                                 {4.0, gauss_rule(6)},
-                                 {2.8, gauss_rule(8)},
-                                 {2.1, gauss_rule(10)}};
-constexpr std::size_t far_rule_count = 5;
+constexpr FarRule far_rules[] = {{9.0, gauss_rule(4)}, {5.5, gauss_rule(5)},  {4.0, gauss_rule(6)},
+                                 {2.8, gauss_rule(8)}, {2.1, gauss_rule(10)}, {1.75, gauss_rule(12)}};
+constexpr std::size_t far_rule_count = 6;
 constexpr GaussRule panel_rule = gauss_rule(12);
 /// No singularity lies inside the ellipse around a panel whose half axes have this sum.
 constexpr double panel_ellipse = 3.2;
@@ -73,7 +70,8 @@ std::size_t rule_for(double square, const std::array<double, far_rule_count>& re
 /// The sum of the half axes of the ellipse around [-1, 1] on which w lies.
 double ellipse(const std::complex<double>& w)
 {
-    const double sum = 0.5 * (std::abs(w - 1.0) + std::abs(w + 1.0));
+    const auto length = [](double x, double y) { return std::sqrt(x * x + y * y); };
+    const double sum = 0.5 * (length(w.real() - 1.0, w.imag()) + length(w.real() + 1.0, w.imag()));
     return sum + std::sqrt(std::max(0.0, sum * sum - 1.0));
 }
 

@@ -81,7 +81,7 @@ private:
     struct Reach
     {
         double radius;                    ///< of a ball around the centre that holds the patch
-        std::array<double, 5> of_s, of_t; ///< squared distances from which each rule is good enough
+        std::array<double, 6> of_s, of_t; ///< squared distances from which each rule is good enough
     };
     std::vector<Reach> reaches_;
 };
