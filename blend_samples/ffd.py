@@ -23,7 +23,7 @@ VALUES = {1: 0.0, POSE_FRAME: 1.0, 60: 1.0, 80: -0.4, 96: 0.0}
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Free-Form Deformation")
     first = plate.build()
-    surface = materials.plain_material("Plate", plate.PLAIN, roughness=0.5)
+    surface = materials.patched_material("Plate", plate.PLAIN, (), roughness=0.5)
     materials.rule_lines(surface, cell=0.1, line=0.014)
     first.data.materials.append(surface)
     first.location.z = 0.05
@@ -45,7 +45,7 @@ def pose(obj: bpy.types.Object, count: int, settings: dict[str, int]) -> None:
     """The lattice points in an oval that lies across the grid rise together, as an artist selects them."""
     lattice = posing.add_lattice(obj, (count, count, 2), **settings)
     points = posing.lattice_points(lattice)
-    x, y = 2.0 * points[:, 0], 2.0 * points[:, 1]
+    x, y = (points[:, :2] / (0.5 * (count - 1))).T  # from -1 to 1
     along, across = 0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x
     inside = (along / 1.45) ** 2 + (across / 0.52) ** 2 < 1.0
     height = HEIGHT / lattice.matrix_world.to_scale().z

@@ -29,7 +29,7 @@ def bound(rest: np.ndarray, points: np.ndarray, **options: object) -> sn.Ffd:
 
 
 def along(count: int, degree: int, places: np.ndarray) -> np.ndarray:
-    """The functions of evenly spaced points at places in [0, 1], (n, count): SciPy's, and brentq's parameters."""
+    """SciPy's functions of evenly spaced points at places in [0, 1], (n, count)."""
     from scipy.optimize import brentq
 
     knots = np.concatenate((np.zeros(degree), np.linspace(0.0, 1.0, count - degree + 1), np.ones(degree)))
