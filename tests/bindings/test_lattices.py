@@ -178,6 +178,7 @@ def test_handles_at_one_place_are_met_in_the_mean_and_reported() -> None:
 
 
 MILLIONS = """
+import resource
 import numpy as np
 import sinew_native as sn
 points = np.random.default_rng(0).uniform(0.0, 1.0, (10_000_000, 3))
