@@ -9,6 +9,7 @@ from pkgutil import iter_modules
 
 from .schema import (
     Bool,
+    Box,
     Choice,
     Control,
     Curve,
@@ -36,6 +37,7 @@ __all__ = (
     "HANDLE_PARAMETERS",
     "METHODS",
     "Bool",
+    "Box",
     "Choice",
     "Control",
     "Curve",

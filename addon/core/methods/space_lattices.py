@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Choice, Control, Family, Float, Int, Method, Moved, Pointer, Reproduced
+from .schema import Box, Choice, Control, Family, Float, Int, Method, Moved, Reproduced
 
 _SPLINES = (
     ("bspline", "B-Spline", "Smooth, and each point reaches some cells; the degree says how smooth"),
@@ -177,7 +177,7 @@ ROWS = (
                 description="Moves of the lattice that the handles hardly see stay still. A higher value is "
                 "calmer where handles are close to each other, and meets them less exactly",
             ),
-            Pointer(
+            Box(
                 "frame",
                 types=("EMPTY",),
                 rebinds=True,
