@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Spot's nose, back and tail dragged where one takes hold of them; finer hidden lattices reach less far."""
+"""Spot dragged at the head and the back; finer hidden lattices let a drag reach less far."""
 
 from __future__ import annotations
 

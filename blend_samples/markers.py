@@ -32,11 +32,15 @@ def add_pin(
 
 
 def add_lattice_points(lattice: bpy.types.Object, radius: float, frame: int) -> None:
-    """A ball at each point of the top layer of a lattice, where it is at a frame."""
+    """A ball at each point of the top layer of a lattice that has moved at a frame."""
     bpy.context.scene.frame_set(frame)
     evaluated = lattice.evaluated_get(bpy.context.evaluated_depsgraph_get())
     count = lattice.data.points_u * lattice.data.points_v
-    places = [lattice.matrix_world @ point.co_deform for point in evaluated.data.points[-count:]]
+    places = [
+        lattice.matrix_world @ point.co_deform
+        for point in evaluated.data.points[-count:]
+        if (point.co_deform - point.co).length > 1e-3
+    ]
     mesh = bpy.data.meshes.new(f"{lattice.name} Points")
     mesh.from_pydata(places, [], [])
     carrier = bpy.data.objects.new(mesh.name, mesh)

@@ -173,7 +173,7 @@ def _in_cage(method: Method, options: dict[str, object], solve: dict[str, object
 
 
 def _in_lattice(method: Method, options: dict[str, object], solve: dict[str, object]) -> Iterator[Rig]:
-    """A ball in a lattice of straight lines; in its middle, the numbers of Blender's modifier are the same."""
+    """A ball in a lattice whose types, for Blender, are straight lines; and the middle of a quadratic one."""
     points, faces = ball(2)
     line = np.linspace(-2.0, 2.0, 5)
     control = np.stack(np.meshgrid(line, line, line, indexing="ij"), axis=-1)[..., ::-1].reshape(-1, 3)

@@ -26,7 +26,8 @@ class RestShape:
     ``uv_maps`` float64 (n, 2), by their names, are filled on demand.
     ``not_finite`` (k,) are the vertices whose coordinates are NaN or infinite in Blender; ``points`` has
     finite places near their neighbours instead. ``structure`` describes what an object that is not a mesh
-    consists of, as a text that can be compared.
+    consists of, as a text that can be compared. ``frame`` (4, 4) leads here from the space in which the shape
+    was stored: what Apply has done since.
     """
 
     token: str
@@ -38,6 +39,7 @@ class RestShape:
     not_finite: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=int))
     point_type: PointType = MESH
     structure: str = ""
+    frame: np.ndarray = field(default_factory=lambda: np.eye(4))
 
     @cached_property
     def points_float32(self) -> np.ndarray:
@@ -51,7 +53,13 @@ class RestShape:
             last = np.repeat(np.cumsum(self.counts), self.counts) - 1
             first = last + 1 - np.repeat(self.counts, self.counts)
             corners = corners[first + last - np.arange(len(corners))]
-        return replace(self, token=token, points=frames.transformed(matrix, self.points), corners=corners)
+        return replace(
+            self,
+            token=token,
+            points=frames.transformed(matrix, self.points),
+            corners=corners,
+            frame=matrix @ self.frame,
+        )
 
 
 def read_rest(mesh: Mesh) -> RestShape:

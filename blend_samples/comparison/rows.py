@@ -62,7 +62,7 @@ def _by_points(native: ModuleType, method, case: Case, options: dict[str, object
 
 
 def _by_lattice(native: ModuleType, method, case: Case, options: dict[str, object]) -> np.ndarray:
-    """A lattice around the shape, as an artist poses it: each point follows the handles, by how near they are.
+    """A lattice around the shape, as an artist poses it: each point follows the handles by how near they are.
 
     Its cells are about as long as wide, with 12 along the longest side.
     """

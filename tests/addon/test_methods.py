@@ -149,7 +149,7 @@ def test_a_parameter_is_hidden_where_it_changes_nothing(method: methods.Method, 
 
 
 def _in_space(native, method: methods.Method, points: np.ndarray, options: dict[str, object]) -> np.ndarray:
-    """What the points of a lattice, or some of the points themselves, make of points when they move anyhow."""
+    """What the points of a lattice, or some of the points themselves, make of others when they move."""
     control = points[::7]
     if method.poses_maps:  # whose handles are the points themselves
         made = getattr(native, method.native)(points, **options)

@@ -29,7 +29,7 @@ def bound(rest: np.ndarray, points: np.ndarray, **options: object) -> sn.Ffd:
 
 
 def along(count: int, degree: int, places: np.ndarray) -> np.ndarray:
-    """The functions of evenly spaced points at places in [0, 1], (n, count): SciPy's, and brentq's parameters."""
+    """SciPy's functions of evenly spaced points at places in [0, 1], (n, count)."""
     from scipy.optimize import brentq
 
     knots = np.concatenate((np.zeros(degree), np.linspace(0.0, 1.0, count - degree + 1), np.ones(degree)))
@@ -178,6 +178,7 @@ def test_handles_at_one_place_are_met_in_the_mean_and_reported() -> None:
 
 
 MILLIONS = """
+import resource
 import numpy as np
 import sinew_native as sn
 points = np.random.default_rng(0).uniform(0.0, 1.0, (10_000_000, 3))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: a lattice, posed in Edit Mode by keys; then the surface dragged itself."""
+"""Runs inside a Blender with a window: a lattice, posed in Edit Mode by keys; then the surface, dragged."""
 
 import bpy
 import numpy as np

@@ -99,9 +99,7 @@ def _reached_from_outside(kept: np.ndarray) -> np.ndarray:
         for axis in range(3):
             for step in (1, -1):
                 moved = np.roll(reached, step, axis=axis)
-                edge = [slice(None)] * 3
-                edge[axis] = 0 if step > 0 else -1
-                moved[tuple(edge)] = False
+                np.moveaxis(moved, axis, 0)[0 if step > 0 else -1] = False
                 grown |= moved
         grown &= free
         if np.array_equal(grown, reached):

@@ -9,6 +9,7 @@ from pkgutil import iter_modules
 
 from .schema import (
     Bool,
+    Box,
     Choice,
     Control,
     Curve,
@@ -37,6 +38,7 @@ __all__ = (
     "HANDLE_PARAMETERS",
     "METHODS",
     "Bool",
+    "Box",
     "Choice",
     "Control",
     "Curve",

@@ -145,6 +145,15 @@ class Pointer(Parameter):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Box(Pointer):
+    """An object whose cube from -1 to 1 is the box that the method fills, around the shape if none is chosen.
+
+    The native module gets the frame of the cube in the space of the target, (3, 4) float64, or None for a box
+    along the axes of that space. After Apply, that is the box in which the shape rested before.
+    """
+
+
+@dataclass(frozen=True, kw_only=True)
 class GridPoints(Pointer):
     """A mesh object whose vertices are the points of the control grids of the method.
 

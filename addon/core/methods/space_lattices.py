@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Choice, Control, Family, Float, Int, Method, Moved, Pointer, Reproduced
+from .schema import Box, Choice, Control, Family, Float, Int, Method, Moved, Reproduced
 
 _SPLINES = (
     ("bspline", "B-Spline", "Smooth, and each point reaches some cells; the degree says how smooth"),
@@ -56,7 +56,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Interpolation",
-                description="How the points of the lattice blend. A mesh of hexahedra blends within its cells",
+                description="How the points of the lattice blend. Hexahedra blend within their cells",
             ),
             Int(
                 "degree",
@@ -68,8 +68,8 @@ ROWS = (
                 only_with=("basis", ("bspline",)),
                 unit="degree of the polynomials",
                 label="Degree",
-                description="1 is straight from point to point; higher degrees are smoother and reach farther. "
-                "An axis with fewer points has a lower degree",
+                description="1 is straight from point to point; higher degrees are smoother and reach "
+                "farther. An axis with fewer points has a lower degree",
             ),
             Choice(
                 "outside",
@@ -98,8 +98,8 @@ ROWS = (
                 only_with=("outside", ("freeze",)),
                 unit="continuous derivatives",
                 label="Continuity",
-                description="How smoothly the deformation ends at the border, if all outside stays: that many "
-                "planes of points and one more stay beside each border",
+                description="How smoothly the deformation ends at the border, if all outside stays: that "
+                "many planes of points and one more stay beside each border",
             ),
             Int(
                 "smooth",
@@ -111,7 +111,7 @@ ROWS = (
                 advanced=True,
                 unit="steps of subdivision",
                 label="Smooth",
-                description="How often a lattice that is a mesh of hexahedra is subdivided; 0 bends at each face",
+                description="How often a lattice of hexahedra is subdivided; 0 bends at each of its faces",
             ),
         ),
     ),
@@ -177,14 +177,14 @@ ROWS = (
                 description="Moves of the lattice that the handles hardly see stay still. A higher value is "
                 "calmer where handles are close to each other, and meets them less exactly",
             ),
-            Pointer(
+            Box(
                 "frame",
                 types=("EMPTY",),
                 rebinds=True,
                 advanced=True,
                 label="Box",
-                description="An empty whose cube, of size 1, the hidden lattice fills; without one, it fills a box "
-                "around the shape and its handles",
+                description="An empty whose cube, of size 1, the hidden lattice fills; without one, it fills "
+                "a box around the shape and its handles",
             ),
         ),
     ),

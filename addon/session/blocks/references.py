@@ -15,7 +15,7 @@ from ...backend import Shape
 from ...compat import read_faces, read_positions
 from ...core.errors import OptionError
 from ...core.geometry import frames
-from ...core.methods import METHODS, Curve, GridPoints, MeshObject, MeshShape, Parameter, Pointer, UvMap
+from ...core.methods import METHODS, Box, Curve, GridPoints, MeshObject, MeshShape, Parameter, Pointer, UvMap
 from ...ids import Datablocks, Keys
 from ...mesh_io import RestShape, read_rest
 from ...properties import SinewDeformer
@@ -104,6 +104,19 @@ def _referring(settings: SinewDeformer) -> Iterator[tuple[PropertyGroup, Paramet
     for method, values in settings.methods:
         for parameter in method.references:
             yield values, parameter
+
+
+def box(values: PropertyGroup, parameter: Box, rest: RestShape) -> np.ndarray | None:
+    """The frame (3, 4) of a cube from -1 to 1; None for a box along the axes of the target."""
+    chosen = value(values, parameter)
+    if chosen is not None or np.array_equal(rest.frame, np.eye(4)) or not len(rest.points):
+        return chosen
+    stored = frames.transformed(np.linalg.inv(rest.frame), rest.points)
+    low, high = stored.min(axis=0), stored.max(axis=0)
+    longest = (high - low).max() or 1.0
+    sides = np.where(high - low > 1e-6 * longest, high - low, longest) + 0.1 * longest
+    cube = np.column_stack((np.diag(0.5 * sides), 0.5 * (low + high)))
+    return (rest.frame @ np.vstack((cube, (0.0, 0.0, 0.0, 1.0))))[:3]
 
 
 def compared(values: PropertyGroup, parameter: Parameter) -> object:

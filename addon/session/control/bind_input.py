@@ -10,6 +10,7 @@ from bpy.types import PropertyGroup
 from ...backend import Base, Recipe
 from ...core.methods import (
     METHODS,
+    Box,
     Curve,
     Float,
     GridPoints,
@@ -101,6 +102,9 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
             continue
         if isinstance(parameter, UvMap):
             found[parameter.id] = rest.uv_maps.get(getattr(values, parameter.id))
+            continue
+        if isinstance(parameter, Box):
+            found[parameter.id] = references.box(values, parameter, rest)
             continue
         if isinstance(parameter, MeshShape):
             found[parameter.id] = references.mesh_shape(values, parameter, rest)

@@ -135,7 +135,7 @@ class Drag:
         else:
             mover.matrix_world = place
         deformer = self._deformer(obj)
-        if not handle.vertex_group:
+        if deformer is not None and not handle.vertex_group:
             points.move_image(obj, deformer, handle)
         locks.hold_locked(mover, self._channels)
 

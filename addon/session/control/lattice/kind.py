@@ -35,11 +35,14 @@ _INTERPOLATION = {  # by Blender's names
 class _NoRow:
     """What there is before a lattice is chosen. It keeps nothing."""
 
-    object = rest = None
+    rest = None
     owned = False
     missing = True
 
-    def __setattr__(self, _name: str, _value: object) -> None:
+    def __init__(self) -> None:
+        self.__dict__["object"] = None
+
+    def __setattr__(self, _name: str, _value: Any) -> None:
         """A lattice that is not there forgets nothing."""
 
 
@@ -49,8 +52,8 @@ _NO_ROW = _NoRow()
 class LatticeKind(ObjectKind):
     """The points of a lattice object, or the corners of the hexahedra of a mesh object.
 
-    The rest is stored as a mesh. That of a lattice object has no faces, and remembers the rows of points. If an
-    axis has one point only, an origin and the ends of the axes follow.
+    The rest is stored as a mesh. That of a lattice object has no faces, and remembers the rows of points. If
+    an axis has one point only, an origin and the ends of the axes follow.
     """
 
     MISSING = "No lattice yet - Add Lattice fits one to the selection"
@@ -142,10 +145,10 @@ class LatticeKind(ObjectKind):
             lattice = LatticePoints(points, (0, 0, 0), ("bspline",) * 3, read_faces(stored))
         else:
             resolution, types = described
-            names = tuple(_INTERPOLATION[name] for name in self._types_in_use(settings) or types)
+            u, v, w = (_INTERPOLATION[name] for name in self._types_in_use(settings) or types)
             count = int(np.prod(resolution))
             axes = points[count + 1 :] - points[count] if len(points) > count else None
-            lattice = LatticePoints(points[:count], resolution, names, axes=axes)
+            lattice = LatticePoints(points[:count], resolution, (u, v, w), axes=axes)
         return replace(found, recipe=replace(found.recipe, control=lattice), control=_in_words(lattice))
 
     def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:

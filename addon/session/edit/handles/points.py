@@ -42,7 +42,7 @@ class _Place:
 def add_point_handles(
     obj: Object, deformer: SinewDeformer, place: np.ndarray, radius: float
 ) -> list[SinewHandle]:
-    """A handle at a place (3,) of the world on the surface that is shown; ``radius`` is its size in the world.
+    """A handle at a place (3,) of the world on the surface that is shown, as large as ``radius`` there.
 
     With X-Axis Mirror, a handle on the other side comes with it, unless both would overlap. ``bind`` must
     follow.

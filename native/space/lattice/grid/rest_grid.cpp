@@ -21,7 +21,7 @@ namespace {
 /// nobody has touched differ by 1e-7.
 constexpr double equal_cells = 1e-6;
 constexpr double flat = 1e-9;
-constexpr int most_steps = 40;
+constexpr int most_steps = 40, most_halves = 14;
 
 void refuse(const char* what, std::vector<int> points)
 {
@@ -212,7 +212,7 @@ Vector3 RestGrid::parameters_of(const Vector3& point) const
             const Vector3 by = J.fullPivLu().solve(error);
             double share = 1.0;
             bool fell = false;
-            for (; share > 1e-4 && !fell; share *= 0.5) {
+            for (int half = 0; half < most_halves && !fell; ++half, share *= 0.5) {
                 Matrix3 next_J;
                 const Vector3 next = s - share * by, left = mapped(next, next_J) - point;
                 if (left.norm() < error.norm()) {
