@@ -42,6 +42,7 @@ GROUPS = (
     "sequence",
     "subdivision",
     "cages",
+    "curves",
     "cages_harmonic",
     "automatic_cage",
     "blender",

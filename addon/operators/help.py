@@ -15,6 +15,7 @@ from .reporting import reports_errors
 PAGES = (
     ("surface", "Pose a Surface", "From a selection to a pose: handles, fixed regions, support, methods"),
     ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
+    ("wires-and-fields", "Wires and Vector Fields", "Curves and tools that move what is near them"),
     ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
     ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
     ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Field Drag: press on the surface and drag it like clay. The path of the mouse becomes the path of a tool."""
+"""Field Drag: press on the surface and drag it like clay. The path of the mouse becomes that of a tool."""
 
 from enum import Enum
 from functools import partial
@@ -154,7 +154,7 @@ def lead(
 
 
 class SINEW_OT_tool_drag(ViewportTool, Operator):
-    """Drag the surface like clay: its volume stays, and it never cuts itself. The path of the mouse is kept"""
+    """Drag the surface like clay: its volume stays, and it never cuts itself. The path is kept"""
 
     bl_idname = Operators.TOOL_DRAG
     bl_label = "Field Drag"

@@ -111,9 +111,7 @@ class SINEW_UL_controls(UIList):
     ) -> tuple[list[int], list[int]]:
         """Only the rows of the kind that the method in use asks for."""
         shown = {row.as_pointer() for row in session.rows_of(deformer)}
-        return [
-            self.bitflag_filter_item if row.as_pointer() in shown else 0 for row in deformer.controls
-        ], []
+        return [self.bitflag_filter_item if row.as_pointer() in shown else 0 for row in deformer.controls], []
 
 
 register, unregister = register_classes_factory(

@@ -13,6 +13,7 @@ set(SINEW_KERNELS
   native/space/cage/closed_forms/cage_kernels avx2 avx512
   native/space/cage/harmonic/layers avx2 avx512
   native/space/nonlinear/fields/field_kernels avx2 avx512
+  native/space/points/wires/wire_kernels avx2
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2
   native/surface/linear/propagation/kernels avx2

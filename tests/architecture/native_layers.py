@@ -44,6 +44,7 @@ SUB_RANKS = {
     "space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
     "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
     "space/nonlinear": {"fields": 0, "": 1},
+    "space/points": {"wires": 0, "": 1},
     "surface/nonlinear": {"primo": 0, "pyramids": 0, "sequence": 0, "subspace": 0, "": 1},
     "multiresolution": {"details": 0, "transfer": 1, "": 1},
 }
@@ -56,6 +57,7 @@ INTERNAL = {
     "space/cage/inside",
     "space/cage/visibility",
     "space/nonlinear/fields",
+    "space/points/wires",
     "surface/linear/propagation",
     "surface/linear/pyramid",
     "surface/linear/semi_regular",

@@ -42,7 +42,9 @@ def drag_field(move: np.ndarray, turn: np.ndarray):
             return 1 - share((np.linalg.norm(z, axis=1) - INNER) / (OUTER - INNER))
 
         def gradient(function, z, step=1e-6):
-            return np.stack([(function(z + step * e) - function(z - step * e)) / (2 * step) for e in np.eye(3)], 1)
+            return np.stack(
+                [(function(z + step * e) - function(z - step * e)) / (2 * step) for e in np.eye(3)], 1
+            )
 
         p = gradient(lambda z: beta(z) * (z @ across[0]) * np.linalg.norm(move) * sign, y)
         q = gradient(lambda z: beta(z) * (z @ across[1]), y)

@@ -147,7 +147,9 @@ def test_progress_goes_along_the_path() -> None:
     whole = evaluated_points(obj)
     row.progress = 0.0
     assert close(evaluated_points(obj), base_points(obj))
-    ways = [np.linalg.norm(np.subtract(b, a)) for a, b in zip(((0, 0, 0), *STOPS), (*STOPS, END), strict=True)]
+    ways = [
+        np.linalg.norm(np.subtract(b, a)) for a, b in zip(((0, 0, 0), *STOPS), (*STOPS, END), strict=True)
+    ]
     row.progress = ways[0] / sum(ways)
     assert close(evaluated_points(obj), on_path(obj, STOPS[:1]), INTEGRATED)
     row.progress = (ways[0] + 0.5 * ways[1]) / sum(ways)

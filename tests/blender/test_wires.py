@@ -74,7 +74,9 @@ def wired(*wires: bpy.types.Object, radius: float = RADIUS, target: bpy.types.Ob
     return plate
 
 
-def expected(points: np.ndarray, *curves: tuple[np.ndarray, np.ndarray], radius: float = RADIUS) -> np.ndarray:
+def expected(
+    points: np.ndarray, *curves: tuple[np.ndarray, np.ndarray], radius: float = RADIUS
+) -> np.ndarray:
     """What wires at rest and now make of points."""
     rest, posed = zip(*curves, strict=True)
     wires = native().Wires(np.concatenate(rest), [len(one) for one in rest], radius=radius)
@@ -182,9 +184,13 @@ def test_each_wire_has_its_own_settings() -> None:
     second.enabled = False
     alone = expected(base_points(plate), (rests[0], posed[0]), radius=0.3)
     assert not close(evaluated_points(plate), made.warp(np.concatenate(posed)))
-    assert np.abs(evaluated_points(plate)[base_points(plate)[:, 1] > 0.3] - base_points(plate)[
-        base_points(plate)[:, 1] > 0.3
-    ]).max() == 0.0
+    assert (
+        np.abs(
+            evaluated_points(plate)[base_points(plate)[:, 1] > 0.3]
+            - base_points(plate)[base_points(plate)[:, 1] > 0.3]
+        ).max()
+        == 0.0
+    )
     assert alone.shape == base_points(plate).shape
 
 

@@ -99,7 +99,9 @@ class SeveralKind(ObjectKind):
             found = rest_frame.read(settings, row.rest)
             text = self.wrong(row, found.points)
             if len(found.not_finite):
-                text = f"{label_of(row)} has invalid coordinates (NaN or infinite) - correct them, then Rebind"
+                text = (
+                    f"{label_of(row)} has invalid coordinates (NaN or infinite) - correct them, then Rebind"
+                )
             if text:
                 raise self.ERROR(text)
             parts.append(self.part(settings, row, found))

@@ -65,7 +65,9 @@ class CurvesKind(SeveralKind):
         if not lines.counts:
             return f"{name} has no splines - add one in Edit Mode, then Rebind"
         size = np.abs(points).max(initial=0.0)
-        empty = [str(i + 1) for i, way in enumerate(lengths(points[: lines.total], lines)) if way <= 1e-9 * size]
+        empty = [
+            str(i + 1) for i, way in enumerate(lengths(points[: lines.total], lines)) if way <= 1e-9 * size
+        ]
         if not empty:
             return ""
         if len(lines.counts) == 1:
