@@ -36,8 +36,8 @@ struct VectorFieldOptions
 /// A point x follows dx/dt = grad p x grad q, which has no divergence: volumes stay, and the flow neither
 /// tears nor folds space. Where a tool acts fully, p and q are linear for its velocity v, and linear and
 /// quadratic for its angular velocity w; where it does not act, one of them is constant; and between them
-/// b(u) = 4 u^3 (1 - u) + u^4 blends. With y = x - c for the centre c of the tool, and beta the share in which
-/// it acts:
+/// b(u) = 4 u^3 (1 - u) + u^4 blends. With y = x - c for the centre c of the tool, and beta the share in
+/// which it acts:
 ///
 ///   drag   beta = 1 - b((|y| - inner) / (outer - inner)). p and q of the velocity are both multiplied by
 ///          beta, and of the turn p is the integral of beta along the axis:
@@ -102,7 +102,7 @@ private:
         FieldTool kind;
         double inner, outer, width;
         Matrix3 to_rest; ///< the inverse of the axes at rest
-        Vector3 axis;    ///< z at rest
+        Vector3 axis; ///< z at rest
     };
     /// A frame as a rigid motion from rest, with its centre and scale.
     struct Frame
@@ -118,7 +118,7 @@ private:
         bool twists = false; ///< by piece.turn about piece.centre
         Matrix3 turn = Matrix3::Identity(); ///< of the whole piece
         double most_outer = 0.0, least_inner = 0.0;
-        int steps = 1;         ///< to begin with
+        int steps = 1; ///< to begin with
         double tolerance = 0.0; ///< a length
     };
 

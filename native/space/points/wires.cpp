@@ -94,7 +94,8 @@ void Wires::add_curves()
                     .reach = options_.radius[k],
                     .low = rows.colwise().minCoeff(),
                     .high = rows.colwise().maxCoeff()};
-        if (options_.domain.rows() != 0 && !options_.domain.middleRows(begin, samples).array().isNaN().all()) {
+        if (options_.domain.rows() != 0 &&
+            !options_.domain.middleRows(begin, samples).array().isNaN().all()) {
             const auto limits = options_.domain.middleRows(begin, samples);
             if (!limits.allFinite())
                 throw InvalidOption("domain: samples of curve " + std::to_string(k) + " are not finite");
@@ -220,8 +221,8 @@ void Wires::add_contact(const Curve& curve, const Vector3& x, Found& found) cons
     if (!(t < 1.0))
         return forget();
     const double falloff = (1.0 - t * t) * (1.0 - t * t);
-    found.contacts.push_back({x - middle, falloff, (curve.scale - 1.0) * falloff,
-                              static_cast<int>(found.shares.size()) - first});
+    found.contacts.push_back(
+        {x - middle, falloff, (curve.scale - 1.0) * falloff, static_cast<int>(found.shares.size()) - first});
 }
 
 void Wires::add_contacts(const Vector3& x, Found& found) const
@@ -257,9 +258,9 @@ void Wires::compute(PointsView points, SpaceReport& report, const Progress& prog
     constexpr int slab = 1 << 16, grain = 1 << 10;
     const int count = static_cast<int>(points.rows());
     const auto bytes = [](const Contacts& made) {
-        return static_cast<std::int64_t>(
-            sizeof(int) * (made.begins.size() + made.firsts.size() + made.samples.size()) +
-            sizeof(double) * (made.blocks.size() + made.shares.size()));
+        return static_cast<std::int64_t>(sizeof(int) *
+                                             (made.begins.size() + made.firsts.size() + made.samples.size()) +
+                                         sizeof(double) * (made.blocks.size() + made.shares.size()));
     };
     Contacts all;
     all.begins.push_back(0);
@@ -286,7 +287,8 @@ void Wires::compute(PointsView points, SpaceReport& report, const Progress& prog
 
 Vector3 Wires::turn(const Curve& curve, int sample, PointsView control) const
 {
-    const int before = before_[static_cast<std::size_t>(sample)], after = after_[static_cast<std::size_t>(sample)];
+    const int before = before_[static_cast<std::size_t>(sample)],
+              after = after_[static_cast<std::size_t>(sample)];
     const auto tangent = [&](const auto& points) -> Vector3 {
         return (points.row(after) - points.row(before)).transpose().stableNormalized();
     };
@@ -381,9 +383,6 @@ std::vector<std::string> Wires::changed_settings(const SpaceMethod& former) cons
                      {"smoothing", options_.smoothing != theirs.smoothing}});
 }
 
-void Wires::swap_weights(SpaceMethod& other)
-{
-    std::swap(contacts_, static_cast<Wires&>(other).contacts_);
-}
+void Wires::swap_weights(SpaceMethod& other) { std::swap(contacts_, static_cast<Wires&>(other).contacts_); }
 
 } // namespace sinew

@@ -17,7 +17,7 @@ struct WireOptions
     std::vector<double> scale{1.0};  ///< of the distances from the curve, near the curve
     std::vector<double> rotation{1.0}; ///< how much of the turn of the curve points follow, in [0, 1]
     Points domain{}; ///< (c, 3) one sample of a domain curve per sample, NaN on curves without one; or empty
-    double exponent = 1.0;  ///< m, >= 0: with more, the wire with the longest move prevails
+    double exponent = 1.0; ///< m, >= 0: with more, the wire with the longest move prevails
     double smoothing = 0.2; ///< s, >= 0: how much farther than the nearest point of a curve others count
 };
 
@@ -78,23 +78,23 @@ private:
         int begin, end;
         bool closed, has_domain;
         double radius, scale, rotation;
-        double reach;     ///< no point farther away than this follows
+        double reach; ///< no point farther away than this follows
         Vector3 low, high; ///< the box of the samples
     };
     /// A point in the reach of a curve.
     struct Contact
     {
-        Vector3 from;   ///< x - R(p)
+        Vector3 from; ///< x - R(p)
         double falloff; ///< F
         double stretch; ///< (s - 1) F
-        int shares;     ///< how many it has
+        int shares; ///< how many it has
     };
     /// What is found of some points. Point i has the contacts [begins[i], begins[i + 1]).
     struct Found
     {
         std::vector<int> begins;
         std::vector<Contact> contacts;
-        std::vector<int> samples;   ///< for each share of a contact, the sample that it belongs to
+        std::vector<int> samples; ///< for each share of a contact, the sample that it belongs to
         std::vector<double> shares; ///< of one contact, they sum to 1
     };
     /// The same as the kernels read it, see WireContacts. The last block is filled with contacts without

@@ -3,8 +3,8 @@
 
 namespace sinew {
 
-/// A straight piece of the path of a tool, for times t from 0 to 1: it moves and turns evenly. See VectorField.
-/// The lengths `inner` and `outer` change evenly, too.
+/// A straight piece of the path of a tool, for times t from 0 to 1: it moves and turns evenly. See
+/// VectorField. The lengths `inner` and `outer` change evenly, too.
 struct FieldPiece
 {
     bool bends; ///< the field of a bend; else that of a drag
@@ -23,7 +23,8 @@ struct FieldKernels
 {
     int lanes;
     /// Moves points along the field from t = 0 to 1 by `steps` even steps of a Runge-Kutta rule.
-    /// \param order           1 sees the field at the beginning of a step, 2 also in its middle, and 4 also at
+    /// \param order           1 sees the field at the beginning of a step, 2 also in its middle, and 4 also
+    /// at
     ///                        its end
     /// \param[in,out] points  (3) x, y, z, each `lanes` numbers
     void (*flow)(const FieldPiece& piece, int steps, int order, double* points);
