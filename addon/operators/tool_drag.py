@@ -12,6 +12,7 @@ from mathutils import Vector
 
 from .. import session
 from ..core.errors import SinewError
+from ..core.methods import DEFAULT_TOOL_METHOD
 from ..core.transform.typed_motion import View
 from ..ids import Operators
 from ..properties import SinewControl, SinewDeformer
@@ -23,7 +24,6 @@ from .modal.shell import Keys, Outcome, ViewportTool
 from .modal.view import length_text
 from .reporting import reports_errors
 from .target import has_target, target_of
-from .tools import METHOD
 
 _KEYS: Keys = (
     (("MOUSE_LMB_DRAG",), "Drag"),
@@ -128,7 +128,7 @@ def begin(obj: Object, place: np.ndarray, normal: np.ndarray, radius: float) -> 
     outer = radius / scale
     tool = session.new_tool(obj, place, normal, outer, "Drag")
     values = {"tools": "drag", "outer": outer, "inner": _INNER * outer}
-    deformer, refusal = session.add_to(obj, [tool], METHOD, True, **values)
+    deformer, refusal = session.add_to(obj, [tool], DEFAULT_TOOL_METHOD, True, **values)
     if refusal is not None:
         raise refusal
     return deformer

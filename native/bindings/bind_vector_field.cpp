@@ -85,7 +85,7 @@ inner      a number or (k,): within this distance of a drag, all moves with the 
 outer      > inner, likewise: beyond it, nothing moves, or all turns.
 width      > 0, a number or (k,): within this distance of the axis of a twist or bend all turns, and at twice
            the distance nothing does.
-order      1, 2 or 4, of the Runge-Kutta rule.
+order      1, 2 or 4, of the Runge-Kutta rule, if steps is given.
 steps      on each piece of a path; 0 for as many as each point needs.
 tolerance  of a point on one piece of a path, as a share of outer, if steps is 0.
 

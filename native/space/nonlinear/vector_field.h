@@ -22,7 +22,7 @@ struct VectorFieldOptions
     std::vector<FieldTool> tools{FieldTool::drag};
     std::vector<double> inner{0.5}, outer{1.0}; ///< inner < outer; of a drag 0 <= inner
     std::vector<double> width{1.0}; ///< > 0, of a twist or bend
-    int order = 4;           ///< of the Runge-Kutta rule: 1, 2 or 4
+    int order = 4;           ///< of the Runge-Kutta rule if `steps` is given: 1, 2 or 4
     int steps = 0;           ///< on each piece of a path; 0: as many as each point needs
     double tolerance = 1e-5; ///< of a point on one piece, as a share of `outer`, if `steps` is 0
 };
@@ -61,8 +61,9 @@ struct VectorFieldOptions
 /// A twist counts only the turns about the tool's axis, a bend only those across it, and neither its moves.
 ///
 /// All else is integrated with a field that changes with time, which a step sees at t, t + h / 2 and t + h
-/// (Runge-Kutta of order 4). Departs from the papers: steps are doubled for each point by itself until its
-/// end stays within the tolerance, so that no point depends on others.
+/// (Runge-Kutta of order 4). Each point chooses the lengths of its steps by itself, so that it does not
+/// depend on others: a step is compared with two of half its length, and must differ from them by less than
+/// its share of the tolerance.
 ///
 ///   call          repeat it when ...            cost
 ///   constructor   the rest frames changed       O(frames)

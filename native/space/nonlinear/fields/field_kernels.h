@@ -28,6 +28,10 @@ struct FieldKernels
     ///                        its end
     /// \param[in,out] points  (3) x, y, z, each `lanes` numbers
     void (*flow)(const FieldPiece& piece, int steps, int order, double* points);
+    /// The same by steps that each point chooses by itself, of at most 1 / least_steps: a step of order 4 is
+    /// compared with two of half its length, and repeated with a smaller one while they differ too much.
+    /// \param tolerance  a length: the error that is aimed at, at the end of the piece
+    void (*flow_to)(const FieldPiece& piece, int least_steps, double tolerance, double* points);
     /// The field at time t.
     /// \param points           (3)
     /// \param[out] velocities  (3)

@@ -328,10 +328,13 @@ TEST(VectorField, more_steps_reach_the_tolerance)
     VectorFieldOptions options = tool(FieldTool::drag), exact = options;
     exact.steps = 4000;
     const Points reference = warped(exact, {some_pose()}, points);
+    double last = 1.0;
     for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
         options.tolerance = tolerance;
-        EXPECT_LT(shapes::distance(warped(options, {some_pose()}, points), reference), 2.0 * tolerance)
-            << "near a kink of the field, half the step may leave two thirds of the error";
+        const double error = shapes::distance(warped(options, {some_pose()}, points), reference);
+        EXPECT_LT(error, 5.0 * tolerance) << "errors grow on the rest of the way as space is drawn out";
+        EXPECT_LT(error, 0.1 * last);
+        last = error;
     }
 }
 
