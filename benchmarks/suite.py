@@ -43,6 +43,7 @@ GROUPS = (
     "subdivision",
     "cages",
     "lattices",
+    "curves",
     "cages_harmonic",
     "automatic_cage",
     "blender",

@@ -362,6 +362,28 @@ WORKS = (
         at_most=True,
     ),
     Work("cage_warp", "`warp` of a cage, single precision", "BLAS `sgemm`, one thread", {ANY: 1.5}),
+    Work("wires_bind", "binding `Wires`, 3 wires", "a vectorised loop in NumPy", {}),
+    Work("wires_frame", "a frame of `Wires`, 3 wires", "a vectorised loop in NumPy", {100_000: (5.0, 10.0)}),
+    Work(
+        "field_frame",
+        "a frame of `VectorField`, 100 steps",
+        "SciPy's `RK45` with as many, vectorised",
+        {100_000: (10.0, 20.0)},
+    ),
+    Work(
+        "overhead_wires",
+        "a frame in Blender without its warp, 3 wires",
+        "writing and evaluating a shape alone",
+        {ANY: 1.3},
+        at_most=True,
+    ),
+    Work(
+        "overhead_field",
+        "a frame in Blender without its warp, a tool of `vector_field`",
+        "writing and evaluating a shape alone",
+        {ANY: 1.3},
+        at_most=True,
+    ),
     Work(
         "sequence_frame",
         "a frame of `MeshSequence`",

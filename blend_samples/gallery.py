@@ -22,6 +22,7 @@ from .comparison import (
     picture,
     raster,
     registry_rows,
+    space_rows,
 )
 
 # The rows of the overview, which are those of the tutorial's figure 17 and its first line.
@@ -63,6 +64,8 @@ def compared() -> Matrix:
     for name, case in CASES.items():
         matrix.compare(name, case())
     for name, solve in registry_rows(registry(), native()):
+        matrix.compare(name, solve)
+    for name, solve in space_rows(native()):
         matrix.compare(name, solve)
     matrix.compare("Laplacian Deform of Blender", picture.laplacian_deform)
     arap = igl_arap()

@@ -21,7 +21,13 @@ LABELS = {"Rest": {}, "Angry": {"Brows": -1.0, "Mouth": -0.9}, "Happy": {"Brows"
 BROW = [(0.05, 1.80), (0.12, 1.835), (0.20, 1.82), (0.27, 1.77)]
 MOUTH = [(-0.20, 1.50), (-0.11, 1.485), (0.0, 1.48), (0.11, 1.485), (0.20, 1.50)]
 BROW_MOVES = [(0.03, 0.0, 0.11), (0.02, 0.0, 0.06), (0.0, 0.0, 0.0), (0.0, 0.0, -0.03)]  # raised inside
-MOUTH_MOVES = [(-0.01, -0.04, 0.09), (0.01, -0.01, 0.03), (0.02, 0, -0.02), (0.01, 0.01, 0.03), (-0.01, 0.04, 0.09)]
+MOUTH_MOVES = [
+    (-0.01, -0.04, 0.09),
+    (0.01, -0.01, 0.03),
+    (0.02, 0, -0.02),
+    (0.01, 0.01, 0.03),
+    (-0.01, 0.04, 0.09),
+]
 RADII = {"Brow.L": 0.13, "Brow.R": 0.13, "Mouth": 0.15}
 
 
@@ -122,6 +128,10 @@ def steer(head: bpy.types.Object, wires: Sequence[bpy.types.Object], values: dic
         for point, move in zip(key.data, moves):
             for corner in ("co", "handle_left", "handle_right"):
                 setattr(point, corner, getattr(point, corner) + Vector(move))
-        for frame, share in ((1, 0.0), (POSE_FRAME, values["Mouth" if name == "Mouth" else "Brows"]), (96, 0.0)):
+        for frame, share in (
+            (1, 0.0),
+            (POSE_FRAME, values["Mouth" if name == "Mouth" else "Brows"]),
+            (96, 0.0),
+        ):
             key.value = share
             key.keyframe_insert("value", frame=frame)

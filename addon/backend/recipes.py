@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a factor is made from. Recipes keep the arrays that they are given, so these must not change."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol
@@ -210,7 +210,7 @@ class HandlePoints(ControlPoints):
 class ControlParts(ControlPoints):
     """Points of several controls, one after the other. ``own`` are keywords with one value per control."""
 
-    own: dict[str, object]
+    own: Mapping[str, Any]
 
     def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
         """The native method, still without bound points."""

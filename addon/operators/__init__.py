@@ -27,16 +27,16 @@ from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
+from .rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
 from .silhouette_sketch import SINEW_OT_silhouette_sketch
-from .rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
+from .target import explain_no_target, target_of
 from .tool_drag import SINEW_OT_tool_drag
 from .tools import SINEW_OT_tool_add, SINEW_OT_tool_stop
+from .transfer import SINEW_OT_transfer_deformation
 from .wire_draw import SINEW_OT_wire_draw
 from .wires import SINEW_OT_wire_add
-from .target import explain_no_target, target_of
-from .transfer import SINEW_OT_transfer_deformation
 
 __all__ = (
     "PAGES",

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Field Drag: press on the surface and drag it like clay. The path of the mouse becomes the path of a tool."""
+"""Field Drag: press on the surface and drag it like clay. The path of the mouse becomes that of a tool."""
 
 from enum import Enum
 from functools import partial
@@ -12,6 +12,7 @@ from mathutils import Vector
 
 from .. import session
 from ..core.errors import SinewError
+from ..core.methods import DEFAULT_TOOL_METHOD
 from ..core.transform.typed_motion import View
 from ..ids import Operators
 from ..properties import SinewControl, SinewDeformer
@@ -23,7 +24,6 @@ from .modal.shell import Keys, Outcome, ViewportTool
 from .modal.view import length_text
 from .reporting import reports_errors
 from .target import has_target, target_of
-from .tools import METHOD
 
 _KEYS: Keys = (
     (("MOUSE_LMB_DRAG",), "Drag"),
@@ -128,7 +128,7 @@ def begin(obj: Object, place: np.ndarray, normal: np.ndarray, radius: float) -> 
     outer = radius / scale
     tool = session.new_tool(obj, place, normal, outer, "Drag")
     values = {"tools": "drag", "outer": outer, "inner": _INNER * outer}
-    deformer, refusal = session.add_to(obj, [tool], METHOD, True, **values)
+    deformer, refusal = session.add_to(obj, [tool], DEFAULT_TOOL_METHOD, True, **values)
     if refusal is not None:
         raise refusal
     return deformer
@@ -154,7 +154,7 @@ def lead(
 
 
 class SINEW_OT_tool_drag(ViewportTool, Operator):
-    """Drag the surface like clay: its volume stays, and it never cuts itself. The path of the mouse is kept"""
+    """Drag the surface like clay: its volume stays, and it never cuts itself. The path is kept"""
 
     bl_idname = Operators.TOOL_DRAG
     bl_label = "Field Drag"

@@ -8,7 +8,7 @@ from mathutils import Vector
 
 from .. import session
 from ..core.errors import SinewError
-from ..core.methods import BY_ID
+from ..core.methods import BY_ID, DEFAULT_TOOL_METHOD
 from ..ids import Operators
 from .cage import show_only
 from .reporting import reports_errors
@@ -16,8 +16,7 @@ from .rows import has_rows
 from .target import has_target, object_mode, target_of
 from .waiting import BindingOperator
 
-METHOD = "vector_field"
-(_TOOL,) = (row for row in BY_ID[METHOD].control_parameters if row.id == "tools")
+(_TOOL,) = (row for row in BY_ID[DEFAULT_TOOL_METHOD].control_parameters if row.id == "tools")
 
 
 class SINEW_OT_tool_add(BindingOperator, Operator):
@@ -67,7 +66,7 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
                 "width": 0.75 * widths[1] or outer,
             }
             deformer, refusal = session.add_to(
-                obj, [control], METHOD, owned=not self.control, wait=wait, **values
+                obj, [control], DEFAULT_TOOL_METHOD, owned=not self.control, wait=wait, **values
             )
             if obj == target_of(context):
                 show_only(context, obj, control)
@@ -107,7 +106,7 @@ class SINEW_OT_tool_stop(BindingOperator, Operator):
     def poll(cls, context: Context) -> bool:
         if not has_rows(cls, context):
             return False
-        if target_of(context).sinew.active.method != METHOD:
+        if target_of(context).sinew.active.method != DEFAULT_TOOL_METHOD:
             cls.poll_message_set("Only tools have a path")
             return False
         return True

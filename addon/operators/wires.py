@@ -6,13 +6,13 @@ from bpy.types import Context, Object, Operator
 
 from .. import session
 from ..core.errors import SinewError
+from ..core.methods import DEFAULT_WIRE_METHOD
 from ..ids import Operators
 from .cage import show_only
 from .reporting import reports_errors
 from .target import has_target, object_mode, target_of
 from .waiting import BindingOperator
 
-METHOD = "wires"
 RADIUS = {
     "name": "Radius",
     "subtype": "DISTANCE",
@@ -98,7 +98,7 @@ def add_wires(
     """Let curves be wires of an object, select the last one, and report."""
     radius = radius or max(obj.dimensions) / 6.0
     values = {} if radius <= 0.0 else {"radius": radius}
-    deformer, refusal = session.add_to(obj, wires, METHOD, owned, wait, **values)
+    deformer, refusal = session.add_to(obj, wires, DEFAULT_WIRE_METHOD, owned, wait, **values)
     if obj == target_of(context):
         show_only(context, obj, wires[-1])
     operator.report_bind(refusal, deformer.uid, wires[-1].name)

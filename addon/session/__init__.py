@@ -38,11 +38,11 @@ from .edit.refresh import refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
+from .edit.rows import add_to, forget_stops, new_tool, remove_row, rows_of, set_rest_of, stop_count, stop_here
 from .edit.saving import store, store_shown
-from .edit.rows import add_to, new_tool, remove_row, rows_of, set_rest_of, stop_here, forget_stops, stop_count
 from .edit.selection import group_from_selection, select_elements, select_group
-from .edit.wires import wire_from_edges, wire_through
 from .edit.upkeep import collect, has_pending, restore_shapes, separate_copies, tidy
+from .edit.wires import wire_from_edges, wire_through
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
 from .live.dependencies import circle
 from .live.evaluate import settle, update
@@ -90,6 +90,7 @@ __all__ = (
     "add_handle",
     "add_key",
     "add_lattice_object",
+    "add_to",
     "apply",
     "attribute_names",
     "begin_evaluation",
@@ -118,6 +119,7 @@ __all__ = (
     "flip_cage",
     "forget_owners",
     "forget_shapes",
+    "forget_stops",
     "group_from_selection",
     "handles_of_side",
     "has_copies",
@@ -149,6 +151,7 @@ __all__ = (
     "must_hand_over",
     "new_control",
     "new_grid",
+    "new_tool",
     "note_edit",
     "notes",
     "object_with",
@@ -159,6 +162,7 @@ __all__ = (
     "remove_deformer",
     "remove_handle",
     "remove_key",
+    "remove_row",
     "repair",
     "repair_summary",
     "require_bones",
@@ -168,12 +172,16 @@ __all__ = (
     "rig_control",
     "rig_puppet",
     "rig_region",
+    "rows_of",
     "select_elements",
     "select_group",
     "separate_copies",
     "set_rest_cage",
     "set_rest_lattice",
+    "set_rest_of",
     "settle",
+    "stop_count",
+    "stop_here",
     "store",
     "store_shown",
     "stray_modifiers",
@@ -190,14 +198,6 @@ __all__ = (
     "use_control",
     "waiting_for_control",
     "watch",
-    "wire_through",
     "wire_from_edges",
-    "stop_count",
-    "forget_stops",
-    "stop_here",
-    "set_rest_of",
-    "rows_of",
-    "remove_row",
-    "new_tool",
-    "add_to",
+    "wire_through",
 )

@@ -6,6 +6,7 @@ from .figures import Figure, all_figures
 from .matrix import Cell, Matrix, filled
 from .measures import Distortion, distortion
 from .rows import Solve, igl_arap, native_solve, registry_rows
+from .space_rows import space_rows
 
 __all__ = (
     "CASES",
@@ -21,4 +22,5 @@ __all__ = (
     "igl_arap",
     "native_solve",
     "registry_rows",
+    "space_rows",
 )

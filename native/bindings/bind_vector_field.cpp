@@ -16,10 +16,9 @@ namespace {
 std::vector<FieldTool> field_tools(const py::object& names)
 {
     const auto tool = [](const py::handle& name) {
-        return choose<FieldTool>(name.cast<std::string>(), "tools",
-                                 {{"drag", FieldTool::drag},
-                                  {"twist", FieldTool::twist},
-                                  {"bend", FieldTool::bend}});
+        return choose<FieldTool>(
+            name.cast<std::string>(), "tools",
+            {{"drag", FieldTool::drag}, {"twist", FieldTool::twist}, {"bend", FieldTool::bend}});
     };
     if (py::isinstance<py::str>(names))
         return {tool(names)};
@@ -31,20 +30,20 @@ std::vector<FieldTool> field_tools(const py::object& names)
 
 std::shared_ptr<VectorField> make_vector_field(const py::object& frames, const py::object& counts,
                                                const py::object& tools, const py::object& inner,
-                                               const py::object& outer, const py::object& width, int order, int steps,
-                                               double tolerance)
+                                               const py::object& outer, const py::object& width, int order,
+                                               int steps, double tolerance)
 {
     const FloatArray array = floats(frames, "points");
     const Points rest = points<InvalidConstraint>(array, "points");
-    const VectorFieldOptions options{
-        .counts = counts.is_none() ? std::vector<int>{} : integers(counts, "counts"),
-        .tools = field_tools(tools),
-        .inner = numbers(inner, "inner"),
-        .outer = numbers(outer, "outer"),
-        .width = numbers(width, "width"),
-        .order = order,
-        .steps = steps,
-        .tolerance = tolerance};
+    const VectorFieldOptions options{.counts =
+                                         counts.is_none() ? std::vector<int>{} : integers(counts, "counts"),
+                                     .tools = field_tools(tools),
+                                     .inner = numbers(inner, "inner"),
+                                     .outer = numbers(outer, "outer"),
+                                     .width = numbers(width, "width"),
+                                     .order = order,
+                                     .steps = steps,
+                                     .tolerance = tolerance};
     const py::gil_scoped_release unlocked;
     return std::make_shared<VectorField>(rest, options);
 }
@@ -74,8 +73,8 @@ neither tears nor folds. warp() takes the frames of the paths now. It costs O(po
 memory is nothing per point but their places.)")
         .def(py::init(&make_vector_field), py::arg("points"), py::arg("counts") = py::none(), py::kw_only(),
              py::arg("tools") = "drag", py::arg("inner") = 0.5, py::arg("outer") = 1.0,
-             py::arg("width") = 1.0, py::arg("order") = 4,
-             py::arg("steps") = 0, py::arg("tolerance") = 1e-5, R"(
+             py::arg("width") = 1.0, py::arg("order") = 4, py::arg("steps") = 0, py::arg("tolerance") = 1e-5,
+             R"(
 points     (4 f, 3) the frames on the paths at rest, tool after tool, each by four points: its origin and the
            ends of its x, y and z axes. All frames of one tool are the same at rest.
 counts     (k,) how many frames the path of each tool has; None for a single tool.
@@ -86,7 +85,7 @@ inner      a number or (k,): within this distance of a drag, all moves with the 
 outer      > inner, likewise: beyond it, nothing moves, or all turns.
 width      > 0, a number or (k,): within this distance of the axis of a twist or bend all turns, and at twice
            the distance nothing does.
-order      1, 2 or 4, of the Runge-Kutta rule.
+order      1, 2 or 4, of the Runge-Kutta rule, if steps is given.
 steps      on each piece of a path; 0 for as many as each point needs.
 tolerance  of a point on one piece of a path, as a share of outer, if steps is 0.
 
@@ -100,12 +99,13 @@ time         in [0, 1], on this piece.
 points       (n, 3) where; they need not be bound.
 
 Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or a piece that there is not.)")
-        .def("piece_count",
-             [](const VectorField& field, const py::object& control) {
-                 const FloatArray array = floats(control, "cage_points");
-                 return field.piece_count(points<InvalidConstraint>(array, "cage_points"));
-             },
-             py::arg("cage_points"), R"(On how many pieces of the paths a tool moves.
+        .def(
+            "piece_count",
+            [](const VectorField& field, const py::object& control) {
+                const FloatArray array = floats(control, "cage_points");
+                return field.piece_count(points<InvalidConstraint>(array, "cage_points"));
+            },
+            py::arg("cage_points"), R"(On how many pieces of the paths a tool moves.
 
 cage_points  (4 f, 3) the frames, as warp() takes them.
 

@@ -10,8 +10,8 @@ namespace sinew::bindings {
 
 namespace {
 
-std::shared_ptr<Wires> make_wires(const py::object& curves, const py::object& counts, const py::object& closed,
-                                  const py::object& radius, const py::object& scale,
+std::shared_ptr<Wires> make_wires(const py::object& curves, const py::object& counts,
+                                  const py::object& closed, const py::object& radius, const py::object& scale,
                                   const py::object& rotation, const py::object& domain, double exponent,
                                   double smoothing)
 {

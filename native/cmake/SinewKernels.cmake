@@ -17,6 +17,7 @@ set(SINEW_KERNELS
   native/space/lattice/grid/blend_kernels avx2 avx512
   native/space/nonlinear/mls/kernels avx2
   native/space/points/rbf/kernels avx2 avx512
+  native/space/points/wires/wire_kernels avx2
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2
   native/surface/linear/propagation/kernels avx2

@@ -32,6 +32,7 @@ from blend_samples.comparison.numpy_rows import (  # noqa: E402
     turned_triangles,
     unrotated_gradients,
 )
+from blend_samples.comparison.space_rows import space_rows  # noqa: E402
 
 sn = pytest.importorskip("sinew_native")
 
@@ -131,6 +132,18 @@ def test_every_surface_method_has_a_row() -> None:
     assert all(any(row.split(":")[0] == method.label for row in rows) for method in wanted)
     assert sum(row.startswith("Multiresolution: ") for row in rows) == 4
     assert len(rows) == len(set(rows))
+
+
+def test_wires_and_tools_do_what_they_can_say() -> None:
+    """A wire bends and does not twist; a tool twists exactly, keeps volumes, and meets no translation."""
+    cases = [(name, CASES[name]()) for name in ("cylinder", "bar")]
+    cells = filled(cases, space_rows(sn), refusals=(sn.Error,)).cells
+    twisted = dict(cases)["bar"]
+    assert cells["Vector Fields", "bar"].distortion.handle_error < 1e-6
+    assert abs(cells["Vector Fields", "bar"].distortion.volume - 1.0) < 0.01
+    assert abs(cells["Vector Fields", "cylinder"].distortion.volume - 1.0) < 0.01
+    assert np.abs(cells["Wires", "bar"].shape - twisted.points).max() < 0.1, "a twist is lost on a wire"
+    assert cells["Wires", "cylinder"].distortion.handle_error < 0.3
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,8 @@ from registry import BY_ID, Control, options_of, with_control
 from rig import add_group, apply_matrix, base_points, grid_object, make_active, new_empty
 
 PLACE = (0.0, 0.0, 0.0)
-INNER, OUTER = 0.35, 0.9
+OUTER = 0.9
+INNER = OUTER / 4.0  # as Add Tool makes it
 FRAME = np.concatenate((np.zeros((1, 3)), np.eye(3)))
 
 
@@ -104,10 +105,6 @@ def new_class(base: type) -> type:
             make_active(self.obj)
             bpy.ops.sinew.tool_add(control=tool.name, outer=OUTER)
             make_active(self.obj)
-            row = self.deformer.controls[0]
-            if not np.isclose(row.inner, INNER):
-                row.inner = INNER
-                bpy.ops.sinew.bind()
             if method != self.deformer.method:
                 self.deformer.method = method
                 bpy.ops.sinew.bind()

@@ -2,6 +2,7 @@
 """Paths of frames. A frame is four points (4, 3): its origin, and the ends of its three axes."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,7 +19,7 @@ def cut(path: np.ndarray, share: float, reach: float) -> np.ndarray:
 
     A turn by an angle counts as a way of ``reach`` times the angle.
     """
-    ways = [_way(before, after, reach) for before, after in zip(path[:-1], path[1:], strict=True)]
+    ways = [_way(before, after, reach) for before, after in pairwise(path)]
     if share >= 1.0 or not sum(ways):
         return path[1:]
     left, found = max(share, 0.0) * sum(ways), []

@@ -35,6 +35,8 @@ __all__ = (
     "DEFAULT_CAGE_METHOD",
     "DEFAULT_METHOD",
     "DEFAULT_PUPPET_METHOD",
+    "DEFAULT_TOOL_METHOD",
+    "DEFAULT_WIRE_METHOD",
     "HANDLE_PARAMETERS",
     "METHODS",
     "Bool",
@@ -62,6 +64,8 @@ __all__ = (
 DEFAULT_METHOD = "arap"  # the method of a deformer that Add Handle makes
 DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Add Cage makes
 DEFAULT_PUPPET_METHOD = "mesh_puppetry"
+DEFAULT_TOOL_METHOD = "vector_field"  # the method of a deformer that Add Tool and Field Drag make
+DEFAULT_WIRE_METHOD = "wires"  # the method of a deformer that Add Wire makes
 DEFAULT_BASE = "thin_shell"  # the method that a method is put around until the artist chooses another one
 
 

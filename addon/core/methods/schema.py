@@ -226,13 +226,14 @@ class Method:
     such a method as ``base``. It is empty for a method that works alone. ``handle_parameters``: every handle
     has its own value of these. The native ``set_handles`` takes one keyword per parameter, with one value per
     handle. ``control_parameters``: likewise for methods that several objects control. Each object has its own
-    value, and the native constructor takes one keyword per parameter. ``keyed``: the deformer has keys, which edit the handles in frames of an animation; ``solve``
-    takes the ``frame`` and the ``keys``. ``draft_iterations``: how many an iterative method takes for a draft
-    of a frame in playback. ``reproduces``: the most that the method promises, on any shape. ``symmetric``:
-    whether a mesh that is its own mirror image gets a shape that is; not where the order of the vertices
-    decides something. ``takes_flat``: its cage may be a mesh in a plane, around art in that plane.
-    ``poses_maps``: the native constructor of a space method that handles move takes the
-    ``counts`` of their points, and ``warp`` takes its ``control`` as the maps of the handles pose it.
+    value, and the native constructor takes one keyword per parameter. ``keyed``: the deformer has keys, which
+    edit the handles in frames of an animation; ``solve`` takes the ``frame`` and the ``keys``.
+    ``draft_iterations``: how many an iterative method takes for a draft of a frame in playback.
+    ``reproduces``: the most that the method promises, on any shape. ``symmetric``: whether a mesh that is its
+    own mirror image gets a shape that is; not where the order of the vertices decides something.
+    ``takes_flat``: its cage may be a mesh in a plane, around art in that plane. ``poses_maps``: the native
+    constructor of a space method that handles move takes the ``counts`` of their points, and ``warp`` takes
+    its ``control`` as the maps of the handles pose it.
     """
 
     id: str

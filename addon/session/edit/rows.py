@@ -62,7 +62,7 @@ def add_to(
 
 @sessions.suspended()
 def remove_row(obj: Object, deformer: SinewDeformer, index: int) -> None:
-    """Remove a control from the list, and the object if it was made for the deformer. ``bind`` must follow."""
+    """Remove a control, and its object if that was made for the deformer. ``bind`` must follow."""
     row = deformer.controls[index]
     objects.release([row])
     deformer.controls.remove(index)
@@ -81,7 +81,7 @@ def set_rest_of(obj: Object, deformer: SinewDeformer) -> None:
 
 @sessions.suspended()
 def new_tool(obj: Object, place: np.ndarray, axis: np.ndarray, size: float, name: str) -> Object:
-    """An empty at a ``place`` (3,) in the world, with its z axis along ``axis`` (3,), which follows ``obj``."""
+    """An empty that follows ``obj``: at a ``place`` (3,) in the world, its z axis along ``axis`` (3,)."""
     empty = bpy.data.objects.new(f"{obj.name} {name}", None)
     for collection in obj.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(empty)

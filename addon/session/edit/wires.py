@@ -50,7 +50,7 @@ def _chains(edges: Sequence[tuple[int, int]]) -> list[tuple[list[int], bool]]:
     forks = [vertex for vertex, others in beside.items() if len(others) > 2]
     if forks:
         raise SinewError(
-            f"The selected edges meet in {len(forks):,} forks - select rows or rings of edges that do not touch"
+            f"The selected edges meet in {len(forks):,} forks - select rows or rings that do not touch"
         )
     found, seen = [], set()
     ends = [vertex for vertex, others in beside.items() if len(others) == 1]
@@ -70,9 +70,10 @@ def _chains(edges: Sequence[tuple[int, int]]) -> list[tuple[list[int], bool]]:
 def wire_through(
     obj: Object, lines: Sequence[tuple[np.ndarray, bool]], points: int, in_world: bool = False
 ) -> Object:
-    """A new curve through lines of places (k, 3), each perhaps closed, in the space of ``obj``, which it follows.
+    """A new curve through lines of places (k, 3), each perhaps closed. It follows ``obj``.
 
-    ``points``: a smooth Bezier curve with so many points per line at most; 0 for a straight one through all.
+    The places are in the space of ``obj``, or in the world. ``points``: a smooth Bezier curve with so many
+    points per line at most; 0 for a straight one through all.
     """
     data = bpy.data.curves.new(f"{obj.name} Wire", "CURVE")
     data.dimensions, data.resolution_u = "3D", _RESOLUTION

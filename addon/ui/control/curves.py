@@ -16,7 +16,7 @@ class SINEW_MT_wires(Menu):
     """What can be done with the wires of the active deformer"""
 
     bl_idname = Menus.WIRES
-    bl_label = "Wires"
+    bl_label = "Wire"
     ICON = "CURVE_DATA"
 
     def draw(self, _context: Context) -> None:

@@ -19,7 +19,7 @@ class SINEW_MT_tools(Menu):
     """What can be done with the tools of the active deformer"""
 
     bl_idname = Menus.TOOLS
-    bl_label = "Tools"
+    bl_label = "Tool"
     ICON = "TOOL_SETTINGS"
 
     def draw(self, _context: Context) -> None:

@@ -166,7 +166,7 @@ void VectorField::add_tools()
 void VectorField::compute(PointsView points, SpaceReport& report, const Progress& progress)
 {
     report.weight_bytes = static_cast<std::int64_t>(sizeof(double)) * points.size();
-    require_memory(report.weight_bytes, "the points");
+    require_memory(report.weight_bytes, "a copy of the points");
     progress.tick(0.0, "copying the points");
     progress.tick(1.0, "copying the points");
 }
@@ -230,7 +230,7 @@ void VectorField::finish(const Tool& tool, double motion, Stage& stage) const
     const double inner = stage.piece.inner[0], outer = stage.piece.outer[0];
     stage.most_outer = std::max(outer, outer + stage.piece.outer[1]);
     stage.least_inner = std::min(inner, inner + stage.piece.inner[1]);
-    // A step crosses no more than the width of the blend, or Runge-Kutta would not see it.
+    // A step crosses no more than the width of the blend, or it would not see it.
     const double width = std::min(outer - inner, outer + stage.piece.outer[1] - inner - stage.piece.inner[1]);
     const double needed = std::ceil(motion / width);
     stage.steps = options_.steps ? options_.steps : static_cast<int>(std::clamp(needed, 1.0, 1024.0));
@@ -313,8 +313,8 @@ void VectorField::move(const Stage& stage, int count, double* points) const
         return;
     }
     unsigned waiting = 0; // bit k: the end of point k is not known yet
-    std::array<double, 3 * most_field_lanes> begin, coarse, fine;
-    std::copy(points, points + 3 * lanes, begin.begin());
+    std::array<double, 3 * most_field_lanes> end;
+    std::copy(points, points + 3 * lanes, end.begin());
     for (int lane = 0; lane < count; ++lane) {
         const Vector3 y = point(points, lane) - centre;
         const double square = way.squaredNorm();
@@ -328,25 +328,13 @@ void VectorField::move(const Stage& stage, int count, double* points) const
     }
     if (!waiting)
         return;
-    const auto run = [&](int steps, std::array<double, 3 * most_field_lanes>& end) {
-        end = begin;
-        kernels().flow(piece, steps, options_.order, end.data());
-    };
-    run(stage.steps, coarse);
-    for (int steps = 2 * stage.steps; waiting; steps *= 2) {
-        const bool last = options_.steps || steps > most_steps;
-        if (last)
-            fine = coarse;
-        else
-            run(steps, fine);
-        for (int lane = 0; lane < count; ++lane)
-            if (waiting >> lane & 1u &&
-                (last || (point(fine.data(), lane) - point(coarse.data(), lane)).norm() <= stage.tolerance)) {
-                set(points, lane, point(fine.data(), lane));
-                waiting &= ~(1u << lane);
-            }
-        coarse = fine;
-    }
+    if (options_.steps)
+        kernels().flow(piece, options_.steps, options_.order, end.data());
+    else
+        kernels().flow_to(piece, stage.steps, stage.tolerance, end.data());
+    for (int lane = 0; lane < count; ++lane)
+        if (waiting >> lane & 1u)
+            set(points, lane, point(end.data(), lane));
 }
 
 void VectorField::displace(PointsView control, PointsView base, PositionsOut out) const

@@ -22,7 +22,7 @@ struct VectorFieldOptions
     std::vector<FieldTool> tools{FieldTool::drag};
     std::vector<double> inner{0.5}, outer{1.0}; ///< inner < outer; of a drag 0 <= inner
     std::vector<double> width{1.0}; ///< > 0, of a twist or bend
-    int order = 4;           ///< of the Runge-Kutta rule: 1, 2 or 4
+    int order = 4;           ///< of the Runge-Kutta rule if `steps` is given: 1, 2 or 4
     int steps = 0;           ///< on each piece of a path; 0: as many as each point needs
     double tolerance = 1e-5; ///< of a point on one piece, as a share of `outer`, if `steps` is 0
 };
@@ -36,8 +36,8 @@ struct VectorFieldOptions
 /// A point x follows dx/dt = grad p x grad q, which has no divergence: volumes stay, and the flow neither
 /// tears nor folds space. Where a tool acts fully, p and q are linear for its velocity v, and linear and
 /// quadratic for its angular velocity w; where it does not act, one of them is constant; and between them
-/// b(u) = 4 u^3 (1 - u) + u^4 blends. With y = x - c for the centre c of the tool, and beta the share in which
-/// it acts:
+/// b(u) = 4 u^3 (1 - u) + u^4 blends. With y = x - c for the centre c of the tool, and beta the share in
+/// which it acts:
 ///
 ///   drag   beta = 1 - b((|y| - inner) / (outer - inner)). p and q of the velocity are both multiplied by
 ///          beta, and of the turn p is the integral of beta along the axis:
@@ -61,8 +61,9 @@ struct VectorFieldOptions
 /// A twist counts only the turns about the tool's axis, a bend only those across it, and neither its moves.
 ///
 /// All else is integrated with a field that changes with time, which a step sees at t, t + h / 2 and t + h
-/// (Runge-Kutta of order 4). Departs from the papers: steps are doubled for each point by itself until its
-/// end stays within the tolerance, so that no point depends on others.
+/// (Runge-Kutta of order 4). Each point chooses the lengths of its steps by itself, so that it does not
+/// depend on others: a step is compared with two of half its length, and must differ from them by less than
+/// its share of the tolerance.
 ///
 ///   call          repeat it when ...            cost
 ///   constructor   the rest frames changed       O(frames)
@@ -102,7 +103,7 @@ private:
         FieldTool kind;
         double inner, outer, width;
         Matrix3 to_rest; ///< the inverse of the axes at rest
-        Vector3 axis;    ///< z at rest
+        Vector3 axis; ///< z at rest
     };
     /// A frame as a rigid motion from rest, with its centre and scale.
     struct Frame
@@ -118,7 +119,7 @@ private:
         bool twists = false; ///< by piece.turn about piece.centre
         Matrix3 turn = Matrix3::Identity(); ///< of the whole piece
         double most_outer = 0.0, least_inner = 0.0;
-        int steps = 1;         ///< to begin with
+        int steps = 1; ///< to begin with
         double tolerance = 0.0; ///< a length
     };
 

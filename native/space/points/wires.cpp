@@ -5,6 +5,8 @@
 #include "native/core/finite.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
+#include "native/space/points/wires/wire_kernels.h"
 
 #include <Eigen/Geometry>
 
@@ -37,17 +39,6 @@ std::vector<double> per_curve(std::vector<double> values, std::size_t curves, co
         if (!(std::isfinite(values[k]) && values[k] >= least && values[k] <= most))
             throw InvalidOption(std::string(name) + " of curve " + std::to_string(k) + " is out of range");
     return values;
-}
-
-/// y turned by `share` of a turn, which is an axis times an angle.
-Vector3 turned(const Vector3& y, const Vector3& turn, double share)
-{
-    const double angle = turn.norm();
-    if (angle == 0.0)
-        return y;
-    const Vector3 axis = turn / angle, across = axis.cross(y);
-    const double half = std::sin(0.5 * share * angle);
-    return y + std::sin(share * angle) * across + 2.0 * half * half * axis.cross(across);
 }
 
 } // namespace
@@ -103,7 +94,8 @@ void Wires::add_curves()
                     .reach = options_.radius[k],
                     .low = rows.colwise().minCoeff(),
                     .high = rows.colwise().maxCoeff()};
-        if (options_.domain.rows() != 0 && !options_.domain.middleRows(begin, samples).array().isNaN().all()) {
+        if (options_.domain.rows() != 0 &&
+            !options_.domain.middleRows(begin, samples).array().isNaN().all()) {
             const auto limits = options_.domain.middleRows(begin, samples);
             if (!limits.allFinite())
                 throw InvalidOption("domain: samples of curve " + std::to_string(k) + " are not finite");
@@ -153,7 +145,7 @@ void Wires::find_neighbours()
         }
 }
 
-void Wires::add_contact(const Curve& curve, const Vector3& x, Contacts& found) const
+void Wires::add_contact(const Curve& curve, const Vector3& x, Found& found) const
 {
     const Vector3 outside = (curve.low - x).cwiseMax(x - curve.high).cwiseMax(0.0);
     if (outside.norm() >= curve.reach)
@@ -229,15 +221,36 @@ void Wires::add_contact(const Curve& curve, const Vector3& x, Contacts& found) c
     if (!(t < 1.0))
         return forget();
     const double falloff = (1.0 - t * t) * (1.0 - t * t);
-    found.contacts.push_back({x - middle, falloff, (curve.scale - 1.0) * falloff, first,
-                              static_cast<int>(found.shares.size()) - first});
+    found.contacts.push_back(
+        {x - middle, falloff, (curve.scale - 1.0) * falloff, static_cast<int>(found.shares.size()) - first});
 }
 
-void Wires::add_contacts(const Vector3& x, Contacts& found) const
+void Wires::add_contacts(const Vector3& x, Found& found) const
 {
     for (const Curve& curve : curves_)
         add_contact(curve, x, found);
     found.begins.push_back(static_cast<int>(found.contacts.size()));
+}
+
+void Wires::append(const Found& part, Contacts& all)
+{
+    const int before = all.begins.back();
+    for (const int begin : part.begins)
+        all.begins.push_back(before + begin);
+    for (std::size_t k = 0; k < part.contacts.size(); ++k) {
+        const Contact& contact = part.contacts[k];
+        const std::size_t number = static_cast<std::size_t>(before) + k;
+        if (number % 4 == 0)
+            all.blocks.resize(all.blocks.size() + 20, 0.0);
+        double* const block = all.blocks.data() + 20 * (number / 4) + number % 4;
+        const double values[5] = {contact.from.x(), contact.from.y(), contact.from.z(), contact.falloff,
+                                  contact.stretch};
+        for (int value = 0; value < 5; ++value)
+            block[4 * value] = values[value];
+        all.firsts.push_back(all.firsts.back() + contact.shares);
+    }
+    all.samples.insert(all.samples.end(), part.samples.begin(), part.samples.end());
+    all.shares.insert(all.shares.end(), part.shares.begin(), part.shares.end());
 }
 
 void Wires::compute(PointsView points, SpaceReport& report, const Progress& progress)
@@ -245,61 +258,60 @@ void Wires::compute(PointsView points, SpaceReport& report, const Progress& prog
     constexpr int slab = 1 << 16, grain = 1 << 10;
     const int count = static_cast<int>(points.rows());
     const auto bytes = [](const Contacts& made) {
-        return static_cast<std::int64_t>(sizeof(int) * (made.begins.size() + made.samples.size()) +
-                                         sizeof(Contact) * made.contacts.size() +
-                                         sizeof(double) * made.shares.size());
+        return static_cast<std::int64_t>(sizeof(int) *
+                                             (made.begins.size() + made.firsts.size() + made.samples.size()) +
+                                         sizeof(double) * (made.blocks.size() + made.shares.size()));
     };
     Contacts all;
     all.begins.push_back(0);
+    all.firsts.push_back(0);
     progress.tick(0.0, "finding the nearest curves");
     for (int first = 0; first < count; first += slab) {
         const int some = std::min(slab, count - first);
-        std::vector<Contacts> parts(static_cast<std::size_t>((some + grain - 1) / grain));
+        std::vector<Found> parts(static_cast<std::size_t>((some + grain - 1) / grain));
         parallel_chunks(some, grain, [&](int begin, int end) {
             for (int i = begin; i < end; ++i)
                 add_contacts(points.row(first + i), parts[static_cast<std::size_t>(begin / grain)]);
         });
-        for (const Contacts& part : parts) {
-            const int contacts = static_cast<int>(all.contacts.size());
-            const int shares = static_cast<int>(all.shares.size());
-            for (const int begin : part.begins)
-                all.begins.push_back(contacts + begin);
-            for (Contact contact : part.contacts) {
-                contact.first += shares;
-                all.contacts.push_back(contact);
-            }
-            all.samples.insert(all.samples.end(), part.samples.begin(), part.samples.end());
-            all.shares.insert(all.shares.end(), part.shares.begin(), part.shares.end());
-        }
+        for (const Found& part : parts)
+            append(part, all);
         require_memory(bytes(all), "the wires");
         progress.tick(static_cast<double>(first + some) / count, "finding the nearest curves");
     }
     if (count == 0)
         progress.tick(1.0, "finding the nearest curves");
+    all.firsts.resize(all.blocks.size() / 5 + 1, all.firsts.back());
     report.weight_bytes = bytes(all);
     contacts_ = std::move(all);
 }
 
-Points Wires::turns(PointsView control) const
+Vector3 Wires::turn(const Curve& curve, int sample, PointsView control) const
 {
-    Points turns = Points::Zero(control.rows(), 3);
-    for (const Curve& curve : curves_) {
-        if (curve.rotation == 0.0)
-            continue;
+    const int before = before_[static_cast<std::size_t>(sample)],
+              after = after_[static_cast<std::size_t>(sample)];
+    const auto tangent = [&](const auto& points) -> Vector3 {
+        return (points.row(after) - points.row(before)).transpose().stableNormalized();
+    };
+    const Vector3 rest = tangent(reference_), now = tangent(control), axis = rest.cross(now);
+    const double sine = axis.norm(), cosine = rest.dot(now);
+    if (sine > 1e-12)
+        return (curve.rotation * std::atan2(sine, cosine) / sine) * axis;
+    if (cosine < 0.0) // turned round: any axis across will do
+        return curve.rotation * pi * rest.unitOrthogonal();
+    return Vector3::Zero();
+}
+
+AlignedVector<double> Wires::table(PointsView control) const
+{
+    AlignedVector<double> rows(8 * static_cast<std::size_t>(control.rows()), 0.0);
+    for (const Curve& curve : curves_)
         for (int v = curve.begin; v < curve.end; ++v) {
-            const int before = before_[static_cast<std::size_t>(v)], after = after_[static_cast<std::size_t>(v)];
-            const auto tangent = [&](const auto& points) -> Vector3 {
-                return (points.row(after) - points.row(before)).transpose().stableNormalized();
-            };
-            const Vector3 rest = tangent(reference_), now = tangent(control), axis = rest.cross(now);
-            const double sine = axis.norm(), cosine = rest.dot(now);
-            if (sine > 1e-12)
-                turns.row(v) = (curve.rotation * std::atan2(sine, cosine) / sine) * axis.transpose();
-            else if (cosine < 0.0) // turned round: any axis across will do
-                turns.row(v) = curve.rotation * pi * rest.unitOrthogonal().transpose();
+            double* const row = rows.data() + 8 * static_cast<std::size_t>(v);
+            Vector3::Map(row) = (control.row(v) - reference_.row(v)).transpose();
+            if (curve.rotation != 0.0)
+                Vector3::Map(row + 4) = turn(curve, v, control);
         }
-    }
-    return turns;
+    return rows;
 }
 
 void Wires::displace(PointsView control, PointsView base, PositionsOut out) const
@@ -309,39 +321,25 @@ void Wires::displace(PointsView control, PointsView base, PositionsOut out) cons
                                 std::to_string(control.rows()) + " are given");
     if (!all_finite(control))
         throw InvalidConstraint("a sample of the curves is not finite");
-    const Points moves = control - reference_, turned_by = turns(control);
+    const AlignedVector<double> rows = table(control);
+    const WireContacts contacts{contacts_.firsts.data(), contacts_.samples.data(), contacts_.shares.data(),
+                                contacts_.blocks.data()};
     const double m = options_.exponent;
-    const auto move_of = [&](const Contact& contact) -> Vector3 {
-        Vector3 move = Vector3::Zero(), turn = Vector3::Zero();
-        for (int k = contact.first; k < contact.first + contact.count; ++k) {
-            const int sample = contacts_.samples[static_cast<std::size_t>(k)];
-            const double share = contacts_.shares[static_cast<std::size_t>(k)];
-            move += share * moves.row(sample).transpose();
-            turn += share * turned_by.row(sample).transpose();
-        }
-        const Vector3 scaled = (1.0 + contact.stretch) * contact.from;
-        return (turned(scaled, turn, contact.falloff) - contact.from) + contact.falloff * move;
-    };
-    const auto move = [&](int i) -> Vector3 {
-        const int begin = contacts_.begins[static_cast<std::size_t>(i)];
-        const int end = contacts_.begins[static_cast<std::size_t>(i) + 1];
-        if (begin == end)
-            return Vector3::Zero();
-        if (end == begin + 1)
-            return move_of(contacts_.contacts[static_cast<std::size_t>(begin)]);
-        thread_local std::vector<Vector3> several;
-        several.clear();
+    /// The move of a point by some contacts, whose moves are rows of four numbers.
+    const auto blended = [m](const double* moves, int count) -> Vector3 {
+        if (count == 1)
+            return Vector3::Map(moves);
         double longest = 0.0;
-        for (int k = begin; k < end; ++k) {
-            several.push_back(move_of(contacts_.contacts[static_cast<std::size_t>(k)]));
-            longest = std::max(longest, several.back().norm());
-        }
+        for (int k = 0; k < count; ++k)
+            longest = std::max(longest, Vector3::Map(moves + 4 * k).squaredNorm());
         if (longest == 0.0)
             return Vector3::Zero();
         Vector3 sum = Vector3::Zero();
         double weights = 0.0;
-        for (const Vector3& one : several) {
-            const double share = one.norm() / longest, weight = m == 1.0 ? share : std::pow(share, m);
+        for (int k = 0; k < count; ++k) {
+            const auto one = Vector3::Map(moves + 4 * k);
+            const double share = std::sqrt(one.squaredNorm() / longest);
+            const double weight = m == 1.0 ? share : std::pow(share, m);
             sum += weight * one;
             weights += weight;
         }
@@ -350,10 +348,22 @@ void Wires::displace(PointsView control, PointsView base, PositionsOut out) cons
     std::visit(
         [&](auto* positions) {
             using Number = std::remove_pointer_t<decltype(positions)>;
-            parallel_for(static_cast<int>(base.rows()), [&](int i) {
-                const Vector3 x = base.row(i).transpose() + move(i);
-                for (int k = 0; k < 3; ++k)
-                    positions[3 * static_cast<std::size_t>(i) + k] = static_cast<Number>(x[k]);
+            parallel_chunks(static_cast<int>(base.rows()), 1 << 10, [&](int begin, int end) {
+                const int first = contacts_.begins[static_cast<std::size_t>(begin)];
+                const int last = contacts_.begins[static_cast<std::size_t>(end)];
+                const int block = first / 4, blocks = last > first ? (last + 3) / 4 - block : 0;
+                thread_local AlignedVector<double> moves;
+                moves.resize(16 * static_cast<std::size_t>(blocks));
+                widest_kernels<WireKernels>().moves(contacts, rows.data(), block, blocks, moves.data());
+                for (int i = begin; i < end; ++i) {
+                    const int from = contacts_.begins[static_cast<std::size_t>(i)];
+                    const int count = contacts_.begins[static_cast<std::size_t>(i) + 1] - from;
+                    Vector3 x = base.row(i).transpose();
+                    if (count)
+                        x += blended(moves.data() + 4 * static_cast<std::size_t>(from - 4 * block), count);
+                    for (int k = 0; k < 3; ++k)
+                        positions[3 * static_cast<std::size_t>(i) + k] = static_cast<Number>(x[k]);
+                }
             });
         },
         out);
@@ -373,9 +383,6 @@ std::vector<std::string> Wires::changed_settings(const SpaceMethod& former) cons
                      {"smoothing", options_.smoothing != theirs.smoothing}});
 }
 
-void Wires::swap_weights(SpaceMethod& other)
-{
-    std::swap(contacts_, static_cast<Wires&>(other).contacts_);
-}
+void Wires::swap_weights(SpaceMethod& other) { std::swap(contacts_, static_cast<Wires&>(other).contacts_); }
 
 } // namespace sinew

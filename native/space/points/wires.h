@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/simd/aligned.h"
 #include "native/space/method.h"
 
 #include <vector>
@@ -16,7 +17,7 @@ struct WireOptions
     std::vector<double> scale{1.0};  ///< of the distances from the curve, near the curve
     std::vector<double> rotation{1.0}; ///< how much of the turn of the curve points follow, in [0, 1]
     Points domain{}; ///< (c, 3) one sample of a domain curve per sample, NaN on curves without one; or empty
-    double exponent = 1.0;  ///< m, >= 0: with more, the wire with the longest move prevails
+    double exponent = 1.0; ///< m, >= 0: with more, the wire with the longest move prevails
     double smoothing = 0.2; ///< s, >= 0: how much farther than the nearest point of a curve others count
 };
 
@@ -50,7 +51,7 @@ struct WireOptions
 ///   bind()        the points changed            O(points x segments within reach)
 ///   warp()        the curves moved              O(samples + contacts); nothing for points out of reach
 ///
-/// Memory: 4 bytes per point, and per point and wire in whose reach it is 48 bytes, with 12 for each of the
+/// Memory: 4 bytes per point, and per point and wire in whose reach it is 44 bytes, with 12 for each of the
 /// samples that it follows: two, and with smoothing some more far from the wire.
 class Wires : public SpaceMethod
 {
@@ -77,35 +78,44 @@ private:
         int begin, end;
         bool closed, has_domain;
         double radius, scale, rotation;
-        double reach;     ///< no point farther away than this follows
+        double reach; ///< no point farther away than this follows
         Vector3 low, high; ///< the box of the samples
     };
     /// A point in the reach of a curve.
     struct Contact
     {
-        Vector3 from;    ///< x - R(p)
-        double falloff;  ///< F
-        double stretch;  ///< (s - 1) F
-        int first;       ///< of its shares
-        int count;
+        Vector3 from; ///< x - R(p)
+        double falloff; ///< F
+        double stretch; ///< (s - 1) F
+        int shares; ///< how many it has
     };
-    /// What bind() makes. Point i has the contacts [begins[i], begins[i + 1]).
-    struct Contacts
+    /// What is found of some points. Point i has the contacts [begins[i], begins[i + 1]).
+    struct Found
     {
         std::vector<int> begins;
         std::vector<Contact> contacts;
-        std::vector<int> samples;   ///< for each share of a contact, the sample that it belongs to
+        std::vector<int> samples; ///< for each share of a contact, the sample that it belongs to
         std::vector<double> shares; ///< of one contact, they sum to 1
+    };
+    /// The same as the kernels read it, see WireContacts. The last block is filled with contacts without
+    /// shares.
+    struct Contacts
+    {
+        std::vector<int> begins, firsts, samples;
+        AlignedVector<double> shares, blocks;
     };
 
     void add_curves();
     void check_lengths() const;
     /// Samples at the same place have no direction between them, so a tangent is taken between others.
     void find_neighbours();
-    void add_contacts(const Vector3& x, Contacts& found) const;
-    void add_contact(const Curve& curve, const Vector3& x, Contacts& found) const;
-    /// The turn of each sample as an axis times an angle, (c, 3).
-    Points turns(PointsView control) const;
+    void add_contacts(const Vector3& x, Found& found) const;
+    void add_contact(const Curve& curve, const Vector3& x, Found& found) const;
+    static void append(const Found& part, Contacts& all);
+    /// The turn of a sample as an axis times an angle.
+    Vector3 turn(const Curve& curve, int sample, PointsView control) const;
+    /// (c, 8) the move of each sample and 0, then its turn and 0.
+    AlignedVector<double> table(PointsView control) const;
 
     Points reference_;
     WireOptions options_;

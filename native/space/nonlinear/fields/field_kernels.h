@@ -3,8 +3,8 @@
 
 namespace sinew {
 
-/// A straight piece of the path of a tool, for times t from 0 to 1: it moves and turns evenly. See VectorField.
-/// The lengths `inner` and `outer` change evenly, too.
+/// A straight piece of the path of a tool, for times t from 0 to 1: it moves and turns evenly. See
+/// VectorField. The lengths `inner` and `outer` change evenly, too.
 struct FieldPiece
 {
     bool bends; ///< the field of a bend; else that of a drag
@@ -23,10 +23,15 @@ struct FieldKernels
 {
     int lanes;
     /// Moves points along the field from t = 0 to 1 by `steps` even steps of a Runge-Kutta rule.
-    /// \param order           1 sees the field at the beginning of a step, 2 also in its middle, and 4 also at
+    /// \param order           1 sees the field at the beginning of a step, 2 also in its middle, and 4 also
+    /// at
     ///                        its end
     /// \param[in,out] points  (3) x, y, z, each `lanes` numbers
     void (*flow)(const FieldPiece& piece, int steps, int order, double* points);
+    /// The same by steps that each point chooses by itself, of at most 1 / least_steps: a step of order 4 is
+    /// compared with two of half its length, and repeated with a smaller one while they differ too much.
+    /// \param tolerance  a length: the error that is aimed at, at the end of the piece
+    void (*flow_to)(const FieldPiece& piece, int least_steps, double tolerance, double* points);
     /// The field at time t.
     /// \param points           (3)
     /// \param[out] velocities  (3)

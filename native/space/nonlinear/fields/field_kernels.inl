@@ -25,66 +25,97 @@ struct Place
 inline Place operator+(const Place& a, const Place& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Place operator*(double s, const Place& a) { return {s * a.x, s * a.y, s * a.z}; }
 
+inline Place operator*(Wide s, const Place& a) { return {s * a.x, s * a.y, s * a.z}; }
+inline Place operator-(const Place& a, const Place& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+
 inline Wide dot(const double* a, const Place& b) { return a[0] * b.x + a[1] * b.y + a[2] * b.z; }
+inline Wide dot(const Place& a, const Place& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 /// a x b
 inline Place cross(const double* a, const Place& b)
 {
     return {a[1] * b.z - a[2] * b.y, a[2] * b.x - a[0] * b.z, a[0] * b.y - a[1] * b.x};
 }
 
-/// The field at one time.
+/// The field at one time, which may differ from lane to lane.
 struct Moment
 {
-    double centre[3], axis[3], own_axis[3];
-    double inner, per_width;
+    Place centre, axis, own_axis;
+    Wide inner, per_width;
 };
+
+/// The moment at the times t. The angles of a bend are given by their cosines and sines at that time.
+template <class Number>
+inline Moment moment(const FieldPiece& piece, Wide t, const Number* halfway, const Number* own)
+{
+    const auto along = [&](const double* from, const double* way) -> Place {
+        return {constant(from[0]) + way[0] * t, constant(from[1]) + way[1] * t, constant(from[2]) + way[2] * t};
+    };
+    const auto turned = [](const double* axis, const double* side, const Number* turn) -> Place {
+        return {constant(0.0) + (axis[0] * turn[0] + side[0] * turn[1]),
+                constant(0.0) + (axis[1] * turn[0] + side[1] * turn[1]),
+                constant(0.0) + (axis[2] * turn[0] + side[2] * turn[1])};
+    };
+    Moment now;
+    now.centre = along(piece.centre, piece.move);
+    now.axis = turned(piece.axis, piece.side, halfway);
+    now.own_axis = turned(piece.own_axis, piece.own_side, own);
+    now.inner = constant(piece.inner[0]) + piece.inner[1] * t;
+    now.per_width = constant(1.0) / ((constant(piece.outer[0]) + piece.outer[1] * t) - now.inner);
+    return now;
+}
+
+/// Cosines and sines of angles between 0 and pi, by their series: libraries differ in the last bits.
+inline void turn_by(Wide angle, Wide* turn)
+{
+    const Wide square = angle * angle;
+    Wide cosine = constant(1.0), sine = cosine;
+    for (int k = 15; k > 0; --k) {
+        cosine = constant(1.0) - (1.0 / (2.0 * k * (2.0 * k - 1.0))) * (square * cosine);
+        sine = constant(1.0) - (1.0 / (2.0 * k * (2.0 * k + 1.0))) * (square * sine);
+    }
+    turn[0] = cosine, turn[1] = angle * sine;
+}
+
+inline Moment moment_at(const FieldPiece& piece, Wide t)
+{
+    Wide halfway[2] = {constant(1.0), constant(0.0)}, own[2] = {halfway[0], halfway[1]};
+    if (piece.bends) {
+        turn_by(piece.angle * t, halfway);
+        turn_by(piece.own_angle * t, own);
+    }
+    return moment(piece, t, halfway, own);
+}
 
 /// An angle that grows in even steps: turned on by a product, as sines cost more than the field.
 class Turning
 {
 public:
-    Turning() = default;
-    Turning(double angle, double t, double step)
-        : cosine_(SINEW_COS(angle * t)), sine_(SINEW_SIN(angle * t)), step_cosine_(SINEW_COS(angle * step)),
-          step_sine_(SINEW_SIN(angle * step))
+    Turning(double angle, double step)
+        : step_cosine_(SINEW_COS(angle * step)), step_sine_(SINEW_SIN(angle * step))
     {
     }
-    double between(double axis, double side) const { return cosine_ * axis + sine_ * side; }
+    const double* now() const { return now_; }
     void advance()
     {
-        const double cosine = cosine_ * step_cosine_ - sine_ * step_sine_;
-        sine_ = sine_ * step_cosine_ + cosine_ * step_sine_;
-        cosine_ = cosine;
+        const double cosine = now_[0] * step_cosine_ - now_[1] * step_sine_;
+        now_[1] = now_[1] * step_cosine_ + now_[0] * step_sine_;
+        now_[0] = cosine;
     }
 
 private:
-    double cosine_ = 1.0, sine_ = 0.0, step_cosine_ = 1.0, step_sine_ = 0.0;
+    double now_[2] = {1.0, 0.0}, step_cosine_, step_sine_;
 };
 
-/// Walks through the times of a piece in even steps.
+/// Walks through the times of a piece in even steps, the same for all lanes.
 class Clock
 {
 public:
-    Clock(const FieldPiece& piece, double t, double step) : piece_(piece), t_(t)
+    Clock(const FieldPiece& piece, double step)
+        : piece_(piece), halfway_(piece.angle, step), own_(piece.own_angle, step)
     {
-        if (piece.bends) {
-            halfway_ = Turning(piece.angle, t, step);
-            own_ = Turning(piece.own_angle, t, step);
-        }
     }
 
-    Moment now() const
-    {
-        Moment moment;
-        for (int k = 0; k < 3; ++k) {
-            moment.centre[k] = piece_.centre[k] + t_ * piece_.move[k];
-            moment.axis[k] = halfway_.between(piece_.axis[k], piece_.side[k]);
-            moment.own_axis[k] = own_.between(piece_.own_axis[k], piece_.own_side[k]);
-        }
-        moment.inner = piece_.inner[0] + t_ * piece_.inner[1];
-        moment.per_width = 1.0 / (piece_.outer[0] + t_ * piece_.outer[1] - moment.inner);
-        return moment;
-    }
+    Moment now() const { return moment(piece_, constant(t_), halfway_.now(), own_.now()); }
 
     void advance(double t)
     {
@@ -95,7 +126,7 @@ public:
 
 private:
     const FieldPiece& piece_;
-    double t_;
+    double t_ = 0.0;
     Turning halfway_, own_;
 };
 
@@ -112,43 +143,53 @@ inline void blend(Wide u, Wide& b, Wide& slope)
 
 inline Place field(const FieldPiece& piece, const Moment& now, const Place& at)
 {
-    const Place y{at.x - constant(now.centre[0]), at.y - constant(now.centre[1]),
-                  at.z - constant(now.centre[2])};
+    const Place y = at - now.centre;
     const Place turned = cross(piece.turn, y);
-    const Wide square = y.x * y.x + y.y * y.y + y.z * y.z;
+    const Wide square = dot(y, y);
     Wide b, slope;
     if (piece.bends) {
         // curl(beta phi A) = beta phi w x y + grad(beta phi) x A, A = h (w . y) a - n^2 / 2 w
-        const double *w = piece.turn, *a = now.own_axis;
+        const double* w = piece.turn;
         const double w2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+        const Place& a = now.own_axis;
         const Wide along = dot(w, y), up = dot(a, y);
-        const Place out{y.x - a[0] * up, y.y - a[1] * up, y.z - a[2] * up};
-        const Wide apart = out.x * out.x + out.y * out.y + out.z * out.z, distance = root(apart);
+        const Place out = y - up * a;
+        const Wide apart = dot(out, out), distance = root(apart);
         const Wide half = constant(0.5) * (apart - (w2 > 0.0 ? 1.0 / w2 : 0.0) * (along * along));
         const Wide lift = up * along;
-        const Place A{a[0] * lift - w[0] * half, a[1] * lift - w[1] * half, a[2] * lift - w[2] * half};
+        const Place A{a.x * lift - w[0] * half, a.y * lift - w[1] * half, a.z * lift - w[2] * half};
         Wide fade, fading;
-        blend(constant(now.per_width) * (dot(now.axis, y) - constant(now.inner)), b, slope);
+        blend(now.per_width * (dot(now.axis, y) - now.inner), b, slope);
         blend((1.0 / piece.width) * distance - constant(1.0), fade, fading);
-        const Wide phi = constant(1.0) - fade, full = b * phi;
+        const Wide phi = constant(1.0) - fade;
         const Wide rising = now.per_width * (slope * phi);
         const Wide falling = (-1.0 / piece.width) * (b * fading) / larger(distance, constant(1e-300));
-        const Place steep{now.axis[0] * rising + falling * out.x, now.axis[1] * rising + falling * out.y,
-                          now.axis[2] * rising + falling * out.z};
-        return {full * turned.x + (steep.y * A.z - steep.z * A.y),
-                full * turned.y + (steep.z * A.x - steep.x * A.z),
-                full * turned.z + (steep.x * A.y - steep.y * A.x)};
+        const Place steep = rising * now.axis + falling * out;
+        const Place around{steep.y * A.z - steep.z * A.y, steep.z * A.x - steep.x * A.z,
+                           steep.x * A.y - steep.y * A.x};
+        return (b * phi) * turned + around;
     }
     // (beta^2 + beta beta' r) v - beta beta' / r (y . v) y + beta w x y
     const Wide r = root(square);
-    blend(constant(now.per_width) * (r - constant(now.inner)), b, slope);
+    blend(now.per_width * (r - now.inner), b, slope);
     const Wide beta = constant(1.0) - b;
-    const Wide steep = constant(-now.per_width) * (beta * slope); // beta beta'
+    const Wide steep = constant(0.0) - now.per_width * (beta * slope); // beta beta'
     const Wide straight = beta * beta + steep * r;
     const Wide back = steep * (dot(piece.move, y) / larger(r, constant(1e-300)));
     const double* v = piece.move;
     return {v[0] * straight - back * y.x + beta * turned.x, v[1] * straight - back * y.y + beta * turned.y,
             v[2] * straight - back * y.z + beta * turned.z};
+}
+
+/// Where a step of the classical rule of order 4 leads: it sees the field at three times.
+template <class Step>
+inline Place step_of_four(const FieldPiece& piece, const Moment& middle, const Moment& end, const Place& x,
+                          const Place& first, Step h)
+{
+    const Place second = field(piece, middle, x + (0.5 * h) * first);
+    const Place third = field(piece, middle, x + (0.5 * h) * second);
+    const Place fourth = field(piece, end, x + h * third);
+    return x + ((1.0 / 6.0) * h) * ((first + fourth) + 2.0 * (second + third));
 }
 
 inline Place read(const double* points)
@@ -165,7 +206,7 @@ void flow(const FieldPiece& piece, int steps, int order, double* points)
 {
     Place x = read(points);
     const double h = 1.0 / steps;
-    Clock clock(piece, 0.0, order == 1 ? h : 0.5 * h);
+    Clock clock(piece, order == 1 ? h : 0.5 * h);
     Moment begin = clock.now();
     for (int k = 0; k < steps; ++k) {
         const Place first = field(piece, begin, x);
@@ -177,28 +218,59 @@ void flow(const FieldPiece& piece, int steps, int order, double* points)
         }
         clock.advance((k + 0.5) * h);
         const Moment middle = clock.now();
-        const Place second = field(piece, middle, x + (0.5 * h) * first);
         clock.advance((k + 1) * h);
         const Moment end = clock.now();
-        if (order == 2) {
-            x = x + h * second;
-        } else {
-            const Place third = field(piece, middle, x + (0.5 * h) * second);
-            const Place fourth = field(piece, end, x + h * third);
-            x = x + (h / 6.0) * ((first + fourth) + 2.0 * (second + third));
-        }
+        x = order == 2 ? x + h * field(piece, middle, x + (0.5 * h) * first)
+                       : step_of_four(piece, middle, end, x, first, h);
         begin = end;
+    }
+    write(points, x);
+}
+
+void flow_to(const FieldPiece& piece, int least_steps, double tolerance, double* points)
+{
+    constexpr double shortest = 0x1p-16; // a step that is taken whatever its error
+    const Wide one = constant(1.0), zero = constant(0.0), longest = constant(1.0 / least_steps);
+    Place x = read(points);
+    Wide t = zero, h = longest;
+    for (;;) {
+        const Wide left = one - t;
+        const auto going = above(left, constant(1e-12));
+        if (!mask_bits(going))
+            break;
+        h = choose(above(h, left), left, h);
+        h = choose(going, h, zero);
+        const Moment begin = moment_at(piece, t), middle = moment_at(piece, t + 0.5 * h);
+        const Moment end = moment_at(piece, t + h);
+        const Moment before = moment_at(piece, t + 0.25 * h), after = moment_at(piece, t + 0.75 * h);
+        const Place first = field(piece, begin, x);
+        const Place whole = step_of_four(piece, middle, end, x, first, h);
+        const Wide half = 0.5 * h;
+        const Place halfway = step_of_four(piece, before, middle, x, first, half);
+        const Place fine = step_of_four(piece, after, end, halfway, field(piece, middle, halfway), half);
+        const Place off = (1.0 / 15.0) * (fine - whole);
+        const Wide error = root(dot(off, off)), allowed = tolerance * h;
+        // What is left of the error is of higher order.
+        const auto too_far = above(error, choose(above(h, constant(shortest)), allowed, constant(1e300)));
+        x.x = choose(too_far, x.x, fine.x + off.x);
+        x.y = choose(too_far, x.y, fine.y + off.y);
+        x.z = choose(too_far, x.z, fine.z + off.z);
+        t = choose(too_far, t, t + h);
+        Wide factor = 0.9 * root(root(allowed / larger(error, constant(1e-300))));
+        factor = choose(above(factor, constant(4.0)), constant(4.0), larger(factor, constant(0.2)));
+        h = h * factor;
+        h = choose(above(h, longest), longest, larger(h, constant(0.5 * shortest)));
     }
     write(points, x);
 }
 
 void velocity(const FieldPiece& piece, double t, const double* points, double* velocities)
 {
-    write(velocities, field(piece, Clock(piece, t, 0.0).now(), read(points)));
+    write(velocities, field(piece, moment_at(piece, constant(t)), read(points)));
 }
 
 } // namespace
 
-const FieldKernels FieldKernels::SINEW_INSTRUCTIONS{lane_count, sinew::flow, sinew::velocity};
+const FieldKernels FieldKernels::SINEW_INSTRUCTIONS{lane_count, sinew::flow, sinew::flow_to, sinew::velocity};
 
 } // namespace sinew

@@ -42,7 +42,8 @@ Points scattered(int count, double size = 1.6)
 
 VectorFieldOptions tool(FieldTool kind, double inner = 0.4, double outer = 1.2)
 {
-    // A bend of wide things on a short way would squeeze what lies on its inner side: that is for other tests.
+    // A bend of wide things on a short way would squeeze what lies on its inner side: that is for other
+    // tests.
     if (kind == FieldTool::bend)
         return {.tools = {kind}, .inner = {0.2}, .outer = {2.2}, .width = {0.7}};
     return {.tools = {kind}, .inner = {inner}, .outer = {outer}, .width = {1.5}};
@@ -93,8 +94,11 @@ SpaceTraits traits()
         return SpaceVariant{name, [=] { return std::make_shared<VectorField>(rest, options); }};
     };
     const auto second = [](FieldTool kind) {
-        return VectorFieldOptions{
-            .counts = {3, 1}, .tools = {FieldTool::drag, kind}, .inner = {0.3, 0.1}, .outer = {0.9, 1.5}, .width = {0.5}};
+        return VectorFieldOptions{.counts = {3, 1},
+                                  .tools = {FieldTool::drag, kind},
+                                  .inner = {0.3, 0.1},
+                                  .outer = {0.9, 1.5},
+                                  .width = {0.5}};
     };
     VectorFieldOptions stepped = second(FieldTool::drag);
     stepped.order = 2;
@@ -181,7 +185,8 @@ TEST(VectorField, linear_p_and_q_translate_exactly_by_any_rule)
         VectorFieldOptions options = tool(FieldTool::drag, 2.0, 3.0);
         options.order = order;
         options.steps = 3;
-        EXPECT_LT(shapes::distance(warped(options, {pose}, points), shapes::transformed(points, pose)), 1e-14);
+        EXPECT_LT(shapes::distance(warped(options, {pose}, points), shapes::transformed(points, pose)),
+                  1e-14);
         const VectorField field(at_rest(1), options);
         const Points control = path({pose}), v = field.velocities(view(control), 0, 0.5, view(points));
         for (int i = 0; i < v.rows(); ++i)
@@ -280,7 +285,8 @@ TEST(VectorField, the_volume_drifts_less_with_a_higher_order)
         EXPECT_LT(last, 1e-4);
         VectorFieldOptions exact = tool(kind);
         exact.tolerance = 1e-9;
-        EXPECT_LT(stretch(exact, {some_pose()}, points), 1e-4) << "the tolerance over the step of differences";
+        EXPECT_LT(stretch(exact, {some_pose()}, points), 1e-4)
+            << "the tolerance over the step of differences";
     }
 }
 
@@ -290,10 +296,12 @@ TEST(VectorField, the_order_is_what_it_says)
     const Points points = scattered(40, 0.8);
     for (const int order : {1, 2, 4}) {
         const auto end = [&](int steps) {
-            VectorFieldOptions options = tool(FieldTool::drag, 0.0, 2.0); // no kink within reach of the points
+            VectorFieldOptions options =
+                tool(FieldTool::drag, 0.0, 2.0); // no kink within reach of the points
             options.order = order;
             options.steps = steps;
-            return warped(options, {shapes::affine(shapes::rotation({0, 1, 1}, 40), {0.2, 0.1, 0.3})}, points);
+            return warped(options, {shapes::affine(shapes::rotation({0, 1, 1}, 40), {0.2, 0.1, 0.3})},
+                          points);
         };
         const Points exact = end(4000);
         const double coarse = shapes::distance(end(20), exact), fine = shapes::distance(end(40), exact);
@@ -320,23 +328,26 @@ TEST(VectorField, more_steps_reach_the_tolerance)
     VectorFieldOptions options = tool(FieldTool::drag), exact = options;
     exact.steps = 4000;
     const Points reference = warped(exact, {some_pose()}, points);
+    double last = 1.0;
     for (const double tolerance : {1e-3, 1e-5, 1e-7}) {
         options.tolerance = tolerance;
-        EXPECT_LT(shapes::distance(warped(options, {some_pose()}, points), reference), 2.0 * tolerance)
-            << "near a kink of the field, half the step may leave two thirds of the error";
+        const double error = shapes::distance(warped(options, {some_pose()}, points), reference);
+        EXPECT_LT(error, 5.0 * tolerance) << "errors grow on the rest of the way as space is drawn out";
+        EXPECT_LT(error, 0.1 * last);
+        last = error;
     }
 }
 
 TEST(VectorField, does_not_turn_space_over)
 {
-    // Far drags through the points, where plain displacements by beta would fold: tiny cells keep their sides.
+    // Far drags through the points, where plain displacements by beta would fold: tiny cells keep their
+    // sides.
     const Points at = scattered(2000, 1.2);
     constexpr double side = 1e-6; // far drags draw cells out by more than a thousand
     Points cells(4 * at.rows(), 3);
     for (int i = 0; i < at.rows(); ++i)
         for (int k = 0; k < 4; ++k)
-            cells.row(4 * i + k) =
-                at.row(i) + (k ? side : 0.0) * Eigen::RowVector3d::Unit((k + 2) % 3);
+            cells.row(4 * i + k) = at.row(i) + (k ? side : 0.0) * Eigen::RowVector3d::Unit((k + 2) % 3);
     VectorFieldOptions far = tool(FieldTool::drag, 0.2, 1.0);
     far.tolerance = 1e-12;
     const Points out = warped(far, {shapes::shift(0.3, 0, 2.5), shapes::shift(1, 1, 0)}, cells);
@@ -393,8 +404,8 @@ TEST(VectorField, refuses_what_is_no_tool)
     EXPECT_THROW(made(two, {.tolerance = 0.0}), InvalidOption);
     Points bad(12, 3);
     bad << frame(), frame(), frame(shapes::shift(1, 0, 0));
-    expect_elements(refusal<InvalidConstraint>([&] { made(bad, {.counts = {1, 2}}); }), Error::Element::handle,
-                    {1});
+    expect_elements(refusal<InvalidConstraint>([&] { made(bad, {.counts = {1, 2}}); }),
+                    Error::Element::handle, {1});
     Points flat = at_rest(1);
     flat.row(3).setZero();
     expect_elements(refusal<InvalidConstraint>([&] { made(flat, {}); }), Error::Element::handle, {0});

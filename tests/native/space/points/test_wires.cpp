@@ -77,7 +77,7 @@ SpaceTraits traits()
             .control = rest,
             .points = scattered(600),
             .translation = {}, // of what is in reach alone
-            .follow = 12.0,    // the last segment is an eighth of the wire, and turns space within its radius
+            .follow = 12.0, // the last segment is an eighth of the wire, and turns space within its radius
             .other = [=] { return std::make_shared<Wires>(rest, WireOptions{.counts = {12, 9}}); }};
 }
 
@@ -124,8 +124,7 @@ TEST(Wires, scale_and_turn_are_those_of_the_paper)
     const Vector3 turned = shapes::rotation({0, 0, 1}, 90 * falloff) * Vector3(0, 0.5, 0);
     const Points out = warped({.scale = {2.0}, .smoothing = 0.0}, rest, posed, one(0, 0.5, 0));
     EXPECT_LT((out.row(0).transpose() - (1 + falloff) * turned).norm(), 1e-14);
-    const Points still =
-        warped({.rotation = {0.0}, .smoothing = 0.0}, rest, posed, one(0, 0.5, 0));
+    const Points still = warped({.rotation = {0.0}, .smoothing = 0.0}, rest, posed, one(0, 0.5, 0));
     EXPECT_LT((still - one(0, 0.5, 0)).norm(), 1e-15) << "without rotation only places count";
 }
 
@@ -179,8 +178,7 @@ TEST(Wires, is_continuous_where_the_nearest_point_jumps)
     posed << -1, 1, -1, 0, 0, 0, 1, 1, 1;
     const auto jump = [&](double step, double smoothing) {
         const Points sides = stacked(one(-step, 0.8, 0), one(step, 0.8, 0));
-        const Points out =
-            warped({.rotation = {0.0}, .smoothing = smoothing}, rest, posed, sides);
+        const Points out = warped({.rotation = {0.0}, .smoothing = smoothing}, rest, posed, sides);
         return (out.row(1) - out.row(0)).norm();
     };
     EXPECT_GT(jump(1e-7, 0.0), 0.3) << "the rule of the paper tears";
@@ -277,8 +275,8 @@ TEST(Wires, says_what_it_costs)
     Wires wires(line(2, {-9, 0, 0}, {9, 0, 0}));
     Points points = scattered(1000, 0.5);
     points.bottomRows(500).col(2).array() += 10.0;
-    // In reach: 48 bytes and two samples; each point: 4 bytes.
-    EXPECT_EQ(wires.bind(view(points)).weight_bytes, 500 * (48 + 2 * 12) + 1001 * 4);
+    // In reach: 44 bytes and two samples of 12; each point: 4 bytes; and one more of each list.
+    EXPECT_EQ(wires.bind(view(points)).weight_bytes, 500 * (44 + 2 * 12) + 1001 * 4 + 4);
 }
 
 } // namespace sinew
