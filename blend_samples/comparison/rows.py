@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rows of the matrix: every surface method of the registry, and peers. A row is a function of a case."""
+"""The rows of the matrix: methods of the registry that handles steer, and peers. A row is a function of a case."""
 
 from __future__ import annotations
 
@@ -17,13 +17,17 @@ SPLIT = {"laplacian_editing": "transforms", "multiresolution": "details"}
 
 
 def registry_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str, Solve]]:
-    """A row per surface method that handles steer, with its defaults, in the menu's order.
+    """A row per surface method that handles steer, and per space method that takes their poses.
+
+    Each has its defaults, in the menu's order.
 
     ``methods`` is the add-on's ``core.methods``, ``native`` the compiled module. So a method that the
     registry gains is in the matrix. One that edits animations is left out: on a still mesh it is another row.
     """
     for method in methods.METHODS:
-        if method.is_space or method.keyed or method.control is not methods.Control.HANDLES:
+        if method.keyed or method.control is not methods.Control.HANDLES:
+            continue
+        if method.is_space and not hasattr(getattr(native, method.native), "warp_poses"):
             continue
         choice = next((p for p in method.parameters if p.id == SPLIT.get(method.id)), None)
         if choice is None:
@@ -40,6 +44,13 @@ def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: 
 
     def solve(case: Case) -> np.ndarray:
         mesh = native.SurfaceMesh(case.points, case.triangles)
+        if method.is_space:
+            held = [case.points[handle] for handle in case.handles]
+            around = getattr(native, method.native)(
+                mesh, np.concatenate(held), [len(own) for own in held], **_values(method, True, options)
+            )
+            around.bind(case.points)
+            return around.warp_poses(case.poses)
         made = _made(methods, native, method, mesh, options)
         made.set_handles(list(case.handles))
         return made.solve(case.poses, **_values(method, False, options))[0]

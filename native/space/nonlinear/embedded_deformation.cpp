@@ -15,7 +15,8 @@ namespace sinew {
 
 namespace {
 
-constexpr double rounding_floor = 1e-24; ///< of the energy per node, in edges
+/// Of the energy per node: what rounding leaves of it, and what moves nothing by more than 1e-9 of an edge.
+constexpr double rounding_floor = 1e-20;
 constexpr int most_alone = 2;            ///< a handle of so few points says too little about its rotation
 constexpr double side_strength = 0.5;
 
