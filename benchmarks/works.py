@@ -325,7 +325,13 @@ WORKS = (
     ),
     Work("embedded_drag", "the same", "a limit of 20 ms", {100_000: 1.0}, at_most=True),
     Work("embedded_steps", "its iterations", "steps of Gauss-Newton to 1 %", {}, at_most=True),
-    Work("cells_frame", "a frame of `RigidCells`, 2,000 cells", "a frame of `Arap`", {50_000: 1.0}, at_most=True),
+    Work(
+        "cells_frame",
+        "a frame of `RigidCells`, 2,000 cells",
+        "a frame of `Arap`",
+        {50_000: 1.0},
+        at_most=True,
+    ),
     Work("primo_matching", "one iteration of `Primo`", "a sweep of shape matching in NumPy", {}),
     Work(
         "subdivision",

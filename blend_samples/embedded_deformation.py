@@ -39,7 +39,7 @@ def make() -> bpy.types.Scene:
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=10.0)
     for dragon, label in zip(dragons, LABELS):
         studio.add_label(scene, label, (dragon.location.x + 0.12, -1.75, 0.0), 0.17)
-    studio.set_up_render(scene, samples=48, height=540)
+    studio.set_up_render(scene, samples=24, height=540)
     studio.open_at(scene, POSE_FRAME, posed)
     return scene
 

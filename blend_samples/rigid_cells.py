@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A dragon filled with rigid cells: the cells at rest, small ones for thin parts, and the pose that they give."""
+"""A dragon filled with rigid cells: the cells at rest, and the pose that they give."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def make() -> bpy.types.Scene:
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=10.0)
     for dragon, label in zip(dragons, LABELS):
         studio.add_label(scene, label, (dragon.location.x + 0.12, -1.75, 0.0), 0.2)
-    studio.set_up_render(scene, samples=48, height=540)
+    studio.set_up_render(scene, samples=24, height=540)
     studio.open_at(scene, POSE_FRAME, posed)
     return scene
 

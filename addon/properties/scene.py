@@ -28,7 +28,13 @@ OVERLAYS = (
     ),
     ("GRID", "Control Grid", "The grid of a method that has one, as the handles move it", "MESH_GRID", 6),
     ("BANDS", "Bands", "The bands of a method that has some: each turns as one", "ALIGN_JUSTIFY", 7),
-    ("GRAPH", "Graph", "The nodes of a method that has some, as the handles move them", "OUTLINER_OB_MESH", 8),
+    (
+        "GRAPH",
+        "Graph",
+        "The nodes of a method that has some, as the handles move them",
+        "OUTLINER_OB_MESH",
+        8,
+    ),
     ("DISTORTION", "Distortion", "Where the surface was stretched or compressed", "MOD_CLOTH", 4),
 )
 

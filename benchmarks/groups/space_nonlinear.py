@@ -43,7 +43,9 @@ def plan(options: Options) -> list[Task]:
 
 def measure(part: str, size: int, threads: list[int], **keywords: int) -> list[Row]:
     run = {"graph": _graph, "cells": _cells}[part]
-    return [{"size": size, **row} for pose in POSES for row in run(bar(pose, size), pose, threads, **keywords)]
+    return [
+        {"size": size, **row} for pose in POSES for row in run(bar(pose, size), pose, threads, **keywords)
+    ]
 
 
 def _bound(kind: type, case: Case, **options: int) -> object:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rows of the matrix: methods of the registry that handles steer, and peers. A row is a function of a case."""
+"""The rows of the matrix: methods that handles steer, and peers. A row is a function of a case."""
 
 from __future__ import annotations
 

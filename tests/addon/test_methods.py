@@ -164,7 +164,9 @@ def test_the_native_class_of_a_space_method_takes_the_parameters(method: methods
     options = default_options(method)
     assert len(options) == len(method.parameters)
     control = cage if method.control is Control.CAGE else corners
-    own = (cage,) if hasattr(getattr(native, method.native), "warp_poses") else ()  # it is built around a shape
+    own = (
+        (cage,) if hasattr(getattr(native, method.native), "warp_poses") else ()
+    )  # it is built around a shape
     made = getattr(native, method.native)(*own, control, **options)
     points = np.array([(0.2, 0.3, 0.1), (0.25, 0.25, 0.25)])
     made.bind(points)

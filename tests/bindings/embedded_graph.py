@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The energy of an embedded deformation by the paper's sums, and Gauss-Newton steps for it: an oracle, and a peer."""
+"""The energy of an embedded deformation by the paper's sums, and Gauss-Newton steps: an oracle, and a peer."""
 
 import numpy as np
 from scipy import sparse
@@ -94,7 +94,7 @@ class PaperEnergy:
         return flat
 
     def warped(self, flat: np.ndarray, points: np.ndarray, weights: sparse.csr_matrix) -> np.ndarray:
-        """Where the nodes take points (n, 3) that follow them by ``weights`` (n, m), in units of the points."""
+        """Where the nodes take points (n, 3) that follow them by ``weights`` (n, m)."""
         x = flat.reshape(-1, 4, 3)
         places = self.unit * (self.nodes + x[:, 3])
         offsets = places - np.einsum("jcx,jc->jx", x[:, :3], self.unit * self.nodes)

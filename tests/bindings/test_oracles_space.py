@@ -9,7 +9,8 @@ import pytest
 import sinew_native as sn
 
 pytest.importorskip("scipy.sparse")
-from .embedded_graph import PaperEnergy  # noqa: E402  # needs SciPy
+from .embedded_graph import PaperEnergy  # needs SciPy
+
 
 def tube(around: int = 12, along: int = 30) -> tuple[np.ndarray, np.ndarray]:
     """An open tube of length 6 and radius 1: points, and quads."""

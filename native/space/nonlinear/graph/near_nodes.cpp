@@ -66,8 +66,7 @@ class NearNodes::Fronts
 public:
     explicit Fronts(const SurfaceMesh& mesh)
         : mesh_(mesh), offsets_(static_cast<std::size_t>(mesh.vertex_count()) + 1, 0),
-          distance_(static_cast<std::size_t>(mesh.vertex_count()), infinite),
-          times_(distance_.size(), 0)
+          distance_(static_cast<std::size_t>(mesh.vertex_count()), infinite), times_(distance_.size(), 0)
     {
         for (const Triangle& triangle : mesh.triangles())
             for (const int v : triangle)
@@ -234,9 +233,8 @@ void NearNodes::find_near(const Progress& progress)
             for (int k = begin; k < end; ++k) {
                 reached[k].clear();
                 if (is_on_surface(nodes_[first + k]))
-                    own->from(nodes_[first + k], bound, [&](int v, double distance) {
-                        reached[k].emplace_back(v, distance);
-                    });
+                    own->from(nodes_[first + k], bound,
+                              [&](int v, double distance) { reached[k].emplace_back(v, distance); });
             }
         });
         for (int k = 0; k < some; ++k)

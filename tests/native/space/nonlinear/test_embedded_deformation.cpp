@@ -187,8 +187,12 @@ TEST(EmbeddedDeformation, refuses_by_name)
     const HandlePoints held = shapes::held_ends(bar, 2.0);
     const auto make = [&](Options options) { (void)EmbeddedDeformation(bar, held, options); };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const Options& options :
-         std::vector<Options>{{.nodes = 0}, {.rotation = 0}, {.regularity = nan}, {.pulls = -1}, {.max_iterations = 0}, {.tolerance = nan}})
+    for (const Options& options : std::vector<Options>{{.nodes = 0},
+                                                       {.rotation = 0},
+                                                       {.regularity = nan},
+                                                       {.pulls = -1},
+                                                       {.max_iterations = 0},
+                                                       {.tolerance = nan}})
         EXPECT_THROW(make(options), InvalidOption);
     Poses poses = bent(30);
     poses[1](2, 3) = nan;

@@ -42,16 +42,16 @@ struct Bound : RigidCells
 SpaceTraits traits()
 {
     const auto make = [](RigidCellsOptions options) {
-        return
-            [options] { return std::make_shared<RigidCells>(bar, shapes::held_ends(bar, 2.0), options); };
+        return [options] { return std::make_shared<RigidCells>(bar, shapes::held_ends(bar, 2.0), options); };
     };
-    return {.name = "RigidCells",
-            .variants = {{"300 cells", make({.cells = 300})}, {"one size", make({.cells = 120, .levels = 0})}},
-            .control = shapes::held_ends(bar, 2.0).points,
-            .points = bar.points(),
-            .follow = 1.5,
-            .outside = Vector3(-5, 0, 0),
-            .other = make({.cells = 301})};
+    return {
+        .name = "RigidCells",
+        .variants = {{"300 cells", make({.cells = 300})}, {"one size", make({.cells = 120, .levels = 0})}},
+        .control = shapes::held_ends(bar, 2.0).points,
+        .points = bar.points(),
+        .follow = 1.5,
+        .outside = Vector3(-5, 0, 0),
+        .other = make({.cells = 301})};
 }
 
 } // namespace
@@ -188,8 +188,12 @@ TEST(RigidCells, refuses_by_name)
     const HandlePoints held = shapes::held_ends(bar, 2.0);
     const auto make = [&](Options options) { (void)RigidCells(bar, held, options); };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const Options& options :
-         std::vector<Options>{{.cells = 7}, {.cells = 100001}, {.levels = -1}, {.levels = 7}, {.max_iterations = 0}, {.tolerance = nan}})
+    for (const Options& options : std::vector<Options>{{.cells = 7},
+                                                       {.cells = 100001},
+                                                       {.levels = -1},
+                                                       {.levels = 7},
+                                                       {.max_iterations = 0},
+                                                       {.tolerance = nan}})
         EXPECT_THROW(make(options), InvalidOption);
     Poses poses = bent(30);
     poses[1](2, 3) = nan;

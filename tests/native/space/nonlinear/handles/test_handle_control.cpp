@@ -42,8 +42,10 @@ TEST(HandleControl, fits_the_motions_that_poses_are)
              {solid, pose}, {solid, rigid}, {plane, rigid}, {line, rigid}, {point, rigid}}) {
         const HandleControl control(held(points, {static_cast<int>(points.rows())}), centre, unit);
         const Points posed = shapes::transformed(points, own);
-        EXPECT_LT(shapes::distance(moved(control.motions(view(posed))[0], points, centre, unit), posed), 1e-12);
-        EXPECT_LT(shapes::distance(moved(control.motions(Poses{own})[0], points, centre, unit), posed), 1e-12);
+        EXPECT_LT(shapes::distance(moved(control.motions(view(posed))[0], points, centre, unit), posed),
+                  1e-12);
+        EXPECT_LT(shapes::distance(moved(control.motions(Poses{own})[0], points, centre, unit), posed),
+                  1e-12);
     }
     const HandleControl flat(held(plane, {20}), centre, unit);
     const HandleMotion found = flat.motions(view(shapes::transformed(plane, rigid)))[0];
