@@ -38,6 +38,7 @@ GROUPS = (
     "reduced",
     "convergence",
     "primo",
+    "space_nonlinear",
     "shell",
     "sequence",
     "subdivision",

@@ -317,6 +317,21 @@ WORKS = (
     Work("primo_steps", "iterations of `Primo` to 1 % of its limit", "1", {ANY: 4.0}, at_most=True),
     Work("primo_frame", "a frame of `Primo`", "a limit of 150 ms", {50_000: 1.0}, at_most=True),
     Work("primo_joint", "one iteration of `Primo`", "a joint Gauss-Newton step", {10_000: 20.0}),
+    Work(
+        "embedded_frame",
+        "a frame of `EmbeddedDeformation`, 500 nodes",
+        "Gauss-Newton in SciPy, to 1 %",
+        {100_000: 20.0},
+    ),
+    Work("embedded_drag", "the same", "a limit of 20 ms", {100_000: 1.0}, at_most=True),
+    Work("embedded_steps", "its iterations", "steps of Gauss-Newton to 1 %", {}, at_most=True),
+    Work(
+        "cells_frame",
+        "a frame of `RigidCells`, 2,000 cells",
+        "a frame of `Arap`",
+        {50_000: 1.0},
+        at_most=True,
+    ),
     Work("primo_matching", "one iteration of `Primo`", "a sweep of shape matching in NumPy", {}),
     Work(
         "subdivision",

@@ -56,9 +56,21 @@ def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: 
 
 def _by_points(native: ModuleType, method, case: Case, options: dict[str, object]) -> np.ndarray:
     """The vertices of both handles are the points that move space."""
-    made = getattr(native, method.native)(case.points[case.held], **_values(method, True, options))
+    held = [case.points[handle] for handle in case.handles]
+    points, counts = np.concatenate(held), [len(own) for own in held]
+    make, values = getattr(native, method.native), _values(method, True, options)
+    if hasattr(make, "warp_poses"):
+        around = make(native.SurfaceMesh(case.points, case.triangles), points, counts, **values)
+        around.bind(case.points)
+        return around.warp_poses(case.poses)
+    if method.poses_maps:  # each handle has four points of control
+        made = make(points, counts=counts, **values)
+        controls = np.split(made.control, len(case.handles))
+    else:
+        made, controls = make(points, **values), held
     made.bind(case.points)
-    return made.warp(case.targets[case.held])
+    posed = [own @ pose[:, :3].T + pose[:, 3] for own, pose in zip(controls, case.poses)]
+    return made.warp(np.concatenate(posed))
 
 
 def _by_lattice(native: ModuleType, method, case: Case, options: dict[str, object]) -> np.ndarray:

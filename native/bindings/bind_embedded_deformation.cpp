@@ -86,10 +86,12 @@ strengths     (p,) how strongly.
 pull_weights  (p, m) which nodes they follow.
 
 Raises InvalidConstraint before bind().)")
-        .def("weights", &embedded_weights, "(n, m + k) which nodes and handles each bound point follows; rows sum to 1.")
-        .def("answer", &embedded_answer, py::arg("poses"), py::kw_only(), py::arg("from_rotations") = true,
-             py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 40,
-             R"(The maps of the nodes -> (4 m, 3), SolveReport. Four rows per node: the columns of its matrix, and where it is.
+        .def("weights", &embedded_weights,
+             "(n, m + k) which nodes and handles each bound point follows; rows sum to 1.")
+        .def(
+            "answer", &embedded_answer, py::arg("poses"), py::kw_only(), py::arg("from_rotations") = true,
+            py::arg("tolerance") = 1e-4, py::arg("max_iterations") = 40,
+            R"(The maps of the nodes -> (4 m, 3), SolveReport. Four rows per node: the columns of its matrix, and where it is.
 
 poses           (k, 3, 4)
 from_rotations  start from rotations that are blended between the handles; if not, from none.

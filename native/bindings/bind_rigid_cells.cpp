@@ -41,19 +41,19 @@ py::tuple cells_answer(const RigidCells& method, const py::object& given, bool f
 
 void bind_rigid_cells(py::module_& module)
 {
-    bind_handle_method<RigidCells>(
-        module, "RigidCells", R"(Rigid cells [Botsch, Pauly, Wicke & Gross 2007], section 7.
+    bind_handle_method<RigidCells>(module, "RigidCells",
+                                   R"(Rigid cells [Botsch, Pauly, Wicke & Gross 2007], section 7.
 
 Cubes that fill the shape, fine at its surface and larger inside, move rigidly and hold together elastically. Points
 follow the cubes around them smoothly. A closed surface bends like a solid body.)",
-        &rigid_cells_options,
-        R"(cells           about how many.
+                                   &rigid_cells_options,
+                                   R"(cells           about how many.
 levels          how many levels larger cells may be inside of closed surfaces.
 max_iterations  per warp, rejected trials included.
 tolerance       a warp ends when the relative decrease of the energy is below this twice.
 )",
-        py::arg("cells") = 2000, py::arg("levels") = 2, py::arg("max_iterations") = 40,
-        py::arg("tolerance") = 1e-4)
+                                   py::arg("cells") = 2000, py::arg("levels") = 2,
+                                   py::arg("max_iterations") = 40, py::arg("tolerance") = 1e-4)
         .def("cells", &cells_as_dict,
              R"(The cells of the last bind -> dict.
 

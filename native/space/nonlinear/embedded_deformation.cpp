@@ -15,7 +15,8 @@ namespace sinew {
 
 namespace {
 
-constexpr double rounding_floor = 1e-24; ///< of the energy per node, in edges
+/// Of the energy per node: what rounding leaves of it, and what moves nothing by more than 1e-9 of an edge.
+constexpr double rounding_floor = 1e-20;
 constexpr int most_alone = 2;            ///< a handle of so few points says too little about its rotation
 constexpr double side_strength = 0.5;
 
@@ -125,16 +126,22 @@ void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Pr
     std::vector<int> node_carriers = nearest_points(graph.places(), view(bound)),
                      handle_carriers = nearest_points(held, view(bound));
     std::unique_ptr<const Binding> next(
-        new Binding{(unit() * graph.places()).rowwise() + centre().transpose(), graph.edges(), edge,
-                    std::move(pulls), std::move(energy), std::move(blended), std::move(node_carriers),
-                    std::move(handle_carriers), {}});
+        new Binding{(unit() * graph.places()).rowwise() + centre().transpose(),
+                    graph.edges(),
+                    edge,
+                    std::move(pulls),
+                    std::move(energy),
+                    std::move(blended),
+                    std::move(node_carriers),
+                    std::move(handle_carriers),
+                    {}});
     report.weight_bytes = next->points.bytes();
     progress.tick(1.0, "bound");
     bound_ = std::move(next);
 }
 
-SolveReport EmbeddedDeformation::solve(const std::vector<HandleMotion>& motions, PointsView base,
-                                       bool enters, Workspace& work) const
+SolveReport EmbeddedDeformation::solve(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
+                                       Workspace& work) const
 {
     const Binding& own = *bound_;
     std::vector<HandleMotion> moves = motions;
@@ -233,8 +240,7 @@ EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Star
     EmbeddedProblem problem(own.energy, own.energy.rest(), motions);
     Answer result;
     result.unknowns = start == Start::handles ? problem.start() : problem.start_without_rotations();
-    result.report =
-        minimize(problem, result.unknowns, descent(max_iterations, tolerance, own.nodes.rows()));
+    result.report = minimize(problem, result.unknowns, descent(max_iterations, tolerance, own.nodes.rows()));
     for (Eigen::Index j = 0; j < own.nodes.rows(); ++j) {
         result.unknowns.middleRows<3>(4 * j) += Matrix3::Identity();
         result.unknowns.row(4 * j + 3) *= own.edge * unit();

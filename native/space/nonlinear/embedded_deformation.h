@@ -49,7 +49,8 @@ struct EmbeddedDeformationOptions
 /// unknowns, from rotations that are blended between the handles: a step takes three solves. The minimum is
 /// the same.
 ///
-/// The points of a handle follow it exactly, and those around it, up to one edge away, partly, see HandleReach.
+/// The points of a handle follow it exactly, and those around it, up to one edge away, partly, see
+/// HandleReach.
 ///
 /// With an incoming shape, the graph rides on it: nodes and handle points enter where the vertices nearest to
 /// them do, so animations and simulations are edited in each frame's own shape. Where handles rest, the

@@ -90,9 +90,9 @@ HandleGraph graph_of(const CellGrid& grid, const Seats& seats, const std::vector
         const bool is_hard = seats.strength[c] >= 1.0;
         held.hard.push_back(is_hard ? seats.handle[c] : -1);
         if (!is_hard && seats.handle[c] >= 0)
-            held.pulls.push_back({c, seats.handle[c],
-                                  seats.strength[c] / (1.0 - seats.strength[c]) *
-                                      (diagonal[c] > 0.0 ? diagonal[c] : 1.0)});
+            held.pulls.push_back(
+                {c, seats.handle[c],
+                 seats.strength[c] / (1.0 - seats.strength[c]) * (diagonal[c] > 0.0 ? diagonal[c] : 1.0)});
     }
     return {std::move(edges), std::move(held)};
 }
@@ -155,10 +155,10 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
     for (int c = 0; c < grid.size(); ++c)
         centres.row(c) = grid.cells()[c].centre.transpose();
     progress.tick(0.6, "factorising");
-    RotationGraph graph(graph_of(grid, seats, joints),
-                        {.rigidity = std::vector<double>(static_cast<std::size_t>(grid.size()), 1.0),
-                         .triangles = {}},
-                        centres);
+    RotationGraph graph(
+        graph_of(grid, seats, joints),
+        {.rigidity = std::vector<double>(static_cast<std::size_t>(grid.size()), 1.0), .triangles = {}},
+        centres);
     std::vector<Cell> cells;
     for (const int old : graph.order())
         cells.push_back(grid.cells()[old]);
@@ -207,11 +207,16 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
     BlendedMaps blended;
     for (const HandleReach::Shares& own : shares)
         blended.add(own);
-    const Vector3 first =
-        held_points.topRows(handles().held().counts[0]).colwise().mean().transpose();
-    std::unique_ptr<const Binding> next(new Binding{std::move(cells), std::move(faces), std::move(rest),
-                                                    first, std::move(graph), std::move(bodies), std::move(start),
-                                                    std::move(blended), {}});
+    const Vector3 first = held_points.topRows(handles().held().counts[0]).colwise().mean().transpose();
+    std::unique_ptr<const Binding> next(new Binding{std::move(cells),
+                                                    std::move(faces),
+                                                    std::move(rest),
+                                                    first,
+                                                    std::move(graph),
+                                                    std::move(bodies),
+                                                    std::move(start),
+                                                    std::move(blended),
+                                                    {}});
     report.weight_bytes = next->points.bytes();
     progress.tick(1.0, "bound");
     bound_ = std::move(next);
@@ -255,9 +260,8 @@ public:
             return {.converged = true};
         if (from == Start::cascade) {
             bound_.start.rotations(targets_, work_.start, work_.rotations);
-            parallel_for(free, [&](int c) {
-                problem_->set_rotation(c, work_.rotations[c].toRotationMatrix());
-            });
+            parallel_for(free,
+                         [&](int c) { problem_->set_rotation(c, work_.rotations[c].toRotationMatrix()); });
             problem_->centres_for_rotations(work_.x);
         }
         return minimize(*problem_, work_.x,

@@ -34,8 +34,8 @@ struct SpaceTraits
     std::optional<double> similarity{}; ///< similarities of the control; none: not reproduced
     std::optional<double> affine{};     ///< affine maps
     double follow = 1.5;                ///< no point goes farther in a step than this times the control
-    /// Not 'the displacements are those of the rest shape', but 'the shape that enters is deformed as the rest
-    /// shape would be, up to this where both are moved rigidly'.
+    /// Not 'the displacements are those of the rest shape', but 'the shape that enters is deformed as the
+    /// rest shape would be, up to this where both are moved rigidly'.
     std::optional<double> deforms_what_enters{};
     /// A point outside, and whether bind() refuses it.
     std::optional<Vector3> outside{};

@@ -15,8 +15,8 @@ namespace {
 
 using Unknowns = Eigen::Matrix<double, 4, 3, Eigen::RowMajor>;
 
-/// The second derivative of Rot at a rotation is at most this, and 0 for turns; a metric with half of it takes
-/// fewer steps.
+/// The second derivative of Rot at a rotation is at most this, and 0 for turns; a metric with half of it
+/// takes fewer steps.
 constexpr double rotation_metric = 4.0;
 /// Solves of the start: the factor is in single precision, so each leaves a millionth of the one before.
 constexpr int start_solves = 3;
@@ -164,8 +164,8 @@ Points EmbeddedProblem::start() const
     }
     std::vector<Matrix3> turns;
     if (energy_.nodes_.free_count() > 0 || !poses.empty())
-        for (const Eigen::Quaterniond& rotation : blended_rotations(
-                 energy_.nodes_, energy_.laplacian_, energy_.rotation_factor_, poses))
+        for (const Eigen::Quaterniond& rotation :
+             blended_rotations(energy_.nodes_, energy_.laplacian_, energy_.rotation_factor_, poses))
             turns.push_back(rotation.toRotationMatrix() - Matrix3::Identity());
     // Begins with the rigid motion of the first handle, so that nothing is left to solve where all move so.
     HandleMotion rigid;
@@ -198,8 +198,8 @@ Points EmbeddedProblem::solve_for(const std::vector<Matrix3>& turns, Points x) c
         gradient.setZero(x.rows(), 3);
         quadratic(x, gradient);
         for (int j = 0; j < energy_.size(); ++j)
-            gradient.middleRows<3>(4 * j) += rotation_metric * energy_.weights_.rotation *
-                                             (x.middleRows<3>(4 * j) - turns[j].transpose());
+            gradient.middleRows<3>(4 * j) +=
+                rotation_metric * energy_.weights_.rotation * (x.middleRows<3>(4 * j) - turns[j].transpose());
         energy_.factor_.solve(gradient, step);
         x -= step;
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/nonlinear/graph/near_nodes.h"
 
+#include "native/core/memory.h"
 #include "native/core/parallel.h"
 
 #include <Eigen/Geometry>
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <queue>
 
 namespace sinew {
@@ -20,14 +22,15 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 /// A part with a longer diagonal than this many spacings of nodes is measured along its surface.
 constexpr double large_part = 4.0;
 /// A node farther away than this many radii moves nothing.
-constexpr double reach = 5.0;
+constexpr double reach = 3.0;
 /// How much farther than needed a front runs.
 constexpr double beyond = 1.3;
 constexpr int kept = NearNodes::count + 1;
 /// The least share by which a distance has to become shorter. Among slivers, each gain sets off others, so it
 /// doubles with every `patience` offers.
-constexpr double least_gain = 1e-6;
+constexpr double least_gain = 1e-4;
 constexpr int patience = 8;
+constexpr int batch = 64; ///< nodes whose fronts run at once
 
 /// The distance of `c` from the point in the plane, on the other side of the edge from a to b, that is as far
 /// from these as they say, if the way to it crosses the edge; infinite otherwise.
@@ -63,8 +66,7 @@ class NearNodes::Fronts
 public:
     explicit Fronts(const SurfaceMesh& mesh)
         : mesh_(mesh), offsets_(static_cast<std::size_t>(mesh.vertex_count()) + 1, 0),
-          distance_(static_cast<std::size_t>(mesh.vertex_count()), infinite),
-          times_(distance_.size(), 0)
+          distance_(static_cast<std::size_t>(mesh.vertex_count()), infinite), times_(distance_.size(), 0)
     {
         for (const Triangle& triangle : mesh.triangles())
             for (const int v : triangle)
@@ -155,13 +157,13 @@ NearNodes::NearNodes(const SurfaceMesh& mesh, int wanted, const Progress& progre
         has_faces[parts_.labels[triangle[0]]] = 1;
     for (int p = 0; p < parts_.count; ++p)
         large_[p] = has_faces[p] && boxes[p].diagonal().norm() > large_part * spacing;
-    Fronts fronts(mesh);
-    choose(wanted, fronts, progress);
-    find_near(fronts, progress);
+    choose(wanted, progress);
+    find_near(progress);
 }
 
-void NearNodes::choose(int wanted, Fronts& fronts, const Progress& progress)
+void NearNodes::choose(int wanted, const Progress& progress)
 {
+    Fronts fronts(mesh_);
     const int n = mesh_.vertex_count();
     std::vector<double> near(static_cast<std::size_t>(n), infinite);
     std::vector<int> loose;
@@ -202,7 +204,7 @@ void NearNodes::choose(int wanted, Fronts& fronts, const Progress& progress)
     }
 }
 
-void NearNodes::find_near(Fronts& fronts, const Progress& progress)
+void NearNodes::find_near(const Progress& progress)
 {
     const int n = mesh_.vertex_count();
     const double farthest = radius_ > 0.0 ? reach * radius_ : infinite;
@@ -216,16 +218,28 @@ void NearNodes::find_near(Fronts& fronts, const Progress& progress)
             own[k] = own[k - 1];
         own[k] = {distance, node};
     };
-    for (int j = 0; j < static_cast<int>(nodes_.size()); ++j) {
-        if (j % 64 == 0)
-            progress.tick(0.4 + 0.3 * j / static_cast<double>(nodes_.size()), "measuring distances");
-        if (is_on_surface(nodes_[j]))
-            // A node that is not among the nearest of a vertex is not of those behind it, either; but a front
-            // that crosses an edge needs both of its ends.
-            fronts.from(
-                nodes_[j],
-                [&](int v) { return beyond * near_[static_cast<std::size_t>(v) * kept + kept - 1].first; },
-                [&](int v, double distance) { put(v, distance, j); });
+    // A node that is not among the nearest of a vertex is not of those behind it, either; but a front that
+    // crosses an edge needs both of its ends. What counts is what the batches before have found.
+    const auto bound = [&](int v) {
+        return beyond * near_[static_cast<std::size_t>(v) * kept + kept - 1].first;
+    };
+    Pool<Fronts> fronts;
+    std::vector<std::vector<std::pair<int, double>>> reached(batch);
+    for (int first = 0; first < static_cast<int>(nodes_.size()); first += batch) {
+        progress.tick(0.4 + 0.3 * first / static_cast<double>(nodes_.size()), "measuring distances");
+        const int some = std::min(batch, static_cast<int>(nodes_.size()) - first);
+        parallel_chunks(some, 4, [&](int begin, int end) {
+            const auto own = fronts.take([&] { return std::make_unique<Fronts>(mesh_); });
+            for (int k = begin; k < end; ++k) {
+                reached[k].clear();
+                if (is_on_surface(nodes_[first + k]))
+                    own->from(nodes_[first + k], bound,
+                              [&](int v, double distance) { reached[k].emplace_back(v, distance); });
+            }
+        });
+        for (int k = 0; k < some; ++k)
+            for (const auto& [v, distance] : reached[k])
+                put(v, distance, first + k);
     }
     parallel_for(
         n,

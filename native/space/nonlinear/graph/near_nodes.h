@@ -26,7 +26,7 @@ namespace sinew {
 class NearNodes
 {
 public:
-    /// Of a vertex: with d the distance, w = (1 - d / d_max)^2, and d_max that of the fifth node, or five
+    /// Of a vertex: with d the distance, w = (1 - d / d_max)^2, and d_max that of the fifth node, or three
     /// times the radius where fewer are as near.
     static constexpr int count = 4;
 
@@ -51,8 +51,8 @@ private:
     using Near = std::pair<double, int>; ///< the distance, and the node
     class Fronts;
 
-    void choose(int wanted, Fronts& fronts, const Progress& progress);
-    void find_near(Fronts& fronts, const Progress& progress);
+    void choose(int wanted, const Progress& progress);
+    void find_near(const Progress& progress);
     std::vector<BlendedMaps::Share> weighed(const Near* near, int found) const;
 
     const SurfaceMesh& mesh_;

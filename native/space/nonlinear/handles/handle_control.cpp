@@ -113,8 +113,8 @@ HandleMotion HandleControl::fit(const Extent& extent, int count, PointsView pose
         Eigen::Index farthest = 0;
         from.rowwise().squaredNorm().maxCoeff(&farthest);
         const Vector3 line = from.row(farthest).transpose();
-        motion.turn = Eigen::Quaterniond::FromTwoVectors(line, S * line).toRotationMatrix() -
-                      Matrix3::Identity();
+        motion.turn =
+            Eigen::Quaterniond::FromTwoVectors(line, S * line).toRotationMatrix() - Matrix3::Identity();
     }
     motion.move -= motion.turn * extent.middle;
     return motion;

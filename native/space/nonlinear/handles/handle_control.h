@@ -50,9 +50,9 @@ public:
     /// \throw InvalidConstraint  another number of poses, one is not finite, or two handles take one point
     ///   that both hold fully to two places.
     std::vector<HandleMotion> motions(const Poses& poses) const;
-    /// (k) those that fit posed points (c, 3) best: affine maps. Points on one plane or line leave these open,
-    /// so that there they are rigid motions, with the least turn about a line; a single point moves only.
-    /// Exactly zero where no point of the handle moves.
+    /// (k) those that fit posed points (c, 3) best: affine maps. Points on one plane or line leave these
+    /// open, so that there they are rigid motions, with the least turn about a line; a single point moves
+    /// only. Exactly zero where no point of the handle moves.
     /// \throw as motions() of poses
     std::vector<HandleMotion> motions(PointsView posed) const;
 

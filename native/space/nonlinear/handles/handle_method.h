@@ -18,9 +18,9 @@ std::vector<int> nearest_points(const Points& places, PointsView points);
 
 /// A space method that handles move, with an energy of the shape in its space.
 ///
-/// The control of warp() is (c, 3), the posed points of the handles, which are fitted with a motion per handle;
-/// warp_poses() takes poses instead, so that single points turn, too. The answer depends on these and on the
-/// incoming shape alone.
+/// The control of warp() is (c, 3), the posed points of the handles, which are fitted with a motion per
+/// handle; warp_poses() takes poses instead, so that single points turn, too. The answer depends on these and
+/// on the incoming shape alone.
 class HandleMethod : public SpaceMethod
 {
 public:

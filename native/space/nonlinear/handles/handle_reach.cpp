@@ -2,7 +2,6 @@
 #include "native/space/nonlinear/handles/handle_reach.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace sinew {
@@ -22,47 +21,48 @@ HandleReach::HandleReach(const HandleControl& handles, Points held, const std::v
                          double radius)
     : handles_(handles), held_(std::move(held)), shares_(shares), radius_(radius)
 {
-    for (int p = 0; p < held_.rows(); ++p)
-        bins_[bin_of(held_.row(p).transpose())].push_back(p);
+    for (int h = 0, first = 0; h < handles.count(); first += handles.held().counts[h++]) {
+        std::vector<BoxTree::Box> boxes;
+        for (int k = 0; k < handles.held().counts[h]; ++k)
+            boxes.emplace_back(Vector3(held_.row(first + k).transpose()));
+        trees_.emplace_back(boxes);
+        first_.push_back(first);
+    }
 }
 
-std::array<int, 3> HandleReach::bin_of(const Vector3& point) const
+double HandleReach::strength(int handle, const Shares& shares, const Vector3& point) const
 {
-    std::array<int, 3> bin{};
-    for (int axis = 0; axis < 3; ++axis)
-        bin[axis] = static_cast<int>(std::floor(std::clamp(point[axis] / radius_, -1e9, 1e9)));
-    return bin;
+    double strongest = 0.0;
+    trees_[handle].visit_by_bound(
+        handles_.held().counts[handle], radius_,
+        [&](const BoxTree::Box& box, bool) { return box.exteriorDistance(point); },
+        [&](int k) {
+            const int p = first_[handle] + k;
+            if (!have_common(shares, shares_[p]))
+                return radius_;
+            const double r = (held_.row(p).transpose() - point).norm() / radius_;
+            strongest = handles_.weight(p) * std::max(0.0, 1.0 - r * r * (3.0 - 2.0 * r));
+            return 0.0; // the others are farther away
+        });
+    return strongest;
 }
 
 void HandleReach::add_to(Shares& shares, const Vector3& point, int first) const
 {
-    std::map<int, double> strengths; // f of each handle
-    const std::array<int, 3> own = bin_of(point);
-    for (int k = 0; k < 27; ++k) {
-        const auto bin = bins_.find({own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1});
-        if (bin == bins_.end())
-            continue;
-        for (const int p : bin->second) {
-            const double r = (held_.row(p).transpose() - point).norm() / radius_;
-            if (r >= 1.0)
-                continue;
-            const double f = handles_.weight(p) * (1.0 - r * r * (3.0 - 2.0 * r));
-            double& strongest = strengths[handles_.handle_of(p)];
-            if (f > strongest && have_common(shares, shares_[p]))
-                strongest = f;
-        }
-    }
-    for (const auto& [handle, f] : strengths)
-        if (f >= 1.0) {
-            shares.assign(1, {first + handle, 1.0});
-            return;
-        }
     double whole = 0.0;
     for (const BlendedMaps::Share& share : shares)
         whole += share.weight;
-    for (const auto& [handle, f] : strengths)
+    Shares added;
+    for (int h = 0; h < handles_.count(); ++h) {
+        const double f = strength(h, shares, point);
+        if (f >= 1.0) {
+            shares.assign(1, {first + h, 1.0});
+            return;
+        }
         if (f > 0.0)
-            shares.push_back({first + handle, whole * f / (1.0 - f)}); // BlendedMaps divides by the sum
+            added.push_back({first + h, whole * f / (1.0 - f)}); // BlendedMaps divides by the sum
+    }
+    shares.insert(shares.end(), added.begin(), added.end());
 }
 
 void append_displacements(const std::vector<HandleMotion>& motions, Poses& maps)

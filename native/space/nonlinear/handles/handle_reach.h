@@ -2,11 +2,10 @@
 #pragma once
 
 #include "native/core/types.h"
+#include "native/mesh/box_tree.h"
 #include "native/space/nonlinear/handles/handle_control.h"
 #include "native/space/weights/blended_maps.h"
 
-#include <array>
-#include <map>
 #include <vector>
 
 namespace sinew {
@@ -31,13 +30,15 @@ public:
     void add_to(Shares& shares, const Vector3& point, int first) const;
 
 private:
-    std::array<int, 3> bin_of(const Vector3& point) const;
+    /// f of a handle at a point.
+    double strength(int handle, const Shares& shares, const Vector3& point) const;
 
     const HandleControl& handles_;
     Points held_;
     const std::vector<Shares>& shares_;
     double radius_;
-    std::map<std::array<int, 3>, std::vector<int>> bins_;
+    std::vector<BoxTree> trees_; ///< of the points of each handle
+    std::vector<int> first_;
 };
 
 /// The displacements of the handles for BlendedMaps, about the centre of their coordinates.

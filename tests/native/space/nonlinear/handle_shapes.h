@@ -11,9 +11,9 @@
 namespace sinew::shapes {
 
 /// The points of regions, handle after handle.
-inline HandlePoints held_by(const SurfaceMesh& of, const std::vector<std::vector<int>>& regions)
+inline HeldPoints held_by(const SurfaceMesh& of, const std::vector<std::vector<int>>& regions)
 {
-    HandlePoints held;
+    HeldPoints held;
     Eigen::Index count = 0;
     for (const std::vector<int>& region : regions)
         count += static_cast<Eigen::Index>(region.size());
@@ -28,7 +28,7 @@ inline HandlePoints held_by(const SurfaceMesh& of, const std::vector<std::vector
 }
 
 /// Both ends along x.
-inline HandlePoints held_ends(const SurfaceMesh& of, double depth)
+inline HeldPoints held_ends(const SurfaceMesh& of, double depth)
 {
     std::vector<std::vector<int>> regions;
     for (const Handle& handle : ends(of, depth))

@@ -154,7 +154,7 @@ TEST(EmbeddedDeformation, moves_every_part_and_any_points)
 
 TEST(EmbeddedDeformation, a_control_without_a_region_turns_the_shape)
 {
-    HandlePoints held;
+    HeldPoints held;
     held.points.resize(2, 3);
     held.points << 0, 0, 0, 24, 0, 0;
     held.counts = {1, 1};
@@ -184,11 +184,15 @@ TEST(EmbeddedDeformation, a_control_that_moved_along_does_nothing_more)
 TEST(EmbeddedDeformation, refuses_by_name)
 {
     using Options = EmbeddedDeformationOptions;
-    const HandlePoints held = shapes::held_ends(bar, 2.0);
+    const HeldPoints held = shapes::held_ends(bar, 2.0);
     const auto make = [&](Options options) { (void)EmbeddedDeformation(bar, held, options); };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const Options& options :
-         std::vector<Options>{{.nodes = 0}, {.rotation = 0}, {.regularity = nan}, {.pulls = -1}, {.max_iterations = 0}, {.tolerance = nan}})
+    for (const Options& options : std::vector<Options>{{.nodes = 0},
+                                                       {.rotation = 0},
+                                                       {.regularity = nan},
+                                                       {.pulls = -1},
+                                                       {.max_iterations = 0},
+                                                       {.tolerance = nan}})
         EXPECT_THROW(make(options), InvalidOption);
     Poses poses = bent(30);
     poses[1](2, 3) = nan;

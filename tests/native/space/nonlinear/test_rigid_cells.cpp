@@ -42,16 +42,16 @@ struct Bound : RigidCells
 SpaceTraits traits()
 {
     const auto make = [](RigidCellsOptions options) {
-        return
-            [options] { return std::make_shared<RigidCells>(bar, shapes::held_ends(bar, 2.0), options); };
+        return [options] { return std::make_shared<RigidCells>(bar, shapes::held_ends(bar, 2.0), options); };
     };
-    return {.name = "RigidCells",
-            .variants = {{"300 cells", make({.cells = 300})}, {"one size", make({.cells = 120, .levels = 0})}},
-            .control = shapes::held_ends(bar, 2.0).points,
-            .points = bar.points(),
-            .follow = 1.5,
-            .outside = Vector3(-5, 0, 0),
-            .other = make({.cells = 301})};
+    return {
+        .name = "RigidCells",
+        .variants = {{"300 cells", make({.cells = 300})}, {"one size", make({.cells = 120, .levels = 0})}},
+        .control = shapes::held_ends(bar, 2.0).points,
+        .points = bar.points(),
+        .follow = 1.5,
+        .outside = Vector3(-5, 0, 0),
+        .other = make({.cells = 301})};
 }
 
 } // namespace
@@ -155,7 +155,7 @@ TEST(RigidCells, moves_every_part_and_any_points)
 
 TEST(RigidCells, a_control_without_a_region_turns_the_shape)
 {
-    HandlePoints held;
+    HeldPoints held;
     held.points.resize(2, 3);
     held.points << 0, 0, 0, 24, 0, 0;
     held.counts = {1, 1};
@@ -185,11 +185,15 @@ TEST(RigidCells, a_control_that_moved_along_does_nothing_more)
 TEST(RigidCells, refuses_by_name)
 {
     using Options = RigidCellsOptions;
-    const HandlePoints held = shapes::held_ends(bar, 2.0);
+    const HeldPoints held = shapes::held_ends(bar, 2.0);
     const auto make = [&](Options options) { (void)RigidCells(bar, held, options); };
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const Options& options :
-         std::vector<Options>{{.cells = 7}, {.cells = 100001}, {.levels = -1}, {.levels = 7}, {.max_iterations = 0}, {.tolerance = nan}})
+    for (const Options& options : std::vector<Options>{{.cells = 7},
+                                                       {.cells = 100001},
+                                                       {.levels = -1},
+                                                       {.levels = 7},
+                                                       {.max_iterations = 0},
+                                                       {.tolerance = nan}})
         EXPECT_THROW(make(options), InvalidOption);
     Poses poses = bent(30);
     poses[1](2, 3) = nan;

@@ -128,8 +128,8 @@ TEST(CellGrid, weights_are_smooth_and_sum_to_one_after_division)
             sum += std::abs(weight);
         most = std::max(most, sum);
     }
-    // A step is a thousandth of the ball, and a side of a cell about a tenth: without jumps, weights change by
-    // some slopes times a hundredth.
+    // A step is a thousandth of the ball, and a side of a cell about a tenth: without jumps, weights change
+    // by some slopes times a hundredth.
     EXPECT_LT(most, 0.15);
     std::cout << "largest change " << most << ", cells " << grid.size() << " side "
               << 2 * grid.cells()[0].half << "\n";

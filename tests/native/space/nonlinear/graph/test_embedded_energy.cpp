@@ -94,7 +94,8 @@ TEST(EmbeddedEnergy, is_the_sum_of_the_paper_and_its_gradient_that_of_difference
         other.data()[k] = x.data()[k] - step;
         const double below = small.plain(other);
         other.data()[k] = x.data()[k];
-        // Central differences of a quartic are wrong by step^2 of the third derivative, and by rounding / step.
+        // Central differences of a quartic are wrong by step^2 of the third derivative, and by rounding /
+        // step.
         EXPECT_NEAR(gradient.data()[k], (above - below) / (2 * step), 1e-7 * gradient.norm()) << k;
     }
 }

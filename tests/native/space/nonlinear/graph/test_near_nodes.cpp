@@ -26,8 +26,7 @@ double sum_of(const Shares& shares)
 }
 
 /// How many vertices of one leg follow a node of the other, well below the join.
-int glued(const SurfaceMesh& mesh, const std::vector<int>& nodes,
-          const std::function<Shares(int)>& shares)
+int glued(const SurfaceMesh& mesh, const std::vector<int>& nodes, const std::function<Shares(int)>& shares)
 {
     int count = 0;
     for (int v = 0; v < mesh.vertex_count(); ++v)

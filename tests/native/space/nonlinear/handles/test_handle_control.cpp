@@ -14,7 +14,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-HandlePoints held(const Points& points, std::vector<int> counts) { return {points, std::move(counts), {}}; }
+HeldPoints held(const Points& points, std::vector<int> counts) { return {points, std::move(counts), {}}; }
 
 /// Where a motion takes points.
 Points moved(const HandleMotion& motion, const Points& points, const Vector3& centre, double unit)
@@ -42,8 +42,10 @@ TEST(HandleControl, fits_the_motions_that_poses_are)
              {solid, pose}, {solid, rigid}, {plane, rigid}, {line, rigid}, {point, rigid}}) {
         const HandleControl control(held(points, {static_cast<int>(points.rows())}), centre, unit);
         const Points posed = shapes::transformed(points, own);
-        EXPECT_LT(shapes::distance(moved(control.motions(view(posed))[0], points, centre, unit), posed), 1e-12);
-        EXPECT_LT(shapes::distance(moved(control.motions(Poses{own})[0], points, centre, unit), posed), 1e-12);
+        EXPECT_LT(shapes::distance(moved(control.motions(view(posed))[0], points, centre, unit), posed),
+                  1e-12);
+        EXPECT_LT(shapes::distance(moved(control.motions(Poses{own})[0], points, centre, unit), posed),
+                  1e-12);
     }
     const HandleControl flat(held(plane, {20}), centre, unit);
     const HandleMotion found = flat.motions(view(shapes::transformed(plane, rigid)))[0];
@@ -64,7 +66,7 @@ TEST(HandleControl, moves_nothing_at_rest_to_the_last_bit)
 TEST(HandleControl, refuses_by_name)
 {
     const Points points = shapes::grid_points(3, 1); // 8 points
-    const auto make = [&](HandlePoints given) { return HandleControl(std::move(given), {0, 0, 0}, 1.0); };
+    const auto make = [&](HeldPoints given) { return HandleControl(std::move(given), {0, 0, 0}, 1.0); };
     EXPECT_THROW(make(held(points.topRows(0), {})), InvalidConstraint);
     expect_elements(refusal<InvalidConstraint>([&] { make(held(points, {4, 0, 4, 0})); }),
                     Error::Element::handle, {1, 3});
