@@ -14,6 +14,7 @@ class Operators:
     CAGE_FACES = "sinew.cage_faces"
     CAGE_FLIP = "sinew.cage_flip"
     HANDLE_ADD = "sinew.handle_add"
+    POINT_ADD = "sinew.point_add"
     HANDLE_REMOVE = "sinew.handle_remove"
     CONTROL_NEW = "sinew.control_new"
     BIND = "sinew.bind"

@@ -43,6 +43,7 @@ GROUPS = (
     "subdivision",
     "cages",
     "cages_harmonic",
+    "points",
     "automatic_cage",
     "blender",
     "windows",

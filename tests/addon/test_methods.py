@@ -168,8 +168,12 @@ def test_the_native_class_of_a_space_method_takes_the_parameters(method: methods
     options = default_options(method)
     assert len(options) == len(method.parameters)
     control = cage if method.control is Control.CAGE else corners
-    made = getattr(native, method.native)(control, **options)
     points = np.array([(0.2, 0.3, 0.1), (0.25, 0.25, 0.25)])
+    if method.wraps:
+        base = methods.wrapped(method)[0]
+        options["base"] = getattr(native, base.native)(control, **default_options(base))
+        options["mesh"], points = cage, corners
+    made = getattr(native, method.native)(control, **options)
     made.bind(points)
     assert np.abs(made.warp(corners) - points).max() < 1e-6
 

@@ -45,7 +45,7 @@ SUB_RANKS = {
     "space/points": {"rbf": 0, "": 1},
     "space/nonlinear": {"mls": 0, "": 1},
     "space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
-    "surface/linear": {"propagation": 0, "pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
+    "surface/linear": {"pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
     "surface/nonlinear": {"primo": 0, "pyramids": 0, "sequence": 0, "subspace": 0, "": 1},
     "multiresolution": {"details": 0, "transfer": 1, "": 1},
 }
@@ -59,7 +59,6 @@ INTERNAL = {
     "space/cage/visibility",
     "space/nonlinear/mls",
     "space/points/rbf",
-    "surface/linear/propagation",
     "surface/linear/pyramid",
     "surface/linear/semi_regular",
     "surface/linear/volume",

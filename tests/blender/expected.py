@@ -55,6 +55,32 @@ def new_native(row: object, target: object, options: dict[str, object]) -> objec
     return getattr(native(), row.native)(target, **options)
 
 
+def on_handle_points(
+    row: object, parts: list[np.ndarray], options: dict[str, object], mesh: object
+) -> object:
+    """The native object of a space method, with the points (c, 3) of each handle.
+
+    The base of one around another is its native object, or its row with options; else the first one.
+    """
+    places, options = np.concatenate(parts), dict(options)
+    if row.poses_maps:
+        options["counts"] = [len(points) for points in parts]
+    if row.wraps:
+        base = options.get("base") or (base_of(row), options_of(base_of(row), {})[0])
+        if isinstance(base, tuple):
+            base = new_native(base[0], places, base[1] | {"counts": options["counts"]})
+        options |= {"mesh": mesh, "base": base}
+    return new_native(row, places, options)
+
+
+def control_points(row: object, solver: object, parts: list[np.ndarray], poses: list) -> np.ndarray:
+    """What ``warp`` of a space method takes for the poses of its handles."""
+    if row.poses_maps:
+        ends = np.cumsum([4 if len(points) > 1 else 1 for points in parts])[:-1]
+        parts = np.split(solver.control, ends)
+    return np.concatenate([apply_matrix(pose, points) for pose, points in zip(poses, parts, strict=True)])
+
+
 class Poses(ABC):
     """What a control at rest, moved by a motion of its object, makes of a shape. Made while it is at rest."""
 
@@ -106,8 +132,8 @@ class Expected(Poses):
         self._still = [np.eye(4)[:3]] * (len(groups) - 1)
         self._members = [rest[group[0]] for group in groups]
         if self._row.is_space:
-            counts = {"counts": [len(points) for points in self._members]} if self._row.poses_maps else {}
-            self._solver = new_native(self._row, np.concatenate(self._members), self._options | counts)
+            mesh = native().SurfaceMesh(rest, faces_of(obj.data))
+            self._solver = on_handle_points(self._row, self._members, self._options, mesh)
             self._solver.bind(rest)
             return
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
@@ -122,11 +148,10 @@ class Expected(Poses):
 
     def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
         if self._row.is_space:
-            moved, *still = self._members
-            if self._row.poses_maps:
-                rows = 4 if len(moved) > 1 else 1
-                moved, still = np.split(self._solver.control, [rows])[0], [self._solver.control[rows:]]
-            return self._solver.warp(np.concatenate((apply_matrix(pose, moved), *still)), incoming=incoming)
+            poses = [np.array(pose, dtype=np.float64)[:3], *self._still]
+            return self._solver.warp(
+                control_points(self._row, self._solver, self._members, poses), incoming=incoming
+            )
         rows = np.array([np.array(pose)[:3], *self._still])
         return self._solver.solve(rows, incoming=incoming, **self._steps)[0]
 

@@ -17,9 +17,9 @@ from functools import partial
 
 import bpy
 import numpy as np
-from expected import new_native
+from expected import control_points, new_native, on_handle_points
 from registry import BY_ID
-from rig import apply_matrix, base_points, coordinates
+from rig import base_points, coordinates
 
 IDENTITY = np.eye(4)[:3]
 EPSILON32 = 2.0**-23
@@ -181,10 +181,9 @@ class Oracle:
         members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
         if row.is_space:
             points = [rest[rows] for rows in members]
-            posed = [apply_matrix(pose, rows) for pose, rows in zip(poses, points, strict=True)]
-            solver = new_native(row, np.concatenate(points), options)
+            solver = on_handle_points(row, points, options, self.native.SurfaceMesh(rest, faces))
             solver.bind(rest)
-            return solver.warp(np.concatenate(posed), incoming=incoming), 0.0
+            return solver.warp(control_points(row, solver, points, list(poses)), incoming=incoming), 0.0
         mesh = self.native.SurfaceMesh(rest, faces)
         steps = steps_of(row, options)
         try:
