@@ -23,6 +23,7 @@ class Operators:
     ROW_REMOVE = "sinew.control_remove"
     ROW_REST = "sinew.control_set_rest"
     HANDLE_ADD = "sinew.handle_add"
+    POINT_ADD = "sinew.point_add"
     HANDLE_REMOVE = "sinew.handle_remove"
     CONTROL_NEW = "sinew.control_new"
     BIND = "sinew.bind"

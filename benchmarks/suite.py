@@ -46,6 +46,7 @@ GROUPS = (
     "lattices",
     "curves",
     "cages_harmonic",
+    "points",
     "automatic_cage",
     "blender",
     "windows",

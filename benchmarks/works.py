@@ -108,6 +108,25 @@ WORKS = (
         {ANY: 8.0},
         at_most=True,
     ),
+    Work("rbf_bind", "binding `Rbf`, 1,000 centres", "SciPy's RBFInterpolator", {ANY: 5.0}),
+    Work(
+        "rbf_evaluate", "a frame of `Rbf` at 1,000,000 points, 1,000 centres", "RBFInterpolator", {ANY: 20.0}
+    ),
+    Work("rbf_basis", "a frame of `Rbf`, 4 handles of many points", "30 million points a second", {ANY: 1.0}),
+    Work(
+        "rbf_incremental",
+        "binding `Rbf` to 1e-3, 10,000 handle points",
+        "LAPACK's solve of the dense system",
+        {ANY: 10.0},
+    ),
+    Work(
+        "rbf_incremental_error",
+        "how far handle points are from their targets then",
+        "the bound",
+        {ANY: 1.0},
+        at_most=True,
+    ),
+    Work("mls_frame", "a frame of `Mls`, 50 handles, rigid", "the paper's loop on one thread", {ANY: 8.0}),
     Work(
         "subdivision_editing_frame",
         "a frame of `SubdivisionEditing`",

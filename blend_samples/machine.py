@@ -11,8 +11,13 @@ from .models import locomotive
 from .posing import REST, Move
 
 POSE_FRAME = 40
-SPACING, HEADING = 4.6, -24.0
-METHODS = {"Rest": "", "Radial Basis Functions": "rbf", "Moving Least Squares": "mls"}
+SPACING, HEADING = 4.3, -24.0
+METHODS = {
+    "Rest": "",
+    "Radial Basis Functions": "rbf",
+    "Moving Least Squares": "mls",
+    "Space Propagation": "space_propagation",
+}
 HANDLES = {
     "Bogie": Move(shift=(0.75, 0.0, 0.0)),
     "Chimney": Move(shift=(0.42, 0.0, 0.62), turn=(0.0, 24.0, 0.0), pivot=(1.12, 0.0, 1.4)),
@@ -39,12 +44,12 @@ def make() -> bpy.types.Scene:
             pose(obj, method)
 
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.1, 0.0, 0.86), distance=34.0, elevation=12.0, width=14.2)
+    studio.add_camera(scene, target=(0.1, 0.0, 0.86), distance=34.0, elevation=12.0, width=18.0)
     studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=11.0)
     for obj, label in zip(row, METHODS):
         text = f"{parts:,} Loose Parts" if label == "Rest" else label
         studio.add_label(scene, text, (obj.location.x, -1.75, 0.0), 0.22)
-    studio.set_up_render(scene, samples=64, width=1680, height=440)
+    studio.set_up_render(scene, samples=64, width=1920, height=400)
     studio.open_at(scene, POSE_FRAME, row[1])
     return scene
 

@@ -221,9 +221,14 @@ class ControlParts(ControlPoints):
 class HandleMaps(HandlePoints):
     """The same for a method that knows which points each handle has, so that a frame costs as many maps."""
 
-    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
-        """The native method, still without bound points."""
-        return make(native, recipe.method, self.points, {"counts": self.counts, **recipe.options})
+    def make(self, native, recipe: "Recipe", mesh: object) -> Any:
+        """The native method, still without bound points; one around another gets the mesh, too."""
+        given = {"counts": self.counts, **recipe.options}
+        base = given.get("base")
+        if isinstance(base, Base):
+            given["base"] = make(native, base.method, self.points, {"counts": self.counts, **base.options})
+            given["mesh"] = mesh
+        return make(native, recipe.method, self.points, given)
 
     def solve(
         self, method: Any, pose: np.ndarray, *, from_rest: np.ndarray | None = None, **options

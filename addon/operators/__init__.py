@@ -24,6 +24,7 @@ from .mirror import SINEW_OT_handle_mirror
 from .modal.ring import draw_line, ring
 from .morph import SINEW_OT_morph
 from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
+from .point import SINEW_OT_point_add
 from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
@@ -71,6 +72,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_control_remove,
         SINEW_OT_control_set_rest,
         SINEW_OT_handle_add,
+        SINEW_OT_point_add,
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,
         SINEW_OT_handle_move,

@@ -28,6 +28,7 @@ from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
+from .edit.handles.points import empties_on, empty_at
 from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
 from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object, set_rest_lattice
 from .edit.order import move_deformer, move_handle
@@ -37,7 +38,15 @@ from .edit.puppet.rigging import rig_puppet
 from .edit.refresh import refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
-from .edit.rigging import rig_control, rig_region, try_bind, use_control, waiting_for_control
+from .edit.rigging import (
+    rig_control,
+    rig_points,
+    rig_region,
+    takes_points,
+    try_bind,
+    use_control,
+    waiting_for_control,
+)
 from .edit.rows import add_to, forget_stops, new_tool, remove_row, rows_of, set_rest_of, stop_count, stop_here
 from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
@@ -111,6 +120,8 @@ __all__ = (
     "curve_node",
     "duration",
     "edit_curve",
+    "empties_on",
+    "empty_at",
     "face_count",
     "find",
     "find_cache",
@@ -170,6 +181,7 @@ __all__ = (
     "reset_curve",
     "restore_shapes",
     "rig_control",
+    "rig_points",
     "rig_puppet",
     "rig_region",
     "rows_of",
@@ -189,6 +201,7 @@ __all__ = (
     "summary",
     "suspended",
     "takes_flat_cage",
+    "takes_points",
     "tidy",
     "try_bind",
     "unbind",

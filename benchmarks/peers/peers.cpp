@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The peers of the benchmarks as a Python module: CHOLMOD, Eigen's LDL^T, and the bandwidth of the memory.
 #include "benchmarks/peers/cage_peers.h"
+#include "benchmarks/peers/points_peers.h"
 
 #include <cholmod.h>
 #ifdef SINEW_HAVE_OPENMP
@@ -248,6 +249,13 @@ PYBIND11_MODULE(sinew_peers, m)
                        phi.mutable_data(), psi.mutable_data());
         },
         "vertices"_a, "triangles"_a, "points"_a, "phi"_a.noconvert(), "psi"_a.noconvert());
+    m.def(
+        "rigid_mls",
+        [](Doubles handles, Doubles posed, Doubles points, Doubles result) {
+            peer_rigid_mls(handles.data(), posed.data(), static_cast<int>(handles.shape(0)), points.data(),
+                           static_cast<int>(points.shape(0)), result.mutable_data());
+        },
+        "handles"_a, "posed"_a, "points"_a, "result"_a.noconvert());
     m.def(
         "sgemm",
         [](Singles weights, Singles factors, Singles result) {

@@ -2,6 +2,7 @@
 # The files of kernels, each with the sets of instructions for which it is compiled beside the baseline.
 set(SINEW_KERNELS
   native/core/simd/product_of_eight avx2
+  native/handles/propagation_kernels avx2
   native/operators/fit_kernels avx2
   native/riders/frame_kernels avx2
   native/rotations/body_kernels avx2
@@ -20,6 +21,5 @@ set(SINEW_KERNELS
   native/space/points/wires/wire_kernels avx2
   native/space/weights/products avx2
   native/subdivision/stencil_kernels avx2
-  native/surface/linear/propagation/kernels avx2
   native/surface/nonlinear/pyramids/kernels avx2
 )

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/multiresolution/details/bands.h"
 #include "native/surface/method.h"
 
 #include <memory>
@@ -8,23 +9,6 @@
 #include <vector>
 
 namespace sinew {
-
-/// How details are stored.
-enum class DetailKind {
-    displacement_vectors, ///< one vector per vertex, see DisplacementVectors
-    normal_displacements, ///< heights, see NormalDisplacements
-    displacement_volumes, ///< see DisplacementVolumes
-    deformation_transfer, ///< no details at all, see DeformationTransfer
-};
-
-struct MultiresolutionOptions
-{
-    DetailKind details = DetailKind::displacement_vectors;
-    /// > 0, in mean edge lengths: waves that are shorter are details of the first band.
-    double wavelength = 10.0;
-    /// In [1, 8]. Each further band takes the details of twice the wavelength off what the one before left.
-    int bands = 1;
-};
 
 /// Multiresolution deformation: another method moves a smooth base of the surface, and the details are put
 /// back on it.

@@ -25,6 +25,14 @@ StraightDistance::StraightDistance(const SurfaceMesh& mesh,
     sort(0, static_cast<int>(places_.size()));
 }
 
+StraightDistance::StraightDistance(const Points& points) : axes_(static_cast<std::size_t>(points.rows()), 0)
+{
+    places_.reserve(axes_.size());
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+        places_.push_back({points.row(i).transpose(), 0.0});
+    sort(0, static_cast<int>(places_.size()));
+}
+
 void StraightDistance::sort(int begin, int end)
 {
     if (end - begin <= most_undivided)

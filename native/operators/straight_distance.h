@@ -8,8 +8,8 @@
 
 namespace sinew {
 
-/// Straight distances from some vertices of a mesh: at a point x, the least of |x - p| + d over the sources,
-/// with their places p and their own distances d >= 0.
+/// Straight distances from some points, such as vertices of a mesh: at a point x, the least of |x - p| + d
+/// over the sources, with their places p and their own distances d >= 0.
 ///
 /// J. L. Bentley. "Multidimensional Binary Search Trees Used for Associative Searching." Communications of
 /// the ACM 18(9), 1975.
@@ -22,6 +22,8 @@ class StraightDistance
 public:
     /// \param sources  one or more.
     StraightDistance(const SurfaceMesh& mesh, const std::vector<GeodesicDistance::Source>& sources);
+    /// From some points, one or more, with d = 0.
+    explicit StraightDistance(const Points& points);
 
     double at(const Vector3& x) const;
 

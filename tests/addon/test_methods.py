@@ -183,11 +183,14 @@ def test_the_native_class_of_a_space_method_takes_the_parameters(method: methods
     if method.control is Control.LATTICE:
         corners = np.array([(x, y, z) for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
     control = cage if method.control is Control.CAGE else corners
-    own = (
-        (cage,) if hasattr(getattr(native, method.native), "warp_poses") else ()
-    )  # it is built around a shape
-    made = getattr(native, method.native)(*own, control, **options)
     points = np.array([(0.2, 0.3, 0.1), (0.25, 0.25, 0.25)])
+    if method.wraps:
+        base = methods.wrapped(method)[0]
+        options["base"] = getattr(native, base.native)(control, **default_options(base))
+        options["mesh"], points = cage, corners
+    make = getattr(native, method.native)
+    around = (cage,) if hasattr(make, "warp_poses") else ()
+    made = make(*around, control, **options)
     made.bind(points)
     assert np.abs(made.warp(corners) - points).max() < 1e-6
 

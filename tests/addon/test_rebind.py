@@ -34,7 +34,7 @@ def calls(backend, count_native) -> Counter:
 def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **options):
     row = BY_ID[method]
     if row.is_space:
-        control = backend.HandlePoints(points[np.concatenate(handles)], tuple(map(len, handles)))
+        control = backend.handle_points(row, points[np.concatenate(handles)], tuple(map(len, handles)))
     else:
         control = backend.Handles(
             tuple(members.copy() for members in handles),

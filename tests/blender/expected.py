@@ -55,28 +55,46 @@ def new_native(row: object, target: object, options: dict[str, object]) -> objec
     return getattr(native(), row.native)(target, **options)
 
 
+def on_handle_points(
+    row: object, parts: list[np.ndarray], options: dict[str, object], mesh: object
+) -> object:
+    """The native object of a space method, with the points (c, 3) of each handle.
+
+    The base of one around another is its native object, or its row with options; else the first one.
+    """
+    places, options = np.concatenate(parts), dict(options)
+    if row.poses_maps:
+        options["counts"] = [len(points) for points in parts]
+    if row.wraps:
+        base = options.get("base") or (base_of(row), options_of(base_of(row), {})[0])
+        if isinstance(base, tuple):
+            base = new_native(base[0], places, base[1] | {"counts": options["counts"]})
+        options |= {"mesh": mesh, "base": base}
+    return new_native(row, places, options)
+
+
+def control_points(row: object, solver: object, parts: list[np.ndarray], poses: list) -> np.ndarray:
+    """What ``warp`` of a space method takes for the poses of its handles."""
+    if row.poses_maps:
+        ends = np.cumsum([4 if len(points) > 1 else 1 for points in parts])[:-1]
+        parts = np.split(solver.control, ends)
+    return np.concatenate([apply_matrix(pose, points) for pose, points in zip(poses, parts, strict=True)])
+
+
 def space_warp(
     row: object, rest: np.ndarray, faces: tuple, members: list[np.ndarray], options: dict[str, object]
 ) -> Callable[[np.ndarray, np.ndarray | None], np.ndarray]:
     """A warp of ``rest`` (n, 3) by a new native object whose handles hold points: takes poses (k, 3, 4)."""
-    points = np.concatenate(members)
-    made = getattr(native(), row.native)
+    mesh, made = native().SurfaceMesh(rest, faces), getattr(native(), row.native)
     if hasattr(made, "warp_poses"):
-        mesh = native().SurfaceMesh(rest, faces)
-        solver = made(mesh, points, [len(own) for own in members], **options)
+        solver = made(mesh, np.concatenate(members), [len(own) for own in members], **options)
         solver.bind(rest)
         return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)
-    counts = {"counts": [len(own) for own in members]} if row.poses_maps else {}
-    solver = new_native(row, points, options | counts)
+    solver = on_handle_points(row, members, options, mesh)
     solver.bind(rest)
-    if row.poses_maps:
-        members = np.split(solver.control, np.cumsum([4 if len(own) > 1 else 1 for own in members])[:-1])
-
-    def warp(poses: np.ndarray, incoming: np.ndarray | None) -> np.ndarray:
-        posed = [own @ pose[:, :3].T + pose[:, 3] for pose, own in zip(poses, members, strict=True)]
-        return solver.warp(np.concatenate(posed), incoming=incoming)
-
-    return warp
+    return lambda poses, incoming: solver.warp(
+        control_points(row, solver, members, list(poses)), incoming=incoming
+    )
 
 
 class Poses(ABC):

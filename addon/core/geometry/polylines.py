@@ -24,7 +24,9 @@ class Lines:
 
     def to_text(self) -> str:
         """A text from which ``from_text`` makes it again."""
-        lines = " ".join(f"{n}{'o' * bool(closed)}" for n, closed in zip(self.counts, self.closed, strict=True))
+        lines = " ".join(
+            f"{n}{'o' * bool(closed)}" for n, closed in zip(self.counts, self.closed, strict=True)
+        )
         return f"{self.length!r} {lines}"
 
     @classmethod

@@ -66,7 +66,8 @@ DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Add Cage mak
 DEFAULT_PUPPET_METHOD = "mesh_puppetry"
 DEFAULT_TOOL_METHOD = "vector_field"  # the method of a deformer that Add Tool and Field Drag make
 DEFAULT_WIRE_METHOD = "wires"  # the method of a deformer that Add Wire makes
-DEFAULT_BASE = "thin_shell"  # the method that a method is put around until the artist chooses another one
+# The methods that a method is put around until the artist chooses another one.
+DEFAULT_BASES = frozenset({"thin_shell", "rbf"})
 
 
 def _menu_order(method: Method) -> tuple:
@@ -92,5 +93,11 @@ CONTROL_PARAMETERS: tuple[Parameter, ...] = tuple(
 
 def wrapped(method: Method) -> tuple[Method, ...]:
     """The methods that this one can be put around: the default first, the others in the menu's order."""
-    bases = (base for base in METHODS if base.family in method.wraps and not (base.wraps or base.keyed))
-    return tuple(sorted(bases, key=lambda base: base.id != DEFAULT_BASE))
+    bases = (
+        base
+        for base in METHODS
+        if base.family in method.wraps
+        and (base.control, base.poses_maps) == (method.control, method.poses_maps)
+        and not (base.wraps or base.keyed)
+    )
+    return tuple(sorted(bases, key=lambda base: base.id not in DEFAULT_BASES))

@@ -20,6 +20,9 @@ class Family(Enum):
     SPACE_NONLINEAR = "Nonlinear Space"
 
 
+_SPACE = frozenset({Family.SPACE_LINEAR, Family.SPACE_NONLINEAR})
+
+
 class Control(Enum):
     """The kinds of control: what an artist moves to steer a method. The method menu has a heading each."""
 
@@ -262,7 +265,7 @@ class Method:
     @property
     def is_space(self) -> bool:
         """It deforms the space around points, and knows of no surface."""
-        return self.family in (Family.SPACE_LINEAR, Family.SPACE_NONLINEAR)
+        return not _SPACE.isdisjoint((self.family, *self.wraps))
 
     @cached_property
     def references(self) -> tuple[Parameter, ...]:

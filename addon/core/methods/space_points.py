@@ -4,7 +4,20 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Choice, Control, Family, Float, Int, Method, Moved, Reproduced, per_pair
+from . import multiresolution
+from .schema import (
+    Choice,
+    Control,
+    Curve,
+    Family,
+    Float,
+    Int,
+    Method,
+    Moved,
+    Reproduced,
+    factorising,
+    per_pair,
+)
 from .space_linear import PRECISIONS
 
 _DENSE = 3e-11  # seconds per cube of the handle points, for their system
@@ -101,6 +114,51 @@ ROWS = (
             ),
         ),
         reproduces=Reproduced.AFFINE_MAPS,
+    ),
+    Method(
+        id="space_propagation",
+        number=32,
+        label="Space Propagation",
+        family=Family.SPACE_LINEAR,
+        control=Control.HANDLES,
+        native="SpacePropagation",
+        section="5.2",
+        paper="Pauly et al. 2003",
+        summary="Lets the motion of a handle fade with the distance by a curve, for any points: quick, and "
+        "never stiff",
+        iterative=False,
+        moves=frozenset(Moved),
+        bind_seconds=per_pair(2e-8),
+        poses_maps=True,
+        reproduces=Reproduced.AFFINE_MAPS,
+        parameters=(
+            Curve(
+                "transfer",
+                ((0.0, 0.0), (1.0, 1.0)),
+                rebinds=True,
+                label="Falloff Curve",
+                description="How much of the motion of a handle is left, from the other handles (left) "
+                "to the handle itself (right)",
+            ),
+        ),
+    ),
+    Method(
+        id="multiresolution_space",
+        number=35,
+        label="Multiresolution in Space",
+        family=Family.MULTIRESOLUTION,
+        control=Control.HANDLES,
+        native="MultiresolutionSpace",
+        section="5.3",
+        paper="Marinov, Botsch & Kobbelt 2007",
+        summary="Moves a smooth base by a space method and puts the details back, turned with it",
+        iterative=False,
+        moves=frozenset({Moved.MESH}),
+        bind_seconds=factorising(0.06),
+        reproduces=Reproduced.RIGID_MOTIONS,
+        poses_maps=True,
+        wraps=(Family.SPACE_LINEAR, Family.SPACE_NONLINEAR),
+        parameters=multiresolution.ROWS[0].parameters,
     ),
     Method(
         id="mls",

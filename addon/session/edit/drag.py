@@ -29,7 +29,7 @@ from ..memory.background import Work
 from ..memory.evaluation import is_shown
 from .bind import bind, unbind
 from .deformers import add_deformer, remove_deformer
-from .handles import points
+from .handles import surface_points
 from .handles.handles import add_handle, remove_handle
 from .rigging import rig_region
 
@@ -136,7 +136,7 @@ class Drag:
             mover.matrix_world = place
         deformer = self._deformer(obj)
         if deformer is not None and not handle.vertex_group:
-            points.move_image(obj, deformer, handle)
+            surface_points.move_image(obj, deformer, handle)
         locks.hold_locked(mover, self._channels)
 
     def key(self, obj: Object) -> None:
@@ -207,7 +207,7 @@ class Drag:
             self.uid, self._status = deformer.uid, status.current(deformer.uid)
             self._was_bound = deformer.is_bound
             _make_active(obj, deformer)
-            made = points.add_point_handles(obj, deformer, hit.place, brush.radius)
+            made = surface_points.add_point_handles(obj, deformer, hit.place, brush.radius)
             self._made += [handle.uid for handle in made]
             bind(obj, deformer, wait)
         except SinewError:
@@ -319,7 +319,7 @@ def _point_at(obj: Object, hit: Hit, brush: Brush) -> tuple[SinewDeformer, Sinew
     """The handle without a region that is shown there, and its deformer."""
     for deformer in _in_order(obj):
         if _marks_regions(deformer) and deformer.definition.is_space:
-            handle = points.point_handle_near(deformer, hit.place, brush.radius)
+            handle = surface_points.point_handle_near(deformer, hit.place, brush.radius)
             if handle is not None:
                 return deformer, handle
     return None

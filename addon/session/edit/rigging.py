@@ -4,9 +4,11 @@
 If the bind is refused, what was added stays, and the panel says what to do. So the error is returned.
 """
 
+from collections.abc import Sequence
+
 from bpy.types import Mesh, Object
 
-from ...core.errors import SinewError
+from ...core.errors import ConstraintError, SinewError
 from ...core.methods import BY_ID, DEFAULT_CAGE_METHOD, DEFAULT_METHOD
 from ...properties import SinewDeformer, SinewHandle
 from ..control import kinds
@@ -15,6 +17,7 @@ from .bind import bind
 from .deformers import add_deformer, remove_deformer
 from .handles.bones import is_moved_by_control
 from .handles.handles import add_captured_handle
+from .handles.points import add_point
 
 
 def rig_region(
@@ -50,6 +53,43 @@ def rig_region(
     handle.name = name or handle.name
     handle.from_rest = is_moved_by_control(obj, deformer, handle) if from_rest is None else from_rest
     return handle, try_bind(obj, deformer, wait, entered)
+
+
+def rig_points(
+    obj: Object,
+    controls: Sequence[tuple[Object, str]],
+    method: str,
+    *,
+    owned: bool = False,
+    wait: bool = True,
+) -> tuple[list[SinewHandle], SinewError | None]:
+    """Handles of the active deformer that act where their controls, objects or bones, are; or of a new one.
+
+    A new one has ``method``; an active one that cannot take points is refused. ``owned``: the controls were
+    made for these handles. The error is that of the bind. What is refused before it leaves nothing behind.
+    """
+    active = obj.sinew.active
+    deformer = active or add_deformer(obj, method)
+    uids: list[str] = []
+    try:
+        if not takes_points(deformer):
+            raise ConstraintError(
+                f"{deformer.definition.label} needs regions, not points - choose Radial Basis Functions, or "
+                "another method of space, first"
+            )
+        uids += [add_point(obj, deformer, control, bone, owned).uid for control, bone in controls]
+    except SinewError:
+        if active is None:
+            remove_deformer(obj, len(obj.sinew.deformers) - 1)
+        raise
+    refusal = try_bind(obj, deformer, wait)
+    return [handle for handle in deformer.handles if handle.uid in uids], refusal
+
+
+def takes_points(deformer: SinewDeformer) -> bool:
+    """Whether handles of the deformer act where their controls are, if they have no region."""
+    method = deformer.definition
+    return method.is_space and kinds.marks_regions(method)
 
 
 def rig_control(

@@ -8,10 +8,11 @@ from dataclasses import replace
 from functools import partial
 
 import bpy
+import numpy as np
 
 from ...backend import Factor, PreparedBind, Progress, Recipe, availability, bind_seconds, build_factor
 from ...core import status
-from ...core.elements import NO_ELEMENTS, Owner
+from ...core.elements import NO_ELEMENTS, Elements, Owner
 from ...core.errors import BackendMissingError, CancelledError, SinewError
 from ...core.memory import remember
 from ...core.point_types import MESH
@@ -128,6 +129,19 @@ def _with_selectable(error: SinewError, request: BindInput | None) -> SinewError
     if request.rest.point_type is not MESH and elements.owner is Owner.TARGET:
         # Nothing of it can be selected, or repaired.
         return error.with_elements(NO_ELEMENTS, Remedy.NONE, text)
+    return error.with_elements(elements, error.remedy, text)
+
+
+def with_names(error: SinewError, deformer: SinewDeformer, bound: Bound) -> SinewError:
+    """The error of a solve, with the names that handles have now."""
+    names = {handle.uid: handle.name for handle in deformer.handles}
+    by_row = [names.get(uid, "a region") for uid in bound.handles]
+    text = _ROW.sub(lambda row: by_row[int(row[1])] if int(row[1]) < len(by_row) else row[0], str(error))
+    elements = error.elements
+    if elements.element == "handle":
+        members = [bound.indices[row] for row in elements.indices if row < len(bound.indices)]
+        vertices = np.concatenate(members) if members else np.empty(0, dtype=int)
+        elements = Elements(Owner.TARGET, "vertex", vertices) if len(vertices) else NO_ELEMENTS
     return error.with_elements(elements, error.remedy, text)
 
 

@@ -314,7 +314,13 @@ def _update_deformer(evaluation: Evaluation) -> Chain:
         if session.failed is not None:
             shapes.show_rest(deformer, evaluation.mode, evaluation.depsgraph.scene)
         return evaluation.chain.through(deformer.uid)
-    solving.solve(evaluation, bound, *incoming.find(evaluation, bound))
+    entering = incoming.find(evaluation, bound)
+    try:
+        solving.solve(evaluation, bound, *entering)
+    except SinewError as error:
+        if not bound.handles:
+            raise
+        raise binding.with_names(error, deformer, bound) from error
     return incoming.after(evaluation)
 
 

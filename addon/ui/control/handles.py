@@ -75,6 +75,8 @@ PANELS = (SINEW_PT_region,)
 def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
     """Draw how to make the first region."""
     if not session.is_mesh(obj):
+        draw_text(context, layout, "Empties and bones can move the space around them", "INFO")
+        _draw_add_points(layout)
         return
     if obj.mode == "EDIT":
         hint = "Select the vertices to move, then Add Handle; those to keep, then Add Fixed"
@@ -100,7 +102,14 @@ def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeforme
         draw_move_buttons(side, Operators.HANDLE_MOVE)
     if several:
         _draw_mirror(context, layout, deformer)
-    _draw_add_buttons(context, layout, obj)
+    if session.is_mesh(obj):
+        _draw_add_buttons(context, layout, obj)
+    if session.takes_points(deformer):
+        _draw_add_points(layout)
+
+
+def _draw_add_points(layout: UILayout) -> None:
+    layout.operator_menu_enum(Operators.POINT_ADD, "source", icon="EMPTY_AXIS")
 
 
 def _draw_mirror(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:

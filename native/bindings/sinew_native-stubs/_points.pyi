@@ -3,6 +3,7 @@ from typing import Literal
 
 from numpy.typing import ArrayLike
 
+from ._mesh import SurfaceMesh
 from ._space import SpaceMethod
 from ._types import Floats
 
@@ -40,3 +41,27 @@ class Mls(SpaceMethod):
     def control(self) -> Floats: ...
     @property
     def maps(self) -> Literal["affine", "similarity", "rigid"]: ...
+
+class SpacePropagation(SpaceMethod):
+    def __init__(
+        self, points: ArrayLike, counts: ArrayLike | None = None, *, transfer: ArrayLike | None = None
+    ) -> None: ...
+    @property
+    def control(self) -> Floats: ...
+
+class MultiresolutionSpace(SpaceMethod):
+    def __init__(
+        self,
+        points: ArrayLike,
+        base: SpaceMethod,
+        mesh: SurfaceMesh,
+        counts: ArrayLike | None = None,
+        *,
+        details: Literal[
+            "displacement_vectors", "normal_displacements", "displacement_volumes", "deformation_transfer"
+        ] = "displacement_vectors",
+        wavelength: float = 10.0,
+        bands: int = 1,
+    ) -> None: ...
+    @property
+    def control(self) -> Floats: ...

@@ -13,7 +13,7 @@ namespace sinew {
 struct PropagationOptions
 {
     Field field = Field::harmonic; ///< s
-    /// t(s), two values or more at even steps from s = 0 to s = 1; straight lines between them and beyond.
+    /// t(s), see TransferCurve.
     std::vector<double> transfer{0.0, 1.0};
 };
 

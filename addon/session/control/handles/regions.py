@@ -19,6 +19,7 @@ from ..bind_input import BindInput, options, unpainted
 from .poses import rest_of
 
 _IMPLIED = "support"  # the key of the fixed region around a support
+_REACH = 0.02  # of the size of the target: how far such points are from the place of a control
 _NO_VERTICES = np.empty(0, dtype=np.intp)
 _NOUNS = (("HANDLE", "handle", "handles"), ("FIXED", "fixed", "fixed"), ("SUPPORT", "support", "supports"))
 
@@ -31,7 +32,7 @@ def key(settings: SinewDeformer) -> tuple:
         (
             handle.uid,
             handle.kind,
-            handle.vertex_group or (tuple(rest_of(handle)[:3, 3]) if has_points else ""),
+            handle.vertex_group or (tuple(rest_of(handle).ravel()) if has_points else ""),
             handle.weight,
             *_own_values(settings, handle),
         )
@@ -83,7 +84,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             indices.append(_NO_VERTICES)
             weights.append(None)
             own.append(_own_values(settings, handle))
-            points.append(rest_of(handle)[:3, 3][None])
+            points.append(_points_of_control(rest_of(handle), rest.points, method.poses_maps))
             continue
         painted = rest.weights.get(handle.vertex_group)
         members = np.flatnonzero(painted > 0.0) if painted is not None else _NO_VERTICES
@@ -145,6 +146,18 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         unpainted=unpainted(settings, rest),
         indices=tuple(indices),
     )
+
+
+def _points_of_control(frame: np.ndarray, shape: np.ndarray, takes_maps: bool) -> np.ndarray:
+    """The handle points (k, 3) of a control without a region, at its rest ``frame`` (4, 4): its place.
+
+    If the method takes maps, six points close around it turn and scale with the control.
+    """
+    if not takes_maps:
+        return frame[:3, 3][None]
+    axes, _scales = np.linalg.qr(frame[:3, :3])
+    reach = _REACH * float(np.ptp(shape, axis=0).max()) if len(shape) else _REACH
+    return frame[:3, 3] + reach * np.concatenate((np.zeros((1, 3)), axes.T, -axes.T))
 
 
 def _why_unused(handle: SinewHandle, has_group: bool) -> str:

@@ -1,146 +1,98 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Handles without a region, at places of the surface: for methods that deform the space around them.
+"""Adds handles that have no region: they act where their controls are. Main thread only."""
 
-Such a handle rests where the surface rests at this place, and is posed as the surface is now. So a method
-that meets its handles changes nothing yet. Main thread only.
-"""
-
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import bpy
-import numpy as np
 from bpy.types import Object
 from mathutils import Vector
-from mathutils.bvhtree import BVHTree
-from mathutils.interpolate import poly_3d_calc
 
 from ....core.errors import ConstraintError, SinewError
-from ....core.geometry import frames
 from ....core.names import unique_name
-from ....core.sides import Side, flip
-from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, SinewHandle
-from ...blocks import capture, shapes
+from ...blocks import shapes
 from ...control import kinds
-from ...control.handles import poses
-from ...control.handles.sides import counterpart, mirrored
 from ...memory import sessions
 from . import empties
 
-_ENDINGS = {Side.LEFT: ".L", Side.RIGHT: ".R"}
-
-
-@dataclass(frozen=True)
-class _Place:
-    """A place of the surface at rest, (3,) in object space, and how far it has moved by now, (3,)."""
-
-    rest: np.ndarray
-    moved: np.ndarray
+_MOST = 500  # empties at the points of one object
 
 
 @sessions.suspended()
-def add_point_handles(
-    obj: Object, deformer: SinewDeformer, place: np.ndarray, radius: float
-) -> list[SinewHandle]:
-    """A handle at a place (3,) of the world on the surface that is shown, as large as ``radius`` there.
+def add_point(
+    obj: Object, deformer: SinewDeformer, control: Object, bone: str = "", owned: bool = False
+) -> SinewHandle:
+    """Add a handle that moves space where ``control``, or its ``bone``, is now. ``bind`` must follow.
 
-    With X-Axis Mirror, a handle on the other side comes with it, unless both would overlap. ``bind`` must
-    follow.
+    Several objects may have handles of one control. ``owned``: it was made for this handle.
     """
-    mesh = capture.rest_mesh(obj, deformer)
-    try:
-        rest = read_rest(mesh)
-    finally:
-        bpy.data.meshes.remove(mesh)
-    found = _on_surface(obj, deformer, rest, place)
-    across = np.linalg.norm(np.array(obj.matrix_world, dtype=np.float64)[:3, 0])  # how long the unit of x is
-    if not deformer.use_mirror_x or abs(found.rest[0]) * across <= radius:
-        handles = [_add(obj, deformer, "Point", found, radius)]
-    else:
-        side = Side.LEFT if found.rest[0] > 0.0 else Side.RIGHT
-        name = unique_name("Point", [handle.name[:-2] for handle in deformer.handles]) + _ENDINGS[side]
-        flipped = np.array((-1.0, 1.0, 1.0))
-        image = _Place(found.rest * flipped, found.moved * flipped)
-        uids = [
-            _add(obj, deformer, words, at, radius).uid for words, at in ((name, found), (flip(name), image))
-        ]
-        handles = [next(row for row in deformer.handles if row.uid == uid) for uid in uids]
-    deformer.active_handle = list(deformer.handles).index(handles[0])
-    kinds.keep_evaluated(obj)
-    return handles
-
-
-def _add(obj: Object, deformer: SinewDeformer, name: str, place: _Place, radius: float) -> SinewHandle:
-    frame, pose = np.eye(4), np.eye(4)
-    frame[:3, 3], pose[:3, 3] = place.rest, place.moved
+    taken = [other.name for other in deformer.handles]
     handle = deformer.handles.add()
     handle.uid = shapes.new_key()
     handle.kind = "HANDLE"
-    taken = [other.name for other in deformer.handles if other.uid != handle.uid]
-    handle.named = unique_name(name, taken)  # so that the name below renames nothing
+    handle.named = unique_name(bone or control.name, taken)
     handle.name = handle.named
     handle.colour = empties.colour(len(deformer.handles) - 1)
-    handle.control = empties.new_empty(obj, frame, pose, f"{obj.name} {handle.name}", 0.5 * radius)
-    handle.owns_control = True
-    poses.set_rest(handle, frame)
+    try:
+        empties.assign(obj, handle, control, bone)
+    except SinewError:
+        deformer.handles.remove(len(deformer.handles) - 1)
+        obj.update_tag()
+        raise
+    handle.owns_control = owned
+    deformer.active_handle = len(deformer.handles) - 1
+    kinds.keep_evaluated(obj)
     return handle
 
 
-def _on_surface(obj: Object, deformer: SinewDeformer, rest: RestShape, place: np.ndarray) -> _Place:
-    """The place of the rest shape whose deformed place is nearest to one of the world."""
-    if not len(rest.points):
-        raise ConstraintError(f"{obj.name} has no points - a handle needs a place on its surface")
-    before, after = _shown(deformer, rest)
-    world = np.array(obj.matrix_world, dtype=np.float64)
-    local = (frames.inverse(world, obj.name) @ (*place, 1.0))[:3]
-    if not len(rest.counts):
-        nearest = int(np.argmin(np.linalg.norm(after - local, axis=1)))
-        return _Place(rest.points[nearest], after[nearest] - before[nearest])
-    faces = np.split(rest.corners, np.cumsum(rest.counts)[:-1])
-    tree = BVHTree.FromPolygons(after.tolist(), [face.tolist() for face in faces])
-    at, _normal, index, _distance = tree.find_nearest(Vector(local))
-    if index is None:
-        raise ConstraintError("The surface has no place there - press elsewhere")
-    face = faces[index]
-    weights = np.array(poly_3d_calc([Vector(after[v]) for v in face], at))
-    weights = weights / weights.sum() if weights.sum() > 0.0 else np.full(len(face), 1.0 / len(face))
-    return _Place(weights @ rest.points[face], weights @ (after[face] - before[face]))
+def empty_at(obj: Object, place: Vector, name: str = "Point") -> Object:
+    """A new empty at a place in the world, a child of ``obj``, which it moves along with."""
+    size = max(obj.dimensions) or 1.0
+    empty = _new_empty(obj, f"{obj.name} {name}", 0.05 * size)
+    empty.parent = obj
+    empty.matrix_basis.translation = obj.matrix_world.inverted_safe() @ place
+    return empty
 
 
-def _shown(deformer: SinewDeformer, rest: RestShape) -> tuple[np.ndarray, np.ndarray]:
-    """The shape before and after the deformer, as viewports show it, (n, 3) each."""
-    session = sessions.find(deformer.uid)
-    shown = session.view("VIEWPORT") if session else None
-    if shown is None or shown.positions is None or len(shown.positions) != len(rest.points):
-        return rest.points, rest.points
-    before = session.bound.rest.points if shown.incoming is None else shown.incoming.astype(np.float64)
-    return before, shown.positions + (before if shown.displacement else 0.0)
+def empties_on(obj: Object, points: Object) -> list[Object]:
+    """New empties that follow the points of a mesh, curve or lattice object, one each, for ``obj``."""
+    places = list(_places(points))
+    if not places:
+        raise ConstraintError(f"{points.name} has no points that an empty can follow - use a mesh or a curve")
+    if len(places) > _MOST:
+        raise ConstraintError(f"{points.name} has {len(places):,} points - use one of at most {_MOST}")
+    size = 0.02 * (max(obj.dimensions) or 1.0)
+    found = []
+    for number in range(len(places)):
+        empty = _new_empty(obj, f"{points.name} {number}", size)
+        empty.parent, empty.parent_type = points, "VERTEX"
+        empty.parent_vertices = (number, 0, 0)
+        found.append(empty)
+    bpy.context.view_layer.update()
+    return found
 
 
-def move_image(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
-    """Put the handle of the other side where the mirror image of this handle is, if posing is mirrored."""
-    other = counterpart(deformer, handle) if deformer.use_mirror_x else None
-    if other is None or other.control is None or handle.control is None or handle.bone or other.bone:
-        return
-    try:
-        world = np.array(obj.matrix_world, dtype=np.float64)
-        now = np.array(handle.control.matrix_world, dtype=np.float64)
-        inverse = frames.inverse(world, obj.name)
-        pose = inverse @ now @ frames.inverse(poses.rest_of(handle), handle.name)
-    except SinewError:
-        return  # scaled to zero: such a frame has no mirror image
-    other.control.matrix_world = empties.to_matrix(world @ mirrored(pose) @ poses.rest_of(other))
+def _places(points: Object) -> Iterator[Sequence[float]]:
+    data = points.data
+    if points.type == "MESH":
+        yield from (vertex.co for vertex in data.vertices)
+    elif points.type == "LATTICE":
+        yield from (point.co for point in data.points)
+    elif points.type == "CURVE":
+        for spline in data.splines:
+            # Of a Bézier point, Blender counts both handles, too.
+            yield from (
+                place
+                for point in spline.bezier_points
+                for place in (point.handle_left, point.co, point.handle_right)
+            )
+            yield from (point.co for point in spline.points)
 
 
-def point_handle_near(deformer: SinewDeformer, place: np.ndarray, radius: float) -> SinewHandle | None:
-    """The handle without a region whose control is nearest to a place (3,) of the world, within a radius."""
-    near = [
-        (float(np.linalg.norm(np.array(handle.control.matrix_world.translation) - place)), index)
-        for index, handle in enumerate(deformer.handles)
-        if handle.kind == "HANDLE"
-        and not handle.vertex_group
-        and handle.enabled
-        and handle.control is not None
-    ]
-    distance, index = min(near, default=(np.inf, -1))
-    return deformer.handles[index] if distance <= radius else None
+def _new_empty(obj: Object, name: str, size: float) -> Object:
+    empty = bpy.data.objects.new(name, None)
+    empty.empty_display_type, empty.empty_display_size = "SPHERE", max(size, 1e-3)
+    empty.show_in_front = True
+    for collection in obj.users_collection or (bpy.context.scene.collection,):
+        collection.objects.link(empty)
+    return empty

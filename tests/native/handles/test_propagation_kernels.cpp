@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/surface/linear/propagation/kernels.h"
+#include "native/handles/propagation_kernels.h"
 
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"

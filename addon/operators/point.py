@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adds handle points: handles without a region, which move space where their controls are."""
+
+from bpy.props import EnumProperty
+from bpy.types import Context, Object, Operator
+
+from .. import session
+from ..core.errors import SinewError
+from ..core.methods import METHODS, Control
+from ..ids import Operators
+from .reporting import reports_errors
+from .target import has_target, object_mode, target_of
+from .waiting import BindingOperator
+
+_METHODS = tuple(
+    method for method in METHODS if method.is_space and method.control is Control.HANDLES and not method.wraps
+)
+_SOURCES = (
+    ("CURSOR", "At the Cursor", "A new empty at the 3D cursor", "CURSOR", 0),
+    (
+        "SELECTED",
+        "Selected Empties and Bones",
+        "The selected empties, and the selected bones of armatures in Pose Mode",
+        "EMPTY_AXIS",
+        1,
+    ),
+    (
+        "OBJECT",
+        "Points of an Object",
+        "New empties that follow the points of the other selected mesh, curve or lattice object",
+        "POINTCLOUD_DATA",
+        2,
+    ),
+)
+
+
+class SINEW_OT_point_add(BindingOperator, Operator):
+    """Add handles that move the space around them: no vertex groups are needed, and curves follow, too.
+
+    All selected objects follow the same empties and bones
+    """
+
+    bl_idname = Operators.POINT_ADD
+    bl_label = "Add Handle Points"
+    bl_options = {"REGISTER", "UNDO"}
+
+    source: EnumProperty(
+        name="Where", items=_SOURCES, default="CURSOR", description="What the handles follow"
+    )
+    method: EnumProperty(
+        name="Method",
+        items=tuple((method.id, method.label, method.summary, method.number) for method in _METHODS),
+        default="rbf",
+        description="How space follows the handles, for an object that has no deformer yet",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_target(cls, context)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        active = target_of(context)
+        with object_mode(context, active):
+            owned, controls = self._controls(context, active)
+            targets = [active, *(other for other in _others(context, active, controls))]
+            for obj in targets:
+                made, refusal = session.rig_points(
+                    obj, controls, self.method, owned=owned and obj == active, wait=wait
+                )
+                context.view_layer.update()
+                label = "1 handle point" if len(made) == 1 else f"{len(made)} handle points"
+                self.report_bind(refusal, obj.sinew.active.uid, label)
+        return {"FINISHED"}
+
+    def _controls(self, context: Context, active: Object) -> tuple[bool, list[tuple[Object, str]]]:
+        """Whether they are new, and objects with the names of their bones."""
+        if self.source == "CURSOR":
+            empty = session.empty_at(active, context.scene.cursor.location)
+            context.view_layer.update()
+            return True, [(empty, "")]
+        if self.source == "SELECTED":
+            found = [(obj, "") for obj in context.selected_objects if obj.type == "EMPTY"]
+            bones = context.selected_pose_bones or ()
+            found += [(bone.id_data, bone.name) for bone in bones]
+            if not found:
+                raise SinewError("Select empties, or bones in Pose Mode, together with the object to move")
+            return False, found
+        others = [
+            obj for obj in context.selected_objects if obj not in (active, None) and obj.type != "EMPTY"
+        ]
+        if len(others) != 1:
+            raise SinewError("Select the object to move last, and one other object, whose points are handles")
+        return True, [(empty, "") for empty in session.empties_on(active, others[0])]
+
+
+def _others(context: Context, active: Object, controls: list[tuple[Object, str]]) -> list[Object]:
+    """The further selected objects that can follow the same controls, if these are empties and bones."""
+    taken = {active, *(control for control, _bone in controls)}
+    parents = {control.parent for control, _bone in controls if control.parent_type == "VERTEX"}
+    return [
+        obj
+        for obj in context.selected_objects
+        if obj not in taken and obj not in parents and session.can_be_moved(obj) and obj.library is None
+    ]
