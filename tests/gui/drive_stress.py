@@ -126,7 +126,7 @@ class Turns:
 
 
 def note_writers() -> list[bool]:
-    """From now on, whether each write to a shape mesh is done by the main thread, as in a window it must be."""
+    """Whether, from now on, each write to a shape mesh is done by the main thread."""
     shape, found = sys.modules[f"{MODULE}.mesh_io.shape"], []
     write = shape.write_positions
 
