@@ -25,7 +25,7 @@ def schedule() -> None:
     _last_edit = time.monotonic()
     if not bpy.app.timers.is_registered(_tick) and _is_pending():
         _start()
-    if _has_unlocked_renders() and not bpy.app.timers.is_registered(_write_for_renders):
+    if _has_rigs_in_windows() and not bpy.app.timers.is_registered(_write_for_renders):
         bpy.app.timers.register(_write_for_renders)
 
 
@@ -47,16 +47,20 @@ def stop() -> None:
             bpy.app.timers.unregister(timer)
 
 
-def _has_unlocked_renders() -> bool:
-    return bool(session.owners()) and any(session.must_hand_over(scene) for scene in bpy.data.scenes)
+def _has_rigs_in_windows() -> bool:
+    return not bpy.app.background and bool(session.owners())
 
 
 def _write_for_renders() -> float | None:
-    """Write what render threads wait for; see ``session/memory/render_writes.py``."""
-    if not _has_unlocked_renders():
+    """Write what render threads wait for; see ``session/memory/render_writes.py``.
+
+    It also looks while the interface is to be locked: nothing calls the add-on when the artist unlocks it.
+    """
+    if not _has_rigs_in_windows():
         return None
     session.carry_out_writes()
-    return 0.0 if bpy.app.is_job_running("RENDER") else _IDLE_POLL
+    unlocked = any(session.must_hand_over(scene) for scene in bpy.data.scenes)
+    return 0.0 if unlocked and bpy.app.is_job_running("RENDER") else _IDLE_POLL
 
 
 def separate_copies(depsgraph: Depsgraph) -> None:

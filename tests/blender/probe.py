@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 import numpy as np
 from rig import coordinates, points_of
@@ -16,8 +18,11 @@ class Probe(bpy.types.RenderEngine):
     subframes: tuple[float, ...] = (0.0,)
     seen: list[dict[str, np.ndarray]] = []
     frames: list[int] = []
+    at_work: Callable[[], None] | None = None  # called in each frame, before the shapes are read
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+        if Probe.at_work is not None:
+            Probe.at_work()
         frame = depsgraph.scene.frame_current
         for subframe in self.subframes:
             if self.subframes != (0.0,):

@@ -4,11 +4,14 @@ viewport lives on, unlocked, and Blender's own autosave.
 """
 
 import os
+import sys
+import threading
 import time
+from collections.abc import Callable
 
 import bpy
 import numpy as np
-from driving import OUTPUT, enable, in_view, play, seen, session, until, viewport, window
+from driving import MODULE, OUTPUT, enable, in_view, play, seen, session, until, viewport, window
 from mathutils import Matrix
 
 enable()
@@ -23,6 +26,8 @@ STEP = 1.0 / FRAMES  # what the control rises in one frame
 # now and then, whatever it renders. So most frames go to an engine that draws nothing.
 CYCLES_FRAMES = FRAMES // 10
 TILT = 0.3
+# Moves at any moment: that crashes Blender itself, see docs/developer/decisions/unlocked-renders.md.
+WILD = "SINEW_STRESS_WILD" in os.environ
 
 
 class Stage:
@@ -91,6 +96,46 @@ def curves_of(obj: bpy.types.Object) -> list:
     if hasattr(action, "fcurves"):
         return list(action.fcurves)
     return [c for layer in action.layers for s in layer.strips for bag in s.channelbags for c in bag.fcurves]
+
+
+class Turns:
+    """The user moves things while an engine is at work, as nearly always in a render that takes its time.
+
+    Between two of these tiny frames Blender frees a dependency graph and builds another, while a move would
+    look for it: so the engine waits for a turn of the user in each frame.
+    """
+
+    PATIENCE = 2.0  # seconds
+
+    def __init__(self) -> None:
+        self._open, self._taken = threading.Event(), threading.Event()
+
+    def give(self, *_args: object) -> None:
+        """In the engine: wait until the user has moved things."""
+        self._taken.clear()
+        self._open.set()
+        self._taken.wait(self.PATIENCE)
+        self._open.clear()
+
+    def take(self, act: Callable[[], None]) -> None:
+        """In the main thread: ``act`` if it is the user's turn."""
+        if self._open.is_set() or WILD:
+            self._open.clear()
+            act()
+            self._taken.set()
+
+
+def note_writers() -> list[bool]:
+    """Whether, from now on, each write to a shape mesh is done by the main thread."""
+    shape, found = sys.modules[f"{MODULE}.mesh_io.shape"], []
+    write = shape.write_positions
+
+    def noted(*arguments: object) -> None:
+        found.append(threading.current_thread() is threading.main_thread())
+        write(*arguments)
+
+    shape.write_positions = noted
+    return found
 
 
 def playback(stage: Stage):
@@ -176,7 +221,7 @@ def count_ended(*_scene: bpy.types.Scene) -> None:
     ended[0] += 1
 
 
-def stress(stage: Stage, engine: str, last: int):
+def stress(stage: Stage, engine: str, last: int, writers: list[bool]):
     """An animation, while the user orbits and poses another mesh, which is solved again and again."""
     scene = bpy.context.scene
     scene.render.engine = engine
@@ -187,23 +232,35 @@ def stress(stage: Stage, engine: str, last: int):
     done: list[int] = []
     note = lambda scene, *_rest: done.append(scene.frame_current)  # noqa: E731
     bpy.app.handlers.render_post.append(note)
-    moves = 0
+    moves, turns = 0, Turns()
+    if engine == Probe.bl_idname:
+        Probe.at_work = None if WILD else turns.give
+    elif not WILD:
+        bpy.app.handlers.render_stats.append(turns.give)  # Cycles tells how far it is
 
-    def live() -> None:
+    def move() -> None:
         nonlocal moves
         for _ in range(5):
             moves += 1
             stage.drag(moves)
+
+    def live() -> None:
+        turns.take(move)
         viewport().spaces.active.region_3d.view_location.x = 0.01 * (moves % 50)
         viewport().tag_redraw()
 
+    writers.clear()
     begin = time.monotonic()
     seen[f"{engine}_unlocked"] = not scene.render.use_lock_interface
     yield from rendered(live, animation=True)
     bpy.app.handlers.render_post.remove(note)
+    Probe.at_work = None
+    if turns.give in bpy.app.handlers.render_stats:
+        bpy.app.handlers.render_stats.remove(turns.give)
     seen[f"{engine}_seconds"] = round(time.monotonic() - begin, 1)
     seen[f"{engine}_frames"] = len(done)
     seen[f"{engine}_moves"] = moves
+    seen[f"{engine}_writes"], seen[f"{engine}_writes_elsewhere"] = len(writers), writers.count(False)
     yield from until(lambda: not session().unsettled() and not session().busy(), 10.0)
     yield
     seen[f"{engine}_dragged_error"] = stage.dragged_error()
@@ -246,12 +303,13 @@ def journey():
     for handlers in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
         handlers.append(count_ended)
     yield
+    writers = note_writers()
     remember(stage)
     yield from playback(stage)
     yield from viewport_render(stage)
     yield from f12_during_a_drag(stage)
-    yield from stress(stage, Probe.bl_idname, FRAMES)
-    yield from stress(stage, "CYCLES", CYCLES_FRAMES)
+    yield from stress(stage, Probe.bl_idname, FRAMES, writers)
+    yield from stress(stage, "CYCLES", CYCLES_FRAMES, writers)
     yield from autosave()
 
 
