@@ -175,7 +175,8 @@ def _quads(cage: int, size: int, threads: list[int]) -> list[Row]:
     ):
         works = {
             f"{count} {faces}": Work(
-                lambda green=green: call(green), lambda count=count: sinew_native.limit_threads(count)
+                lambda green=green, call=call: call(green),
+                lambda count=count: sinew_native.limit_threads(count),
             )
             for count in threads
             for faces, green in (("quads", ours), ("triangles", theirs))

@@ -50,12 +50,15 @@ bind_cage_method(py::module_& module, const char* name, const char* doc,
 {
     py::class_<Method, CageCoordinates, std::shared_ptr<Method>> result(module, name, doc);
     const std::string text = R"(
-cage        SurfaceMesh, the closed rest cage, with faces that look outwards.
+cage        SurfaceMesh, the closed rest cage, with faces that look outwards)" +
+                             std::string(Method::takes_flat ? ", or one in a plane: its outline counts"
+                                                            : "") +
+                             R"(.
 precision   of the weights: 'single' (half the memory and time of a warp) or 'double'.
 threshold   weights of a smaller magnitude are dropped, the others are changed so that their sum stays
             the same, and stored as a sparse matrix; 0 keeps all, as a dense matrix.
 )" + words + R"(
-Raises InvalidMesh for a cage that is open, flat or inside out; InvalidOption.)";
+Raises InvalidMesh for a cage that is open, without a volume or inside out; InvalidOption.)";
     result.def(py::init([options](const SurfaceMesh& cage, const std::string& precision, double threshold,
                                   Own... values) {
                    const Options chosen = options(weight_options(precision, threshold), values...);

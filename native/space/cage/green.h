@@ -105,7 +105,7 @@ protected:
     /// no unit.
     void controls(PointsView vertices, Points& controls) const override;
     bool reaches_outside() const override { return options_.outside != GreenOutside::refuse; }
-    int block_size() const override { return (patches_.count() > 0 ? 2 : 1) * PointWeights::part; }
+    int block_size() const override { return (patches_.count() > 0 ? 4 : 1) * PointWeights::part; }
 
 private:
     struct KernelResults;

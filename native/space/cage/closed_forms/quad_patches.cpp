@@ -32,10 +32,8 @@ struct Sides
 {
     Vector3 along, across, twist;
 
-    template <class Corner>
-    explicit Sides(Corner&& corner)
+    Sides(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& d)
     {
-        const Vector3 a = corner(0), b = corner(1), c = corner(2), d = corner(3);
         along = 0.25 * ((b - a) + (c - d));
         across = 0.25 * ((d - a) + (c - b));
         twist = 0.25 * ((a - b) + (c - d));
@@ -84,8 +82,8 @@ std::vector<char> QuadPatches::faces(const Cage& cage)
         const auto face = cage.rest().face(f);
         if (face.size() != 4)
             continue;
-        const Sides sides(
-            [&](int k) -> Vector3 { return cage.rest().point(face[static_cast<std::size_t>(k)]); });
+        const SurfaceMesh& mesh = cage.rest();
+        const Sides sides(mesh.point(face[0]), mesh.point(face[1]), mesh.point(face[2]), mesh.point(face[3]));
         const Vector3 middle = sides.middle();
         const double square = middle.squaredNorm();
         double longest = 0.0, least = square;
@@ -110,7 +108,7 @@ QuadPatches::QuadPatches(const Cage& cage, const CageGeometry& geometry, const s
         const auto corner = [&](int k) -> Vector3 {
             return geometry.normalized(cage.rest().point(face[static_cast<std::size_t>(k)]));
         };
-        const Sides sides(corner);
+        const Sides sides(corner(0), corner(1), corner(2), corner(3));
         QuadPatch patch;
         Vector3::Map(patch.centre) = 0.25 * (corner(0) + corner(1) + corner(2) + corner(3));
         Vector3::Map(patch.along) = sides.along;
@@ -174,13 +172,13 @@ QuadPatches::Place QuadPatches::closest(int q, const Vector3& x) const
                 }
             }
             bool moved = false;
-            for (double length = 1.0; length > 1e-3 && !moved; length *= 0.5) {
-                const double to = clamped(s + length * ds), tt2 = clamped(t + length * dt);
-                const double value = square(to, tt2);
-                moved =
-                    value < least || (value == least && length == 1.0 && (to != s || tt2 != t) && step < 3);
+            double length = 1.0;
+            for (int half = 0; half < 10 && !moved; ++half, length *= 0.5) {
+                const double next_s = clamped(s + length * ds), next_t = clamped(t + length * dt);
+                const double value = square(next_s, next_t);
+                moved = value < least;
                 if (moved)
-                    s = to, t = tt2, least = value;
+                    s = next_s, t = next_t, least = value;
             }
             if (!moved)
                 break;
@@ -417,9 +415,8 @@ void QuadPatches::controls(PointsView vertices, Eigen::Ref<Points> controls) con
     constexpr double node = 0.57735026918962576; // Gauss's rule with 2 x 2 points
     for (int q = 0; q < count(); ++q) {
         const QuadPatch& rest = patches_[static_cast<std::size_t>(q)];
-        Sides to([&](int k) -> Vector3 {
-            return vertices.row(corners_[static_cast<std::size_t>(q)][static_cast<std::size_t>(k)]);
-        });
+        const std::array<int, 4>& v = corners_[static_cast<std::size_t>(q)];
+        Sides to(vertices.row(v[0]), vertices.row(v[1]), vertices.row(v[2]), vertices.row(v[3]));
         const double scale = std::max({to.along.cwiseAbs().maxCoeff(), to.across.cwiseAbs().maxCoeff(),
                                        to.twist.cwiseAbs().maxCoeff()});
         if (!(scale > 0.0)) {
