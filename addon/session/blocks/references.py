@@ -109,8 +109,10 @@ def _referring(settings: SinewDeformer) -> Iterator[tuple[PropertyGroup, Paramet
 def box(values: PropertyGroup, parameter: Box, rest: RestShape) -> np.ndarray | None:
     """The frame (3, 4) of a cube from -1 to 1; None for a box along the axes of the target."""
     chosen = value(values, parameter)
-    if chosen is not None or np.array_equal(rest.frame, np.eye(4)) or not len(rest.points):
+    if isinstance(chosen, np.ndarray):
         return chosen
+    if np.array_equal(rest.frame, np.eye(4)) or not len(rest.points):
+        return None
     stored = frames.transformed(np.linalg.inv(rest.frame), rest.points)
     low, high = stored.min(axis=0), stored.max(axis=0)
     longest = (high - low).max() or 1.0
