@@ -109,8 +109,10 @@ class FieldDragging:
             self.notice = f"Press on {self._name}"
             return
         before = {deformer.uid for deformer in obj.sinew.deformers}
-        deformer = begin(obj, self.hit.place, self.hit.normal, self.radius)
+        deformer, refusal = begin(obj, self.hit.place, self.hit.normal, self.radius)
         self.uid, self._was_new = deformer.uid, deformer.uid not in before
+        if refusal is not None:  # the tool is removed again
+            raise refusal
         self.pivot, self.path = self.hit.place, [self.hit.place]
         self._from, self.stage = (event.mouse_x, event.mouse_y), Stage.DRAGGING
 
@@ -122,16 +124,15 @@ class FieldDragging:
             self.path.append(place)
 
 
-def begin(obj: Object, place: np.ndarray, normal: np.ndarray, radius: float) -> SinewDeformer:
-    """A new tool that drags ``obj`` at a ``place`` (3,) of the world."""
+def begin(
+    obj: Object, place: np.ndarray, normal: np.ndarray, radius: float
+) -> tuple[SinewDeformer, SinewError | None]:
+    """A new tool that drags ``obj`` at a ``place`` (3,) of the world; and the error if it is not bound."""
     scale = max(obj.matrix_world.median_scale, 1e-12)
     outer = radius / scale
     tool = session.new_tool(obj, place, normal, outer, "Drag")
     values = {"tools": "drag", "outer": outer, "inner": _INNER * outer}
-    deformer, refusal = session.add_to(obj, [tool], DEFAULT_TOOL_METHOD, True, **values)
-    if refusal is not None:
-        raise refusal
-    return deformer
+    return session.add_to(obj, [tool], DEFAULT_TOOL_METHOD, True, **values)
 
 
 def lead(
@@ -185,7 +186,9 @@ class SINEW_OT_tool_drag(ViewportTool, Operator):
             raise SinewError("There is no path - drag in a 3D Viewport")
         obj, places = target_of(context), [np.array(point.location, dtype=float) for point in self.path]
         radius = self.radius or _size(obj) / 3.0
-        deformer = begin(obj, places[0], np.array((0.0, 0.0, 1.0)), radius)
+        deformer, refusal = begin(obj, places[0], np.array((0.0, 0.0, 1.0)), radius)
+        if refusal is not None:
+            raise refusal
         last = places[0]
         for place in places[1:]:
             if lead(obj, deformer, deformer.controls[-1], place, last, radius):

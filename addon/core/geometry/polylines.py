@@ -24,9 +24,8 @@ class Lines:
 
     def to_text(self) -> str:
         """A text from which ``from_text`` makes it again."""
-        lines = " ".join(
-            f"{n}{'o' * bool(closed)}" for n, closed in zip(self.counts, self.closed, strict=True)
-        )
+        each = zip(self.counts, self.closed, strict=True)
+        lines = " ".join(f"{count}{'o' * bool(closed)}" for count, closed in each)
         return f"{self.length!r} {lines}"
 
     @classmethod
@@ -52,11 +51,11 @@ def lines_of(count: int, edges: np.ndarray) -> Lines | None:
     ends = np.flatnonzero(~joined)
     begins = np.concatenate(([0], ends + 1)) if count else np.zeros(0, dtype=int)
     counts = np.diff(begins, append=count)
-    closing = dict(zip(low[~steps].tolist(), high[~steps].tolist(), strict=True))
-    closed = tuple(closing.pop(int(b), None) == b + n - 1 for b, n in zip(begins, counts, strict=True))
-    if closing or len(np.unique(low[steps])) != steps.sum():
+    closing = set(zip(low[~steps].tolist(), high[~steps].tolist(), strict=True))
+    rings = [(int(first), int(first + number - 1)) for first, number in zip(begins, counts, strict=True)]
+    if closing - set(rings):
         return None
-    return Lines(tuple(counts.tolist()), closed)
+    return Lines(tuple(counts.tolist()), tuple(ring in closing for ring in rings))
 
 
 def lengths(samples: np.ndarray, lines: Lines) -> list[float]:
