@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rows of the matrix: every surface method of the registry, and peers. A row is a function of a case."""
+"""The rows of the matrix: every method of the registry that regions steer, and peers; functions of a case."""
 
 from __future__ import annotations
 
@@ -17,13 +17,16 @@ SPLIT = {"laplacian_editing": "transforms", "multiresolution": "details"}
 
 
 def registry_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str, Solve]]:
-    """A row per surface method that handles steer, with its defaults, in the menu's order.
+    """A row per method that regions steer, of surfaces or of space, with its defaults, in the menu's order.
 
     ``methods`` is the add-on's ``core.methods``, ``native`` the compiled module. So a method that the
     registry gains is in the matrix. One that edits animations is left out: on a still mesh it is another row.
     """
     for method in methods.METHODS:
-        if method.is_space or method.keyed or method.control is not methods.Control.HANDLES:
+        if method.keyed or method.control is not methods.Control.HANDLES:
+            continue
+        if method.is_space:
+            yield method.label, space_solve(methods, native, method.id)
             continue
         choice = next((p for p in method.parameters if p.id == SPLIT.get(method.id)), None)
         if choice is None:
@@ -43,6 +46,29 @@ def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: 
         made = _made(methods, native, method, mesh, options)
         made.set_handles(list(case.handles))
         return made.solve(case.poses, **_values(method, False, options))[0]
+
+    return solve
+
+
+def space_solve(methods: ModuleType, native: ModuleType, name: str) -> Solve:
+    """A space method that the vertices of the handles move, with its defaults."""
+    method = methods.BY_ID[name]
+
+    def solve(case: Case) -> np.ndarray:
+        parts = [case.points[handle] for handle in case.handles]
+        given = {"counts": [len(part) for part in parts]} if method.poses_maps else {}
+        options = _values(method, True, {}) | given
+        places = np.concatenate(parts)
+        if method.wraps:
+            base = methods.wrapped(method)[0]
+            options["base"] = getattr(native, base.native)(places, **(_values(base, True, {}) | given))
+            options["mesh"] = native.SurfaceMesh(case.points, case.triangles)
+        made = getattr(native, method.native)(places, **options)
+        made.bind(case.points)
+        if method.poses_maps:
+            parts = np.split(made.control, [4])
+        posed = [part @ pose[:, :3].T + pose[:, 3] for part, pose in zip(parts, case.poses)]
+        return made.warp(np.concatenate(posed))
 
     return solve
 
