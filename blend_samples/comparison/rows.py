@@ -45,7 +45,7 @@ def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: 
         if method.control is methods.Control.LATTICE:
             return _by_lattice(native, method, case, options)
         if method.is_space:
-            return _by_points(native, method, case, options)
+            return _by_points(methods, native, method, case, options)
         mesh = native.SurfaceMesh(case.points, case.triangles)
         made = _made(methods, native, method, mesh, options)
         made.set_handles(list(case.handles))
@@ -54,21 +54,26 @@ def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: 
     return solve
 
 
-def _by_points(native: ModuleType, method, case: Case, options: dict[str, object]) -> np.ndarray:
+def _by_points(
+    methods: ModuleType, native: ModuleType, method, case: Case, options: dict[str, object]
+) -> np.ndarray:
     """The vertices of both handles are the points that move space."""
     held = [case.points[handle] for handle in case.handles]
     points, counts = np.concatenate(held), [len(own) for own in held]
+    mesh = native.SurfaceMesh(case.points, case.triangles)
     make, values = getattr(native, method.native), _values(method, True, options)
     if hasattr(make, "warp_poses"):
-        around = make(native.SurfaceMesh(case.points, case.triangles), points, counts, **values)
+        around = make(mesh, points, counts, **values)
         around.bind(case.points)
         return around.warp_poses(case.poses)
-    if method.poses_maps:  # each handle has four points of control
-        made = make(points, counts=counts, **values)
-        controls = np.split(made.control, len(case.handles))
-    else:
-        made, controls = make(points, **values), held
+    given = {"counts": counts} if method.poses_maps else {}
+    if method.wraps:
+        base = methods.wrapped(method)[0]
+        inner = getattr(native, base.native)(points, **_values(base, True, {}), **given)
+        values |= {"mesh": mesh, "base": inner}
+    made = make(points, **values, **given)
     made.bind(case.points)
+    controls = np.split(made.control, len(held)) if method.poses_maps else held
     posed = [own @ pose[:, :3].T + pose[:, 3] for own, pose in zip(controls, case.poses)]
     return made.warp(np.concatenate(posed))
 

@@ -125,9 +125,9 @@ def test_compare_adds_a_row_or_a_column(tmp_path: Path) -> None:
     assert "not" in rows["short"]["bar"]["refused"]
 
 
-def test_every_surface_method_has_a_row() -> None:
+def test_every_method_that_regions_steer_has_a_row() -> None:
     rows = [name for name, _solve in registry_rows(methods, sn)]
-    steered = [m for m in methods.METHODS if not m.is_space and m.control is methods.Control.HANDLES]
+    steered = [m for m in methods.METHODS if m.control is methods.Control.HANDLES]
     wanted = [m for m in steered if not m.keyed]
     assert all(any(row.split(":")[0] == method.label for row in rows) for method in wanted)
     assert sum(row.startswith("Multiresolution: ") for row in rows) == 4
@@ -153,7 +153,9 @@ def test_every_row_puts_the_handles_where_they_belong(name: str, solve) -> None:
     found = filled([("bar", bar(4))], [(name, solve)], refusals=(sn.Error,)).cells[name, "bar"]
     if found.distortion is None:
         pytest.skip(found.refusal)
-    assert found.distortion.handle_error < 1e-9
+    spatial = {method.label for method in methods.METHODS if method.is_space}
+    # Space methods keep weights in single precision, and Rbf meets handles to a tolerance of their moves.
+    assert found.distortion.handle_error < (1e-3 if name in spatial else 1e-9)
 
 
 # What the tutorial and the survey say, section 4.6.

@@ -8,12 +8,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace sinew {
 
 namespace {
 
 constexpr int panel = 64;       ///< rows that are completed at once
+constexpr int strip = 16;       ///< of these rows, which are solved for without products
 constexpr int tile = 128;       ///< columns whose part of a panel stays in a cache
 constexpr int row_padding = 16; ///< numbers; without them, rows of 2^k numbers would compete for cache lines
 constexpr double least_pivot = 1e-14; ///< as a share of the largest entry of the diagonal
@@ -62,16 +64,31 @@ int DenseCholesky::factorize(const Progress& progress, const char* stage)
             for (int i = k + 1; i < end; ++i)
                 subtract(row(i) + i, row(k)[i], row(k) + i, end - i);
         }
-        parallel_chunks(width, 256, [&](int from, int to) {
-            for (int k = begin; k < end; ++k) {
-                double* const line = row(k) + end + from;
-                for (int j = begin; j < k; ++j)
-                    subtract(line, row(j)[k], row(j) + end + from, to - from);
-                const double scale = 1.0 / row(k)[k];
-                for (int j = 0; j < to - from; ++j)
-                    line[j] *= scale;
+        for (int first = begin; first < end; first += strip) {
+            const int last = std::min(first + strip, end), before = first - begin, some = last - first;
+            if (before > 0 && width > 0) { // the rows before, as a product
+                std::vector<double> above(static_cast<std::size_t>(some * before));
+                for (int k = 0; k < some; ++k)
+                    for (int j = 0; j < before; ++j)
+                        above[static_cast<std::size_t>(k * before + j)] = row(begin + j)[first + k];
+                for (int at = 0; at < width; at += tile) {
+                    const PackedColumns known(row(begin) + end + at, before, std::min(tile, width - at),
+                                              stride_, -1.0);
+                    known.multiply_add(above.data(), before, some, row(first) + end + at,
+                                       static_cast<int>(stride_));
+                }
             }
-        });
+            parallel_chunks(width, 256, [&](int from, int to) {
+                for (int k = first; k < last; ++k) {
+                    double* const line = row(k) + end + from;
+                    for (int j = first; j < k; ++j)
+                        subtract(line, row(j)[k], row(j) + end + from, to - from);
+                    const double scale = 1.0 / row(k)[k];
+                    for (int j = 0; j < to - from; ++j)
+                        line[j] *= scale;
+                }
+            });
+        }
         turned.resize(static_cast<std::size_t>(width) * height);
         parallel_for(
             width,

@@ -5,7 +5,6 @@
 #include "native/core/parallel.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include <algorithm>
@@ -108,25 +107,6 @@ Block orthogonal(const MatrixX& A, const Eigen::RowVectorXd& lengths)
     return block;
 }
 
-/// Points that determine polynomials, and the values of their Lagrange polynomials at all points.
-struct Base
-{
-    std::vector<int> points;
-    MatrixX lagrange; ///< (m, count)
-
-    explicit Base(const MatrixX& P)
-    {
-        const Eigen::ColPivHouseholderQR<MatrixX> qr(P.transpose());
-        MatrixX own(P.cols(), P.cols());
-        for (Eigen::Index k = 0; k < P.cols(); ++k) {
-            points.push_back(static_cast<int>(qr.colsPermutation().indices()[k]));
-            own.row(k) = P.row(points.back());
-        }
-        if (P.cols() > 0)
-            lagrange = own.transpose().partialPivLu().solve(P.transpose()).transpose();
-    }
-};
-
 Points rows_of(const Points& points, const std::vector<int>& rows)
 {
     Points some(static_cast<Eigen::Index>(rows.size()), 3);
@@ -185,7 +165,7 @@ RbfFit fit_incrementally(const Points& points, const RowMatrix& values, const Rb
     const int m = static_cast<int>(points.rows()), q = polynomials.count();
     most = std::min(most, m - q);
     const MatrixX P = polynomials.evaluate(points);
-    const Base base(P);
+    const LagrangeBase base(P);
     const Points base_points = rows_of(points, base.points);
     const RowMatrix at_base = rbf_values(basis, points, base_points);
     Chooser chooser(points);

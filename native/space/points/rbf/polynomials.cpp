@@ -3,6 +3,7 @@
 
 #include "native/core/symmetric.h"
 
+#include <Eigen/LU>
 #include <Eigen/QR>
 
 #include <cmath>
@@ -89,6 +90,20 @@ std::string Polynomials::remark() const
         text += std::string(shape[degree_ + 1]) + ": " + shape[degree_] + " are used instead";
     }
     return text;
+}
+
+LagrangeBase::LagrangeBase(const MatrixX& P) : lagrange(P.rows(), P.cols()), inverse(P.cols(), P.cols())
+{
+    if (P.cols() == 0)
+        return;
+    const Eigen::ColPivHouseholderQR<MatrixX> qr(P.transpose());
+    MatrixX own(P.cols(), P.cols());
+    for (Eigen::Index k = 0; k < P.cols(); ++k) {
+        points.push_back(static_cast<int>(qr.colsPermutation().indices()[k]));
+        own.row(k) = P.row(points.back());
+    }
+    inverse = own.inverse();
+    lagrange = P * inverse;
 }
 
 } // namespace sinew

@@ -4,6 +4,7 @@
 #include "native/core/types.h"
 
 #include <string>
+#include <vector>
 
 namespace sinew {
 
@@ -39,6 +40,19 @@ private:
     int asked_ = -1, degree_ = -1, count_ = 0, dimensions_ = 3;
     Vector3 centre_ = Vector3::Zero();
     Matrix3 axes_ = Matrix3::Identity(); ///< rows, the first `dimensions_` of which count
+};
+
+/// Points that determine the polynomials, as many as these, and at all points the values of the polynomials
+/// that are 1 at one of them and 0 at the others.
+struct LagrangeBase
+{
+    LagrangeBase() = default;
+    /// \param P  (c, count) of Polynomials::evaluate(), of full rank.
+    explicit LagrangeBase(const MatrixX& P);
+
+    std::vector<int> points;
+    MatrixX lagrange; ///< (c, count)
+    MatrixX inverse;  ///< (count, count) of the rows of P at these points
 };
 
 } // namespace sinew

@@ -4,6 +4,7 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/solvers/dense/system.h"
 
 #include <algorithm>
 #include <array>
@@ -54,35 +55,70 @@ void RbfSystem::factorize_dense(const Points& centres, const RbfBasis& basis, co
                                 const Progress& progress)
 {
     const int q = polynomials_, free = count_ - q;
-    require_memory(2 * DenseCholesky::bytes(count_), "the system of radial basis functions");
     progress.tick(0.0, "computing radial functions");
-    RowMatrix Phi = rbf_values(basis, centres, centres);
-    qr_ = std::make_unique<Eigen::HouseholderQR<MatrixX>>(P);
-    // Q^T Phi Q, one reflection I - tau v v^T after the other, from both sides at once.
+    base_ = LagrangeBase(P);
+    Points z(q, 3), places(free, 3);
+    std::vector<char> in_base(static_cast<std::size_t>(count_), 0);
     for (int k = 0; k < q; ++k) {
-        const double tau = qr_->hCoeffs()[k];
-        VectorX v = VectorX::Zero(count_);
-        v[k] = 1.0;
-        v.tail(count_ - k - 1) = qr_->matrixQR().col(k).tail(count_ - k - 1);
-        VectorX u(count_);
-        parallel_for(count_, [&](int i) { u[i] = tau * Phi.row(i).dot(v); }, 128);
-        const VectorX w = u - (0.5 * tau * u.dot(v)) * v;
-        parallel_for(count_, [&](int i) { Phi.row(i) -= v[i] * w.transpose() + w[i] * v.transpose(); }, 128);
+        in_base[static_cast<std::size_t>(base_.points[k])] = 1;
+        z.row(k) = centres.row(base_.points[k]);
     }
-    beside_ = Phi.topRightCorner(q, free);
-    const double largest = free > 0 ? Phi.diagonal().tail(free).maxCoeff() : 0.0;
+    for (int i = 0; i < count_; ++i)
+        if (!in_base[static_cast<std::size_t>(i)]) {
+            places.row(static_cast<Eigen::Index>(others_.size())) = centres.row(i);
+            others_.push_back(i);
+        }
+    at_base_ = rbf_values(basis, centres, z);
+    MatrixX lagrange(free, q), half(free, q), at_z(q, q);
+    for (int k = 0; k < q; ++k)
+        at_z.row(k) = at_base_.row(base_.points[k]);
+    for (int i = 0; i < free; ++i) {
+        lagrange.row(i) = base_.lagrange.row(others_[i]);
+        half.row(i) = at_base_.row(others_[i]);
+    }
+    half -= 0.5 * lagrange * at_z;
     for (const double softness : softnesses) {
         dense_ = DenseCholesky(free);
-        for (int i = 0; i < free; ++i) {
-            std::copy_n(Phi.row(q + i).data() + q + i, free - i, dense_.row(i) + i);
+        fill(places, basis, lagrange, half);
+        double largest = 0.0;
+        for (int i = 0; i < free; ++i)
+            largest = std::max(largest, dense_.row(i)[i]);
+        for (int i = 0; i < free; ++i)
             dense_.row(i)[i] += softness * largest;
-        }
         softness_ = softness;
         if (dense_.factorize(progress, "factorising") < 0)
             return;
     }
     throw FactorizationFailed(
         "the system of radial basis functions is singular: handle points are too close");
+}
+
+/// psi at the upper triangle: phi - L half^T - half L^T.
+void RbfSystem::fill(const Points& others, const RbfBasis& basis, const MatrixX& lagrange,
+                     const MatrixX& half)
+{
+    const auto values = widest_kernels<RbfKernels>().values[static_cast<int>(basis.function)];
+    const int free = static_cast<int>(others.rows()), q = static_cast<int>(lagrange.cols());
+    // What is subtracted is a product of (free, 2 q) with (2 q, free).
+    RowMatrix left(free, 2 * q), right(2 * q, free);
+    left << -lagrange, -half;
+    right << half.transpose(), lagrange.transpose();
+    const PackedColumns packed(right.data(), 2 * q, free, static_cast<std::size_t>(free));
+    parallel_chunks(free, 8, [&](int begin, int end) {
+        std::array<double, 24> eight{};
+        std::vector<double> found(8 * static_cast<std::size_t>(free - begin));
+        for (int k = 0; k < 3; ++k)
+            for (int i = begin; i < end; ++i)
+                eight[8 * k + (i - begin)] = others(i, k);
+        values(others.data() + 3 * static_cast<std::size_t>(begin), free - begin, basis.scale, eight.data(),
+               found.data());
+        for (int i = begin; i < end; ++i)
+            for (int j = begin; j < free; ++j)
+                dense_.row(i)[j] = found[8 * static_cast<std::size_t>(j - begin) + (i - begin)];
+        const int stride = static_cast<int>(dense_.row(1) - dense_.row(0));
+        if (q > 0)
+            packed.multiply_add(left.row(begin).data(), 2 * q, end - begin, dense_.row(begin), stride);
+    });
 }
 
 void RbfSystem::factorize_sparse(const Points& centres, const RbfBasis& basis, const RowMatrix& P,
@@ -152,27 +188,29 @@ RbfCoefficients RbfSystem::solve(const RowMatrix& values) const
         }
         return found;
     }
-    MatrixX turned = values;
-    turned.applyOnTheLeft(qr_->householderQ().adjoint());
-    RowMatrix y = turned.bottomRows(free);
+    MatrixX at_z(q, values.cols());
+    for (int k = 0; k < q; ++k)
+        at_z.row(k) = values.row(base_.points[k]);
+    RowMatrix y(free, values.cols());
+    for (int i = 0; i < free; ++i)
+        y.row(i) = values.row(others_[i]) - base_.lagrange.row(others_[i]) * at_z;
     dense_.solve(y);
     RbfCoefficients found;
-    found.polynomial = turned.topRows(q) - beside_ * y;
-    if (q > 0) {
-        MatrixX a = found.polynomial;
-        qr_->matrixQR().topRows(q).triangularView<Eigen::Upper>().solveInPlace(a);
-        found.polynomial = a;
+    found.weights = RowMatrix::Zero(count_, values.cols());
+    MatrixX sum = MatrixX::Zero(q, values.cols());
+    for (int i = 0; i < free; ++i) {
+        found.weights.row(others_[i]) = y.row(i);
+        sum -= base_.lagrange.row(others_[i]).transpose() * y.row(i);
     }
-    turned.topRows(q).setZero();
-    turned.bottomRows(free) = y;
-    turned.applyOnTheLeft(qr_->householderQ());
-    found.weights = turned;
+    for (int k = 0; k < q; ++k)
+        found.weights.row(base_.points[k]) = sum.row(k);
+    found.polynomial = base_.inverse * (at_z - at_base_.transpose() * found.weights);
     return found;
 }
 
 std::int64_t RbfSystem::bytes() const
 {
-    return sparse_ ? sparse_->bytes() : DenseCholesky::bytes(dense_.size()) + 8 * beside_.size();
+    return sparse_ ? sparse_->bytes() : DenseCholesky::bytes(dense_.size()) + 8 * at_base_.size();
 }
 
 } // namespace sinew

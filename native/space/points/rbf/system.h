@@ -8,10 +8,11 @@
 #include "native/space/points/rbf/kernels.h"
 #include "native/space/points/rbf/polynomials.h"
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace sinew {
 
@@ -34,9 +35,13 @@ struct RbfCoefficients
 
 /// The interpolants f(c_i) = f_i with sum_j w_j p(c_j) = 0 for all p, see Rbf.
 ///
-/// phi is positive definite on the weights that meet this condition. A global phi is projected to them with
-/// Householder's reflections, and factorised by a dense Cholesky factor; a compact one is factorised as a
-/// sparse matrix, and the condition is a Schur complement.
+/// phi is positive definite on the weights that meet this condition. With the base points z and their
+/// Lagrange polynomials L, a global phi becomes
+///
+///     psi(x, y) = phi(x, y) - L(x) phi(z, y) - phi(x, z) L(y)^T + L(x) phi(z, z) L(y)^T
+///
+/// which is positive definite at the other points, and gets a dense Cholesky factor. A compact phi is
+/// factorised as a sparse matrix, and the condition is a Schur complement.
 class RbfSystem
 {
 public:
@@ -58,14 +63,16 @@ public:
 private:
     void factorize_dense(const Points& centres, const RbfBasis& basis, const RowMatrix& P,
                          const Progress& progress);
+    void fill(const Points& others, const RbfBasis& basis, const MatrixX& lagrange, const MatrixX& half);
     void factorize_sparse(const Points& centres, const RbfBasis& basis, const RowMatrix& P,
                           const Progress& progress);
 
     int count_ = 0, polynomials_ = 0;
     double softness_ = 0.0;
-    std::unique_ptr<Eigen::HouseholderQR<MatrixX>> qr_; ///< of P
-    RowMatrix beside_; ///< Q_1^T Phi Q_2
-    DenseCholesky dense_;
+    LagrangeBase base_;
+    std::vector<int> others_; ///< the centres that are no base points
+    MatrixX at_base_;         ///< (c, count) phi at the base points
+    DenseCholesky dense_;     ///< of psi at the others
     std::unique_ptr<SpdFactor> sparse_;
     RowMatrix P_, solved_P_;                ///< of the sparse system: P, and Phi^-1 P
     std::unique_ptr<Eigen::LDLT<MatrixX>> schur_; ///< P^T Phi^-1 P
