@@ -144,7 +144,7 @@ def test_a_graph_moves_with_the_handles(paint, plate: Rig, method: str):
     def points() -> np.ndarray:
         """The middle of the bead of each node; beads come after the bars."""
         picture = paint(plate.obj, overlay="GRAPH")
-        count = int(picture.legend.note.split()[0])
+        count = int(picture.legend.note.split()[0].replace(",", ""))
         assert np.isfinite(picture.points).all()
         assert picture.triangles.max() == len(picture.points) - 1
         return picture.points[-6 * count :].reshape(count, 6, 3).mean(axis=1)
