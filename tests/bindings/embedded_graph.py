@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The energy of an embedded deformation by the paper's sums, and Gauss-Newton steps: an oracle, and a peer."""
+"""The energy of an embedded deformation by the paper's sums, and Gauss-Newton steps: oracle and peer."""
+
+from collections.abc import Iterator
 
 import numpy as np
 from scipy import sparse
@@ -80,7 +82,11 @@ class PaperEnergy:
         return float(np.sum(self.residual(flat) ** 2))
 
     def gauss_newton(self, steps: int = 60) -> np.ndarray:
-        """Damped steps from rest, each of which factorises the normal equations; until they rest."""
+        """The last of some damped steps from rest, of which each factorises the normal equations."""
+        return list(self.iterates(steps))[-1]
+
+    def iterates(self, steps: int) -> Iterator[np.ndarray]:
+        """The shapes after each step, until these rest."""
         flat = self.start().ravel()
         for _ in range(steps):
             J, r = self.jacobian(flat), self.residual(flat)
@@ -89,9 +95,9 @@ class PaperEnergy:
             while self.energy(flat - length * step) > before and length > 1e-6:
                 length *= 0.5
             flat = flat - length * step
+            yield flat
             if np.abs(step).max() < 1e-10:
-                break
-        return flat
+                return
 
     def warped(self, flat: np.ndarray, points: np.ndarray, weights: sparse.csr_matrix) -> np.ndarray:
         """Where the nodes take points (n, 3) that follow them by ``weights`` (n, m)."""

@@ -53,7 +53,7 @@ ROWS = (
         native="EmbeddedDeformation",
         section="7",
         paper="Sumner, Schmid & Pauly 2007",
-        summary="A graph of local motions takes anything along: scans of many parts, animations, point clouds",
+        summary="A graph of local motions takes anything along: scans of many parts, animations, clouds",
         iterative=False,
         moves=frozenset(Moved),
         bind_seconds=_graph_seconds,
@@ -104,8 +104,8 @@ ROWS = (
                 rebinds=True,
                 unit="weight",
                 label="Handle Strength",
-                description="How strongly handles hold their points. Higher values come closer to the handles, "
-                "and let the shape stretch more",
+                description="How strongly handles pull the nodes around them. Higher values come closer to "
+                "the handles, and let the shape stretch more",
             ),
             _ITERATIONS,
             _TOLERANCE,
@@ -149,7 +149,7 @@ ROWS = (
                 advanced=True,
                 unit="doublings",
                 label="Coarsening",
-                description="How often cells inside of the shape may double their size, away from the surface",
+                description="How often cells inside of closed surfaces may double their size",
             ),
             _ITERATIONS,
             _TOLERANCE,
