@@ -153,9 +153,12 @@ def test_every_row_puts_the_handles_where_they_belong(name: str, solve) -> None:
     found = filled([("bar", bar(4))], [(name, solve)], refusals=(sn.Error,)).cells[name, "bar"]
     if found.distortion is None:
         pytest.skip(found.refusal)
-    spatial = {method.label for method in methods.METHODS if method.is_space}
-    # Space methods keep weights in single precision, and Rbf meets handles to a tolerance of their moves.
-    assert found.distortion.handle_error < (1e-3 if name in spatial else 1e-9)
+    # Space methods keep weights in single precision, and Rbf meets handles to a tolerance of their moves. A
+    # lattice knows no handles: how near it comes, the figures say.
+    controls = {m.label: m.control for m in methods.METHODS if m.is_space}
+    control = controls.get(name.split(":")[0])
+    allowed = 1e-9 if control is None else 0.1 if control is methods.Control.LATTICE else 1e-3
+    assert found.distortion.handle_error < allowed
 
 
 # What the tutorial and the survey say, section 4.6.
