@@ -48,7 +48,8 @@ template <class Number>
 inline Moment moment(const FieldPiece& piece, Wide t, const Number* halfway, const Number* own)
 {
     const auto along = [&](const double* from, const double* way) -> Place {
-        return {constant(from[0]) + way[0] * t, constant(from[1]) + way[1] * t, constant(from[2]) + way[2] * t};
+        return {constant(from[0]) + way[0] * t, constant(from[1]) + way[1] * t,
+                constant(from[2]) + way[2] * t};
     };
     const auto turned = [](const double* axis, const double* side, const Number* turn) -> Place {
         return {constant(0.0) + (axis[0] * turn[0] + side[0] * turn[1]),
