@@ -53,16 +53,17 @@ TEST(NearNodes, has_four_nodes_per_vertex_with_the_weights_of_the_formula)
         for (const int node : near.nodes())
             straight.push_back((mesh.point(node) - mesh.point(v)).norm());
         std::ranges::sort(straight);
+        const double farthest = std::min(straight[4], 3.0 * near.radius());
         double sum = 0.0, first = 0.0;
         for (int k = 0; k < 4; ++k) {
-            const double w = std::pow(1.0 - straight[k] / straight[4], 2);
+            const double w = std::pow(std::max(0.0, 1.0 - straight[k] / farthest), 2);
             first = k == 0 ? w : first;
             sum += w;
         }
         double largest = 0.0;
         for (const auto& share : own)
             largest = std::max(largest, share.weight);
-        EXPECT_NEAR(largest, first / sum, 1e-9) << v;
+        EXPECT_NEAR(largest, first / sum, 2e-3) << v; // fronts stop at a ten-thousandth
     }
 }
 
