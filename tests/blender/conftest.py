@@ -12,6 +12,7 @@ import inside
 import installed
 import pytest
 from baking import animate
+from overlays import OPACITY
 from rig import (
     Rig,
     new_file,
@@ -146,3 +147,31 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 
 _STATUS = pytest.StashKey[int]()
 _PASSED = pytest.StashKey[bool]()
+
+
+@pytest.fixture
+def overlay(room, scene):
+    """``ui.overlay``, with its updates followed as with a window, and a known opacity."""
+    module = room("ui.overlay")
+    module.cache.clear()
+    preferences = room("preferences").preferences(bpy.context)
+    preferences.overlay_opacity = 1.0
+    bpy.context.scene.sinew.opacity = OPACITY
+    bpy.app.handlers.depsgraph_update_post.append(module.on_update)
+    yield module
+    bpy.app.handlers.depsgraph_update_post.remove(module.on_update)
+    preferences.property_unset("overlay_opacity")
+
+
+@pytest.fixture
+def paint(overlay, room):
+    """The picture of an object for some settings."""
+
+    def picture(obj: bpy.types.Object, **wanted):
+        for name, value in wanted.items():
+            setattr(bpy.context.scene.sinew, name, value)
+        look = room("ui.overlay_mesh").overlay_settings(bpy.context)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return overlay.cache.overlay_mesh(obj, obj.sinew.active, look, depsgraph)
+
+    return picture

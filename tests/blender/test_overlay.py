@@ -15,39 +15,11 @@ import pytest
 from cages import ball, box, mean_value, set_rest, surround
 from inside import RESULT
 from mathutils import Color, Matrix
+from overlays import OPACITY
 from rig import Rig, add_group, base_points, in_mode, make_active, move_world, new_empty, update
 
-OPACITY = 0.5
 SLACK = 1e-4  # a fortieth of what a screen can show; Blender's own conversion is a fast approximation
 KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "GRID", "BANDS", "GRAPH", "DISTORTION")
-
-
-@pytest.fixture
-def overlay(room, scene):
-    """``ui.overlay``, with its updates followed as with a window, and a known opacity."""
-    module = room("ui.overlay")
-    module.cache.clear()
-    preferences = room("preferences").preferences(bpy.context)
-    preferences.overlay_opacity = 1.0
-    bpy.context.scene.sinew.opacity = OPACITY
-    bpy.app.handlers.depsgraph_update_post.append(module.on_update)
-    yield module
-    bpy.app.handlers.depsgraph_update_post.remove(module.on_update)
-    preferences.property_unset("overlay_opacity")
-
-
-@pytest.fixture
-def paint(overlay, room):
-    """The picture of an object for some settings."""
-
-    def picture(obj: bpy.types.Object, **wanted):
-        for name, value in wanted.items():
-            setattr(bpy.context.scene.sinew, name, value)
-        look = room("ui.overlay_mesh").overlay_settings(bpy.context)
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        return overlay.cache.overlay_mesh(obj, obj.sinew.active, look, depsgraph)
-
-    return picture
 
 
 @pytest.fixture
@@ -135,29 +107,6 @@ def test_bands_lie_between_the_handles(paint, plate: Rig):
     assert not is_even(picture, np.concatenate((plate.top, plate.base)))
     plate.deformer.method = "thin_shell"
     assert paint(plate.obj, overlay="BANDS").legend.note == "Thin Shell has no bands"
-
-
-@pytest.mark.parametrize("method", ["embedded_deformation", "rigid_cells"])
-def test_a_graph_moves_with_the_handles(paint, plate: Rig, method: str):
-    plate.bind(method)
-
-    def points() -> np.ndarray:
-        """The middle of the bead of each node; beads come after the bars."""
-        picture = paint(plate.obj, overlay="GRAPH")
-        count = int(picture.legend.note.split()[0].replace(",", ""))
-        assert np.isfinite(picture.points).all()
-        assert picture.triangles.max() == len(picture.points) - 1
-        return picture.points[-6 * count :].reshape(count, 6, 3).mean(axis=1)
-
-    at_rest = points()
-    assert len(at_rest) > 20
-    assert np.abs(at_rest[:, 2]).max() < 0.2  # the plate is flat, and cells are cubes
-    plate.lift(1.0)
-    lifted = points() - at_rest
-    assert lifted[:, 2].max() > 0.9
-    assert lifted[:, 2].min() < 0.1
-    plate.deformer.method = "thin_shell"
-    assert paint(plate.obj, overlay="GRAPH").legend.note == "Thin Shell has no graph"
 
 
 def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate: Rig):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the nonlinear space methods do beyond what every method does: controls without a region, animations."""
+"""What only nonlinear space methods do: controls without a region, animations, graphs as overlays."""
 
 from __future__ import annotations
 
@@ -72,3 +72,26 @@ def test_embedded_deformation_edits_what_an_armature_has_posed(plate: Rig):
     plate.deformer.factor = 0.0
     update()
     np.testing.assert_allclose(posed, evaluated_points(plate.obj), atol=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_graph_moves_with_the_handles(paint, plate: Rig, method: str):
+    plate.bind(method)
+
+    def points() -> np.ndarray:
+        """The middle of the bead of each node; beads come after the bars."""
+        picture = paint(plate.obj, overlay="GRAPH")
+        count = int(picture.legend.note.split()[0].replace(",", ""))
+        assert np.isfinite(picture.points).all()
+        assert picture.triangles.max() == len(picture.points) - 1
+        return picture.points[-6 * count :].reshape(count, 6, 3).mean(axis=1)
+
+    at_rest = points()
+    assert len(at_rest) > 20
+    assert np.abs(at_rest[:, 2]).max() < 0.2  # the plate is flat, and cells are cubes
+    plate.lift(1.0)
+    lifted = points() - at_rest
+    assert lifted[:, 2].max() > 0.9
+    assert lifted[:, 2].min() < 0.1
+    plate.deformer.method = "thin_shell"
+    assert paint(plate.obj, overlay="GRAPH").legend.note == "Thin Shell has no graph"

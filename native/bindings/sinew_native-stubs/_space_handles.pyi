@@ -3,9 +3,9 @@ from typing import Any
 
 from numpy.typing import ArrayLike, NDArray
 
+from ._core import SolveReport
 from ._mesh import SurfaceMesh
 from ._space import SpaceMethod
-from ._core import SolveReport
 from ._types import Floats, Ints, Singles
 
 class HandleMethod(SpaceMethod):

@@ -334,7 +334,6 @@ class SilhouetteSketch:
 def silhouette_lines(
     mesh: SurfaceMesh, axes: ArrayLike, eye: ArrayLike | None = None
 ) -> list[tuple[Ints, Floats, bool]]: ...
-
 def fit_stroke(
     mesh: SurfaceMesh,
     stroke: ArrayLike,
