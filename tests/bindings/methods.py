@@ -28,10 +28,10 @@ SPACE_METHODS = methods_of(sn.SpaceMethod)
 
 
 def made(method: type, mesh: sn.SurfaceMesh, **options: object):
-    """A method on a mesh, or moved by its vertices, or around a thin shell."""
+    """A method on a mesh, or moved by its vertices, or around another one."""
     given = {"mesh": mesh, "cage": mesh, "points": mesh.points}
     if "base" in required(method):
-        given["base"] = sn.ThinShell(mesh)
+        given["base"] = sn.Rbf(mesh.points) if issubclass(method, sn.SpaceMethod) else sn.ThinShell(mesh)
     return method(**{word: given[word] for word in required(method)}, **options)
 
 
