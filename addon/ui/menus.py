@@ -168,6 +168,7 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.PUPPET_PIN, icon="PINNED")
     layout.operator(Operators.PUPPET_RIG, icon="BONE_DATA")
     layout.separator()
+    layout.operator_menu_enum(Operators.POINT_ADD, "source", icon="EMPTY_AXIS")
     layout.operator(Operators.GRAB_REGION, icon="VIEW_PAN")
     layout.operator(Operators.SILHOUETTE_SKETCH, icon="GREASEPENCIL")
     layout.separator()

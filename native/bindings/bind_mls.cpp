@@ -50,8 +50,8 @@ it. bind() computes the weights of all handles at each point; a frame fits one m
             }),
             py::arg("points"), py::arg("counts") = py::none(), py::kw_only(), py::arg("maps") = "rigid",
             py::arg("alpha") = 1.0, py::arg("segments") = py::none(), py::arg("precision") = "single",
-            (handle_points_doc +
-             R"(maps       that are fitted: 'rigid', 'similarity' (with one scale), or 'affine', which needs four points that lie in no
+            with_handle_points(
+                R"(maps       that are fitted: 'rigid', 'similarity' (with one scale), or 'affine', which needs four points that lie in no
            plane; else rigid maps are used, and the report says so.
 alpha      > 0, weights are distance^(-2 alpha): the larger, the nearer the handles are that count.
 segments   (s, 2) pairs of points that are handles of their own: the segment between them is the handle instead.

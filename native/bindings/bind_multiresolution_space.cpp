@@ -34,8 +34,8 @@ base where it bends. Vertices at handle points have no details, so handles are m
              py::arg("points"), py::arg("base").none(false), py::arg("mesh"), py::arg("counts") = py::none(),
              py::kw_only(), py::arg("details") = "displacement_vectors", py::arg("wavelength") = 10.0,
              py::arg("bands") = 1,
-             (handle_points_doc +
-              R"(base       SpaceMethod on the same handles. It belongs to this object from now on.
+             with_handle_points(
+                 R"(base       SpaceMethod on the same handles. It belongs to this object from now on.
 mesh       SurfaceMesh, the rest shape; all of its vertices can be bound, or some.
 details    how the details are stored: 'displacement_vectors', 'normal_displacements', 'displacement_volumes' or
            'deformation_transfer', as in Multiresolution.

@@ -37,8 +37,8 @@ handles of several points is a product with 4 functions per handle, and that of 
             py::arg("points"), py::arg("counts") = py::none(), py::kw_only(),
             py::arg("kernel") = "triharmonic", py::arg("degree") = 2, py::arg("radius") = 0.5,
             py::arg("tolerance") = 1e-4, py::arg("precision") = "single",
-            (handle_points_doc +
-             R"(kernel     'triharmonic' (r^3, the smoothest), 'biharmonic' (-r), or a compact one: 'wendland_c0', 'wendland_c2' or
+            with_handle_points(
+                R"(kernel     'triharmonic' (r^3, the smoothest), 'biharmonic' (-r), or a compact one: 'wendland_c0', 'wendland_c2' or
            'wendland_c4'.
 degree     -1 to 2, of the polynomials that are reproduced. The triharmonic kernel uses at least 1, the biharmonic one
            0 or 1, compact ones at most 1. With -1, a compact kernel leaves points beyond its radius at rest.

@@ -27,12 +27,15 @@ inline HandlePoints handle_points(const py::object& given, const py::object& cou
     return HandlePoints(view, std::move(of_handles));
 }
 
-/// What the constructors of methods on handle points say about these.
-inline const std::string handle_points_doc = R"(
+/// What the constructors of methods on handle points say about these, and then about their own arguments.
+inline std::string with_handle_points(const char* own)
+{
+    return std::string(R"(
 points     (c, 3) the points of the handles at rest, handle after handle.
 counts     (k,) how many points each handle has; None if each point is a handle, which moves it anywhere. A handle of
            more points moves them by one affine map.
-)";
+)") + own;
+}
 
 /// The class of a method on handle points, with what all of them have. The caller adds a constructor.
 template <class Method>

@@ -34,10 +34,10 @@ def control(method: type, mesh: sn.SurfaceMesh) -> np.ndarray:
 
 
 def made(method: type, mesh: sn.SurfaceMesh, **options: object):
-    """A method on a mesh, or moved by its vertices, or around a thin shell."""
+    """A method on a mesh, or moved by its vertices, or around another one."""
     given = {"mesh": mesh, "cage": mesh, "points": control(method, mesh)}
     if "base" in required(method):
-        given["base"] = sn.ThinShell(mesh)
+        given["base"] = sn.Rbf(mesh.points) if issubclass(method, sn.SpaceMethod) else sn.ThinShell(mesh)
     return method(**{word: given[word] for word in required(method)}, **options)
 
 

@@ -261,6 +261,8 @@ def test_surface_methods_agree_on_shapes_and_refusals(name: str) -> None:
 def test_space_methods_agree_on_shapes_and_refusals(name: str) -> None:
     method, points = made(name), np.random.default_rng(1).uniform(0.2, 0.8, (20, 3))
     control = methods.control(PUBLIC[name], CUBE)
+    if "base" in methods.required(type(method)):  # the vertices of its mesh alone can be bound
+        points = CUBE.points[np.arange(20) % 8]
     with pytest.raises(sn.InvalidConstraint):
         method.warp(control)
     report = method.bind(points)

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Space methods on handle points next to SciPy's interpolator and to NumPy, point by point."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import RBFInterpolator
+
+import sinew_native as sn
+
+RANDOM = np.random.default_rng(7)
+HANDLES = RANDOM.uniform(-1.0, 2.0, (60, 3))
+POINTS = RANDOM.uniform(-1.2, 2.2, (150, 3))
+MOVES = RANDOM.uniform(-0.3, 0.3, HANDLES.shape)
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+
+
+@pytest.mark.parametrize(
+    ("kernel", "scipy", "degree"), [("triharmonic", "cubic", 2), ("biharmonic", "linear", 1)]
+)
+def test_rbf_is_scipys_interpolant(kernel: str, scipy: str, degree: int) -> None:
+    rbf = sn.Rbf(HANDLES, kernel=kernel)
+    assert rbf.bind(POINTS).remarks == []
+    expected = RBFInterpolator(HANDLES, MOVES, kernel=scipy, degree=degree)(POINTS)
+    assert np.abs(rbf.warp(HANDLES + MOVES) - POINTS - expected).max() < 1e-10
+    assert len(rbf.centres) == len(HANDLES)
+
+
+def rigid(v: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    w = 1.0 / ((p - v) ** 2).sum(axis=1)
+    a, b = w @ p / w.sum(), w @ q / w.sum()
+    u, _s, vt = np.linalg.svd((q - b).T @ ((p - a) * w[:, None]))
+    turn = u @ np.diag((1.0, 1.0, np.sign(np.linalg.det(u @ vt)))) @ vt
+    return turn @ (v - a) + b
+
+
+def test_mls_is_numpys_at_each_point() -> None:
+    mls = sn.Mls(HANDLES, precision="double")
+    mls.bind(POINTS)
+    expected = np.array([rigid(v, HANDLES, HANDLES + MOVES) for v in POINTS])
+    assert np.abs(mls.warp(HANDLES + MOVES) - expected).max() < 1e-10
+
+
+@pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation])
+def test_handles_of_several_points_are_posed_by_their_control(method: type) -> None:
+    counts = [20, 1, 39]
+    made = method(HANDLES, counts)
+    assert made.control.shape == (9, 3)
+    made.bind(POINTS)
+    assert np.array_equal(made.warp(made.control), POINTS)
+    out = np.zeros((len(POINTS), 3), np.float32)
+    assert made.warp(made.control @ TURN.T + 1.0, out=out) is out
+    if method is not sn.SpacePropagation:  # which has one handle without a turn: that of one point
+        assert np.abs(out - POINTS @ TURN.T - 1.0).max() < 1e-5
+    with pytest.raises(sn.InvalidConstraint):
+        made.warp(HANDLES)
+
+
+def test_multiresolution_puts_details_back_on_the_base_of_any_of_them() -> None:
+    x, y = (w.ravel() for w in np.meshgrid(np.arange(12.0), np.arange(9.0)))
+    points = np.stack((x, y, 0.3 * np.sin(2 * x) * np.cos(y)), -1)
+    a = (np.arange(8)[:, None] * 12 + np.arange(11)).ravel()
+    mesh = sn.SurfaceMesh(points, np.stack((a, a + 1, a + 13, a + 12), -1))
+    parts = [points[x < 1], points[x > 10]]
+    places, counts = np.concatenate(parts), [len(part) for part in parts]
+    for base in (sn.Rbf, sn.Mls, sn.SpacePropagation):
+        made = sn.MultiresolutionSpace(places, base(places, counts), mesh, counts, wavelength=6.0)
+        made.bind(points)
+        assert np.array_equal(made.warp(made.control), points)
+        moved = made.warp(made.control @ TURN.T + 1.0)
+        assert np.abs(moved - points @ TURN.T - 1.0).max() < 1e-5
+
+
+def test_refusals_name_handles() -> None:
+    twice = np.concatenate((HANDLES[:3], HANDLES[:1]))
+    rbf = sn.Rbf(twice)
+    rbf.bind(POINTS)
+    apart = twice.copy()
+    apart[3] += 1.0
+    with pytest.raises(sn.InvalidConstraint) as caught:
+        rbf.warp(apart)
+    assert (caught.value.element_kind, list(caught.value.elements)) == ("handle", [0, 3])
+    for wrong in ([], [60, 1], [59]):
+        with pytest.raises(sn.InvalidConstraint):
+            sn.Rbf(HANDLES, wrong)
+    for options in ({"kernel": "gauss"}, {"degree": 5}, {"radius": 0.0}):
+        with pytest.raises(sn.InvalidOption):
+            sn.Rbf(HANDLES, **options)
+    with pytest.raises(sn.InvalidConstraint):
+        sn.Mls(HANDLES, segments=[[0, 60]])
+    assert sn.Mls(HANDLES * (1, 1, 0), maps="affine").maps == "rigid"
