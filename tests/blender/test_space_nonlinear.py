@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the nonlinear space methods do beyond what every method does: controls without a region, animations."""
+"""What the nonlinear space methods do beyond what every method does: lone controls, curves, animations."""
 
 from __future__ import annotations
 
