@@ -75,8 +75,8 @@ def has_target(operator: type, context: Context, mesh: bool = False) -> bool:
     if mesh and not session.is_mesh(obj):
         label = session.label(obj)
         operator.poll_message_set(
-            f"{obj.name} is a {label} object without regions - add a cage, a lattice, wires or handle points, "
-            "or convert it to a mesh"
+            f"{obj.name} is a {label} object without regions - add a cage, a lattice, wires or handle "
+            "points, or convert it to a mesh"
         )
         return False
     return True
