@@ -24,6 +24,9 @@ WITH_HANDLES = with_control(Control.HANDLES)
 WITH_CAGE = with_control(Control.CAGE)
 ON_SURFACE = tuple(method for method in WITH_HANDLES if not BY_ID[method].is_space)
 ON_HANDLE_POINTS = tuple(method for method in WITH_HANDLES if BY_ID[method].is_space)
+RIGID_ON_HANDLE_POINTS = tuple(
+    name for name in ON_HANDLE_POINTS if BY_ID[name].reproduces is not _methods.Reproduced.REST
+)
 GRABBING = tuple(method for method in ON_SURFACE if not BY_ID[method].wraps)  # those of Grab Region
 
 

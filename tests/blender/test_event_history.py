@@ -26,6 +26,7 @@ from rig import (
     update,
 )
 from rigs import HandleRig
+from test_undo_of_controls import BUTTONS
 
 LIFT = Matrix.Translation((0.0, 0.0, 0.5))
 
@@ -246,10 +247,10 @@ def test_every_operator_has_its_undo_tested():
     names = set(dir(bpy.ops.sinew))
     options = {name: getattr(getattr(bpy.types, f"SINEW_OT_{name}"), "bl_options", ()) for name in names}
     with_undo = {name for name in names if "UNDO" in options[name]}
-    # In tests of words, methods, transfers, sketches, keys, morphs, puppets and control grids.
+    # In tests of words, methods, transfers, sketches, keys, morphs, puppets, grids and other controls.
     elsewhere = {"control_new", "preset_apply", "curve_edit", "transfer_deformation", "silhouette_sketch"}
     elsewhere |= {"key_add", "key_move", "key_remove", "morph", "grid_new"}
-    elsewhere |= {"puppet_pin", "puppet_pose", "puppet_rig"}
+    elsewhere |= {"puppet_pin", "puppet_pose", "puppet_rig", *BUTTONS}
     assert with_undo == set(OPERATORS) | set(IN_EDIT_MODE) | elsewhere
     assert names - with_undo <= {"cancel", "check_installation", "help", "key_jump", "preset_add", "watch"}
 

@@ -9,7 +9,7 @@ import pytest
 from inside import notes_of
 from mathutils import Matrix, Vector
 from point_objects import bezier
-from registry import ON_HANDLE_POINTS
+from registry import RIGID_ON_HANDLE_POINTS
 from rig import base_points, evaluated_points, grid_object, make_active, move_world, new_empty, update
 
 PLACES = ((-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0.6), (0, 0, -0.5))
@@ -40,7 +40,9 @@ def moved_by(matrix: Matrix, points: np.ndarray) -> np.ndarray:
     return points @ array[:3, :3].T + array[:3, 3]
 
 
-@pytest.mark.parametrize("method", [name for name in ON_HANDLE_POINTS if name != "multiresolution_space"])
+@pytest.mark.parametrize(
+    "method", [name for name in RIGID_ON_HANDLE_POINTS if name != "multiresolution_space"]
+)
 def test_empties_together_carry_a_mesh_without_vertex_groups_rigidly(method: str):
     plate, controls = grid_object(), empties()
     before = base_points(plate)
