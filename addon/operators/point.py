@@ -6,7 +6,7 @@ from bpy.types import Context, Object, Operator
 
 from .. import session
 from ..core.errors import SinewError
-from ..core.methods import METHODS, Control
+from ..core.methods import DEFAULT_POINT_METHOD, METHODS, Control
 from ..ids import Operators
 from .reporting import reports_errors
 from .target import has_target, object_mode, target_of
@@ -50,7 +50,7 @@ class SINEW_OT_point_add(BindingOperator, Operator):
     method: EnumProperty(
         name="Method",
         items=tuple((method.id, method.label, method.summary, method.number) for method in _METHODS),
-        default="rbf",
+        default=DEFAULT_POINT_METHOD,
         description="How space follows the handles, for an object that has no deformer yet",
     )
 

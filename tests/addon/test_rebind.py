@@ -58,9 +58,10 @@ def solved(factor, count: int) -> np.ndarray:
 def same_as_new(backend, factor, wanted) -> None:
     """To rounding: another order of elimination is allowed."""
     new = backend.build_factor(wanted)
-    count = len(wanted.control.vertices)
+    count = len(wanted.control.counts if wanted.method.is_space else wanted.control.vertices)
     np.testing.assert_allclose(solved(factor, count), solved(new, count), rtol=0.0, atol=1e-6)
-    assert factor.report.free_parts == new.report.free_parts
+    if not wanted.method.is_space:
+        assert factor.report.free_parts == new.report.free_parts
 
 
 @pytest.mark.parametrize("method", ON_SURFACE)
@@ -143,7 +144,9 @@ def test_another_option_updates_the_factor_or_leaves_it_as_it_is(backend, method
     else:
         updated = backend.build_factor(wanted, None, prepared)
         assert factor.is_released
-        assert (updated.report.reuse, updated.report.changed) == ("updated", name)
+        # What a space method reads in each warp alone is no part of its weights.
+        kept = ("kept", "") if BY_ID[method].is_space else None
+        assert (updated.report.reuse, updated.report.changed) in (("updated", name), kept)
         same_as_new(backend, updated, wanted)
 
 

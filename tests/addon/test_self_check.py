@@ -29,14 +29,16 @@ def parts(text: str) -> dict[str, list[str]]:
 def break_methods(backend, monkeypatch: pytest.MonkeyPatch) -> None:
     """Surface methods return what is no number, space methods what is wrong by a four-thousandth."""
     module = backend.availability().module
-    solve, warp = module.SurfaceMethod.solve, module.SpaceMethod.warp
+    solve = module.SurfaceMethod.solve
 
     def no_number(*args: object, **options: object) -> tuple:
         shape, report = solve(*args, **options)
         return shape * np.nan, report
 
     monkeypatch.setattr(module.SurfaceMethod, "solve", no_number)
-    monkeypatch.setattr(module.SpaceMethod, "warp", lambda *args, **options: warp(*args, **options) + 1e-3)
+    for owner, name in ((module.SpaceMethod, "warp"), (module.HandleMethod, "warp_poses")):
+        right = getattr(owner, name)
+        monkeypatch.setattr(owner, name, lambda *args, right=right, **options: right(*args, **options) + 1e-3)
 
 
 def test_every_answer_of_every_method_is_right(backend):
