@@ -181,7 +181,10 @@ class Oracle:
         members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
         if row.is_space:
             warp = space_warp(row, rest, faces, [rest[rows] for rows in members], options)
-            return warp(poses, incoming), 0.0
+            try:
+                return warp(poses, incoming), 0.0
+            except self.native.InvalidConstraint as error:  # as of one place that two handles pull apart
+                raise Refusal(str(error)) from error
         mesh = self.native.SurfaceMesh(rest, faces)
         steps = steps_of(row, options)
         try:

@@ -51,9 +51,9 @@ class HandleRig(Rig):
         return cls(grid_object(name))
 
     @classmethod
-    def large(cls) -> HandleRig:
+    def large(cls, cells: int = 60) -> HandleRig:
         """One whose bind needs 0.11 MB or more: a thousand times that where handles are many points."""
-        return cls(grid_object(cells=60))
+        return cls(grid_object(cells=cells))
 
     @property
     def control_size(self) -> int:

@@ -40,7 +40,7 @@ def _graph_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
 
 def _cells_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     """The shape is filled some times until the number of cells fits."""
-    return 3e-5 * points + 2e-7 * size + 1e-4 * options["cells"]
+    return 7e-6 * points + 2e-7 * size + 2.5e-5 * options["cells"]
 
 
 ROWS = (

@@ -64,7 +64,8 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     if len(request.unused) > _NAMED:
         lines.append(Status(Level.WARNING, f"{len(request.unused) - _NAMED:,} more regions are not used"))
     if request.recipe.method.is_space:
-        return (*lines, *(Status(Level.WARNING, remark) for remark in report.remarks))
+        remarks = report.remarks if report is not None else ()
+        return (*lines, *(Status(Level.WARNING, remark) for remark in remarks))
     riding, staying = len(report.rides), report.free_parts
     if riding:
         text = "1 loose part follows" if riding == 1 else f"{riding:,} loose parts follow"
