@@ -110,7 +110,7 @@ def new_class(base: type) -> type:
             self.base = add_group(obj, "Base", lambda point: point[1] < -0.2)
 
         @classmethod
-        def new(cls, name: str = "Ball") -> LatticeRig:
+        def new(cls, name: str = "Marble") -> LatticeRig:
             return cls(small_ball(name, 2))
 
         @classmethod
