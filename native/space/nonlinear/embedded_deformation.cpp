@@ -140,12 +140,12 @@ void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Pr
     bound_ = std::move(next);
 }
 
-SolveReport EmbeddedDeformation::solve(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
+SolveReport EmbeddedDeformation::solve(const std::vector<HeldMotion>& motions, PointsView base, bool enters,
                                        Workspace& work) const
 {
     const Binding& own = *bound_;
-    std::vector<HandleMotion> moves = motions;
-    for (HandleMotion& motion : moves)
+    std::vector<HeldMotion> moves = motions;
+    for (HeldMotion& motion : moves)
         motion.move /= own.edge;
     work.shape = own.energy.rest();
     if (enters) {
@@ -165,8 +165,8 @@ SolveReport EmbeddedDeformation::solve(const std::vector<HandleMotion>& motions,
                     {}, &work.descent);
 }
 
-SolveReport EmbeddedDeformation::deform(const std::vector<HandleMotion>& motions, PointsView base,
-                                        bool enters, PositionsOut out) const
+SolveReport EmbeddedDeformation::deform(const std::vector<HeldMotion>& motions, PointsView base, bool enters,
+                                        PositionsOut out) const
 {
     const Binding& own = *bound_;
     const auto work = own.workspaces.take([] { return std::make_unique<Workspace>(); });
@@ -217,7 +217,7 @@ RowMatrix EmbeddedDeformation::weights() const
     return W;
 }
 
-HandleMethod::Network EmbeddedDeformation::posed_network(const std::vector<HandleMotion>& motions,
+HandleMethod::Network EmbeddedDeformation::posed_network(const std::vector<HeldMotion>& motions,
                                                          PointsView base, bool enters) const
 {
     const Binding& own = bound();
@@ -234,8 +234,8 @@ EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Star
 {
     const AccessLock shared = reading();
     const Binding& own = bound();
-    std::vector<HandleMotion> motions = handles().motions(poses);
-    for (HandleMotion& motion : motions)
+    std::vector<HeldMotion> motions = handles().motions(poses);
+    for (HeldMotion& motion : motions)
         motion.move /= own.edge;
     EmbeddedProblem problem(own.energy, own.energy.rest(), motions);
     Answer result;

@@ -226,7 +226,7 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
 class RigidCells::Solve
 {
 public:
-    Solve(const Binding& bound, const std::vector<HandleMotion>& motions, Workspace& work)
+    Solve(const Binding& bound, const std::vector<HeldMotion>& motions, Workspace& work)
         : bound_(bound), work_(work), targets_{poses_, view(bound.rest), {}, nullptr}
     {
         // All is relative to the rigid motion of the first handle. So nothing is left to solve where all move
@@ -234,7 +234,7 @@ public:
         turn_ = fit_rotation(Matrix3::Identity() + motions[0].turn);
         middle_ = bound.first_middle;
         there_ = middle_ + motions[0](middle_);
-        for (const HandleMotion& motion : motions) {
+        for (const HeldMotion& motion : motions) {
             Pose& pose = poses_.emplace_back();
             pose.leftCols<3>() = turn_.transpose() * (Matrix3::Identity() + motion.turn);
             pose.col(3) = turn_.transpose() * (middle_ + motion(middle_) - there_) + middle_ -
@@ -304,7 +304,7 @@ private:
     std::optional<BodyProblem> problem_;
 };
 
-SolveReport RigidCells::deform(const std::vector<HandleMotion>& motions, PointsView base, bool,
+SolveReport RigidCells::deform(const std::vector<HeldMotion>& motions, PointsView base, bool,
                                PositionsOut out) const
 {
     const Binding& own = *bound_;
@@ -342,7 +342,7 @@ RigidCells::Cells RigidCells::cells() const
     return result;
 }
 
-HandleMethod::Network RigidCells::posed_network(const std::vector<HandleMotion>& motions, PointsView,
+HandleMethod::Network RigidCells::posed_network(const std::vector<HeldMotion>& motions, PointsView,
                                                 bool) const
 {
     const Binding& own = bound();
@@ -357,7 +357,7 @@ RigidCells::Answer RigidCells::answer(const Poses& poses, Start start, double to
 {
     const AccessLock shared = reading();
     const Binding& own = bound();
-    const std::vector<HandleMotion> motions = handles().motions(poses);
+    const std::vector<HeldMotion> motions = handles().motions(poses);
     Workspace work;
     Solve solve(own, motions, work);
     const SolveReport report = solve.run(start, tolerance, max_iterations);

@@ -85,10 +85,10 @@ public:
 
 protected:
     void build(PointsView points, SpaceReport& report, const Progress& progress) override;
-    SolveReport deform(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
+    SolveReport deform(const std::vector<HeldMotion>& motions, PointsView base, bool enters,
                        PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
-    Network posed_network(const std::vector<HandleMotion>& motions, PointsView base,
+    Network posed_network(const std::vector<HeldMotion>& motions, PointsView base,
                           bool enters) const override;
     void swap_binding(HandleMethod& other) override;
 

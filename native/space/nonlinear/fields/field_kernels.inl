@@ -43,18 +43,29 @@ struct Moment
     Wide inner, per_width;
 };
 
-/// The moment at the times t. The angles of a bend are given by their cosines and sines at that time.
-template <class Number>
-inline Moment moment(const FieldPiece& piece, Wide t, const Number* halfway, const Number* own)
+/// An angle that is another one in each lane, or the same in all. (A template takes these and no lanes: lanes
+/// lose their alignment as an argument of a template.)
+struct WideTurn
+{
+    Wide cosine, sine;
+};
+struct EvenTurn
+{
+    double cosine, sine;
+};
+
+/// The moment at the times t. `Turn` is one of the two.
+template <class Turn>
+inline Moment moment(const FieldPiece& piece, Wide t, const Turn& halfway, const Turn& own)
 {
     const auto along = [&](const double* from, const double* way) -> Place {
         return {constant(from[0]) + way[0] * t, constant(from[1]) + way[1] * t,
                 constant(from[2]) + way[2] * t};
     };
-    const auto turned = [](const double* axis, const double* side, const Number* turn) -> Place {
-        return {constant(0.0) + (axis[0] * turn[0] + side[0] * turn[1]),
-                constant(0.0) + (axis[1] * turn[0] + side[1] * turn[1]),
-                constant(0.0) + (axis[2] * turn[0] + side[2] * turn[1])};
+    const auto turned = [](const double* axis, const double* side, const Turn& turn) -> Place {
+        return {constant(0.0) + (axis[0] * turn.cosine + side[0] * turn.sine),
+                constant(0.0) + (axis[1] * turn.cosine + side[1] * turn.sine),
+                constant(0.0) + (axis[2] * turn.cosine + side[2] * turn.sine)};
     };
     Moment now;
     now.centre = along(piece.centre, piece.move);
@@ -66,7 +77,7 @@ inline Moment moment(const FieldPiece& piece, Wide t, const Number* halfway, con
 }
 
 /// Cosines and sines of angles between 0 and pi, by their series: libraries differ in the last bits.
-inline void turn_by(Wide angle, Wide* turn)
+inline WideTurn turn_by(Wide angle)
 {
     const Wide square = angle * angle;
     Wide cosine = constant(1.0), sine = cosine;
@@ -74,17 +85,15 @@ inline void turn_by(Wide angle, Wide* turn)
         cosine = constant(1.0) - (1.0 / (2.0 * k * (2.0 * k - 1.0))) * (square * cosine);
         sine = constant(1.0) - (1.0 / (2.0 * k * (2.0 * k + 1.0))) * (square * sine);
     }
-    turn[0] = cosine, turn[1] = angle * sine;
+    return {cosine, angle * sine};
 }
 
 inline Moment moment_at(const FieldPiece& piece, Wide t)
 {
-    Wide halfway[2] = {constant(1.0), constant(0.0)}, own[2] = {halfway[0], halfway[1]};
-    if (piece.bends) {
-        turn_by(piece.angle * t, halfway);
-        turn_by(piece.own_angle * t, own);
-    }
-    return moment(piece, t, halfway, own);
+    const WideTurn none{constant(1.0), constant(0.0)};
+    if (!piece.bends)
+        return moment(piece, t, none, none);
+    return moment(piece, t, turn_by(piece.angle * t), turn_by(piece.own_angle * t));
 }
 
 /// An angle that grows in even steps: turned on by a product, as sines cost more than the field.
@@ -95,16 +104,16 @@ public:
         : step_cosine_(SINEW_COS(angle * step)), step_sine_(SINEW_SIN(angle * step))
     {
     }
-    const double* now() const { return now_; }
+    const EvenTurn& now() const { return now_; }
     void advance()
     {
-        const double cosine = now_[0] * step_cosine_ - now_[1] * step_sine_;
-        now_[1] = now_[1] * step_cosine_ + now_[0] * step_sine_;
-        now_[0] = cosine;
+        now_ = {now_.cosine * step_cosine_ - now_.sine * step_sine_,
+                now_.sine * step_cosine_ + now_.cosine * step_sine_};
     }
 
 private:
-    double now_[2] = {1.0, 0.0}, step_cosine_, step_sine_;
+    EvenTurn now_{1.0, 0.0};
+    double step_cosine_, step_sine_;
 };
 
 /// Walks through the times of a piece in even steps, the same for all lanes.

@@ -21,7 +21,7 @@ constexpr double rotation_metric = 4.0;
 /// Solves of the start: the factor is in single precision, so each leaves a millionth of the one before.
 constexpr int start_solves = 3;
 
-Unknowns of_motion(const HandleMotion& motion, const Vector3& place)
+Unknowns of_motion(const HeldMotion& motion, const Vector3& place)
 {
     Unknowns own;
     own.topRows<3>() = motion.turn.transpose();
@@ -149,7 +149,7 @@ void EmbeddedEnergy::factorize()
 }
 
 EmbeddedProblem::EmbeddedProblem(const EmbeddedEnergy& energy, const EmbeddedEnergy::Shape& shape,
-                                 const std::vector<HandleMotion>& motions)
+                                 const std::vector<HeldMotion>& motions)
     : energy_(energy), shape_(shape), motions_(motions)
 {
 }
@@ -157,7 +157,7 @@ EmbeddedProblem::EmbeddedProblem(const EmbeddedEnergy& energy, const EmbeddedEne
 Points EmbeddedProblem::start() const
 {
     Poses poses;
-    for (const HandleMotion& motion : motions_) {
+    for (const HeldMotion& motion : motions_) {
         Pose pose = Pose::Zero();
         pose.leftCols<3>() = Matrix3::Identity() + motion.turn;
         poses.push_back(pose);
@@ -168,7 +168,7 @@ Points EmbeddedProblem::start() const
              blended_rotations(energy_.nodes_, energy_.laplacian_, energy_.rotation_factor_, poses))
             turns.push_back(rotation.toRotationMatrix() - Matrix3::Identity());
     // Begins with the rigid motion of the first handle, so that nothing is left to solve where all move so.
-    HandleMotion rigid;
+    HeldMotion rigid;
     rigid.turn = fit_rotation(poses[0].leftCols<3>()) - Matrix3::Identity();
     Vector3 middle = Vector3::Zero();
     double count = 0.0;

@@ -86,7 +86,7 @@ class EmbeddedProblem final : public MetricProblem
 {
 public:
     EmbeddedProblem(const EmbeddedEnergy& energy, const EmbeddedEnergy::Shape& shape,
-                    const std::vector<HandleMotion>& motions);
+                    const std::vector<HeldMotion>& motions);
 
     /// (4 m, 3) the unknowns that minimise the energy with |A_j - R_j|^2 in place of Rot, where the rotations
     /// R_j are blends of those of the handles. From the poses alone; exact where one rigid motion moves all.
@@ -106,7 +106,7 @@ private:
 
     const EmbeddedEnergy& energy_;
     const EmbeddedEnergy::Shape& shape_;
-    const std::vector<HandleMotion>& motions_;
+    const std::vector<HeldMotion>& motions_;
 };
 
 /// The maps of the nodes for BlendedMaps, in the coordinates of the places.

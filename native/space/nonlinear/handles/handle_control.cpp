@@ -95,11 +95,11 @@ HandleControl::Extent HandleControl::extent(int first, int count) const
     return result;
 }
 
-HandleMotion HandleControl::fit(const Extent& extent, int count, PointsView posed) const
+HeldMotion HandleControl::fit(const Extent& extent, int count, PointsView posed) const
 {
     const Points moves =
         (posed.middleRows(extent.first, count) - held_.points.middleRows(extent.first, count)) / unit_;
-    HandleMotion motion{Matrix3::Zero(), moves.colwise().mean().transpose()};
+    HeldMotion motion{Matrix3::Zero(), moves.colwise().mean().transpose()};
     if (moves.isZero(0.0))
         return motion;
     const Points from = places_.middleRows(extent.first, count).rowwise() - extent.middle.transpose();
@@ -120,12 +120,12 @@ HandleMotion HandleControl::fit(const Extent& extent, int count, PointsView pose
     return motion;
 }
 
-std::vector<HandleMotion> HandleControl::motions(const Poses& poses) const
+std::vector<HeldMotion> HandleControl::motions(const Poses& poses) const
 {
     if (static_cast<int>(poses.size()) != count())
         throw InvalidConstraint("poses: " + std::to_string(poses.size()) + " given for " +
                                 std::to_string(count()) + " handles");
-    std::vector<HandleMotion> motions;
+    std::vector<HeldMotion> motions;
     for (const Pose& pose : poses) {
         const Matrix3 turn = pose.leftCols<3>() - Matrix3::Identity();
         motions.push_back({turn, (turn * centre_ + pose.col(3)) / unit_});
@@ -134,12 +134,12 @@ std::vector<HandleMotion> HandleControl::motions(const Poses& poses) const
     return motions;
 }
 
-std::vector<HandleMotion> HandleControl::motions(PointsView posed) const
+std::vector<HeldMotion> HandleControl::motions(PointsView posed) const
 {
     if (posed.rows() != places_.rows())
         throw InvalidConstraint("handles: " + std::to_string(posed.rows()) + " points given for " +
                                 std::to_string(places_.rows()));
-    std::vector<HandleMotion> motions(extents_.size(), {Matrix3::Zero(), Vector3::Constant(NAN)});
+    std::vector<HeldMotion> motions(extents_.size(), {Matrix3::Zero(), Vector3::Constant(NAN)});
     for (int h = 0; h < count(); ++h)
         if (posed.middleRows(extents_[h].first, held_.counts[h]).allFinite())
             motions[h] = fit(extents_[h], held_.counts[h], posed);
@@ -147,7 +147,7 @@ std::vector<HandleMotion> HandleControl::motions(PointsView posed) const
     return motions;
 }
 
-void HandleControl::check(const std::vector<HandleMotion>& motions) const
+void HandleControl::check(const std::vector<HeldMotion>& motions) const
 {
     std::vector<int> broken;
     for (int h = 0; h < count(); ++h)

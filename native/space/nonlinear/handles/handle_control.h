@@ -23,7 +23,7 @@ struct HeldPoints
 };
 
 /// How a handle moves: y -> y + turn y + move.
-struct HandleMotion
+struct HeldMotion
 {
     Matrix3 turn; ///< the linear part of its pose, less the identity
     Vector3 move;
@@ -49,12 +49,12 @@ public:
     /// (k) exactly zero for the identity.
     /// \throw InvalidConstraint  another number of poses, one is not finite, or two handles take one point
     ///   that both hold fully to two places.
-    std::vector<HandleMotion> motions(const Poses& poses) const;
+    std::vector<HeldMotion> motions(const Poses& poses) const;
     /// (k) those that fit posed points (c, 3) best: affine maps. Points on one plane or line leave these
     /// open, so that there they are rigid motions, with the least turn about a line; a single point moves
     /// only. Exactly zero where no point of the handle moves.
     /// \throw as motions() of poses
-    std::vector<HandleMotion> motions(PointsView posed) const;
+    std::vector<HeldMotion> motions(PointsView posed) const;
 
 private:
     /// The points of a handle, in the coordinates of motions.
@@ -65,8 +65,8 @@ private:
         Matrix3 inverse; ///< of their second moment; only where the rank is 3
     };
     Extent extent(int first, int count) const;
-    HandleMotion fit(const Extent& extent, int count, PointsView posed) const;
-    void check(const std::vector<HandleMotion>& motions) const;
+    HeldMotion fit(const Extent& extent, int count, PointsView posed) const;
+    void check(const std::vector<HeldMotion>& motions) const;
 
     HeldPoints held_;
     Vector3 centre_;

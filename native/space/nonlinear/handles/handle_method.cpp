@@ -95,9 +95,9 @@ void HandleMethod::displace(PointsView control, PointsView base, PositionsOut ou
     write(control_.motions(control), base, out);
 }
 
-void HandleMethod::write(const std::vector<HandleMotion>& motions, PointsView base, PositionsOut out) const
+void HandleMethod::write(const std::vector<HeldMotion>& motions, PointsView base, PositionsOut out) const
 {
-    const auto rests = [](const HandleMotion& m) { return m.turn.isZero(0.0) && m.move.isZero(0.0); };
+    const auto rests = [](const HeldMotion& m) { return m.turn.isZero(0.0) && m.move.isZero(0.0); };
     if (base.rows() == 0)
         return;
     if (std::ranges::all_of(motions, rests)) // the least energy, 0, is that of the shape that enters
@@ -106,8 +106,8 @@ void HandleMethod::write(const std::vector<HandleMotion>& motions, PointsView ba
         deform(motions, base, enters(base), out);
 }
 
-std::vector<HandleMotion> HandleMethod::aimed(const Poses& poses, PointsView base,
-                                              const std::vector<bool>& from_rest) const
+std::vector<HeldMotion> HandleMethod::aimed(const Poses& poses, PointsView base,
+                                            const std::vector<bool>& from_rest) const
 {
     if (!from_rest.empty() && from_rest.size() != poses.size())
         throw InvalidConstraint("from_rest: " + std::to_string(from_rest.size()) + " flags given for " +

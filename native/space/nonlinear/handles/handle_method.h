@@ -62,9 +62,9 @@ protected:
     virtual void build(PointsView points, SpaceReport& report, const Progress& progress) = 0;
     /// Writes base + displacements for motions in the coordinates (x - centre) / unit.
     /// \param enters  whether `base` is another shape than the bound points.
-    virtual SolveReport deform(const std::vector<HandleMotion>& motions, PointsView base, bool enters,
+    virtual SolveReport deform(const std::vector<HeldMotion>& motions, PointsView base, bool enters,
                                PositionsOut out) const = 0;
-    virtual Network posed_network(const std::vector<HandleMotion>& motions, PointsView base,
+    virtual Network posed_network(const std::vector<HeldMotion>& motions, PointsView base,
                                   bool enters) const = 0;
     virtual void swap_binding(HandleMethod& other) = 0;
 
@@ -76,9 +76,9 @@ protected:
     const char* control_name() const override { return "handles"; }
 
 private:
-    void write(const std::vector<HandleMotion>& motions, PointsView base, PositionsOut out) const;
-    std::vector<HandleMotion> aimed(const Poses& poses, PointsView base,
-                                    const std::vector<bool>& from_rest) const;
+    void write(const std::vector<HeldMotion>& motions, PointsView base, PositionsOut out) const;
+    std::vector<HeldMotion> aimed(const Poses& poses, PointsView base,
+                                  const std::vector<bool>& from_rest) const;
     bool enters(PointsView base) const { return base.data() != points().data(); }
 
     SurfaceMesh surface_;

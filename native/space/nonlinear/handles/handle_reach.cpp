@@ -65,9 +65,9 @@ void HandleReach::add_to(Shares& shares, const Vector3& point, int first) const
     shares.insert(shares.end(), added.begin(), added.end());
 }
 
-void append_displacements(const std::vector<HandleMotion>& motions, Poses& maps)
+void append_displacements(const std::vector<HeldMotion>& motions, Poses& maps)
 {
-    for (const HandleMotion& motion : motions) {
+    for (const HeldMotion& motion : motions) {
         Pose& map = maps.emplace_back();
         map.leftCols<3>() = motion.turn;
         map.col(3) = motion.move;

@@ -42,6 +42,6 @@ private:
 };
 
 /// The displacements of the handles for BlendedMaps, about the centre of their coordinates.
-void append_displacements(const std::vector<HandleMotion>& motions, Poses& maps);
+void append_displacements(const std::vector<HeldMotion>& motions, Poses& maps);
 
 } // namespace sinew

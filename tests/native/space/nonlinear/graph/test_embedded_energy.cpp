@@ -18,7 +18,7 @@ struct Small
     std::vector<std::array<int, 2>> edges;
     Points places, points;
     std::vector<EmbeddedEnergy::Pull> pulls;
-    std::vector<HandleMotion> motions;
+    std::vector<HeldMotion> motions;
     EmbeddedWeights weights{1.3, 7.0, 40.0};
 
     Small()

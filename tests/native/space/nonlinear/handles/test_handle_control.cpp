@@ -17,7 +17,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 HeldPoints held(const Points& points, std::vector<int> counts) { return {points, std::move(counts), {}}; }
 
 /// Where a motion takes points.
-Points moved(const HandleMotion& motion, const Points& points, const Vector3& centre, double unit)
+Points moved(const HeldMotion& motion, const Points& points, const Vector3& centre, double unit)
 {
     Points result = points;
     for (Eigen::Index i = 0; i < points.rows(); ++i)
@@ -48,7 +48,7 @@ TEST(HandleControl, fits_the_motions_that_poses_are)
                   1e-12);
     }
     const HandleControl flat(held(plane, {20}), centre, unit);
-    const HandleMotion found = flat.motions(view(shapes::transformed(plane, rigid)))[0];
+    const HeldMotion found = flat.motions(view(shapes::transformed(plane, rigid)))[0];
     EXPECT_LT((found.turn + Matrix3::Identity() - rigid.leftCols<3>()).norm(), 1e-12)
         << "also across the plane";
 }
@@ -59,7 +59,7 @@ TEST(HandleControl, moves_nothing_at_rest_to_the_last_bit)
     const Points points = random.dense(9, 3);
     const HandleControl control(held(points, {4, 4, 1}), {1, 2, 3}, 3.0);
     for (const auto& motions : {control.motions(view(points)), control.motions(Poses(3, shapes::still()))})
-        for (const HandleMotion& motion : motions)
+        for (const HeldMotion& motion : motions)
             EXPECT_TRUE(motion.turn.isZero(0.0) && motion.move.isZero(0.0));
 }
 
