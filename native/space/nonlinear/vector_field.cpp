@@ -97,7 +97,8 @@ std::vector<Value> per_tool(std::vector<Value> values, std::size_t tools, const 
 
 bool same(const Points& a, const Points& b)
 {
-    return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+    return a.rows() == b.rows() &&
+           (a.size() == 0 || std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0);
 }
 
 } // namespace

@@ -23,7 +23,8 @@ constexpr double pi = 3.14159265358979323846;
 
 bool same(const Points& a, const Points& b)
 {
-    return a.rows() == b.rows() && std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0;
+    return a.rows() == b.rows() &&
+           (a.size() == 0 || std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0);
 }
 
 /// One value per curve.
