@@ -110,7 +110,9 @@ two places, or before bind().)")
              py::arg("from_rest") = py::none(),
              R"(What moves the points between the handles -> (m, 3) nodes, (l, 2) pairs that hold together.
 
-poses  (k, 3, 4); this, incoming and from_rest as in warp_poses(), which it raises the same errors as.)")
+poses  (k, 3, 4); this, incoming and from_rest as in warp_poses().
+
+Raises InvalidConstraint as warp_poses().)")
         .def("report_for", &report_for, py::arg("poses"),
              R"(What a warp of the bound points to poses reaches -> SolveReport.
 

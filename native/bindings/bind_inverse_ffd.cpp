@@ -65,7 +65,15 @@ frame       None, for a box around the bound points and the constraints; or (3, 
 
 Raises InvalidConstraint if there is no constraint, or one is not finite; InvalidOption.)")
         .def_property_readonly(
-            "lattice", [](const InverseFfd& method) { return to_numpy(method.lattice()); },
+            "lattice",
+            [](const InverseFfd& method) {
+                Points lattice;
+                {
+                    const py::gil_scoped_release unlocked;
+                    lattice = method.lattice();
+                }
+                return to_numpy(std::move(lattice));
+            },
             "(l, 3) the control points at rest; none before bind().")
         .def_property_readonly("rank", &InverseFfd::rank,
                                "How many independent motions the constraints have, at most c.")

@@ -29,8 +29,14 @@ CAGE_METHODS = methods_of(sn.CageCoordinates)
 
 
 def control(method: type, mesh: sn.SurfaceMesh) -> np.ndarray:
-    """The points of a control: those of the mesh, or a frame for a method that tools move."""
-    return np.concatenate((np.zeros((1, 3)), np.eye(3))) if method is sn.VectorField else mesh.points
+    """The points of a control: those of the mesh, a frame of a tool, or the corners of a lattice around it."""
+    if method is sn.VectorField:
+        return np.concatenate((np.zeros((1, 3)), np.eye(3)))
+    if method is sn.Ffd:
+        low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+        w, v, u = np.meshgrid(*3 * [(0.0, 1.0)], indexing="ij")
+        return low + np.stack((u, v, w), axis=-1).reshape(-1, 3) * (high - low)
+    return mesh.points
 
 
 def made(method: type, mesh: sn.SurfaceMesh, **options: object):
