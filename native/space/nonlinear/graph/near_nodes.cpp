@@ -50,6 +50,10 @@ double across(const Vector3& a, double at_a, const Vector3& b, double at_b, cons
     return crossing > 0.0 && crossing < length ? std::hypot(along - source, depth + height) : infinite;
 }
 
+/// Distances that differ by rounding alone are equal, so that the order of the vertices decides between them.
+/// On a regular mesh, the graph would change with each turn of its axes otherwise.
+double tied(double distance) { return static_cast<float>(distance); }
+
 double area_of(const SurfaceMesh& mesh)
 {
     double sum = 0.0;
@@ -106,6 +110,7 @@ private:
     template <class Bound>
     void offer(int v, double distance, Bound&& bound)
     {
+        distance = tied(distance);
         if (!(distance < bound(v)))
             return;
         if (distance_[v] == infinite) {
@@ -177,7 +182,7 @@ void NearNodes::choose(int wanted, const Progress& progress)
     int next = 0;
     std::pair<bool, double> best{false, -1.0};
     for (int v = 0; v < n; ++v)
-        if (const std::pair here{is_on_surface(v), (mesh_.point(v) - centre).squaredNorm()}; here > best) {
+        if (const std::pair here{is_on_surface(v), tied((mesh_.point(v) - centre).norm())}; here > best) {
             best = here;
             next = v;
         }
@@ -194,7 +199,7 @@ void NearNodes::choose(int wanted, const Progress& progress)
         }
         near[next] = 0.0;
         parallel_for(static_cast<int>(loose.size()), [&](int k) {
-            near[loose[k]] = std::min(near[loose[k]], (mesh_.point(loose[k]) - at).norm());
+            near[loose[k]] = std::min(near[loose[k]], tied((mesh_.point(loose[k]) - at).norm()));
         });
         const auto farthest = std::ranges::max_element(near);
         radius_ = *farthest;
@@ -246,7 +251,7 @@ void NearNodes::find_near(const Progress& progress)
         [&](int v) {
             if (!is_on_surface(v))
                 for (int j = 0; j < static_cast<int>(nodes_.size()); ++j)
-                    put(v, (mesh_.point(nodes_[j]) - mesh_.point(v)).norm(), j);
+                    put(v, tied((mesh_.point(nodes_[j]) - mesh_.point(v)).norm()), j);
         },
         64);
 }
@@ -287,7 +292,7 @@ std::vector<BlendedMaps::Share> NearNodes::straight_shares(const Vector3& place)
 {
     std::vector<Near> all;
     for (int j = 0; j < static_cast<int>(nodes_.size()); ++j)
-        all.emplace_back((mesh_.point(nodes_[j]) - place).norm(), j);
+        all.emplace_back(tied((mesh_.point(nodes_[j]) - place).norm()), j);
     const int found = std::min(kept, static_cast<int>(all.size()));
     std::partial_sort(all.begin(), all.begin() + found, all.end());
     std::array<Near, kept> near;
