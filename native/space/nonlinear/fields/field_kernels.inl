@@ -3,14 +3,6 @@
 
 #include "native/core/simd/lane_math.inl"
 
-#ifdef __GNUC__
-#define SINEW_SIN __builtin_sin
-#define SINEW_COS __builtin_cos
-#else
-#define SINEW_SIN std::sin
-#define SINEW_COS std::cos
-#endif
-
 namespace sinew {
 
 namespace {
@@ -101,19 +93,19 @@ class Turning
 {
 public:
     Turning(double angle, double step)
-        : step_cosine_(SINEW_COS(angle * step)), step_sine_(SINEW_SIN(angle * step))
     {
+        const WideTurn turn = turn_by(constant(angle * step));
+        step_ = {turn.cosine[0], turn.sine[0]};
     }
     const EvenTurn& now() const { return now_; }
     void advance()
     {
-        now_ = {now_.cosine * step_cosine_ - now_.sine * step_sine_,
-                now_.sine * step_cosine_ + now_.cosine * step_sine_};
+        now_ = {now_.cosine * step_.cosine - now_.sine * step_.sine,
+                now_.sine * step_.cosine + now_.cosine * step_.sine};
     }
 
 private:
-    EvenTurn now_{1.0, 0.0};
-    double step_cosine_, step_sine_;
+    EvenTurn now_{1.0, 0.0}, step_;
 };
 
 /// Walks through the times of a piece in even steps, the same for all lanes.
