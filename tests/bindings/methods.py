@@ -29,7 +29,7 @@ CAGE_METHODS = methods_of(sn.CageCoordinates)
 
 
 def control(method: type, mesh: sn.SurfaceMesh) -> np.ndarray:
-    """The points of a control: those of the mesh, a frame of a tool, or the corners of a lattice around it."""
+    """The points of a control: those of the mesh, a frame of a tool, or corners of a lattice around it."""
     if method is sn.VectorField:
         return np.concatenate((np.zeros((1, 3)), np.eye(3)))
     if method is sn.Ffd:
