@@ -119,25 +119,28 @@ def _wires(size: int, threads: list[int]) -> list[Row]:
     points, (rest, posed) = scattered(size), curves()
     wires = sinew_native.Wires(np.concatenate(rest), [SAMPLES] * WIRES, radius=RADIUS)
     exact = sinew_native.Wires(np.concatenate(rest), [SAMPLES] * WIRES, radius=RADIUS, smoothing=0.0)
-    report = wires.bind(points)
-    exact.bind(points)
+    reports = [each.bind(points) for each in (exact, wires)]
     loop, now = Loop(points, rest), np.concatenate(posed)
     out = np.empty((size, 3), np.float32)
     if np.abs(exact.warp(now) - loop.warp(posed)).max() > 1e-10:
         raise SystemExit("the wires of Sinew and of NumPy differ")
-    works = _by_threads(lambda: wires.warp(now, out=out), threads)
-    works["peer"] = Work(lambda: loop.warp(posed))
-    alternate(works)
-    peer = works["peer"].best
-    return [
-        {
-            "threads": count,
-            "ours": works[count].best,
-            "peer": peer,
-            "bytes_per_point": report.weight_bytes / size,
-        }
-        for count in threads
-    ]
+    rows = []
+    cases = ("the nearest place, as the peer", exact), ("smoothed, by default", wires)
+    for (case, each), report in zip(cases, reports, strict=True):
+        works = _by_threads(lambda each=each: each.warp(now, out=out), threads)
+        works["peer"] = Work(lambda: loop.warp(posed))
+        alternate(works)
+        rows += [
+            {
+                "case": case,
+                "threads": count,
+                "ours": works[count].best,
+                "peer": works["peer"].best,
+                "bytes_per_point": report.weight_bytes / size,
+            }
+            for count in threads
+        ]
+    return rows
 
 
 def _bind(size: int, threads: list[int]) -> list[Row]:

@@ -40,6 +40,6 @@ struct FieldKernels
     static const FieldKernels baseline, avx2, avx512;
 };
 
-constexpr int most_field_lanes = 8;
+constexpr int most_field_lanes = 16;
 
 } // namespace sinew

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The bodies of FieldKernels for lane_count points at a time, compiled once for each set of instructions.
+// The bodies of FieldKernels, compiled once for each set of instructions. A point per lane of two vectors.
 
 #include "native/core/simd/lane_math.inl"
 
@@ -7,7 +7,37 @@ namespace sinew {
 
 namespace {
 
-using Wide = Lanes<double>;
+/// Two vectors of lanes: while the root or the quotient of one is on its way, the other is computed. A step
+/// needs the result of the step before, so one alone would wait most of the time.
+struct Wide
+{
+    Lanes<double> low, high;
+};
+constexpr int width = 2 * lane_count;
+
+inline Wide constant(double value) { return {::constant(value), ::constant(value)}; }
+inline Wide load(const double* from) { return {::load(from), ::load(from + lane_count)}; }
+inline void store(double* to, Wide a) { ::store(to, a.low), ::store(to + lane_count, a.high); }
+inline Wide operator+(Wide a, Wide b) { return {a.low + b.low, a.high + b.high}; }
+inline Wide operator-(Wide a, Wide b) { return {a.low - b.low, a.high - b.high}; }
+inline Wide operator+(Wide a, double b) { return a + constant(b); }
+inline Wide operator*(Wide a, Wide b) { return {a.low * b.low, a.high * b.high}; }
+inline Wide operator*(double a, Wide b) { return {a * b.low, a * b.high}; }
+inline Wide operator/(Wide a, Wide b) { return {a.low / b.low, a.high / b.high}; }
+inline Wide root(Wide a) { return {::root(a.low), ::root(a.high)}; }
+inline Wide larger(Wide a, Wide b) { return {::larger(a.low, b.low), ::larger(a.high, b.high)}; }
+
+struct WideMask
+{
+    decltype(::above(Lanes<double>{}, Lanes<double>{})) low, high;
+};
+
+inline WideMask above(Wide a, Wide b) { return {::above(a.low, b.low), ::above(a.high, b.high)}; }
+inline Wide choose(WideMask mask, Wide yes, Wide no)
+{
+    return {::choose(mask.low, yes.low, no.low), ::choose(mask.high, yes.high, no.high)};
+}
+inline bool any(WideMask mask) { return (mask_bits(mask.low) | mask_bits(mask.high)) != 0; }
 
 struct Place
 {
@@ -35,8 +65,7 @@ struct Moment
     Wide inner, per_width;
 };
 
-/// An angle that is another one in each lane, or the same in all. (A template takes these and no lanes: lanes
-/// lose their alignment as an argument of a template.)
+/// An angle that is another one in each lane, or the same in all.
 struct WideTurn
 {
     Wide cosine, sine;
@@ -95,7 +124,7 @@ public:
     Turning(double angle, double step)
     {
         const WideTurn turn = turn_by(constant(angle * step));
-        step_ = {turn.cosine[0], turn.sine[0]};
+        step_ = {turn.cosine.low[0], turn.sine.low[0]};
     }
     const EvenTurn& now() const { return now_; }
     void advance()
@@ -196,12 +225,12 @@ inline Place step_of_four(const FieldPiece& piece, const Moment& middle, const M
 
 inline Place read(const double* points)
 {
-    return {load(points), load(points + lane_count), load(points + 2 * lane_count)};
+    return {load(points), load(points + width), load(points + 2 * width)};
 }
 
 inline void write(double* points, const Place& place)
 {
-    store(points, place.x), store(points + lane_count, place.y), store(points + 2 * lane_count, place.z);
+    store(points, place.x), store(points + width, place.y), store(points + 2 * width, place.z);
 }
 
 void flow(const FieldPiece& piece, int steps, int order, double* points)
@@ -238,7 +267,7 @@ void flow_to(const FieldPiece& piece, int least_steps, double tolerance, double*
     for (;;) {
         const Wide left = one - t;
         const auto going = above(left, constant(1e-12));
-        if (!mask_bits(going))
+        if (!any(going))
             break;
         h = choose(above(h, left), left, h);
         h = choose(going, h, zero);
@@ -273,6 +302,6 @@ void velocity(const FieldPiece& piece, double t, const double* points, double* v
 
 } // namespace
 
-const FieldKernels FieldKernels::SINEW_INSTRUCTIONS{lane_count, sinew::flow, sinew::flow_to, sinew::velocity};
+const FieldKernels FieldKernels::SINEW_INSTRUCTIONS{width, sinew::flow, sinew::flow_to, sinew::velocity};
 
 } // namespace sinew

@@ -9,18 +9,45 @@ namespace {
 
 using Wide = Lanes<double>;
 
-constexpr int terms = 15; // of the series below, for angles up to pi
+constexpr int terms = 16; // of the series below, for angles up to pi
+
+/// The coefficients of a series in a^2: (-1)^k / (2 k + first)!
+template <int first>
+struct Coefficients
+{
+    double of[terms];
+    constexpr Coefficients() : of()
+    {
+        double next = 1.0; // of them, without its sign: 1 / first!
+        for (int k = 1; k <= first; ++k)
+            next /= k;
+        for (int k = 0; k < terms; ++k) {
+            of[k] = k % 2 ? -next : next;
+            next /= (2.0 * k + first + 1.0) * (2.0 * k + first + 2.0);
+        }
+    }
+};
+
+/// The sum of a series. Odd and even terms are summed apart: each sum waits for its own last term alone.
+template <int first>
+inline Wide series(Wide square)
+{
+    static constexpr Coefficients<first> coefficients;
+    const double* of = coefficients.of;
+    const Wide fourth = square * square;
+    Wide even = constant(of[terms - 2]), odd = constant(of[terms - 1]);
+    for (int k = terms - 4; k >= 0; k -= 2) {
+        even = constant(of[k]) + fourth * even;
+        odd = constant(of[k + 1]) + fourth * odd;
+    }
+    return even + square * odd;
+}
 
 /// sin(a) / a and (1 - cos(a)) / a^2 for a^2 = square, by their series.
 inline void turning(Wide square, Wide& sine, Wide& cosine)
 {
-    // 1 / (2 k + 1)! and 1 / (2 k + 2)! are made from the last term on, as products with the next one.
-    sine = cosine = constant(1.0);
-    for (int k = terms; k > 0; --k) {
-        sine = constant(1.0) - (1.0 / (2.0 * k * (2.0 * k + 1.0))) * (square * sine);
-        cosine = constant(1.0) - (1.0 / ((2.0 * k + 1.0) * (2.0 * k + 2.0))) * (square * cosine);
-    }
-    cosine = 0.5 * cosine;
+    sine = series<1>(square);
+    cosine = series<2>(square);
 }
 
 void moves(const WireContacts& contacts, const double* table, int first, int blocks, double* out)
@@ -28,13 +55,15 @@ void moves(const WireContacts& contacts, const double* table, int first, int blo
     for (int block = first; block < first + blocks; ++block, out += 16) {
         Wide sum[4], turn[4];
         for (int lane = 0; lane < 4; ++lane) {
-            const int contact = 4 * block + lane;
-            sum[lane] = turn[lane] = constant(0.0);
-            for (int k = contacts.firsts[contact]; k < contacts.firsts[contact + 1]; ++k) {
+            const int contact = 4 * block + lane, end = contacts.firsts[contact + 1];
+            Wide moved = constant(0.0), rotated = moved;
+            for (int k = contacts.firsts[contact]; k < end; ++k) {
                 const double* row = table + 8 * static_cast<long long>(contacts.samples[k]);
-                sum[lane] = sum[lane] + contacts.shares[k] * load(row);
-                turn[lane] = turn[lane] + contacts.shares[k] * load(row + 4);
+                moved = moved + contacts.shares[k] * load(row);
+                rotated = rotated + contacts.shares[k] * load(row + 4);
             }
+            sum[lane] = moved;
+            turn[lane] = rotated;
         }
         transpose(sum[0], sum[1], sum[2], sum[3]);
         transpose(turn[0], turn[1], turn[2], turn[3]);
