@@ -296,7 +296,7 @@ WORKS = (
     Work(
         "shell_joint",
         "`ThinShellNonlinear` to its least energy",
-        "Gauss-Newton with CHOLMOD, factors and solves",
+        "Gauss-Newton with CHOLMOD",
         {10_000: 20.0},
     ),
     Work(

@@ -138,17 +138,24 @@ def _joint(case: Case, threads: list[int]) -> list[Row]:
         count: Work(lambda: shell.solve(case.poses, max_iterations=ours, tolerance=0.0), set_threads(count))
         for count in threads
     }
-    works["peer"] = Work(lambda: by_cholmod(hessian)(right))  # without NumPy's assembly
+    works["alone"] = Work(lambda: by_cholmod(hessian)(right))
+    works["whole"] = Work(lambda: joint.minimize(start, by_cholmod, theirs, 0.0))
     alternate(works)
+    peers = {
+        "its factors and solves alone": theirs * works["alone"].best,
+        "its whole steps, assembled by NumPy": works["whole"].best,
+    }
     return [
         {
             "work": "shell_joint",
+            "case": case_of_peer,
             "threads": count,
             "vertices": case.vertex_count,
             "ours": works[count].best,
-            "peer": theirs * works["peer"].best,
+            "peer": seconds,
             "iterations": ours,
             "peer_iterations": theirs,
         }
+        for case_of_peer, seconds in peers.items()
         for count in threads
     ]
