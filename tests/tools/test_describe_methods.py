@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the documents say of methods is what rows and headers say."""
 
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -30,6 +31,19 @@ def test_every_method_of_the_tutorial_is_listed_once() -> None:
     tools = {"silhouette_sketch"}  # no deformers: they have a page, and no row
     assert there == {row.id for row in describe_methods.registry(ROOT).METHODS} | tools
     assert all((ROOT / entry.link).is_file() for entry in found if entry.link)
+
+
+def test_every_page_shows_the_method_and_has_words_of_its_own() -> None:
+    pages = {
+        entry.link
+        for entry in describe_methods.entries(ROOT)
+        if entry.link.startswith(describe_methods.PAGES)
+    }
+    for page in sorted(pages):
+        text = (ROOT / page).read_text(encoding="utf-8")
+        assert re.search(r"^!\[.+\]\(../manual/images/", text, flags=re.MULTILINE), f"{page} has no picture"
+        own = text.split(describe_methods.END)[-1]  # what it is good and bad at, at least
+        assert len(own) > 400, page
 
 
 def test_a_page_keeps_its_own_words(tmp_path: Path) -> None:
