@@ -12,7 +12,17 @@ import sinew_native as sn
 
 from .cages import CUBE, QUADS
 from .meshes import BENT, STILL, ends, grid, shift, sphere
-from .methods import EVERY_CAGE_METHOD, EVERY_SURFACE_METHOD, called, inside, made
+from .methods import (
+    CAGE_METHODS,
+    EVERY_CAGE_METHOD,
+    EVERY_SURFACE_METHOD,
+    SPACE_METHODS,
+    called,
+    control,
+    inside,
+    made,
+    required,
+)
 
 DETAILS = ("normal_displacements", "displacement_volumes", "deformation_transfer")  # beside the default
 
@@ -55,6 +65,12 @@ def answers(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         found[f"warp {called(method)} {called(options)}"] = coordinates.warp(of["bent"])
     found |= by_quads_and_outlines(of)
     ball = sn.SurfaceMesh(of["ball"], of["ball_faces"])
+    for method in (each for each in SPACE_METHODS if each not in CAGE_METHODS):
+        rest = control(method, ball)[:20]  # at most some of its points, so that the others are not at handles
+        words = {"mesh": ball, "points": rest, "base": sn.Rbf(rest)}
+        moved = method(**{word: words[word] for word in required(method)})
+        moved.bind(of["ball" if "mesh" in required(method) else "points"])
+        found[f"warp {called(method)}"] = moved.warp(1.2 * rest + 0.1 * rest[:, ::-1] ** 2)
     for count in (60, 100, 300):
         found[f"automatic cage {count}"] = sn.automatic_cage(ball, count, 0.1)[0]
     return found

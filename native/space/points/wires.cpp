@@ -151,12 +151,7 @@ void Wires::add_contact(const Curve& curve, const Vector3& x, Found& found) cons
     const Vector3 outside = (curve.low - x).cwiseMax(x - curve.high).cwiseMax(0.0);
     if (outside.norm() >= curve.reach)
         return;
-    struct Near
-    {
-        int from, to;
-        double along, square, length;
-    };
-    thread_local std::vector<Near> segments;
+    std::vector<Near>& segments = found.segments;
     segments.clear();
     double nearest = curve.reach * curve.reach;
     const double factor = (1.0 + options_.smoothing) * (1.0 + options_.smoothing);
@@ -353,8 +348,7 @@ void Wires::displace(PointsView control, PointsView base, PositionsOut out) cons
                 const int first = contacts_.begins[static_cast<std::size_t>(begin)];
                 const int last = contacts_.begins[static_cast<std::size_t>(end)];
                 const int block = first / 4, blocks = last > first ? (last + 3) / 4 - block : 0;
-                thread_local AlignedVector<double> moves;
-                moves.resize(16 * static_cast<std::size_t>(blocks));
+                AlignedVector<double> moves(16 * static_cast<std::size_t>(blocks));
                 widest_kernels<WireKernels>().moves(contacts, rows.data(), block, blocks, moves.data());
                 for (int i = begin; i < end; ++i) {
                     const int from = contacts_.begins[static_cast<std::size_t>(i)];

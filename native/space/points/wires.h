@@ -89,6 +89,12 @@ private:
         double stretch; ///< (s - 1) F
         int shares; ///< how many it has
     };
+    /// A segment of a curve that a point is near to: its nearest place is a + along (b - a).
+    struct Near
+    {
+        int from, to;
+        double along, square, length; ///< the squared distance of the point, and how long the segment is
+    };
     /// What is found of some points. Point i has the contacts [begins[i], begins[i + 1]).
     struct Found
     {
@@ -96,6 +102,7 @@ private:
         std::vector<Contact> contacts;
         std::vector<int> samples; ///< for each share of a contact, the sample that it belongs to
         std::vector<double> shares; ///< of one contact, they sum to 1
+        std::vector<Near> segments; ///< of the curve that is looked at, kept for its memory
     };
     /// The same as the kernels read it, see WireContacts. The last block is filled with contacts without
     /// shares.
