@@ -3,6 +3,7 @@
 
 #include "native/bindings/arguments.h"
 #include "native/bindings/method_binding.h"
+#include "native/core/kept.h"
 #include "native/surface/method.h"
 
 #include <memory>
@@ -42,11 +43,11 @@ py::tuple solved(const py::object& out, int vertex_count, Solve&& solve)
     SolveReport report;
     {
         const py::gil_scoped_release unlocked;
-        thread_local Points kept; // so that its memory stays mapped from frame to frame
-        Points positions = std::exchange(kept, {}); // a progress callback may call this function again
-        report = solve(positions);
-        round_into(positions, single);
-        kept = std::move(positions);
+        static Kept<Points> kept; // so that its memory stays mapped from frame to frame
+        std::unique_ptr<Points> positions = kept.take();
+        report = solve(*positions);
+        round_into(*positions, single);
+        kept.give_back(std::move(positions));
     }
     return py::make_tuple(out, report);
 }

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
+#include <unordered_set>
 
 namespace sinew {
 
@@ -67,14 +67,8 @@ Patch joined_to_first(const HostSurface& host, const std::vector<Contact>& conta
     double sum = 0.0;
     for (const Contact& contact : contacts)
         sum += contact.weight;
-    // A patch is much smaller than its host, so nothing is cleared: each patch has a number of its own.
-    thread_local std::vector<int> seen;
-    thread_local int patch_number = 0;
-    if (seen.size() < host.triangles().size())
-        seen.resize(host.triangles().size(), 0);
-    const int number = ++patch_number;
     std::vector<int> open{contacts.front().triangle};
-    seen[open.front()] = number;
+    std::unordered_set<int> seen{open.front()}; // a patch is much smaller than its host
     Patch patch;
     while (!open.empty()) {
         const int t = open.back();
@@ -92,7 +86,7 @@ Patch joined_to_first(const HostSurface& host, const std::vector<Contact>& conta
         patch.weights.push_back(host.areas()[t] * std::max(kernel, 1e-12 * sum));
         for (int v : host.triangles()[t])
             for (int neighbour : host.around(v))
-                if (std::exchange(seen[neighbour], number) != number)
+                if (seen.insert(neighbour).second)
                     open.push_back(neighbour);
     }
     return patch;

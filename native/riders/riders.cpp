@@ -105,15 +105,14 @@ FrameMap map_of(const Matrix3& A, const Vector3& from, const Vector3& to)
     return map;
 }
 
-/// Kept from frame to frame, so that a frame allocates nothing.
-struct Scratch
+} // namespace
+
+struct Riders::Scratch
 {
     AlignedVector<FourRests> rests; ///< of an incoming shape
     std::vector<FourMotions> motions;
     AlignedVector<FrameMap> maps;
 };
-
-} // namespace
 
 /// Riders whose hosts are in earlier levels.
 struct Riders::Level
@@ -332,8 +331,8 @@ void Riders::move(const std::optional<PointsView>& incoming, Points& positions) 
 {
     if (levels_.empty())
         return;
-    thread_local Scratch kept;
-    Scratch scratch = std::exchange(kept, {}); // while this thread waits, it may run another solve
+    std::unique_ptr<Scratch> kept = scratch_.take();
+    Scratch& scratch = *kept;
     const PointsView base = incoming ? *incoming : view(rest_);
     for (const Level& level : levels_) {
         const MovingFrames& frames = level.frames;
@@ -361,7 +360,7 @@ void Riders::move(const std::optional<PointsView>& incoming, Points& positions) 
                         [&](int begin, int end) { level.carry(begin, end, base, scratch, positions); });
         level.loose.move(incoming, positions);
     }
-    kept = std::move(scratch);
+    scratch_.give_back(std::move(kept));
 }
 
 } // namespace sinew

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/kept.h"
 #include "native/core/progress.h"
 #include "native/core/report.h"
 #include "native/mesh/components.h"
@@ -68,12 +69,14 @@ public:
 
 private:
     struct Level;
+    struct Scratch;
 
     std::vector<bool> driven_;
     FreeParts options_;
     std::vector<Ride> rides_;
     Points rest_; ///< of the whole mesh
     std::vector<Level> levels_; ///< hosts before their riders
+    mutable Kept<Scratch> scratch_; ///< so that a frame allocates nothing
 };
 
 } // namespace sinew

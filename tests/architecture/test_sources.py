@@ -52,6 +52,7 @@ def test_only_the_core_asks_for_a_system(tmp_path: Path) -> None:
         "except Exceptio|n as error:",
         "exc|ept:",
         "catch (|...)",
+        "thread_loca|l Points kept;",
     ],
 )
 def test_word_that_does_not_belong_here_is_found(tmp_path: Path, line: str) -> None:

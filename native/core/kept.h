@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+namespace sinew {
+
+/// An object that calls use one after the other, so that its memory stays mapped. Any number of threads may
+/// take one at a time: the first gets the object that waits, the others new ones, of which the last one that is
+/// given back waits.
+///
+/// It stands for a `thread_local` object: with mingw-w64, the storage of those is freed before their destructors
+/// run, so that threads and programs crash or hang as they end.
+template <class T>
+class Kept
+{
+public:
+    Kept() = default;
+    Kept(const Kept&) = delete;
+    Kept& operator=(const Kept&) = delete;
+    ~Kept() { delete waiting_.load(); }
+
+    std::unique_ptr<T> take()
+    {
+        T* const waiting = waiting_.exchange(nullptr);
+        return waiting ? std::unique_ptr<T>(waiting) : std::make_unique<T>();
+    }
+    void give_back(std::unique_ptr<T> used) { delete waiting_.exchange(used.release()); }
+
+private:
+    std::atomic<T*> waiting_{nullptr};
+};
+
+} // namespace sinew
