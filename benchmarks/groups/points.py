@@ -2,8 +2,9 @@
 """Space methods on handle points next to SciPy's radial basis functions and to the loop of a paper.
 
 The centres and points of ``Rbf`` are random in a cube, whose values SciPy interpolates by the same kernel and
-polynomials. Those of a compact kernel reach some 20 others, which SciPy finds by a k-d tree. The incremental fit gets handles on two spheres: 10,000 points, half of which are turned. Its
-peer solves the dense system of all of them.
+polynomials. A compact kernel reaches some 20 centres, which SciPy finds by a k-d tree. The incremental fit
+gets handles on two spheres: 10,000 points, half of which are turned. Its peer solves the dense system of all
+of them.
 """
 
 import numpy as np

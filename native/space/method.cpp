@@ -3,10 +3,12 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
+#include "native/core/pages.h"
 #include "native/core/parallel.h"
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstring>
 #include <typeinfo>
 #include <utility>
@@ -29,6 +31,7 @@ bool copy(const PointsView& from, Points& to)
 {
     std::atomic<bool> finite = true;
     to.resize(from.rows(), 3);
+    ask_for_large_pages(to.data(), sizeof(double) * static_cast<std::size_t>(to.size()));
     parallel_chunks(static_cast<int>(from.rows()), 1 << 13, [&](int begin, int end) {
         auto some = to.middleRows(begin, end - begin);
         some = from.middleRows(begin, end - begin);

@@ -81,7 +81,9 @@ int DenseCholesky::factorize(const Progress& progress, const char* stage)
                                                     i % strip_width)] = -entry;
                 }
         });
-        parallel_chunks(width, tile, [&](int from, int to) {
+        // The first rows are the longest, so each is a task.
+        parallel_tasks((width + tile - 1) / tile, [&](int task) {
+            const int from = tile * task, to = std::min(from + tile, width);
             kernels.add_product(turned.data() + static_cast<std::size_t>(from) * height, height, to - from,
                                 height, packed.data() + static_cast<std::size_t>(from) * height,
                                 (width - from + strip_width - 1) / strip_width, row(end + from) + end + from,

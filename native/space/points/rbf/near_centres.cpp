@@ -18,7 +18,7 @@ NearCentres::NearCentres(const Points& centres, double reach)
     const Vector3 extent = Vector3(centres.colwise().maxCoeff()) - corner_;
     const auto cells_of = [&](double edge) -> Vector3 { return (extent / edge).array().floor() + 1.0; };
     if (std::isfinite(reach)) {
-        edge_ = 0.5 * reach;
+        edge_ = 0.7 * reach; // fastest for 20 to 200 centres within reach
         while (cells_of(edge_).prod() > cells_per_centre * static_cast<double>(centres.rows()) + 8.0)
             edge_ *= 1.25;
         for (int axis = 0; axis < 3; ++axis)
