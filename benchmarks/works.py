@@ -112,6 +112,19 @@ WORKS = (
     Work(
         "rbf_evaluate", "a frame of `Rbf` at 1,000,000 points, 1,000 centres", "RBFInterpolator", {ANY: 20.0}
     ),
+    Work(
+        "rbf_compact_bind",
+        "binding `Rbf`, a compact kernel that reaches 20 centres",
+        "SciPy's k-d tree and SuperLU",
+        {1000: 1.0, 3000: 2.5, 10_000: 8.0},
+    ),
+    Work("rbf_compact_frame", "a frame of such an `Rbf`", "SciPy's k-d tree", {ANY: (10.0, 20.0)}),
+    Work(
+        "rbf_compact_all",
+        "a frame of such an `Rbf`",
+        "a kernel that reaches all centres",
+        {1000: 3.0, 3000: 8.0, 10_000: 25.0},
+    ),
     Work("rbf_basis", "a frame of `Rbf`, 4 handles of many points", "30 million points a second", {ANY: 1.0}),
     Work(
         "rbf_incremental",

@@ -2,21 +2,25 @@
 """Space methods on handle points next to SciPy's radial basis functions and to the loop of a paper.
 
 The centres and points of ``Rbf`` are random in a cube, whose values SciPy interpolates by the same kernel and
-polynomials. The incremental fit gets handles on two spheres: 10,000 points, half of which are turned. Its
-peer solves the dense system of all of them.
+polynomials. A compact kernel reaches some 20 centres, which SciPy finds by a k-d tree. The incremental fit
+gets handles on two spheres: 10,000 points, half of which are turned. Its peer solves the dense system of all
+of them.
 """
 
 import numpy as np
 import sinew_peers
 from record import Row
 from scipy.interpolate import RBFInterpolator
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import splu
+from scipy.spatial import cKDTree
 from timing import Work, alternate
 
 import sinew_native
 
 from . import Options, Task
 
-WORKS = ("rbf", "rbf_basis", "rbf_incremental", "mls_frame")
+WORKS = ("rbf", "rbf_compact", "rbf_basis", "rbf_incremental", "mls_frame")
 
 
 def plan(options: Options) -> list[Task]:
@@ -24,6 +28,7 @@ def plan(options: Options) -> list[Task]:
     for work in WORKS:
         names = {
             "rbf": ("rbf_bind", "rbf_evaluate"),
+            "rbf_compact": ("rbf_compact_bind", "rbf_compact_frame", "rbf_compact_all"),
             "rbf_incremental": ("rbf_incremental", "rbf_incremental_error"),
         }
         share = 100 if options.smallest else 10 if options.quick else 1
@@ -33,9 +38,14 @@ def plan(options: Options) -> list[Task]:
 
 
 def measure(work: str, share: int, threads: list[int]) -> list[Row]:
-    return {"rbf": _rbf, "rbf_basis": _basis, "rbf_incremental": _incremental, "mls_frame": _mls}[work](
-        share, threads
-    )
+    works = {
+        "rbf": _rbf,
+        "rbf_compact": _compact,
+        "rbf_basis": _basis,
+        "rbf_incremental": _incremental,
+        "mls_frame": _mls,
+    }
+    return works[work](share, threads)
 
 
 def _rbf(share: int, threads: list[int]) -> list[Row]:
@@ -81,6 +91,72 @@ def _rbf(share: int, threads: list[int]) -> list[Row]:
             ("rbf_evaluate", "frame", works["evaluate"], count / len(some)),
         )
         for count in threads
+    ]
+
+
+def _compact(share: int, threads: list[int]) -> list[Row]:
+    return [
+        row
+        for centres in ((1000,) if share > 1 else (1000, 3000, 10_000))
+        for row in _compact_of(centres, 100_000 // share, threads)
+    ]
+
+
+def _compact_of(centre_count: int, count: int, threads: list[int]) -> list[Row]:
+    """SciPy solves the same sparse system, and finds the centres near each point by its k-d tree."""
+    random = np.random.default_rng(5)
+    centres, points = random.uniform(0.0, 1.0, (centre_count, 3)), random.uniform(0.0, 1.0, (count, 3))
+    moves = random.uniform(-0.1, 0.1, centres.shape)
+    radius = (20 / centre_count / (4 / 3 * np.pi)) ** (1 / 3)
+    reach = radius * np.ptp(centres, axis=0).max()
+    options = {"kernel": "wendland_c2", "degree": -1, "radius": radius}
+    near = sinew_native.Rbf(centres, **options)
+    near.bind(points)
+    everywhere = sinew_native.Rbf(centres, kernel="biharmonic", degree=0)
+    everywhere.bind(points)
+    out, all_out = np.zeros((count, 3), np.float32), np.zeros((count, 3), np.float32)
+    found: dict[str, object] = {}
+
+    def values(of: np.ndarray) -> csr_matrix:
+        pairs = cKDTree(of).sparse_distance_matrix(cKDTree(centres), reach, output_type="coo_matrix")
+        r = pairs.data / reach
+        return csr_matrix(((1 - r) ** 4 * (4 * r + 1), (pairs.row, pairs.col)), shape=(len(of), centre_count))
+
+    def factor() -> None:
+        found["factor"] = splu(values(centres).tocsc())
+
+    def evaluate() -> None:
+        found["moves"] = values(points) @ found["factor"].solve(moves)
+
+    calls = {
+        "bind": lambda: sinew_native.Rbf(centres, **options).bind(points),
+        "frame": lambda: near.warp(centres + moves, out=out),
+        "all": lambda: everywhere.warp(centres + moves, out=all_out),
+    }
+    works: dict[object, Work] = {
+        (name, number): Work(call, lambda number=number: sinew_native.limit_threads(number), False)
+        for number in threads
+        for name, call in calls.items()
+    }
+    works |= {"factor": Work(factor, repeatable=False), "evaluate": Work(evaluate, repeatable=False)}
+    alternate(works, budget=10.0)
+    _require_equal(out - points, found["moves"])
+    case = f"{centre_count:,} centres, {count:,} points"
+    common = {"size": centre_count, "vertices": count, "case": case, "unit": "s"}
+    return [
+        {
+            "work": f"rbf_compact_{name}",
+            **common,
+            "threads": number,
+            "ours": works[ours, number].best,
+            "peer": works[peer or ("all", number)].best,
+        }
+        for name, ours, peer in (
+            ("bind", "bind", "factor"),
+            ("frame", "frame", "evaluate"),
+            ("all", "frame", None),
+        )
+        for number in threads
     ]
 
 

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/mesh/space_order.h"
 
 #include <algorithm>
 #include <numeric>
@@ -12,25 +13,6 @@
 namespace sinew {
 
 namespace {
-
-/// The places of points along a curve that fills their bounding box (G. M. Morton, 1966).
-std::vector<std::uint64_t> morton_codes(const Points& points)
-{
-    constexpr int bits = 21;
-    if (points.rows() == 0)
-        return {};
-    const Eigen::RowVector3d low = points.colwise().minCoeff();
-    const double extent = std::max((points.colwise().maxCoeff() - low).maxCoeff(), 1e-300);
-    std::vector<std::uint64_t> codes(points.rows(), 0);
-    for (Eigen::Index i = 0; i < points.rows(); ++i)
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto cell =
-                static_cast<std::uint64_t>((points(i, axis) - low[axis]) / extent * ((1 << bits) - 1));
-            for (int bit = 0; bit < bits; ++bit)
-                codes[i] |= (cell >> bit & 1) << (3 * bit + axis);
-        }
-    return codes;
-}
 
 double sum_of_squares(const GraphEdges& edges, const GraphCells& cells, const PointsView& base)
 {
@@ -230,7 +212,7 @@ private:
             if (cells.smoothing > 0 || std::any_of(first, last, [&](int j) { return given.place(j) >= 0; }))
                 kind[i] = beside_free;
         }
-        const std::vector<std::uint64_t> codes = morton_codes(rest);
+        const std::vector<std::uint64_t> codes = morton_codes(view(rest));
         order.resize(given.size());
         std::iota(order.begin(), order.end(), 0);
         std::ranges::sort(order, {}, [&](int i) { return std::tuple(kind[i], codes[i], i); });

@@ -3,8 +3,12 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
+#include "native/core/pages.h"
+#include "native/core/parallel.h"
 
+#include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstring>
 #include <typeinfo>
 #include <utility>
@@ -22,6 +26,21 @@ std::vector<int> not_finite(const PointsView& points)
     return bad;
 }
 
+/// A copy whose page faults the threads share, and whether all of it is finite.
+bool copy(const PointsView& from, Points& to)
+{
+    std::atomic<bool> finite = true;
+    to.resize(from.rows(), 3);
+    ask_for_large_pages(to.data(), sizeof(double) * static_cast<std::size_t>(to.size()));
+    parallel_chunks(static_cast<int>(from.rows()), 1 << 13, [&](int begin, int end) {
+        auto some = to.middleRows(begin, end - begin);
+        some = from.middleRows(begin, end - begin);
+        if (!all_finite(some))
+            finite = false;
+    });
+    return finite;
+}
+
 } // namespace
 
 SpaceReport SpaceMethod::bind(PointsView points, const Progress& progress)
@@ -33,12 +52,15 @@ SpaceReport SpaceMethod::bind(PointsView points, const Progress& progress)
 SpaceReport SpaceMethod::hold(PointsView points, const Progress& progress)
 {
     const auto begin = std::chrono::steady_clock::now();
-    if (const std::vector<int> bad = not_finite(points); !bad.empty())
+    Points own;
+    if (!copy(points, own)) {
+        const std::vector<int> bad = not_finite(points);
         throw InvalidConstraint("points " + list_some(bad) + " are not finite", Error::Element::vertex, bad);
+    }
     SpaceReport report;
     report.point_count = static_cast<int>(points.rows());
     compute(points, report, progress);
-    points_ = points;
+    points_.swap(own);
     bound_ = true;
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     report_ = report;

@@ -2,9 +2,10 @@
 #include "native/solvers/dense/cholesky.h"
 
 #include "native/core/memory.h"
+#include "native/core/pages.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
 #include "native/solvers/dense/kernels.h"
-#include "native/solvers/dense/system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,7 @@ namespace sinew {
 namespace {
 
 constexpr int panel = 64;       ///< rows that are completed at once
-constexpr int strip = 16;       ///< of these rows, which are solved for without products
-constexpr int tile = 128;       ///< columns whose part of a panel stays in a cache
+constexpr int tile = 48; ///< rows that a thread updates at once; their part of a panel stays in its cache
 constexpr int row_padding = 16; ///< numbers; without them, rows of 2^k numbers would compete for cache lines
 constexpr double least_pivot = 1e-14; ///< as a share of the largest entry of the diagonal
 
@@ -42,6 +42,8 @@ std::int64_t DenseCholesky::bytes(int size)
 DenseCholesky::DenseCholesky(int size) : size_(size), stride_(stride_of(size))
 {
     require_memory(bytes(size), "the dense factor");
+    entries_.reserve(stride_ * static_cast<std::size_t>(size));
+    ask_for_large_pages(entries_.data(), entries_.capacity() * sizeof(double));
     entries_.resize(stride_ * static_cast<std::size_t>(size));
 }
 
@@ -50,7 +52,11 @@ int DenseCholesky::factorize(const Progress& progress, const char* stage)
     double largest = 0.0;
     for (int i = 0; i < size_; ++i)
         largest = std::max(largest, row(i)[i]);
-    AlignedVector<double> turned; // the panel's part of the rows below, (rows, panel)
+    const DenseKernels& kernels = widest_kernels<DenseKernels>();
+    // The panel's part of the rows below: turned, (rows, panel), and negated in strips for add_product.
+    const std::size_t most = stride_ * panel;
+    AlignedVector<double> turned(size_ > panel ? most : 0), packed(turned.size());
+    const int stride = static_cast<int>(stride_);
     for (int begin = 0; begin < size_; begin += panel) {
         const double left = 1.0 - static_cast<double>(begin) / size_;
         progress.tick(1.0 - left * left * left, stage);
@@ -64,47 +70,25 @@ int DenseCholesky::factorize(const Progress& progress, const char* stage)
             for (int i = k + 1; i < end; ++i)
                 subtract(row(i) + i, row(k)[i], row(k) + i, end - i);
         }
-        for (int first = begin; first < end; first += strip) {
-            const int last = std::min(first + strip, end), before = first - begin, some = last - first;
-            if (before > 0 && width > 0) { // the rows before, as a product
-                std::vector<double> above(static_cast<std::size_t>(some * before));
-                for (int k = 0; k < some; ++k)
-                    for (int j = 0; j < before; ++j)
-                        above[static_cast<std::size_t>(k * before + j)] = row(begin + j)[first + k];
-                for (int at = 0; at < width; at += tile) {
-                    const PackedColumns known(row(begin) + end + at, before, std::min(tile, width - at),
-                                              stride_, -1.0);
-                    known.multiply_add(above.data(), before, some, row(first) + end + at,
-                                       static_cast<int>(stride_));
+        parallel_chunks(width, 8 * strip_width, [&](int from, int to) {
+            const int strips = (to - from + strip_width - 1) / strip_width;
+            kernels.substitute(row(begin) + begin, stride, height, row(begin) + end + from, stride, strips);
+            for (int k = 0; k < height; ++k)
+                for (int i = from; i < from + strips * strip_width; ++i) { // beyond the matrix are zeros
+                    const double entry = row(begin + k)[end + i];
+                    turned[static_cast<std::size_t>(i) * height + k] = entry;
+                    packed[static_cast<std::size_t>((i / strip_width * height + k) * strip_width +
+                                                    i % strip_width)] = -entry;
                 }
-            }
-            parallel_chunks(width, 256, [&](int from, int to) {
-                for (int k = first; k < last; ++k) {
-                    double* const line = row(k) + end + from;
-                    for (int j = first; j < k; ++j)
-                        subtract(line, row(j)[k], row(j) + end + from, to - from);
-                    const double scale = 1.0 / row(k)[k];
-                    for (int j = 0; j < to - from; ++j)
-                        line[j] *= scale;
-                }
-            });
-        }
-        turned.resize(static_cast<std::size_t>(width) * height);
-        parallel_for(
-            width,
-            [&](int i) {
-                for (int k = 0; k < height; ++k)
-                    turned[static_cast<std::size_t>(i) * height + k] = row(begin + k)[end + i];
-            },
-            256);
-        for (int first = 0; first < width; first += tile) {
-            const int columns = std::min(tile, width - first);
-            const PackedColumns packed(row(begin) + end + first, height, columns, stride_, -1.0);
-            parallel_chunks(first + columns, 48, [&](int from, int to) {
-                packed.multiply_add(turned.data() + static_cast<std::size_t>(from) * height, height,
-                                    to - from, row(end + from) + end + first, static_cast<int>(stride_));
-            });
-        }
+        });
+        // The first rows are the longest, so each is a task.
+        parallel_tasks((width + tile - 1) / tile, [&](int task) {
+            const int from = tile * task, to = std::min(from + tile, width);
+            kernels.add_product(turned.data() + static_cast<std::size_t>(from) * height, height, to - from,
+                                height, packed.data() + static_cast<std::size_t>(from) * height,
+                                (width - from + strip_width - 1) / strip_width, row(end + from) + end + from,
+                                stride, nullptr);
+        });
     }
     progress.tick(1.0, stage);
     return -1;

@@ -15,6 +15,10 @@ struct DenseKernels
     void (*add_product)(const double* a, int stride_a, int rows, int inner, const double* b, int strips,
                         double* c, int stride_c, const int* place);
 
+    /// x (rows, strips * strip_width) = U^-T x, by substitution. U (rows, rows) is upper triangular; below
+    /// its diagonal, anything may stand.
+    void (*substitute)(const double* u, int stride_u, int rows, double* x, int stride_x, int strips);
+
     static const DenseKernels baseline, avx2, avx512;
 };
 

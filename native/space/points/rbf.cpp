@@ -5,11 +5,14 @@
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
 #include "native/core/simd/product_of_eight.h"
+#include "native/mesh/space_order.h"
+#include "native/space/points/rbf/near_centres.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -22,6 +25,11 @@ constexpr int few_points = 400;
 constexpr int most_centres = 2500;
 /// The incremental fit sees so many points, spread evenly; all of them are checked afterwards.
 constexpr int most_fitted = 12000;
+
+/// Rounding of the places of points, with some room.
+constexpr double least_radius = 1e-9;
+/// Places farther away, in the unit box, count as so far: phi of them would be infinite.
+constexpr double farthest = 1e30;
 
 int degree_of(const RbfOptions& options)
 {
@@ -78,19 +86,23 @@ Places::Places(const Points& points, double reach) : of(static_cast<std::size_t>
     std::vector<int> order(of.size()), firsts;
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, {}, [&](int i) { return points(i, 0); });
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        const int i = order[k];
+    const NearCentres near(points, reach);
+    for (const int i : order) {
         if (of[static_cast<std::size_t>(i)] >= 0)
             continue;
         const int own = static_cast<int>(firsts.size());
         firsts.push_back(i);
-        sizes.push_back(0);
-        for (std::size_t l = k; l < order.size() && points(order[l], 0) - points(i, 0) <= reach; ++l)
-            if (int& other = of[static_cast<std::size_t>(order[l])];
-                other < 0 && (points.row(order[l]) - points.row(i)).norm() <= reach) {
-                other = own;
-                ++sizes.back();
-            }
+        sizes.push_back(1);
+        of[static_cast<std::size_t>(i)] = own;
+        const Vector3 at = points.row(i).transpose();
+        near.visit(at, at, [&](int begin, int end) {
+            for (int k = begin; k < end; ++k)
+                if (int& other = of[static_cast<std::size_t>(near.order()[k])];
+                    other < 0 && (near.centres().row(k).transpose() - at).norm() <= reach) {
+                    other = own;
+                    ++sizes.back();
+                }
+        });
     }
     centres.resize(static_cast<Eigen::Index>(firsts.size()), 3);
     for (std::size_t c = 0; c < firsts.size(); ++c)
@@ -107,9 +119,37 @@ struct Rbf::Solved
     Polynomials polynomials;
     RbfSystem system;             ///< if each handle is one point
     RbfCoefficients coefficients; ///< otherwise: of the columns of the control
-    /// The same as a table of three columns after the other: (columns / 3 rounded up, c + count, 3).
+    NearCentres near;
+    /// The same as a table of three columns after the other: (columns / 3 rounded up, count + c, 3), of the
+    /// polynomials and then of the centres in the order of `near`.
     std::vector<double> factors;
     double error = 0.0;
+};
+
+/// Up to eight points, in the unit box.
+struct Rbf::Eight
+{
+    std::array<double, 24> places{}; ///< all x, all y, all z
+    std::array<int, 8> points{};
+    int count;
+    Vector3 low, high; ///< their box
+
+    /// \param order  of the points; empty for their own.
+    Eight(const Rbf& rbf, const PointsView& all, const std::vector<int>& order, int first)
+        : count(std::min(8, static_cast<int>(all.rows()) - first))
+    {
+        for (int i = 0; i < count; ++i) {
+            points[i] = order.empty() ? first + i : order[first + i];
+            const Vector3 x = ((all.row(points[i]).transpose() - rbf.handles_.corner()) / rbf.handles_.size())
+                                  .cwiseMax(-farthest)
+                                  .cwiseMin(farthest);
+            low = i > 0 ? Vector3(low.cwiseMin(x)) : x;
+            high = i > 0 ? Vector3(high.cwiseMax(x)) : x;
+            for (int k = 0; k < 3; ++k)
+                places[8 * k + i] = x[k];
+        }
+    }
+    Vector3 place(int i) const { return {places[i], places[8 + i], places[16 + i]}; }
 };
 
 Rbf::Rbf(HandlePoints handles, const RbfOptions& options)
@@ -117,13 +157,18 @@ Rbf::Rbf(HandlePoints handles, const RbfOptions& options)
 {
     if (options.degree < -1 || options.degree > 2)
         throw InvalidOption("degree must be from -1 to 2");
-    if (!(options.radius > 0.0) || !std::isfinite(options.radius))
-        throw InvalidOption("radius must be a finite number above 0");
+    if (!(options.radius >= least_radius) || !std::isfinite(options.radius))
+        throw InvalidOption("radius must be a finite number of at least 1e-9");
     require_at_least(options.tolerance, 0.0, "tolerance");
     basis_ = {options.function, is_compact(options.function) ? 1.0 / options.radius : 1.0};
 }
 
 Rbf::~Rbf() = default;
+
+double Rbf::reach() const
+{
+    return is_compact(basis_.function) ? options_.radius : std::numeric_limits<double>::infinity();
+}
 
 Points Rbf::centres() const
 {
@@ -158,6 +203,7 @@ double Rbf::prepare(PointsView points, const Progress& progress)
     if (handles_.all_single()) {
         solved->centres = places;
         solved->system = RbfSystem(places, basis_, solved->polynomials, within);
+        solved->near = NearCentres(places, reach());
         solved_ = std::move(solved);
         return own;
     }
@@ -184,16 +230,15 @@ double Rbf::prepare(PointsView points, const Progress& progress)
         solved->centres = std::move(fit.centres);
         solved->coefficients = std::move(fit.coefficients);
     }
-    const auto count = static_cast<int>(solved->centres.rows()) + solved->polynomials.count();
+    solved->near = NearCentres(solved->centres, reach());
+    const int q = solved->polynomials.count(), count = q + static_cast<int>(solved->centres.rows());
     const auto columns = static_cast<int>(values.cols());
     solved->factors.assign(static_cast<std::size_t>((columns + 2) / 3) * count * 3, 0.0);
     for (int k = 0; k < columns; ++k)
-        for (int j = 0; j < count; ++j) {
-            const auto c_count = static_cast<int>(solved->centres.rows());
+        for (int j = 0; j < count; ++j)
             solved->factors[(static_cast<std::size_t>(k / 3) * count + j) * 3 + k % 3] =
-                j < c_count ? solved->coefficients.weights(j, k)
-                            : solved->coefficients.polynomial(j - c_count, k);
-        }
+                j < q ? solved->coefficients.polynomial(j, k)
+                      : solved->coefficients.weights(solved->near.order()[j - q], k);
     // What all handle points get, against what they should get.
     const auto m = static_cast<int>(all.rows());
     std::vector<double> worst(static_cast<std::size_t>((m + 63) / 64), 0.0);
@@ -219,32 +264,39 @@ void Rbf::evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::vector
 void Rbf::evaluate(const Solved& solved, PointsView block, RowMatrix& rows) const
 {
     const int n = static_cast<int>(block.rows()), columns = static_cast<int>(handles_.control().rows()),
-              c = static_cast<int>(solved.centres.rows()), q = solved.polynomials.count();
+              q = solved.polynomials.count(), count = q + static_cast<int>(solved.centres.rows());
     const auto phi = widest_kernels<RbfKernels>().values[static_cast<int>(basis_.function)];
     const auto multiply = widest_kernels<ProductOfEight>().multiply;
     rows.resize(n, columns);
-    // Sums to start from, values at the centres, and monomials: eight numbers each.
-    std::vector<double> values(24 + 8 * static_cast<std::size_t>(c + q), 0.0);
-    std::array<double, 24> eight{}, sums{};
+    // Sums to start from, and then monomials or values at centres: eight numbers each.
+    std::vector<double> values(24 + 8 * static_cast<std::size_t>(count), 0.0);
+    std::vector<double> sums(static_cast<std::size_t>((columns + 2) / 3) * 24);
     std::array<double, Polynomials::most> monomials{};
-    for (int begin = 0; begin < n; begin += 8) {
-        const int some = std::min(8, n - begin);
-        for (int i = 0; i < some; ++i) {
-            const Vector3 x = (block.row(begin + i).transpose() - handles_.corner()) / handles_.size();
-            for (int k = 0; k < 3; ++k)
-                eight[8 * k + i] = x[k];
-            solved.polynomials.evaluate(x, monomials.data());
+    const auto add = [&](int begin, int end) { // what is in `values`, of these rows of the factors
+        for (std::size_t k = 0; 24 * k < sums.size(); ++k) {
+            std::copy_n(sums.data() + 24 * k, 24, values.data());
+            multiply(values.data(), end - begin, solved.factors.data() + (k * count + begin) * 3,
+                     sums.data() + 24 * k);
+        }
+    };
+    const std::vector<int> order = is_compact(basis_.function) ? space_order(block) : std::vector<int>{};
+    for (int first = 0; first < n; first += 8) {
+        const Eight eight(*this, block, order, first);
+        for (int i = 0; i < eight.count; ++i) {
+            solved.polynomials.evaluate(eight.place(i), monomials.data());
             for (int k = 0; k < q; ++k)
-                values[24 + 8 * static_cast<std::size_t>(c + k) + i] = monomials[k];
+                values[24 + 8 * static_cast<std::size_t>(k) + i] = monomials[k];
         }
-        phi(solved.centres.data(), c, basis_.scale, eight.data(), values.data() + 24);
-        for (int k = 0; k < columns; k += 3) {
-            multiply(values.data(), c + q,
-                     solved.factors.data() + static_cast<std::size_t>(k / 3) * (c + q) * 3, sums.data());
-            for (int l = k; l < std::min(k + 3, columns); ++l)
-                for (int i = 0; i < some; ++i)
-                    rows(begin + i, l) = sums[8 * (l - k) + i];
-        }
+        std::ranges::fill(sums, 0.0);
+        add(0, q);
+        solved.near.visit(eight.low, eight.high, [&](int begin, int end) {
+            phi(solved.near.centres().row(begin).data(), end - begin, basis_.scale, eight.places.data(),
+                values.data() + 24);
+            add(q + begin, q + end);
+        });
+        for (int k = 0; k < columns; ++k)
+            for (int i = 0; i < eight.count; ++i)
+                rows(eight.points[i], k) = sums[24 * static_cast<std::size_t>(k / 3) + 8 * (k % 3) + i];
     }
 }
 
@@ -256,8 +308,10 @@ void Rbf::compute(PointsView points, SpaceReport& report, const Progress& progre
     }
     progress.tick(0.0, "computing weights");
     prepare(points, progress);
+    std::vector<int> order = is_compact(basis_.function) ? space_order(points) : std::vector<int>{};
     finish(report);
     progress.tick(1.0, "computing weights");
+    order_ = std::move(order);
 }
 
 void Rbf::finish(SpaceReport& report) const
@@ -298,8 +352,8 @@ void Rbf::displace(PointsView control, PointsView base, PositionsOut out) const
     std::vector<double> table(6 * static_cast<std::size_t>(c));
     for (int j = 0; j < c; ++j)
         for (int k = 0; k < 3; ++k) {
-            table[6 * static_cast<std::size_t>(j) + k] = solved.centres(j, k);
-            table[6 * static_cast<std::size_t>(j) + 3 + k] = found.weights(j, k);
+            table[6 * static_cast<std::size_t>(j) + k] = solved.near.centres()(j, k);
+            table[6 * static_cast<std::size_t>(j) + 3 + k] = found.weights(solved.near.order()[j], k);
         }
     std::visit([&](auto* positions) { add_sums(table, found.polynomial, base, positions); }, out);
 }
@@ -308,27 +362,26 @@ template <class Real>
 void Rbf::add_sums(const std::vector<double>& table, const RowMatrix& polynomial, PointsView base,
                    Real* out) const
 {
-    const Points& bound = points();
+    const PointsView bound = view(points());
     const auto sums_of = widest_kernels<RbfKernels>().sums[static_cast<int>(basis_.function)];
-    const int c = static_cast<int>(table.size() / 6), q = static_cast<int>(polynomial.rows());
+    const int q = static_cast<int>(polynomial.rows());
     parallel_chunks(static_cast<int>(bound.rows()), 512, [&](int from, int to) {
-        std::array<double, 24> eight{}, sums{};
         std::array<double, Polynomials::most> monomials{};
-        for (int begin = from; begin < to; begin += 8) {
-            const int some = std::min(8, to - begin);
-            for (int i = 0; i < some; ++i)
-                for (int k = 0; k < 3; ++k)
-                    eight[8 * k + i] = (bound(begin + i, k) - handles_.corner()[k]) / handles_.size();
-            sums_of(table.data(), c, basis_.scale, eight.data(), sums.data());
-            for (int i = 0; i < some; ++i) {
-                const Vector3 x(eight[i], eight[8 + i], eight[16 + i]);
-                solved_->polynomials.evaluate(x, monomials.data());
+        for (int first = from; first < to; first += 8) {
+            const Eight eight(*this, bound, order_, first);
+            std::array<double, 24> sums{};
+            solved_->near.visit(eight.low, eight.high, [&](int begin, int end) {
+                sums_of(table.data() + 6 * static_cast<std::size_t>(begin), end - begin, basis_.scale,
+                        eight.places.data(), sums.data());
+            });
+            for (int i = 0; i < eight.count; ++i) {
+                solved_->polynomials.evaluate(eight.place(i), monomials.data());
                 for (int k = 0; k < 3; ++k) {
                     double move = sums[8 * k + i];
                     for (int l = 0; l < q; ++l)
                         move += monomials[l] * polynomial(l, k);
-                    out[3 * static_cast<std::size_t>(begin + i) + k] =
-                        static_cast<Real>(base(begin + i, k) + move);
+                    out[3 * static_cast<std::size_t>(eight.points[i]) + k] =
+                        static_cast<Real>(base(eight.points[i], k) + move);
                 }
             }
         }
@@ -351,6 +404,7 @@ void Rbf::swap_weights(SpaceMethod& other)
 {
     LinearSpaceMethod::swap_weights(other);
     std::swap(solved_, static_cast<Rbf&>(other).solved_);
+    std::swap(order_, static_cast<Rbf&>(other).order_);
 }
 
 } // namespace sinew

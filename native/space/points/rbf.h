@@ -19,7 +19,7 @@ struct RbfOptions
     /// In [-1, 2], of the polynomial p: maps up to it are reproduced. At least 1 is used with the triharmonic
     /// function, and 0 to 1 with the biharmonic one; -1, for none, is for compact ones.
     int degree = 2;
-    double radius = 0.5; ///< > 0, of a compact function, as a share of the size of all handles
+    double radius = 0.5; ///< >= 1e-9, of a compact function, as a share of the size of all handles
     /// >= 0. Handles of many points are met up to this share of the longest move of a control point, with as
     /// few centres as that takes; 0 meets all points exactly.
     double tolerance = 1e-4;
@@ -44,7 +44,8 @@ struct RbfOptions
 /// If each handle is one point, these are the centres: a frame solves for w, O(c^2) for c of them, and adds
 /// up O(n c) values of phi; nothing is stored per point. Handles of several points move by affine maps, so d
 /// is a sum of 4 functions per handle, which bind() evaluates: a frame is their product with the maps. Then
-/// few of the points may be centres, see rbf/incremental.h.
+/// few of the points may be centres, see rbf/incremental.h. A compact function visits only the m centres near
+/// each point, by a grid of the centres and an order of the points in which neighbours are near in space.
 ///
 /// Departs from the papers: handle points that nearly coincide get a tiny diagonal, instead of a singular
 /// system, so that they are met in the mean.
@@ -55,7 +56,10 @@ struct RbfOptions
 ///                                           handles of several points O(n c)
 ///   warp()         the handles moved        O(n c), or O(n k) for k handles of several points
 ///
-/// Memory per point: 24 bytes, and 16 (single precision) or 32 bytes for each handle of several points.
+/// With a compact function, the system is sparse and O(n c) is O(n m).
+///
+/// Memory per point: 24 bytes, and 16 (single precision) or 32 bytes for each handle of several points; or 4
+/// for a compact function of single points.
 class Rbf final : public LinearSpaceMethod
 {
 public:
@@ -80,10 +84,13 @@ protected:
     void displace(PointsView control, PointsView base, PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     void swap_weights(SpaceMethod& other) override;
+    int block_size() const override { return (is_compact(basis_.function) ? 8 : 1) * PointWeights::part; }
     const char* control_name() const override { return "handles"; }
 
 private:
     struct Solved;
+    struct Eight;
+    double reach() const; ///< of a centre, in the unit box
     void evaluate(const Solved& solved, PointsView block, RowMatrix& rows) const;
     template <class Real>
     void add_sums(const std::vector<double>& table, const RowMatrix& polynomial, PointsView base,
@@ -93,6 +100,7 @@ private:
     RbfOptions options_;
     RbfBasis basis_;
     std::shared_ptr<const Solved> solved_; ///< of these handles and options, whatever points are bound
+    std::vector<int> order_; ///< of a compact function: the bound points, near ones side by side
 };
 
 } // namespace sinew

@@ -3,6 +3,7 @@
 
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/solvers/dense/tall_products.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -21,29 +22,6 @@ constexpr int largest_block = 128;
 constexpr int grain = 2048; ///< rows of a product that one thread takes at once
 constexpr double dependent = 1e-11; ///< a column of this share of its length is a sum of those before it
 constexpr double least_pivot = 1e-12; ///< and one of this pivot is a sum of others of its block
-
-/// A^T B, with sums in an order that does not depend on the number of threads.
-MatrixX product(const MatrixX& A, Eigen::Index columns, const MatrixX& B)
-{
-    const int rows = static_cast<int>(A.rows());
-    std::vector<MatrixX> sums(static_cast<std::size_t>((rows + grain - 1) / grain));
-    parallel_chunks(rows, grain, [&](int begin, int end) {
-        sums[static_cast<std::size_t>(begin / grain)] =
-            A.block(begin, 0, end - begin, columns).transpose() * B.middleRows(begin, end - begin);
-    });
-    MatrixX total = MatrixX::Zero(columns, B.cols());
-    for (const MatrixX& sum : sums)
-        total += sum;
-    return total;
-}
-
-/// B -= A X
-void subtract_product(const MatrixX& A, Eigen::Index columns, const MatrixX& X, MatrixX& B)
-{
-    parallel_chunks(static_cast<int>(A.rows()), grain, [&](int begin, int end) {
-        B.middleRows(begin, end - begin).noalias() -= A.block(begin, 0, end - begin, columns) * X;
-    });
-}
 
 /// Some columns of A = Q R, with orthonormal Q.
 struct Block
@@ -66,7 +44,7 @@ Block orthogonal(const MatrixX& A, const Eigen::RowVectorXd& lengths)
             scaled.col(k) /= own[k];
             left.push_back(k);
         }
-    MatrixX G = product(scaled, A.cols(), scaled);
+    MatrixX G = transposed_product(scaled, A.cols(), scaled);
     MatrixX rows = MatrixX::Zero(A.cols(), A.cols()); // of R, with the columns of A
     while (!left.empty()) {
         const auto best = std::ranges::max_element(left, {}, [&](int k) { return G(k, k); });
@@ -99,7 +77,7 @@ Block orthogonal(const MatrixX& A, const Eigen::RowVectorXd& lengths)
         });
     };
     divide(block.R);
-    const MatrixX again = product(block.Q, count, block.Q).llt().matrixU();
+    const MatrixX again = transposed_product(block.Q, count, block.Q).llt().matrixU();
     divide(again);
     block.R = again * block.R;
     for (Eigen::Index k = 0; k < count; ++k)
@@ -180,7 +158,7 @@ RbfFit fit_incrementally(const Points& points, const RowMatrix& values, const Rb
         const Eigen::HouseholderQR<MatrixX> qr(P);
         Q.leftCols(q) = qr.householderQ() * MatrixX::Identity(m, q);
         R.topLeftCorner(q, q) = qr.matrixQR().topRows(q).triangularView<Eigen::Upper>();
-        right.topRows(q) = product(Q, q, F);
+        right.topRows(q) = transposed_product(Q, q, F);
         subtract_product(Q, q, right.topRows(q), F);
     }
     std::vector<int> centres;
@@ -206,9 +184,9 @@ RbfFit fit_incrementally(const Points& points, const RowMatrix& values, const Rb
             A.noalias() -= at_base * lagrange;
         }
         const Eigen::RowVectorXd lengths = A.colwise().norm();
-        MatrixX upper = product(Q, columns, A);
+        MatrixX upper = transposed_product(Q, columns, A);
         subtract_product(Q, columns, upper, A);
-        const MatrixX again = product(Q, columns, A);
+        const MatrixX again = transposed_product(Q, columns, A);
         subtract_product(Q, columns, again, A);
         upper += again;
         const Block own = orthogonal(A, lengths);
@@ -231,7 +209,7 @@ RbfFit fit_incrementally(const Points& points, const RowMatrix& values, const Rb
             centres.push_back(next[static_cast<std::size_t>(own.chosen[k])]);
         }
         R.block(columns, columns, added, added) = own.R;
-        right.middleRows(columns, added) = product(own.Q, added, F);
+        right.middleRows(columns, added) = transposed_product(own.Q, added, F);
         subtract_product(own.Q, added, right.middleRows(columns, added), F);
         columns += added;
     }

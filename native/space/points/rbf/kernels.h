@@ -24,7 +24,7 @@ struct RbfKernels
     /// \param centres  (count, 3)
     void (*values[rbf_function_count])(const double* centres, int count, double scale, const double* points,
                                        double* values);
-    /// sums (3, 8) = sum_j weights_j phi(|x - c_j| scale)
+    /// sums (3, 8) += sum_j weights_j phi(|x - c_j| scale)
     /// \param table  (count, 6) centre and weight of each.
     void (*sums[rbf_function_count])(const double* table, int count, double scale, const double* points,
                                      double* sums);

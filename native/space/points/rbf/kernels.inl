@@ -83,7 +83,7 @@ void sums(const double* table, int count, double scale, const double* points, do
     L sum[3][parts];
     for (int k = 0; k < 3; ++k)
         for (int p = 0; p < parts; ++p)
-            sum[k][p] = constant(0.0);
+            sum[k][p] = load(sums + 8 * k + lane_count * p);
     for (int j = 0; j < count; ++j, table += 6)
         for (int p = 0; p < parts; ++p) {
             const L value = Function::of(at.square(p, table), factor);

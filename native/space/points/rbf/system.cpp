@@ -5,10 +5,13 @@
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
 #include "native/solvers/dense/system.h"
+#include "native/space/points/rbf/near_centres.h"
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace sinew {
@@ -18,6 +21,49 @@ namespace {
 /// What is tried on the diagonal, as shares of the largest value of phi. Centres that are close together make
 /// phi singular up to rounding; then they are met in the mean, and others nearly exactly.
 constexpr double softnesses[] = {0.0, 1e-9, 1e-7};
+
+/// The lower triangle of phi of a compact function at the centres themselves.
+SparseMatrix near_values(const Points& centres, const RbfBasis& basis)
+{
+    const auto values = widest_kernels<RbfKernels>().values[static_cast<int>(basis.function)];
+    const NearCentres near(centres, 1.0 / basis.scale);
+    const int count = static_cast<int>(centres.rows());
+    std::vector<std::vector<std::pair<int, double>>> columns(static_cast<std::size_t>(count));
+    std::atomic<std::int64_t> total = 0;
+    parallel_chunks(count, 8, [&](int first, int last) {
+        const auto some = near.centres().middleRows(first, last - first);
+        std::array<double, 24> eight{};
+        for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < last - first; ++i)
+                eight[8 * k + i] = some(i, k);
+        std::vector<double> found;
+        near.visit(some.colwise().minCoeff(), some.colwise().maxCoeff(), [&](int begin, int end) {
+            found.resize(8 * static_cast<std::size_t>(end - begin));
+            values(near.centres().row(begin).data(), end - begin, basis.scale, eight.data(), found.data());
+            for (int j = begin; j < end; ++j)
+                for (int i = first; i < last; ++i)
+                    if (const double value = found[8 * static_cast<std::size_t>(j - begin) + (i - first)];
+                        value != 0.0 && near.order()[j] >= near.order()[i])
+                        columns[near.order()[i]].emplace_back(near.order()[j], value);
+        });
+        std::int64_t own = 0;
+        for (int i = first; i < last; ++i) {
+            auto& column = columns[near.order()[i]];
+            std::ranges::sort(column);
+            own += static_cast<std::int64_t>(column.size());
+        }
+        require_memory(32 * (total += own), "the matrix of radial functions");
+    });
+    SparseMatrix Phi(count, count);
+    Phi.reserve(static_cast<Eigen::Index>(total));
+    for (int i = 0; i < count; ++i) {
+        Phi.startVec(i);
+        for (const auto& [row, value] : columns[i])
+            Phi.insertBack(row, i) = value;
+    }
+    Phi.finalize();
+    return Phi;
+}
 
 } // namespace
 
@@ -124,32 +170,8 @@ void RbfSystem::fill(const Points& others, const RbfBasis& basis, const MatrixX&
 void RbfSystem::factorize_sparse(const Points& centres, const RbfBasis& basis, const RowMatrix& P,
                                  const Progress& progress)
 {
-    const auto values = widest_kernels<RbfKernels>().values[static_cast<int>(basis.function)];
-    constexpr int some = 64; // rows at once
-    std::vector<std::vector<Eigen::Triplet<double>>> found(
-        static_cast<std::size_t>((count_ + some - 1) / some));
     progress.tick(0.0, "computing radial functions");
-    parallel_chunks(count_, some, [&](int begin, int end) {
-        std::array<double, 24> eight{};
-        std::vector<double> of(8 * static_cast<std::size_t>(count_));
-        auto& own = found[static_cast<std::size_t>(begin / some)];
-        for (int first = begin; first < end; first += 8) {
-            const int last = std::min(first + 8, end);
-            for (int k = 0; k < 3; ++k)
-                for (int i = first; i < last; ++i)
-                    eight[8 * k + (i - first)] = centres(i, k);
-            values(centres.data(), last, basis.scale, eight.data(), of.data());
-            for (int i = first; i < last; ++i)
-                for (int j = 0; j <= i; ++j)
-                    if (const double value = of[8 * static_cast<std::size_t>(j) + (i - first)]; value != 0.0)
-                        own.emplace_back(i, j, value);
-        }
-    });
-    std::vector<Eigen::Triplet<double>> entries;
-    for (const auto& own : found)
-        entries.insert(entries.end(), own.begin(), own.end());
-    SparseMatrix Phi(count_, count_);
-    Phi.setFromTriplets(entries.begin(), entries.end());
+    SparseMatrix Phi = near_values(centres, basis);
     progress.tick(0.3, "factorising");
     for (const double softness : softnesses) {
         sparse_ = std::make_unique<SpdFactor>();

@@ -109,6 +109,16 @@ TEST(DenseKernels, give_the_same_bits_with_wider_instructions)
             kernels->add_product(a.data(), 30, rows, 30, b.data(), 3, wide.data(), 24, place.data());
             EXPECT_EQ(plain, wide);
         }
+        const RowMatrix U = random.dense(rows, 30), right = random.dense(rows, 24);
+        RowMatrix solved = right;
+        DenseKernels::baseline.substitute(U.data(), 30, rows, solved.data(), 24, 3);
+        const MatrixX upper = U.leftCols(rows).triangularView<Eigen::Upper>();
+        EXPECT_LT((upper.transpose() * solved - right).norm(), 1e-9 * (1.0 + solved.norm()));
+        for (const DenseKernels* kernels : wide_kernels<DenseKernels>()) {
+            RowMatrix wide = right;
+            kernels->substitute(U.data(), 30, rows, wide.data(), 24, 3);
+            EXPECT_EQ(solved, wide);
+        }
     }
 }
 

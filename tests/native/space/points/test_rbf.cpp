@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/points/rbf.h"
+#include "native/space/points/rbf/near_centres.h"
 
 #include "tests/native/refusals.h"
 #include "tests/native/space/contract.h"
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace sinew {
 
@@ -301,6 +303,149 @@ TEST(Rbf, compact_functions_without_polynomials_leave_what_is_far_away)
     EXPECT_GT(found(1, 2), 0.5);
 }
 
+TEST(Rbf, compact_functions_equal_the_sum_over_all_centres)
+{
+    // Some points are far away from all centres; their order has nothing to do with where they are.
+    Points centres = random_points(400, 1.0, 31);
+    centres.topRows(100) *= 0.1;
+    const Points moves = random_points(400, 0.1, 32), points = random_points(1003, 1.4, 33);
+    struct Case
+    {
+        RbfFunction function;
+        int degree;
+        double radius;
+    };
+    for (const Case& at : {Case{RbfFunction::wendland_c0, 1, 0.2}, Case{RbfFunction::wendland_c2, -1, 0.08},
+                           Case{RbfFunction::wendland_c2, 1, 0.02}, Case{RbfFunction::wendland_c4, 0, 0.1},
+                           Case{RbfFunction::wendland_c2, 1, 0.9}}) {
+        Rbf rbf(HandlePoints(view(centres)),
+                {.function = at.function, .degree = at.degree, .radius = at.radius});
+        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, at.radius);
+        // Rounding of the weights: the largest radius makes the system nearly singular.
+        EXPECT_LT(shapes::distance(warped(rbf, points, centres + moves), expected),
+                  at.radius > 0.5 ? 1e-7 : 1e-12)
+            << static_cast<int>(at.function) << " " << at.radius;
+    }
+}
+
+TEST(Rbf, compact_regions_equal_the_sum_over_all_centres)
+{
+    const HandlePoints handles = regions(250);
+    const Points points = random_points(1003, 4.0, 5);
+    const std::vector<Pose> poses{shapes::still(), shapes::turn({1, 2, 3}, 70, {3, 0, 0}, {0, 1, 0}),
+                                  shapes::shift(0, 0.5, 0.2)};
+    Points moves = handles.points();
+    for (int i = 0; i < handles.point_count(); ++i)
+        moves.row(i) = apply(poses[handles.handle_of(i)], Vector3(moves.row(i).transpose())).transpose();
+    moves -= handles.points();
+    for (const double radius : {0.05, 0.2}) {
+        Rbf rbf(handles,
+                {.function = RbfFunction::wendland_c2, .degree = 1, .radius = radius, .precision = doubles});
+        EXPECT_LT(shapes::distance(warped(rbf, points, posed(handles, poses)),
+                                   by_a_dense_system(handles.points(), moves, points,
+                                                     RbfFunction::wendland_c2, 1, radius)),
+                  1e-11); // 4 functions of a region, of which each has a rounding of its own
+    }
+}
+
+TEST(Rbf, every_kernel_and_degree_takes_handles_of_any_shape)
+{
+    const Points cube = random_points(60, 1.0, 51), moves = random_points(60, 0.2, 52);
+    std::vector<Points> shapes_of_handles(7, cube);
+    shapes_of_handles[1].col(0).setConstant(0.3);                   // a plane
+    shapes_of_handles[2].rightCols(2).setConstant(-0.2);            // a line
+    shapes_of_handles[2].col(0).setLinSpaced(-1.0, 1.0);
+    shapes_of_handles[3].rowwise().normalize();                     // a sphere
+    shapes_of_handles[4].bottomRows(30) = cube.topRows(30);         // each place twice
+    shapes_of_handles[5] = Points::Constant(60, 3, 0.7);            // one place
+    shapes_of_handles[6].col(2) = 1e-7 * cube.col(2);               // almost a plane
+    const Points around = random_points(101, 3.0, 53);
+    for (int function = 0; function < rbf_function_count; ++function)
+        for (int degree = -1; degree <= 2; ++degree)
+            for (std::size_t k = 0; k < shapes_of_handles.size(); ++k)
+                for (const bool apart : {true, false}) {
+                    const Points& points = shapes_of_handles[k];
+                    Points moved = points + moves;
+                    if (k == 4)
+                        moved.bottomRows(30) = moved.topRows(30);
+                    if (k == 5)
+                        moved.rowwise() = Eigen::RowVector3d(moved.row(0));
+                    const HandlePoints handles(view(points),
+                                               apart ? std::vector<int>{} : std::vector<int>{30, 30});
+                    Rbf rbf(handles, {.function = static_cast<RbfFunction>(function),
+                                      .degree = degree,
+                                      .radius = 0.4,
+                                      .precision = doubles});
+                    Points control = handles.control();
+                    if (apart)
+                        control = moved;
+                    else
+                        control.rowwise() += Eigen::RowVector3d(moves.row(0));
+                    const Points expected =
+                        apart ? moved : Points(points.rowwise() + Eigen::RowVector3d(moves.row(0)));
+                    const auto what = [&] {
+                        return ::testing::Message() << "function " << function << ", degree " << degree
+                                                    << ", shape " << k << ", apart " << apart;
+                    };
+                    EXPECT_TRUE(warped(rbf, around, control).allFinite()) << what();
+                    // Rounding of weights that are up to 1e8 times the moves, for the smoothest functions.
+                    EXPECT_LT(shapes::distance(warped(rbf, points, control), expected), 1e-6) << what();
+                }
+}
+
+TEST(Rbf, points_anywhere_stay_finite)
+{
+    Points points(4, 3);
+    points << 1e200, 0, 0, -1e300, 1e300, 0, 0, 0, 1e308, 0.5, 0.5, 0.5;
+    const Points centres = cube_points();
+    Points moved = centres;
+    moved(13, 2) += 1.0;
+    for (int function = 0; function < rbf_function_count; ++function)
+        for (const double radius : {1e-9, 0.5, 1e9}) {
+            Rbf rbf(HandlePoints(view(centres)),
+                    {.function = static_cast<RbfFunction>(function), .radius = radius});
+            const Points found = warped(rbf, points, moved);
+            EXPECT_TRUE(found.allFinite()) << function << " " << radius;
+            if (radius < 1.0) { // else all centres are nearly one
+                EXPECT_NEAR(found(3, 2), 1.5, 1e-12) << function << " " << radius;
+            }
+        }
+}
+
+TEST(NearCentres, runs_hold_all_that_are_within_reach_and_few_others)
+{
+    const Points centres = random_points(10000, 1.0, 41); // in a box of sides 2
+    for (const double reach : {0.05, 0.1, 0.4, 5.0}) {
+        const NearCentres near(centres, reach);
+        std::int64_t visited = 0, needed = 0;
+        shapes::Random random(42);
+        for (int k = 0; k < 200; ++k) {
+            const Vector3 low = 1.2 * random.vector(), high = low + 0.02 * random.vector().cwiseAbs();
+            std::vector<char> seen(10000, 0);
+            near.visit(low, high, [&](int begin, int end) {
+                visited += end - begin;
+                for (int j = begin; j < end; ++j)
+                    ++seen[near.order()[j]];
+            });
+            const Eigen::AlignedBox3d box(low, high);
+            for (int i = 0; i < 10000; ++i) {
+                const bool is_near = box.exteriorDistance(Vector3(centres.row(i))) < reach;
+                needed += is_near;
+                ASSERT_LE(seen[i], 1);
+                ASSERT_TRUE(seen[i] || !is_near);
+            }
+        }
+        // The cells that a ball of two cells around meets have some three times its volume. There are four
+        // cells for each centre, so that in the smallest ball a few more are met.
+        EXPECT_LT(visited, 4 * needed + 200 * 4) << reach;
+    }
+    const NearCentres all(centres, std::numeric_limits<double>::infinity());
+    int runs = 0;
+    all.visit({9, 9, 9}, {9, 9, 9}, [&](int begin, int end) { runs += begin == 0 && end == 10000; });
+    EXPECT_EQ(runs, 1);
+    EXPECT_EQ(all.centres(), centres);
+}
+
 TEST(Rbf, names_handles_that_pull_one_place_apart)
 {
     Points points(5, 3);
@@ -336,6 +481,9 @@ TEST(Rbf, refuses_options_and_handles_that_make_no_sense)
     EXPECT_THROW(made({.degree = 3}), InvalidOption);
     EXPECT_THROW(made({.degree = -2}), InvalidOption);
     EXPECT_THROW(made({.radius = 0.0}), InvalidOption);
+    EXPECT_THROW(made({.radius = 1e-300}), InvalidOption);
+    EXPECT_THROW(made({.radius = std::nan("")}), InvalidOption);
+    EXPECT_THROW(made({.tolerance = std::nan("")}), InvalidOption);
     EXPECT_THROW(made({.tolerance = -1.0}), InvalidOption);
     EXPECT_THROW(HandlePoints(view(Points(0, 3))), InvalidConstraint);
     Points broken = points;
