@@ -7,11 +7,11 @@
 namespace sinew {
 
 /// An object that calls use one after the other, so that its memory stays mapped. Any number of threads may
-/// take one at a time: the first gets the object that waits, the others new ones, of which the last one that is
-/// given back waits.
+/// take one at a time: the first gets the object that waits, the others new ones, of which the last one that
+/// is given back waits.
 ///
-/// It stands for a `thread_local` object: with mingw-w64, the storage of those is freed before their destructors
-/// run, so that threads and programs crash or hang as they end.
+/// It stands for a `thread_local` object: with mingw-w64, the storage of those is freed before their
+/// destructors run, so that threads and programs crash or hang as they end.
 template <class T>
 class Kept
 {
