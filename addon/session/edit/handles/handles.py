@@ -16,6 +16,7 @@ from ...blocks import animation_paths, capture, shapes
 from ...control import kinds
 from ...control.handles import poses
 from ...control.handles.release import release_control, release_group
+from ...control.objects import forget_row_rest
 from ...memory import sessions
 from ..bind import unbind
 from . import empties
@@ -139,6 +140,7 @@ def new_control(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> No
 def remove_handle(obj: Object, deformer: SinewDeformer, index: int) -> None:
     """Remove a region, with the control and the vertex group that were made for it."""
     handle = deformer.handles[index]
+    forget_row_rest(handle)
     release_control(handle)
     release_group(obj, deformer, handle)
     order = animation_paths.removed(len(deformer.handles), index)
