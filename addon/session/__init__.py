@@ -5,7 +5,7 @@ from .blocks.baked import find_cache
 from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
-from .blocks.surface import Hit, first_hit
+from .blocks.surface import Hit, first_hit, nearest_point
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
 from .control.handles.points import takes_segments
 from .control.handles.sides import control_pairs
@@ -161,6 +161,7 @@ __all__ = (
     "move_key",
     "move_partners",
     "must_hand_over",
+    "nearest_point",
     "new_control",
     "new_grid",
     "new_tool",

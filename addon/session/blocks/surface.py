@@ -15,7 +15,9 @@ from mathutils import Vector
 
 from ...compat import read_positions
 from ...core.errors import MeshError, SinewError
-from .capture import evaluated_mesh, mesh_with_places
+from ...core.geometry import frames
+from . import targets
+from .capture import evaluated_mesh, mesh_with_places, points_shown
 
 _SEE_THROUGH = ("WIRE", "BOUNDS")  # how cages, for example, are displayed
 _MOST_LAYERS = 100  # of objects that are seen through
@@ -52,6 +54,35 @@ def first_hit(
             return Hit(obj, np.array(place, dtype=np.float64), np.array(normal, dtype=np.float64))
         start = place + along * max((place - Vector(origin)).length * _PAST, 1e-6)
     return None
+
+
+def nearest_point(
+    depsgraph: Depsgraph,
+    direction: np.ndarray,
+    shows: Callable[[Object], bool],
+    apart: Callable[[np.ndarray], np.ndarray],
+    limit: float,
+) -> Hit | None:
+    """Where a curve, text, hair or a point cloud that ``shows`` is nearest; None if nothing is that near.
+
+    ``apart`` tells how far places (n, 3) of the world are away, (n,); at most ``limit`` counts. The normal
+    of what has no surface points against the ``direction`` of sight.
+    """
+    found, least = None, limit
+    for obj in depsgraph.scene.objects:
+        if targets.is_mesh(obj) or not targets.can_be_moved(obj) or not shows(obj):
+            continue
+        world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+        places = frames.transformed(world, points_shown(obj, depsgraph).astype(np.float64))
+        distances = apart(places)
+        distances[np.isnan(distances)] = np.inf
+        if len(places) and distances.min() <= least:
+            nearest = int(np.argmin(distances))
+            found, least = (
+                Hit(obj, places[nearest], -np.asarray(direction, dtype=np.float64)),
+                distances[nearest],
+            )
+    return found
 
 
 def vertex_at(hit: Hit, depsgraph: Depsgraph) -> int:
