@@ -21,6 +21,7 @@ from .capture import evaluated_mesh, mesh_with_places, points_shown
 
 _SEE_THROUGH = ("WIRE", "BOUNDS")  # how cages, for example, are displayed
 _MOST_LAYERS = 100  # of objects that are seen through
+_AS_NEAR = 0.25  # of the limit: points so much farther from the line of sight count as equally near
 _PAST = 1e-5  # of the distance, to go on behind what was met
 
 
@@ -65,24 +66,27 @@ def nearest_point(
 ) -> Hit | None:
     """Where a curve, text, hair or a point cloud that ``shows`` is nearest; None if nothing is that near.
 
-    ``apart`` tells how far places (n, 3) of the world are away, (n,); at most ``limit`` counts. The normal
-    of what has no surface points against the ``direction`` of sight.
+    ``apart`` tells how far places (n, 3) of the world are from the line of sight, (n,); at most ``limit``
+    counts. Of several about as near, the first along the ``direction`` is taken. The normal of what has no
+    surface points against that.
     """
-    found, least = None, limit
+    found: list[tuple[Object, np.ndarray, np.ndarray]] = []
     for obj in depsgraph.scene.objects:
         if targets.is_mesh(obj) or not targets.can_be_moved(obj) or not shows(obj):
             continue
         world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
         places = frames.transformed(world, points_shown(obj, depsgraph).astype(np.float64))
         distances = apart(places)
-        distances[np.isnan(distances)] = np.inf
-        if len(places) and distances.min() <= least:
-            nearest = int(np.argmin(distances))
-            found, least = (
-                Hit(obj, places[nearest], -np.asarray(direction, dtype=np.float64)),
-                distances[nearest],
-            )
-    return found
+        near = distances <= limit
+        if near.any():
+            found.append((obj, places[near], distances[near]))
+    if not found:
+        return None
+    owners = np.repeat(np.arange(len(found)), [len(places) for _obj, places, _distances in found])
+    places, distances = (np.concatenate([row[column] for row in found]) for column in (1, 2))
+    as_near = distances <= distances.min() + _AS_NEAR * limit
+    chosen = int(np.argmin(np.where(as_near, places @ direction, np.inf)))
+    return Hit(found[owners[chosen]][0], places[chosen], -np.asarray(direction, dtype=np.float64))
 
 
 def vertex_at(hit: Hit, depsgraph: Depsgraph) -> int:
