@@ -430,3 +430,19 @@ def test_the_panel_offers_segments_where_the_method_has_them(room):
     assert "This method has no segments" in draw(region).texts()
     deformer.method = "arap"
     assert not offered()
+
+
+def test_lost_points_keep_the_last_shape_and_a_new_control_is_a_place():
+    plate, points = grid_object(), frame()
+    deformer = add(plate, points, method="mls", segments=True)
+    points.data.vertices[0].co.z += 0.6
+    points.data.update()
+    before = evaluated_points(plate)
+    bpy.data.objects.remove(points)
+    update()
+    assert close(evaluated_points(plate), before)
+    make_active(plate)
+    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+    assert deformer.handles[0].acts_as == "PLACE"
+    move_world(deformer.handles[0].control, some_motion())
+    assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
