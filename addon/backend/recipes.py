@@ -318,6 +318,11 @@ class HandleMaps(HandlePoints):
             given["mesh"] = mesh
         return make(native, recipe.method, self.points, given)
 
+    @property
+    def size(self) -> int:
+        """How many points there are. At what the registry takes for a point, a segment counts as a dozen."""
+        return len(self.points) + 12 * int(self.segments.sum())
+
     def _given(self, method: Method, options: Mapping[str, object]) -> dict[str, object]:
         given = {"counts": self.native_counts, **options}
         if method.takes_segments and self.segments.any():

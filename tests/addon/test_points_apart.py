@@ -113,3 +113,10 @@ def test_a_space_method_that_handles_move_says_how(backend):
         made = getattr(native, method.native)
         assert (method.posed is Posed.POSES) == hasattr(made, "warp_poses"), method.id
         assert not method.takes_segments or method.posed is Posed.CONTROL
+
+
+def test_the_cost_of_a_bind_counts_segments(mixed):
+    """So that a bind of many of them runs in a thread."""
+    for method in METHODS:
+        if method.posed is not None:
+            assert mixed(method).size == 12 + 12 * 8 * method.takes_segments
