@@ -65,7 +65,7 @@ def compared() -> Matrix:
         matrix.compare(name, case())
     for name, solve in registry_rows(registry(), native()):
         matrix.compare(name, solve)
-    for name, solve in space_rows(native()):
+    for name, solve in space_rows(registry(), native()):
         matrix.compare(name, solve)
     matrix.compare("Laplacian Deform of Blender", picture.laplacian_deform)
     arap = igl_arap()

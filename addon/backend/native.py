@@ -26,7 +26,7 @@ from ..core.geometry import frames
 from ..core.methods import following
 from ..core.status import Remedy
 from .loader import Availability, load
-from .recipes import Bound, Handles, Progress, Recipe, Shape, SolveReport
+from .recipes import Bound, HandlePoses, Handles, Progress, Recipe, Shape, SolveReport
 
 _limits: dict[str, int] = {}  # the limits that are set, by the native function that sets each
 
@@ -182,10 +182,11 @@ class Factor:
         """
         with self._lock:
             method = self._bound_method()
-        if not hasattr(method, "network"):
+        control = self.recipe.control
+        if not isinstance(control, HandlePoses) or not hasattr(method, "network"):
             return None
         with _translated(self._native):
-            return method.network(poses, **options)
+            return control.network(method, poses, **options)
 
     @property
     def folded_rings(self) -> np.ndarray:

@@ -4,13 +4,15 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
 from ..core.elements import Elements, Owner
 from ..core.errors import CageError, ConstraintError
-from ..core.methods import Method
+from ..core.geometry.turns import turned_poses
+from ..core.methods import Method, Posed
 from ..core.status import Remedy
 
 _PREVIEW_RAYS = 128  # per point: weights in a tenth of the time, with errors of some hundredths
@@ -174,36 +176,122 @@ class LatticePoints(ControlPoints):
 class HandlePoints(ControlPoints):
     """Points that move with handles, handle after handle: ``counts`` (k,) is how many each of them has.
 
-    A native class with ``warp_poses`` is built around the target, and takes the poses of the handles.
+    The points of a handle move by one map, or each by itself if the handle is ``apart`` (k,): then each is a
+    handle of the native method. ``edges`` (e, 2) join points of such handles; those that are ``segments``
+    (e,) act as a whole, if the method takes segments. The native class is made of the points alone.
     """
 
     counts: tuple[int, ...]
+    apart: tuple[bool, ...]
+    edges: np.ndarray
+    segments: np.ndarray
 
-    def make(self, native, recipe: "Recipe", mesh: object) -> Any:
-        """The native method, still without bound points."""
-        if not hasattr(recipe.native_class(native), "warp_poses"):
-            return super().make(native, recipe, mesh)
-        own = {"points": self.points, "counts": self.counts}
-        return make(native, recipe.method, mesh, own | recipe.options)
+    @cached_property
+    def native_counts(self) -> np.ndarray:
+        """How many points each handle of the native method has."""
+        return np.repeat(np.where(self.apart, 1, self.counts), self._rows)
+
+    @cached_property
+    def _rows(self) -> np.ndarray:
+        """How many handles of the native method each handle is, (k,)."""
+        return np.where(self.apart, self.counts, 1)
+
+    def located(self, row: int) -> tuple[int, int | None]:
+        """As ``Recipe.located``."""
+        ends = np.cumsum(self._rows)
+        handle = int(np.searchsorted(ends, row, side="right"))
+        if handle == len(ends):
+            return row, None
+        return handle, int(row - ends[handle] + self._rows[handle]) if self.apart[handle] else None
 
     def solve(
-        self, method: Any, pose: np.ndarray, *, from_rest: np.ndarray | None = None, **options
+        self,
+        method: Any,
+        pose: np.ndarray,
+        *,
+        from_rest: np.ndarray | None = None,
+        placed: np.ndarray | None = None,
+        **options,
     ) -> tuple[np.ndarray, None]:
         """Positions (n, 3) for a ``pose`` (k, 3, 4) of the handles.
 
-        A method that takes points adds the same displacements to the incoming shape whatever ``from_rest``
-        says.
+        ``placed`` (p, 3) are the points of those that are apart. The same displacements are added to the
+        incoming shape whatever ``from_rest`` says.
         """
-        if hasattr(method, "warp_poses"):
-            options.pop("progress", None)
-            return method.warp_poses(pose, from_rest=from_rest, **options), None
         ends = np.cumsum(self.counts)[:-1]
         posed = np.empty_like(self.points)
         parts = zip(np.split(posed, ends), np.split(self.points, ends), pose, strict=True)
         for part, points, matrix in parts:
             np.matmul(points, matrix[:, :3].T, out=part)
             part += matrix[:, 3]
+        return self._warp(method, posed, np.array(self.counts), placed, options)
+
+    def _warp(
+        self,
+        method: Any,
+        posed: np.ndarray,
+        rows: np.ndarray,
+        placed: np.ndarray | None,
+        options: dict[str, Any],
+    ) -> tuple[np.ndarray, None]:
+        """The same for a ``posed`` control, which has as many ``rows`` (k,) for each handle."""
+        if placed is not None:
+            posed[np.repeat(self.apart, rows)] = placed
         return super().solve(method, posed, **options)
+
+
+@dataclass(frozen=True)
+class HandlePoses(HandlePoints):
+    """The same for a method that is built around the target, and takes the poses of the handles."""
+
+    def make(self, native, recipe: "Recipe", mesh: object) -> Any:
+        """The native method, still without bound points."""
+        own = {"points": self.points, "counts": self.native_counts}
+        return make(native, recipe.method, mesh, own | recipe.options)
+
+    def solve(
+        self,
+        method: Any,
+        pose: np.ndarray,
+        *,
+        from_rest: np.ndarray | None = None,
+        placed: np.ndarray | None = None,
+        progress: Progress | None = None,
+        **options,
+    ) -> tuple[np.ndarray, None]:
+        """As above; a point that is placed turns as what is around it does."""
+        rows, flags = self._native_poses(pose, from_rest, placed)
+        return method.warp_poses(rows, from_rest=flags, **options), None
+
+    def network(
+        self,
+        method: Any,
+        pose: np.ndarray,
+        *,
+        from_rest: np.ndarray | None = None,
+        placed: np.ndarray | None = None,
+        **options,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What moves the shape between the handles, for a pose as ``solve`` takes it: nodes, and pairs."""
+        rows, flags = self._native_poses(pose, from_rest, placed)
+        return method.network(rows, from_rest=flags, **options)
+
+    def _native_poses(
+        self, pose: np.ndarray, from_rest: np.ndarray | None, placed: np.ndarray | None
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        if placed is None:
+            return pose, from_rest
+        rows = np.repeat(pose, self._rows, axis=0)
+        posed = self.points.copy()
+        posed[np.repeat(self.apart, self.counts)] = placed
+        first, row = 0, 0
+        for count, apart, number in zip(self.counts, self.apart, self._rows, strict=True):
+            last = first + count
+            if apart:
+                own = self.edges[(self.edges[:, 0] >= first) & (self.edges[:, 0] < last)] - first
+                rows[row : row + number] = turned_poses(self.points[first:last], posed[first:last], own)
+            first, row = last, row + number
+        return rows, None if from_rest is None else np.repeat(from_rest, self._rows)
 
 
 @dataclass(frozen=True)
@@ -223,26 +311,59 @@ class HandleMaps(HandlePoints):
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without bound points; one around another gets the mesh, too."""
-        given = {"counts": self.counts, **recipe.options}
+        given = self._given(recipe.method, recipe.options)
         base = given.get("base")
         if isinstance(base, Base):
-            given["base"] = make(native, base.method, self.points, {"counts": self.counts, **base.options})
+            given["base"] = make(native, base.method, self.points, self._given(base.method, base.options))
             given["mesh"] = mesh
         return make(native, recipe.method, self.points, given)
 
+    @property
+    def size(self) -> int:
+        """How many points there are. At what the registry takes for a point, a segment counts as a dozen."""
+        return len(self.points) + 12 * int(self.segments.sum())
+
+    def _given(self, method: Method, options: Mapping[str, object]) -> dict[str, object]:
+        given = {"counts": self.native_counts, **options}
+        if method.takes_segments and self.segments.any():
+            given["segments"] = self.edges[self.segments]
+        return given
+
     def solve(
-        self, method: Any, pose: np.ndarray, *, from_rest: np.ndarray | None = None, **options
+        self,
+        method: Any,
+        pose: np.ndarray,
+        *,
+        from_rest: np.ndarray | None = None,
+        placed: np.ndarray | None = None,
+        **options,
     ) -> tuple[np.ndarray, None]:
-        """Positions (n, 3) for a ``pose`` (k, 3, 4) of the handles, as above."""
+        """As above."""
         counts = np.array(self.counts)
-        maps = np.repeat(pose, np.where(counts == 1, 1, 4), axis=0)
+        rows = np.where(self.apart, counts, np.where(counts == 1, 1, 4))
+        maps = np.repeat(pose, rows, axis=0)
         posed = np.einsum("rij,rj->ri", maps[:, :, :3], method.control) + maps[:, :, 3]
-        return ControlPoints.solve(self, method, posed, **options)
+        return self._warp(method, posed, rows, placed, options)
 
 
-def handle_points(method: Method, points: np.ndarray, counts: tuple[int, ...]) -> HandlePoints:
-    """The control of a space method that handles move: ``counts`` of ``points`` (c, 3) belong to each."""
-    return (HandleMaps if method.poses_maps else HandlePoints)(points, counts)
+_NO_EDGES, _NO_SEGMENTS = np.zeros((0, 2), dtype=int), np.zeros(0, dtype=bool)
+
+
+def handle_points(
+    method: Method,
+    points: np.ndarray,
+    counts: tuple[int, ...],
+    apart: tuple[bool, ...] = (),
+    edges: np.ndarray = _NO_EDGES,
+    segments: np.ndarray = _NO_SEGMENTS,
+) -> HandlePoints:
+    """The control of a space method that handles move: ``counts`` of ``points`` (c, 3) belong to each.
+
+    By default none is ``apart``.
+    """
+    kinds: dict[Posed | None, type[HandlePoints]] = {Posed.CONTROL: HandleMaps, Posed.POSES: HandlePoses}
+    kind = kinds.get(method.posed, HandlePoints)
+    return kind(points, counts, apart or (False,) * len(counts), edges, segments)
 
 
 @dataclass(frozen=True)
@@ -336,6 +457,12 @@ class Recipe:
     def seconds(self) -> float:
         """About how long the bind takes, by the registry's rows; with that of a base method."""
         return _seconds(self.method, len(self.target.points), self.control.size, self.options)
+
+    def located(self, row: int) -> tuple[int, int | None]:
+        """The handle that a handle of the native method belongs to; and which of its points that is, if they
+        are apart.
+        """
+        return self.control.located(row) if isinstance(self.control, HandlePoints) else (row, None)
 
     def native_class(self, native) -> type:
         """The class of the method in the native module."""

@@ -16,7 +16,7 @@ from .interface import (
 )
 from .layout import draw_keymap_item, draw_progress, text_width
 from .libraries import is_placeholder
-from .mesh import read_edges, read_faces, read_positions, read_triangles, write_positions
+from .mesh import read_cloud, read_edges, read_faces, read_positions, read_triangles, write_positions
 from .modifiers import move_modifier
 from .nodes import enabled_socket
 from .shape_keys import read_key, write_key
@@ -35,6 +35,7 @@ __all__ = (
     "modifier_input",
     "modifier_inputs",
     "move_modifier",
+    "read_cloud",
     "read_edges",
     "read_faces",
     "read_key",

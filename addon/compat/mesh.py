@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read and write positions and indices of a mesh, in the fastest way that each version offers.
+"""Read and write positions and indices of a mesh or a cloud, in the fastest way that each version offers.
 
 Blender's indices are unsigned. Into a signed array it would convert them one by one, which is fifty times
 slower.
 """
 
 import numpy as np
-from bpy.types import Mesh
+from bpy.types import ID, Mesh
 
 
 def read_positions(mesh: Mesh) -> np.ndarray:
@@ -17,6 +17,15 @@ def read_positions(mesh: Mesh) -> np.ndarray:
         attribute.data.foreach_get("vector", flat)
     else:
         mesh.vertices.foreach_get("co", flat)
+    return flat.reshape(-1, 3)
+
+
+def read_cloud(cloud: ID) -> np.ndarray:
+    """The points of a point cloud or of hair curves, float32 (n, 3), in their own space."""
+    attribute = cloud.attributes.get("position")
+    flat = np.empty(3 * (0 if attribute is None else len(attribute.data)), dtype=np.float32)
+    if len(flat):
+        attribute.data.foreach_get("vector", flat)
     return flat.reshape(-1, 3)
 
 

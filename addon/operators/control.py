@@ -28,7 +28,7 @@ class SINEW_OT_control_new(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context, mesh=True):
+        if not has_deformer(cls, context):
             return False
         if not any(handle.control_missing for handle in target_of(context).sinew.active.handles):
             cls.poll_message_set("Every handle has its control")

@@ -2,6 +2,7 @@
 """Drag Surface: in Object Mode, make a handle where one presses on a mesh, or take one that is there."""
 
 import math
+from collections.abc import Callable
 from functools import partial
 
 import bpy
@@ -27,7 +28,7 @@ _METHODS = tuple(method for method in METHODS if session.marks_regions(method) a
 _KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
 _LINE = (1.0, 1.0, 1.0, 0.9)
 _NOT_HELD = "Nothing holds this part, so all of it moves - click on it to make handles that stay"
-_NOTHING = "There is no mesh at this place - press on the surface of one"
+_NOTHING = "There is nothing to drag at this place - press on a surface, or on a curve, hair or a cloud"
 
 
 class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
@@ -93,7 +94,7 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
     @classmethod
     def poll(cls, context: Context) -> bool:
         if context.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to drag the surface of a mesh")
+            cls.poll_message_set("Go to Object Mode to drag a surface")
             return False
         return True
 
@@ -102,6 +103,8 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
         hit = session.first_hit(
             context.evaluated_depsgraph_get(), np.array(self.origin), np.array(self.direction), _is_shown
         )
+        if hit is None:
+            hit = _beside_ray(context, np.array(self.origin), np.array(self.direction), self.radius)
         if hit is None:
             raise SinewError(_NOTHING)
         drag = self._drag(context, hit, wait=True)
@@ -117,6 +120,8 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
     def start(self, context: Context, event: Event) -> set[str]:
         self.origin, self.direction = _sight(context, event.mouse_x, event.mouse_y)
         hit = surface_under(context, event.mouse_x, event.mouse_y)
+        if hit is None:
+            hit = _beside_mouse(context, event.mouse_x, event.mouse_y, self.direction, self.pixels)
         if hit is None:
             self.report({"INFO"}, _NOTHING)
             return {"CANCELLED"}
@@ -173,6 +178,53 @@ def surface_under(context: Context, x: float, y: float) -> session.Hit | None:
     origin, direction = _sight(context, x, y)
     shows = partial(_is_shown_in, context.space_data)
     return session.first_hit(context.evaluated_depsgraph_get(), np.array(origin), np.array(direction), shows)
+
+
+def _beside_ray(
+    context: Context, origin: np.ndarray, direction: np.ndarray, radius: float
+) -> session.Hit | None:
+    """The point of a curve, text, hair or cloud that is nearest to a line of sight, within a radius."""
+    along = direction / np.linalg.norm(direction)
+
+    def apart(places: np.ndarray) -> np.ndarray:
+        away = places - origin
+        depth = away @ along
+        return np.where(depth > 0.0, np.linalg.norm(away - depth[:, None] * along, axis=1), np.inf)
+
+    return _nearest(context, along, _is_shown, apart, radius)
+
+
+def _beside_mouse(context: Context, x: float, y: float, direction: tuple, pixels: int) -> session.Hit | None:
+    """The point of a curve, text, hair or cloud that the viewport shows nearest to a pixel of the window."""
+    region, matrix = context.region, np.array(context.region_data.perspective_matrix)
+
+    def apart(places: np.ndarray) -> np.ndarray:
+        seen = np.column_stack((places, np.ones(len(places)))) @ matrix.T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = (0.5 + 0.5 * seen[:, :2] / seen[:, 3:]) * (region.width, region.height)
+        far = np.linalg.norm(at - (x - region.x, y - region.y), axis=1)
+        return np.where(seen[:, 3] > 0.0, far, np.inf)
+
+    return _nearest(
+        context, np.array(direction), partial(_is_shown_in, context.space_data), apart, float(pixels)
+    )
+
+
+def _nearest(
+    context: Context,
+    direction: np.ndarray,
+    shows: Callable[[Object], bool],
+    apart: Callable[[np.ndarray], np.ndarray],
+    limit: float,
+) -> session.Hit | None:
+    """As ``session.nearest_point``; what controls a deformer, such as a wire, is no target."""
+    return session.nearest_point(
+        context.evaluated_depsgraph_get(),
+        direction,
+        lambda obj: shows(obj) and session.posed_by(obj) is None,
+        apart,
+        limit,
+    )
 
 
 def _is_shown(obj: Object) -> bool:

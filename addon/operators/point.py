@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adds handle points: handles without a region, which move space where their controls are."""
 
-from bpy.props import EnumProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Object, Operator
 
 from .. import session
@@ -26,10 +26,18 @@ _SOURCES = (
     ),
     (
         "OBJECT",
-        "Points of an Object",
+        "Empties at the Points of an Object",
         "New empties that follow the points of the other selected mesh, curve or lattice object",
-        "POINTCLOUD_DATA",
+        "EMPTY_DATA",
         2,
+    ),
+    (
+        "POINTS",
+        "Points of Objects",
+        "All points of the other selected objects, such as meshes, curves and point clouds, as their edits, "
+        "shape keys and modifiers move them; without empties",
+        "POINTCLOUD_DATA",
+        3,
     ),
 )
 
@@ -54,6 +62,13 @@ class SINEW_OT_point_add(BindingOperator, Operator):
         description="How space follows the handles, for an object that has no deformer yet",
     )
 
+    segments: BoolProperty(
+        name="Segments",
+        default=False,
+        description="Bones act along their length, and edges between points along theirs, with a method that "
+        "has segments",
+    )
+
     @classmethod
     def poll(cls, context: Context) -> bool:
         return has_target(cls, context)
@@ -63,13 +78,15 @@ class SINEW_OT_point_add(BindingOperator, Operator):
         active = target_of(context)
         with object_mode(context, active):
             owned, controls = self._controls(context, active)
+            points = "SEGMENTS" if self.segments else "POINTS" if self.source == "POINTS" else "PLACE"
             targets = [active, *(other for other in _others(context, active, controls))]
             for obj in targets:
                 made, refusal = session.rig_points(
-                    obj, controls, self.method, owned=owned and obj == active, wait=wait
+                    obj, controls, self.method, owned=owned and obj == active, acts_as=points, wait=wait
                 )
                 context.view_layer.update()
-                label = "1 handle point" if len(made) == 1 else f"{len(made)} handle points"
+                noun = "handle" if points != "PLACE" else "handle point"
+                label = f"1 {noun}" if len(made) == 1 else f"{len(made)} {noun}s"
                 self.report_bind(refusal, obj.sinew.active.uid, label)
         return {"FINISHED"}
 
@@ -89,6 +106,14 @@ class SINEW_OT_point_add(BindingOperator, Operator):
         others = [
             obj for obj in context.selected_objects if obj not in (active, None) and obj.type != "EMPTY"
         ]
+        if self.source == "POINTS":
+            found = [(obj, "") for obj in session.with_points(others)]
+            if not found:
+                raise SinewError(
+                    "Select the object to move last, and before it those whose points are handles: meshes, "
+                    "curves, hair or point clouds; for a lattice, use Empties at the Points of an Object"
+                )
+            return False, found
         if len(others) != 1:
             raise SinewError("Select the object to move last, and one other object, whose points are handles")
         return True, [(empty, "") for empty in session.empties_on(active, others[0])]

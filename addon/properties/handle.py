@@ -10,7 +10,7 @@ from bpy.props import (
     PointerProperty,
     StringProperty,
 )
-from bpy.types import Context, Object, PropertyGroup
+from bpy.types import Context, Mesh, Object, PropertyGroup
 
 from ..core.methods import HANDLE_PARAMETERS
 from ..core.names import without_number
@@ -25,6 +25,23 @@ ROLES = (
         "Support",
         "May move, while everything outside of it and of the handles is fixed",
         "MOD_MESHDEFORM",
+        2,
+    ),
+)
+
+ACTS_AS = (
+    ("PLACE", "Place", "It moves, turns and scales the space around the place of the object or the bone", 0),
+    (
+        "POINTS",
+        "Points",
+        "Each point of the object goes where its edits, shape keys and modifiers take it, and space with it; "
+        "of a bone, its head and its tail",
+        1,
+    ),
+    (
+        "SEGMENTS",
+        "Segments",
+        "The whole length of each edge between the points takes space along; of a bone, from head to tail",
         2,
     ),
 )
@@ -46,7 +63,7 @@ def _renamed(handle: "SinewHandle", _context: Context) -> None:
 
 
 def _control_changed(handle: "SinewHandle", context: Context) -> None:
-    handle.has_rest = False
+    handle.has_rest, handle.rest = False, None
     evaluate_again(handle, context)
 
 
@@ -89,6 +106,13 @@ class SinewHandle(PropertyGroup):
         description="The pose bone that moves this region, if the control is an armature",
         update=_control_changed,
     )
+    acts_as: setting(
+        EnumProperty,
+        options=set(),  # cannot be animated
+        name="Acts As",
+        items=ACTS_AS,
+        description="Where a handle without a vertex group takes hold of space",
+    )
     owns_control: record(
         BoolProperty, description="Whether the control was made for this handle, and is removed with it"
     )
@@ -128,6 +152,11 @@ class SinewHandle(PropertyGroup):
         description="Colour of the region in the list and in overlays; it does not affect the shape",
     )
     has_rest: record(BoolProperty)
+    rest: record(
+        PointerProperty,
+        type=Mesh,
+        description="The points of the control at rest, in the object space of the target, if these count",
+    )
     rest_matrix: record(
         FloatVectorProperty,
         name="Rest Matrix",

@@ -5,8 +5,9 @@ from .blocks.baked import find_cache
 from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
-from .blocks.surface import Hit, first_hit
+from .blocks.surface import Hit, first_hit, nearest_point
 from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
+from .control.handles.points import takes_segments
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
@@ -28,7 +29,7 @@ from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
-from .edit.handles.points import empties_on, empty_at
+from .edit.handles.points import empties_on, empty_at, with_points
 from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
 from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object, set_rest_lattice
 from .edit.order import move_deformer, move_handle
@@ -160,6 +161,7 @@ __all__ = (
     "move_key",
     "move_partners",
     "must_hand_over",
+    "nearest_point",
     "new_control",
     "new_grid",
     "new_tool",
@@ -202,6 +204,7 @@ __all__ = (
     "suspended",
     "takes_flat_cage",
     "takes_points",
+    "takes_segments",
     "tidy",
     "try_bind",
     "unbind",
@@ -213,4 +216,5 @@ __all__ = (
     "watch",
     "wire_from_edges",
     "wire_through",
+    "with_points",
 )

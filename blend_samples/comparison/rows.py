@@ -62,18 +62,19 @@ def _by_points(
     points, counts = np.concatenate(held), [len(own) for own in held]
     mesh = native.SurfaceMesh(case.points, case.triangles)
     make, values = getattr(native, method.native), _values(method, True, options)
-    if hasattr(make, "warp_poses"):
+    if method.posed is methods.Posed.POSES:
         around = make(mesh, points, counts, **values)
         around.bind(case.points)
         return around.warp_poses(case.poses)
-    given = {"counts": counts} if method.poses_maps else {}
+    is_control = method.posed is methods.Posed.CONTROL
+    given = {"counts": counts} if is_control else {}
     if method.wraps:
         base = methods.wrapped(method)[0]
         inner = getattr(native, base.native)(points, **_values(base, True, {}), **given)
         values |= {"mesh": mesh, "base": inner}
     made = make(points, **values, **given)
     made.bind(case.points)
-    controls = np.split(made.control, len(held)) if method.poses_maps else held
+    controls = np.split(made.control, len(held)) if is_control else held
     posed = [own @ pose[:, :3].T + pose[:, 3] for own, pose in zip(controls, case.poses)]
     return made.warp(np.concatenate(posed))
 

@@ -6,8 +6,10 @@ They know no handles. So they meet the poses of the case only as far as a curve,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -18,13 +20,15 @@ _SAMPLES = 81
 _REACH = 3.0  # of a wire, as a multiple of the distance of the farthest point
 
 
-def space_rows(native: ModuleType) -> Iterator[tuple[str, Solve]]:
-    """A row for wires, and one for vector fields."""
-    yield "Wires", lambda case: by_wire(native, case)
-    yield "Vector Fields", lambda case: by_tool(native, case)
+def space_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str, Solve]]:
+    """A row per method that curves or tools steer, in the menu's order. The modules are as for the others."""
+    ways = {methods.Control.CURVES: by_wire, methods.Control.TOOLS: by_tool}
+    for method in methods.METHODS:
+        if method.control in ways:
+            yield method.label, partial(ways[method.control], getattr(native, method.native))
 
 
-def by_wire(native: ModuleType, case: Case) -> np.ndarray:
+def by_wire(make: Callable[..., Any], case: Case) -> np.ndarray:
     """A curve through the middle of the shape, which the ends carry and bend: a twist is lost on it."""
     start, along, places = _axis(case)
     ends = places[case.handles[0]].max(), places[case.handles[1]].min()
@@ -43,12 +47,12 @@ def by_wire(native: ModuleType, case: Case) -> np.ndarray:
     )
     posed = np.where(u <= 0.0, rest, np.where(u >= 1.0, moved, between))
     aside = case.points - start - places[:, None] * along
-    wire = native.Wires(rest, radius=_REACH * np.linalg.norm(aside, axis=1).max())
+    wire = make(rest, radius=_REACH * np.linalg.norm(aside, axis=1).max())
     wire.bind(case.points)
     return wire.warp(posed)
 
 
-def by_tool(native: ModuleType, case: Case) -> np.ndarray:
+def by_tool(make: Callable[..., Any], case: Case) -> np.ndarray:
     """One tool: a twist or a bend in the middle of the free part, or else a drag of the second handle."""
     start, along, places = _axis(case)
     ends = places[case.handles[0]].max(), places[case.handles[1]].min()
@@ -61,9 +65,7 @@ def by_tool(native: ModuleType, case: Case) -> np.ndarray:
         centre = case.points[case.handles[1]].mean(axis=0)
         inner, outer = (np.linalg.norm(case.points[handle] - centre, axis=1) for handle in case.handles[::-1])
         rest = np.concatenate((np.zeros((1, 3)), frame)) + centre
-        field = native.VectorField(
-            rest, tools="drag", inner=inner.max(), outer=max(outer.min(), 1.1 * inner.max())
-        )
+        field = make(rest, tools="drag", inner=inner.max(), outer=max(outer.min(), 1.1 * inner.max()))
         posed = rest + case.poses[1, :, 3]
     else:
         half = 0.5 * (ends[1] - ends[0])
@@ -71,7 +73,7 @@ def by_tool(native: ModuleType, case: Case) -> np.ndarray:
         aside = np.linalg.norm(case.points - start - places[:, None] * along, axis=1).max()
         tool = "bend" if swing > 0.5 * angle else "twist"
         rest = np.concatenate((np.zeros((1, 3)), frame)) + centre
-        field = native.VectorField(rest, tools=tool, inner=-half, outer=half, width=1.5 * aside)
+        field = make(rest, tools=tool, inner=-half, outer=half, width=1.5 * aside)
         posed = (rest - centre) @ rotation.T + centre
     field.bind(case.points)
     return field.warp(posed)

@@ -137,7 +137,7 @@ def test_every_method_that_regions_steer_has_a_row() -> None:
 def test_wires_and_tools_do_what_they_can_say() -> None:
     """A wire bends and does not twist; a tool twists exactly, keeps volumes, and meets no translation."""
     cases = [(name, CASES[name]()) for name in ("cylinder", "bar")]
-    cells = filled(cases, space_rows(sn), refusals=(sn.Error,)).cells
+    cells = filled(cases, space_rows(methods, sn), refusals=(sn.Error,)).cells
     twisted = dict(cases)["bar"]
     assert cells["Vector Fields", "bar"].distortion.handle_error < 1e-6
     assert abs(cells["Vector Fields", "bar"].distortion.volume - 1.0) < 0.01

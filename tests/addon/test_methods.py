@@ -20,6 +20,7 @@ from sinew.core.methods import (
     Float,
     Int,
     Moved,
+    Posed,
     group_property,
 )
 
@@ -151,7 +152,7 @@ def test_a_parameter_is_hidden_where_it_changes_nothing(method: methods.Method, 
 def _in_space(native, method: methods.Method, points: np.ndarray, options: dict[str, object]) -> np.ndarray:
     """What the points of a lattice, or some of the points themselves, make of others when they move."""
     control = points[::7]
-    if method.poses_maps:  # whose handles are the points themselves
+    if method.posed is Posed.CONTROL:  # whose handles are the points themselves
         made = getattr(native, method.native)(points, **options)
         made.bind(points + 0.2)
         return made.warp(points + np.sin(3.0 * points))
@@ -189,7 +190,7 @@ def test_the_native_class_of_a_space_method_takes_the_parameters(method: methods
         options["base"] = getattr(native, base.native)(control, **default_options(base))
         options["mesh"], points = cage, corners
     make = getattr(native, method.native)
-    around = (cage,) if hasattr(make, "warp_poses") else ()
+    around = (cage,) if method.posed is Posed.POSES else ()
     made = make(*around, control, **options)
     made.bind(points)
     assert np.abs(made.warp(corners) - points).max() < 1e-6

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from inside import native
 from mathutils import Matrix
-from registry import BY_ID, base_of, options_of
+from registry import BY_ID, Posed, base_of, options_of
 from rig import Rig, apply_matrix, base_points, update
 
 Warp = Callable[[np.ndarray], np.ndarray]
@@ -63,7 +63,7 @@ def on_handle_points(
     The base of one around another is its native object, or its row with options; else the first one.
     """
     places, options = np.concatenate(parts), dict(options)
-    if row.poses_maps:
+    if row.posed is Posed.CONTROL:
         options["counts"] = [len(points) for points in parts]
     if row.wraps:
         base = options.get("base") or (base_of(row), options_of(base_of(row), {})[0])
@@ -75,7 +75,7 @@ def on_handle_points(
 
 def control_points(row: object, solver: object, parts: list[np.ndarray], poses: list) -> np.ndarray:
     """What ``warp`` of a space method takes for the poses of its handles."""
-    if row.poses_maps:
+    if row.posed is Posed.CONTROL:
         ends = np.cumsum([4 if len(points) > 1 else 1 for points in parts])[:-1]
         parts = np.split(solver.control, ends)
     return np.concatenate([apply_matrix(pose, points) for pose, points in zip(poses, parts, strict=True)])
@@ -85,8 +85,9 @@ def space_warp(
     row: object, rest: np.ndarray, faces: tuple, members: list[np.ndarray], options: dict[str, object]
 ) -> Callable[[np.ndarray, np.ndarray | None], np.ndarray]:
     """A warp of ``rest`` (n, 3) by a new native object whose handles hold points: takes poses (k, 3, 4)."""
-    mesh, made = native().SurfaceMesh(rest, faces), getattr(native(), row.native)
-    if hasattr(made, "warp_poses"):
+    mesh = native().SurfaceMesh(rest, faces)
+    if row.posed is Posed.POSES:
+        made = getattr(native(), row.native)
         solver = made(mesh, np.concatenate(members), [len(own) for own in members], **options)
         solver.bind(rest)
         return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)

@@ -10,7 +10,13 @@ import installed
 import numpy as np
 
 _methods = importlib.import_module(f"{installed.name()}.core.methods")
-METHODS, BY_ID, Control = _methods.METHODS, _methods.BY_ID, _methods.Control
+METHODS, BY_ID = _methods.METHODS, _methods.BY_ID
+Control, Moved, Posed, Reproduced = (
+    _methods.Control,
+    _methods.Moved,
+    _methods.Posed,
+    _methods.Reproduced,
+)
 TAKES_MINUTES = {"finest"}  # choices that are meant for references
 
 
@@ -25,7 +31,7 @@ WITH_CAGE = with_control(Control.CAGE)
 ON_SURFACE = tuple(method for method in WITH_HANDLES if not BY_ID[method].is_space)
 ON_HANDLE_POINTS = tuple(method for method in WITH_HANDLES if BY_ID[method].is_space)
 RIGID_ON_HANDLE_POINTS = tuple(
-    name for name in ON_HANDLE_POINTS if BY_ID[name].reproduces is not _methods.Reproduced.REST
+    name for name in ON_HANDLE_POINTS if BY_ID[name].reproduces is not Reproduced.REST
 )
 GRABBING = tuple(method for method in ON_SURFACE if not BY_ID[method].wraps)  # those of Grab Region
 

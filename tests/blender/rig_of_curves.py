@@ -8,8 +8,9 @@ import numpy as np
 from expected import Poses
 from inside import native
 from mathutils import Matrix
+from object_rigs import object_class
 from registry import BY_ID, Control, options_of, with_control
-from rig import add_group, apply_matrix, base_points, grid_object, linked, make_active
+from rig import apply_matrix, base_points, grid_object, linked, make_active
 
 RADIUS = 1.1  # of the wire, in its own space
 
@@ -68,22 +69,9 @@ class ByWires(Poses):
 def new_class(base: type) -> type:
     """The rig of wires, by that of handles."""
 
-    class CurvesRig(base):
+    class CurvesRig(object_class(base)):
         methods = with_control(Control.CURVES)
-        goes_on = False
-        counts_in_no_scene = False
-        hidden_meshes = 5  # the wire at rest, too
         point_arrays = 1
-        carries = Matrix.Translation((0.3, -0.2, 0.7))
-
-        def __init__(self, obj: bpy.types.Object) -> None:
-            self.name = obj.name
-            self.top = add_group(obj, "Top", lambda point: point[1] > 0.75)
-            self.base = add_group(obj, "Base", lambda point: point[1] < -0.75)
-
-        @classmethod
-        def new(cls, name: str = "Plate"):
-            return cls(grid_object(name))
 
         @classmethod
         def large(cls):
@@ -93,53 +81,24 @@ def new_class(base: type) -> type:
         def control_size(self) -> int:
             return len(places_of(self.control))
 
-        @staticmethod
-        def control_of(obj: bpy.types.Object) -> bpy.types.Object:
-            return obj.sinew.deformers[0].controls[0].object
-
-        @staticmethod
-        def set_control(obj: bpy.types.Object, control: bpy.types.Object | None) -> None:
-            obj.sinew.deformers[0].controls[0].object = control
-
         @classmethod
         def another_control(cls, obj: bpy.types.Object) -> bpy.types.Object:
-            control = cls.control_of(obj).copy()
-            control.data = control.data.copy()
-            control.name = "Another"
+            control = super().another_control(obj)
             control.matrix_basis = Matrix.Identity(4)  # on the edge of the plate again
-            return linked(control)
-
-        @staticmethod
-        def control_is_missing(obj: bpy.types.Object) -> bool:
-            return obj.sinew.deformers[0].controls[0].missing
-
-        @property
-        def control(self) -> bpy.types.Object:
-            return self.deformer.controls[0].object
+            return control
 
         @property
         def held(self) -> np.ndarray:
             """The vertices on the wire."""
             return np.flatnonzero(base_points(self.obj)[:, 1] > 0.99)
 
-        def bind(self, method: str = "wires", fixed: bool = True, **_keywords):
-            self.bind_at_rest(method)
-            return self
-
-        def bind_at_rest(self, method: str) -> None:
-            self.attach(method)
-            assert self.deformer.is_bound, self.deformer.status
-
         def attach(self, method: str) -> None:
-            obj = self.obj
-            edge = base_points(obj)
-            wire = polyline(edge[edge[:, 1] > 0.99][::1], f"{self.name} Wire")
-            make_active(obj)
+            edge = base_points(self.obj)
+            wire = polyline(edge[edge[:, 1] > 0.99], f"{self.name} Wire")
+            make_active(self.obj)
             bpy.ops.sinew.wire_add(curve=wire.name, radius=RADIUS)
-            make_active(obj)
-            if method != self.deformer.method:
-                self.deformer.method = method
-                bpy.ops.sinew.bind()
+            make_active(self.obj)
+            self.choose(method)
 
         def bind_alone(self, method: str) -> None:
             """The wire reaches so far that it carries everything."""
@@ -148,9 +107,6 @@ def new_class(base: type) -> type:
 
         def relax(self) -> None:
             self.control.matrix_basis = Matrix.Identity(4)
-
-        def rest(self) -> np.ndarray:
-            return base_points(self.obj)
 
         def expected(self, method: str | None = None, **options: object) -> Poses:
             return ByWires(self.obj, self.control, method or self.methods[0], **options)

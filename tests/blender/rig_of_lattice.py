@@ -8,6 +8,7 @@ import numpy as np
 from cages import ball
 from expected import Poses, new_native
 from mathutils import Matrix
+from object_rigs import object_class
 from registry import BY_ID, Control, options_of, with_control
 from rig import add_group, apply_matrix, base_points, linked, make_active, update
 
@@ -92,11 +93,8 @@ class ExpectedInLattice(Poses):
 def new_class(base: type) -> type:
     """The class of the rig, derived from that of handles."""
 
-    class LatticeRig(base):
+    class LatticeRig(object_class(base)):
         methods = WITH_LATTICE
-        goes_on = False
-        counts_in_no_scene = False
-        hidden_meshes = 5  # the lattice at rest, too
         point_arrays = 1
         carries = (
             Matrix.Translation((0.3, 0.1, -0.2))
@@ -121,33 +119,6 @@ def new_class(base: type) -> type:
         def control_size(self) -> int:
             return len(self.control.data.points)
 
-        @staticmethod
-        def row_of(obj: bpy.types.Object):
-            return obj.sinew.deformers[0].controls[0]
-
-        @classmethod
-        def control_of(cls, obj: bpy.types.Object) -> bpy.types.Object:
-            return cls.row_of(obj).object
-
-        @classmethod
-        def set_control(cls, obj: bpy.types.Object, control: bpy.types.Object | None) -> None:
-            cls.row_of(obj).object = control
-
-        @classmethod
-        def another_control(cls, obj: bpy.types.Object) -> bpy.types.Object:
-            control = cls.control_of(obj).copy()
-            control.data = control.data.copy()
-            control.name = "Another"
-            return linked(control)
-
-        @classmethod
-        def control_is_missing(cls, obj: bpy.types.Object) -> bool:
-            return cls.row_of(obj).missing
-
-        @property
-        def control(self) -> bpy.types.Object:
-            return self.deformer.controls[0].object
-
         @property
         def held(self) -> slice:
             return slice(None)
@@ -162,10 +133,6 @@ def new_class(base: type) -> type:
             lattice = lattice_object()
             make_active(self.obj)
             assert bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name) == {"FINISHED"}
-
-        def bind_at_rest(self, method: str) -> None:
-            self.attach(method)
-            assert self.deformer.status_level == "INFO", self.deformer.status
 
         def bind_alone(self, method: str) -> None:
             self.bind(method)

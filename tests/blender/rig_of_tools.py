@@ -8,8 +8,9 @@ import numpy as np
 from expected import Poses
 from inside import native
 from mathutils import Matrix
+from object_rigs import object_class
 from registry import BY_ID, Control, options_of, with_control
-from rig import add_group, apply_matrix, base_points, grid_object, make_active, new_empty
+from rig import apply_matrix, base_points, grid_object, make_active, new_empty
 
 PLACE = (0.0, 0.0, 0.0)
 OUTER = 0.9
@@ -42,21 +43,8 @@ class ByTool(Poses):
 def new_class(base: type) -> type:
     """The rig of tools, by that of handles."""
 
-    class ToolsRig(base):
+    class ToolsRig(object_class(base)):
         methods = with_control(Control.TOOLS)
-        goes_on = False
-        counts_in_no_scene = False
-        hidden_meshes = 5  # the tool at rest, too
-        carries = Matrix.Translation((0.3, -0.2, 0.7))
-
-        def __init__(self, obj: bpy.types.Object) -> None:
-            self.name = obj.name
-            self.top = add_group(obj, "Top", lambda point: point[1] > 0.75)
-            self.base = add_group(obj, "Base", lambda point: point[1] < -0.75)
-
-        @classmethod
-        def new(cls, name: str = "Plate"):
-            return cls(grid_object(name))
 
         @classmethod
         def large(cls):
@@ -66,25 +54,9 @@ def new_class(base: type) -> type:
         def control_size(self) -> int:
             return 4
 
-        @staticmethod
-        def control_of(obj: bpy.types.Object) -> bpy.types.Object:
-            return obj.sinew.deformers[0].controls[0].object
-
-        @staticmethod
-        def set_control(obj: bpy.types.Object, control: bpy.types.Object | None) -> None:
-            obj.sinew.deformers[0].controls[0].object = control
-
         @classmethod
         def another_control(cls, obj: bpy.types.Object) -> bpy.types.Object:
             return new_empty("Another", PLACE)
-
-        @staticmethod
-        def control_is_missing(obj: bpy.types.Object) -> bool:
-            return obj.sinew.deformers[0].controls[0].missing
-
-        @property
-        def control(self) -> bpy.types.Object:
-            return self.deformer.controls[0].object
 
         @property
         def held(self) -> np.ndarray:
@@ -92,22 +64,12 @@ def new_class(base: type) -> type:
             away = np.linalg.norm(base_points(self.obj) - PLACE, axis=1)
             return np.flatnonzero(away < 0.99 * INNER)
 
-        def bind(self, method: str = "vector_field", fixed: bool = True, **_keywords):
-            self.bind_at_rest(method)
-            return self
-
-        def bind_at_rest(self, method: str) -> None:
-            self.attach(method)
-            assert self.deformer.is_bound, self.deformer.status
-
         def attach(self, method: str) -> None:
             tool = new_empty(f"{self.name} Tool", PLACE)
             make_active(self.obj)
             bpy.ops.sinew.tool_add(control=tool.name, outer=OUTER)
             make_active(self.obj)
-            if method != self.deformer.method:
-                self.deformer.method = method
-                bpy.ops.sinew.bind()
+            self.choose(method)
 
         def bind_alone(self, method: str) -> None:
             """The tool is so large that it carries everything."""
@@ -117,9 +79,6 @@ def new_class(base: type) -> type:
 
         def relax(self) -> None:
             self.control.matrix_basis = Matrix.Translation(PLACE)
-
-        def rest(self) -> np.ndarray:
-            return base_points(self.obj)
 
         def expected(self, method: str | None = None, **options: object) -> Poses:
             return ByTool(self.obj, self.control, method or self.methods[0], **options)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+import point_handles
 import point_objects
 from cages import ball
 from expected import Expected, ExpectedInCage, Poses
@@ -283,7 +284,12 @@ class CurveRig(CageRig):
         bpy.ops.object.mode_set(mode="OBJECT")
 
 
-RIGS = {"handles": HandleRig, "cage": CageRig, "curve in a cage": CurveRig}
+RIGS = {
+    "handles": HandleRig,
+    "points of an object": point_handles.new_class(HandleRig),
+    "cage": CageRig,
+    "curve in a cage": CurveRig,
+}
 BY_CONTROL = {Control.HANDLES: HandleRig, Control.CAGE: CageRig}
 for _control in Control:  # another kind of control has its rig in a module of its own
     if (Path(__file__).parent / f"rig_of_{_control.name.lower()}.py").is_file():

@@ -377,7 +377,7 @@ def test_automatic_keyframes_are_inserted():
 
 def test_nothing_there():
     grid_object()
-    refused("There is no mesh at this place", origin=(5.0, 5.0, 5.0))
+    refused("There is nothing to drag at this place", origin=(5.0, 5.0, 5.0))
     refused("no direction", direction=(0.0, 0.0, 0.0))
 
 
@@ -388,7 +388,7 @@ def test_no_finite_motion():
 
 def test_what_is_no_mesh():
     bpy.ops.surface.primitive_nurbs_surface_sphere_add()
-    refused("convert it to a mesh|There is no mesh", origin=(0.0, 0.0, 9.0))
+    refused("convert it to a mesh|There is nothing to drag", origin=(0.0, 0.0, 9.0))
 
 
 def test_what_is_linked(tmp_path: Path):

@@ -12,8 +12,10 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Euler, Matrix, Vector
+from point_objects import CURVES, MAKERS, moved_by_hand
 from registry import BY_ID, ON_HANDLE_POINTS
 from rig import base_points, close, evaluated_points, grid_object, make_active, push, reopen, update
+from rig_of_curves import polyline
 from test_drag import LIFT, drag, refused
 
 MEETS = 2e-3  # of a plate 2 wide: what a cut-off or a smoothing may leave
@@ -121,4 +123,60 @@ def test_the_handle_lives_on_in_the_file(method: str, tmp_path: Path):
 
 def test_what_cannot_be_dragged_leaves_nothing_behind(method: str):
     grid_object(cells=20)
-    refused("no mesh at this place", origin=(5.0, 5.0, 5.0), method=method)
+    refused("nothing to drag at this place", origin=(5.0, 5.0, 5.0), method=method)
+
+
+KINDS = [kind for kind in MAKERS if kind != "nurbs"]  # a NURBS curve does not pass through its points
+
+
+def middle_of_a_face(obj: bpy.types.Object) -> np.ndarray | None:
+    """One that looks up; None for an object without faces."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if obj.type in ("CURVES", "POINTCLOUD"):
+        return None
+    mesh = evaluated.to_mesh()
+    places = [np.array(face.center) for face in mesh.polygons if face.normal.z > 0.5]
+    evaluated.to_mesh_clear()
+    return max(places, key=lambda place: place[2]) if places else None
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
+    """On their surface, or at the point that is nearest to the line of sight."""
+    obj = MAKERS[kind]()
+    update()
+    before = moved_by_hand(obj, lambda points: points)
+    make_active(obj)
+    place = middle_of_a_face(obj)
+    place = before[np.argmax(before[:, 2])] if place is None else place
+    control = drag(place[0], place[1], method="inverse_ffd")
+    (handle,) = obj.sinew.active.handles
+    assert handle.control == control
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    lifted = evaluated_points(obj) - before
+    near = np.linalg.norm(before - place, axis=1)
+    if kind in ("hair", "cloud"):
+        assert close(lifted[near < 1e-6], np.tile(LIFT, ((near < 1e-6).sum(), 1)), MEETS)
+    # A curve moves by its points: a place half-way between two follows less.
+    assert lifted[np.argmin(near), 2] > (0.2 if kind in CURVES else 0.3)
+    assert np.abs(lifted).max() < 0.7
+    assert drag(*control.matrix_world.translation[:2], method="inverse_ffd") == control
+    assert len(obj.sinew.active.handles) == 1
+
+
+def test_a_drag_beside_everything_takes_nothing_and_wires_are_left_alone():
+    plate = grid_object(cells=20)
+    wire = polyline(np.array([(-1.0, 0.9, 0.3), (1.0, 0.9, 0.3)]))
+    make_active(plate)
+    assert bpy.ops.sinew.wire_add(curve=wire.name, radius=0.5) == {"FINISHED"}
+    plate.hide_set(True)
+    refused("nothing to drag", origin=(1.0, 0.9, 5.0), method="inverse_ffd")
+    refused("nothing to drag", origin=(4.0, 4.0, 5.0), method="inverse_ffd")
+
+
+def test_a_surface_method_refuses_what_is_no_mesh():
+    obj = MAKERS["hair"]()
+    place = evaluated_points(obj)[0]
+    with pytest.raises(RuntimeError, match="needs the surface of a mesh"):
+        bpy.ops.sinew.drag(origin=(*place[:2], 9.0), value=LIFT, radius=0.25, method="arap")
+    assert not obj.sinew.deformers

@@ -10,12 +10,11 @@ from collections.abc import Callable
 import bpy
 import pytest
 from inside import LOOKS, READS, calls_of
-from registry import BY_ID, WITH_HANDLES
+from registry import BY_ID, WITH_HANDLES, Posed
 from rig import Rig, add_armature, update
 from rigs import HandleRig
 
 CELLS = 60  # 3,721 vertices: one array of them is larger than all else that a frame allocates
-BY_POSES = ("embedded_deformation", "rigid_cells")  # space methods that take the poses of handles
 SHAPE = 12  # bytes a vertex, of a shape array
 
 
@@ -62,7 +61,7 @@ def test_a_moved_control_is_one_solve_and_one_write(method: str, native: Counter
     native.clear()
     found = calls_of(lambda: plate.lift(0.1))
     row = BY_ID[method]
-    by_points = "warp_poses" if row.id in BY_POSES else "warp"
+    by_points = "warp_poses" if row.posed is Posed.POSES else "warp"
     assert native == {by_points if row.is_space else "solve_frame" if row.keyed else "solve": 1}
     assert found["write_shape"] == found["write_positions"] == found["_answer"] == 1, found
     assert found["bound_poses"] == 1, found

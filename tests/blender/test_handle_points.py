@@ -188,3 +188,21 @@ def test_two_points_carry_no_turn_and_the_panel_says_so():
     bpy.ops.sinew.deformer_add(method="rbf")
     assert bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Line") == {"FINISHED"}
     assert any("on a line" in note for note in notes_of(plate.sinew.active))
+
+
+@pytest.mark.parametrize("make", [grid_object, bezier])
+def test_a_point_that_has_lost_its_empty_gets_another_one_where_it_was(make):
+    obj, controls = make(), empties()
+    handles = add(obj, "SELECTED", "rbf", *controls)
+    controls[0].location.z += 0.5
+    before = evaluated_points(obj)
+    bpy.data.objects.remove(controls[0])
+    update()
+    assert np.abs(evaluated_points(obj) - before).max() < 1e-5
+    make_active(obj)
+    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+    assert np.abs(evaluated_points(obj) - before).max() < 1e-5
+    assert not handles[0].control_missing
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    handles[0].control.location.z -= 0.5
+    assert np.abs(evaluated_points(obj) - before).max() > 0.02

@@ -23,6 +23,7 @@ from .schema import (
     Moved,
     Parameter,
     Pointer,
+    Posed,
     Reproduced,
     UvMap,
     following,
@@ -55,6 +56,7 @@ __all__ = (
     "Moved",
     "Parameter",
     "Pointer",
+    "Posed",
     "Reproduced",
     "UvMap",
     "following",
@@ -99,7 +101,7 @@ def wrapped(method: Method) -> tuple[Method, ...]:
         base
         for base in METHODS
         if base.family in method.wraps
-        and (base.control, base.poses_maps) == (method.control, method.poses_maps)
+        and (base.control, base.posed) == (method.control, method.posed)
         and not (base.wraps or base.keyed)
     )
     return tuple(sorted(bases, key=lambda base: base.id not in DEFAULT_BASES))

@@ -41,6 +41,19 @@ class Moved(Enum):
     POINTS = "curves, text, hair and point clouds"
 
 
+class Posed(Enum):
+    """How handles move a space method: what its native class is made of, and what poses it.
+
+    POINTS: of the handle points; ``warp`` takes them where the maps of the handles pose them. CONTROL: of
+    the points and their ``counts``; ``warp`` takes its ``control`` posed so. POSES: of the surface, the
+    points and their counts; ``warp_poses`` takes the maps.
+    """
+
+    POINTS = "points"
+    CONTROL = "control points"
+    POSES = "poses"
+
+
 class Reproduced(Enum):
     """The maps of space that a method reproduces if all its controls move by one; each holds those before."""
 
@@ -234,9 +247,9 @@ class Method:
     ``draft_iterations``: how many an iterative method takes for a draft of a frame in playback.
     ``reproduces``: the most that the method promises, on any shape. ``symmetric``: whether a mesh that is its
     own mirror image gets a shape that is; not where the order of the vertices decides something.
-    ``takes_flat``: its cage may be a mesh in a plane, around art in that plane. ``poses_maps``: the native
-    constructor of a space method that handles move takes the ``counts`` of their points, and ``warp`` takes
-    its ``control`` as the maps of the handles pose it.
+    ``takes_flat``: its cage may be a mesh in a plane, around art in that plane. ``posed``: for each space
+    method that handles move, how they do. ``takes_segments``: the native constructor of such a method takes
+    ``segments``, pairs of handle points between which the whole line is the handle.
     """
 
     id: str
@@ -254,7 +267,8 @@ class Method:
     reproduces: Reproduced = Reproduced.TRANSLATIONS
     symmetric: bool = True
     takes_flat: bool = False
-    poses_maps: bool = False
+    posed: Posed | None = None
+    takes_segments: bool = False
     wraps: tuple[Family, ...] = ()
     keyed: bool = False
     draft_iterations: int = 1

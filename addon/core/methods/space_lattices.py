@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Box, Choice, Control, Family, Float, Int, Method, Moved, Reproduced
+from .schema import Box, Choice, Control, Family, Float, Int, Method, Moved, Posed, Reproduced
 
 _SPLINES = (
     ("bspline", "B-Spline", "Smooth, and each point reaches some cells; the degree says how smooth"),
@@ -126,7 +126,8 @@ ROWS = (
         paper="Hsu, Hughes & Kaufman 1992",
         summary="Drag places of the shape; a hidden lattice bends space around them, and what is far stays",
         iterative=False,
-        moves=frozenset({Moved.MESH}),
+        moves=frozenset(Moved),
+        posed=Posed.POINTS,
         bind_seconds=_inverse_seconds,
         reproduces=Reproduced.REST,
         parameters=(

@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Control, Family, Float, Int, Method, Moved, Reproduced
+from .schema import Control, Family, Float, Int, Method, Moved, Posed, Reproduced
 
 _ITERATIONS = Int(
     "max_iterations",
@@ -56,6 +56,7 @@ ROWS = (
         summary="A graph of local motions takes anything along: scans of many parts, animations, clouds",
         iterative=False,
         moves=frozenset(Moved),
+        posed=Posed.POSES,
         bind_seconds=_graph_seconds,
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,
@@ -123,6 +124,7 @@ ROWS = (
         summary="Cubes that fill the shape stay rigid and hold together: it bends like a solid body",
         iterative=False,
         moves=frozenset(Moved),
+        posed=Posed.POSES,
         bind_seconds=_cells_seconds,
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,

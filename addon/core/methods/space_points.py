@@ -14,6 +14,7 @@ from .schema import (
     Int,
     Method,
     Moved,
+    Posed,
     Reproduced,
     factorising,
     per_pair,
@@ -47,7 +48,7 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         bind_seconds=_rbf_seconds,
-        poses_maps=True,
+        posed=Posed.CONTROL,
         parameters=(
             Choice(
                 "kernel",
@@ -129,7 +130,7 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         bind_seconds=per_pair(2e-8),
-        poses_maps=True,
+        posed=Posed.CONTROL,
         reproduces=Reproduced.AFFINE_MAPS,
         parameters=(
             Curve(
@@ -156,7 +157,7 @@ ROWS = (
         moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.06),
         reproduces=Reproduced.RIGID_MOTIONS,
-        poses_maps=True,
+        posed=Posed.CONTROL,
         wraps=(Family.SPACE_LINEAR, Family.SPACE_NONLINEAR),
         parameters=multiresolution.ROWS[0].parameters,
     ),
@@ -173,7 +174,8 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         bind_seconds=per_pair(8e-9),
-        poses_maps=True,
+        posed=Posed.CONTROL,
+        takes_segments=True,
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Choice(

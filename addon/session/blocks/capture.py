@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from bpy.types import ID, Depsgraph, Mesh, Modifier, Object
 
-from ...compat import read_positions
+from ...compat import read_cloud, read_positions
 from ...core.errors import MeshError
 from ...core.point_types import MESH, point_type_with_id
 from ...ids import Datablocks, Keys
@@ -31,6 +31,16 @@ def evaluated_mesh(obj: Object, depsgraph: Depsgraph) -> Iterator[Mesh | None]:
         yield evaluated.to_mesh()
     finally:
         evaluated.to_mesh_clear()
+
+
+def points_shown(obj: Object, depsgraph: Depsgraph) -> np.ndarray:
+    """The points of an object after its modifiers, float32 (c, 3) in object space; none if it has none."""
+    if targets.is_cloud(obj):
+        return read_cloud(obj.evaluated_get(depsgraph).data)
+    if not targets.has_points(obj):
+        return np.zeros((0, 3), dtype=np.float32)
+    with evaluated_mesh(obj, depsgraph) as mesh:
+        return np.zeros((0, 3), dtype=np.float32) if mesh is None else read_positions(mesh)
 
 
 # So few vertex groups are all stored as attributes, in use or not. If a later bind uses other groups, only

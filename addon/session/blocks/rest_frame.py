@@ -63,7 +63,7 @@ def absorb(deformer: SinewDeformer) -> None:
         frame = matrix(deformer)
     except MeshError:
         frame = np.eye(4)
-    for row in deformer.all_controls:
+    for row in (*deformer.all_controls, *deformer.handles):
         if row.rest is not None:
             mesh = row.rest.copy()
             mesh.transform(Matrix(frame.tolist()))

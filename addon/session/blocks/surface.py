@@ -15,10 +15,13 @@ from mathutils import Vector
 
 from ...compat import read_positions
 from ...core.errors import MeshError, SinewError
-from .capture import evaluated_mesh, mesh_with_places
+from ...core.geometry import frames
+from . import targets
+from .capture import evaluated_mesh, mesh_with_places, points_shown
 
 _SEE_THROUGH = ("WIRE", "BOUNDS")  # how cages, for example, are displayed
 _MOST_LAYERS = 100  # of objects that are seen through
+_AS_NEAR = 0.25  # of the limit: points so much farther from the line of sight count as equally near
 _PAST = 1e-5  # of the distance, to go on behind what was met
 
 
@@ -52,6 +55,38 @@ def first_hit(
             return Hit(obj, np.array(place, dtype=np.float64), np.array(normal, dtype=np.float64))
         start = place + along * max((place - Vector(origin)).length * _PAST, 1e-6)
     return None
+
+
+def nearest_point(
+    depsgraph: Depsgraph,
+    direction: np.ndarray,
+    shows: Callable[[Object], bool],
+    apart: Callable[[np.ndarray], np.ndarray],
+    limit: float,
+) -> Hit | None:
+    """Where a curve, text, hair or a point cloud that ``shows`` is nearest; None if nothing is that near.
+
+    ``apart`` tells how far places (n, 3) of the world are from the line of sight, (n,); at most ``limit``
+    counts. Of several about as near, the first along the ``direction`` is taken. The normal of what has no
+    surface points against that.
+    """
+    found: list[tuple[Object, np.ndarray, np.ndarray]] = []
+    for obj in depsgraph.scene.objects:
+        if targets.is_mesh(obj) or not targets.can_be_moved(obj) or not shows(obj):
+            continue
+        world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+        places = frames.transformed(world, points_shown(obj, depsgraph).astype(np.float64))
+        distances = apart(places)
+        near = distances <= limit
+        if near.any():
+            found.append((obj, places[near], distances[near]))
+    if not found:
+        return None
+    owners = np.repeat(np.arange(len(found)), [len(places) for _obj, places, _distances in found])
+    places, distances = (np.concatenate([row[column] for row in found]) for column in (1, 2))
+    as_near = distances <= distances.min() + _AS_NEAR * limit
+    chosen = int(np.argmin(np.where(as_near, places @ direction, np.inf)))
+    return Hit(found[owners[chosen]][0], places[chosen], -np.asarray(direction, dtype=np.float64))
 
 
 def vertex_at(hit: Hit, depsgraph: Depsgraph) -> int:

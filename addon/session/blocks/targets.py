@@ -2,7 +2,7 @@
 """The objects that can be moved, by their type: no other module asks for it.
 
 A mesh has vertices, which every method moves. Curves, text, hair and point clouds have control points, or
-faces that Blender makes of them. No regions can be marked there, so only cages move them.
+faces that Blender makes of them. No regions can be marked there, so only methods of space move them.
 """
 
 from collections.abc import Sequence
@@ -19,6 +19,8 @@ from ...ids import Keys
 from ...properties import SinewDeformer
 
 _MOVED = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD")
+_CLOUDS = ("CURVES", "POINTCLOUD")
+_WITH_POINTS = (*_MOVED, "SURFACE")
 
 
 def is_mesh(obj: Object) -> bool:
@@ -27,8 +29,18 @@ def is_mesh(obj: Object) -> bool:
 
 
 def can_be_moved(obj: Object) -> bool:
-    """Whether a cage, at least, can move the object."""
+    """Whether methods of space, at least, can move the object."""
     return obj.type in _MOVED
+
+
+def is_cloud(obj: Object) -> bool:
+    """Whether Blender makes no mesh of the object, but shows its points."""
+    return obj.type in _CLOUDS
+
+
+def has_points(obj: Object) -> bool:
+    """Whether the points of the object can be read after its modifiers."""
+    return obj.type in _WITH_POINTS
 
 
 def is_path(obj: Object) -> bool:
@@ -162,7 +174,7 @@ def require_method(obj: Object, method: Method) -> None:
     if not is_mesh(obj) and Moved.POINTS not in method.moves:
         raise OptionError(
             f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)} object - choose a "
-            "cage method, or convert it to a mesh",
+            "space method, or convert it to a mesh",
             remedy=Remedy.CONVERT,
         )
 

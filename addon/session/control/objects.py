@@ -20,7 +20,7 @@ from ...core.geometry import frames
 from ...core.status import Remedy, Status
 from ...ids import Datablocks, Keys
 from ...mesh_io import RestShape
-from ...properties import SinewControl, SinewDeformer, StoredCage, deformers_of
+from ...properties import SinewControl, SinewDeformer, SinewHandle, StoredCage, deformers_of
 from ..blocks import libraries, rest_frame, shapes
 from ..blocks.keeper import Link
 from ..blocks.vertex_groups import read_weights
@@ -171,14 +171,7 @@ class ObjectKind:
         self.refuse_other_type(control)
         control.update_from_editmode()
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        mesh = self.make_rest(control, depsgraph)
-        relative = frames.inverse(np.array(obj.matrix_world, dtype=np.float64), obj.name)
-        world = np.array(control.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
-        mesh.transform(Matrix((relative @ world).tolist()))
-        mesh.name = Datablocks.REST
-        mesh.materials.clear()
-        mesh[Keys.REST_TOKEN] = shapes.new_key()
-        return shapes.put_mesh(held, mesh)
+        return stored_rest(obj, control, self.make_rest(control, depsgraph), held)
 
     def take_along(self, _deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
         """The last pose follows; the rest is a stored rest shape, and follows by itself."""
@@ -243,7 +236,19 @@ def _leads_to(control: Object, obj: Object) -> bool:
     return False
 
 
-def forget_row_rest(row: Row) -> None:
+def stored_rest(obj: Object, control: Object, mesh: Mesh, held: Mesh | None) -> Mesh:
+    """A new ``mesh`` of a control, in its frame, as a rest mesh; in the datablock ``held`` if possible."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    relative = frames.inverse(np.array(obj.matrix_world, dtype=np.float64), obj.name)
+    world = np.array(control.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    mesh.transform(Matrix((relative @ world).tolist()))
+    mesh.name = Datablocks.REST
+    mesh.materials.clear()
+    mesh[Keys.REST_TOKEN] = shapes.new_key()
+    return shapes.put_mesh(held, mesh)
+
+
+def forget_row_rest(row: Row | SinewHandle) -> None:
     """Remove the rest mesh of a row, unless another row uses it."""
     mesh, row.rest = row.rest, None
     shapes.free_meshes(mesh)

@@ -3,7 +3,8 @@
 
 A handle that is made is a region within a radius over the surface at rest. What holds the rest of the part is
 a support around it, as wide as the reach, unless regions hold it already. A method that deforms space gets a
-handle without a region instead, at the very place. Main thread only.
+handle without a region instead, at the very place; it drags curves, text, hair and clouds by their points,
+too. Main thread only.
 """
 
 from dataclasses import dataclass
@@ -77,7 +78,7 @@ class _Plan:
 
 
 class Drag:
-    """The handle at a place of a mesh. ``move`` moves its control, ``restore`` puts everything back.
+    """The handle at a place of an object. ``move`` moves its control, ``restore`` puts everything back.
 
     Only names, keys and numbers are kept. ``frame`` (4, 4) is the control in the world at the start.
     """
@@ -87,10 +88,11 @@ class Drag:
         binding.require_backend()
         obj = hit.obj
         _require_target(obj)
-        vertex = surface.vertex_at(hit, depsgraph)
-        painted = _painted(obj)
+        is_mesh = targets.is_mesh(obj)
+        vertex = surface.vertex_at(hit, depsgraph) if is_mesh else -1
+        painted = _painted(obj) if is_mesh else {}
         self._settings = _Settings(obj)
-        found = _point_at(obj, hit, brush) or _handle_at(obj, painted, vertex)
+        found = _point_at(obj, hit, brush) or (_handle_at(obj, painted, vertex) if is_mesh else None)
         self.is_new, self.is_held = found is None, True
         if found is None:
             deformer, handle = self._make(obj, painted, vertex, brush, wait, hit)
@@ -169,7 +171,9 @@ class Drag:
         rows = []
         if deformer is not None:
             _require_working(obj, deformer)
-        if (BY_ID[brush.method] if deformer is None else deformer.definition).is_space:
+        method = BY_ID[brush.method] if deformer is None else deformer.definition
+        targets.require_method(obj, method)
+        if method.is_space:
             return self._make_point(obj, deformer, brush, wait, hit)
         if deformer is not None:
             rows = [row for row in deformer.handles if _is_used(row, painted)]
@@ -339,7 +343,8 @@ def _handle_at(
 
 def _require_target(obj: Object) -> None:
     """Refuse an object on which no handle can be made."""
-    targets.require_mesh(obj, "A handle needs the surface of a mesh: this tool drags")
+    if not targets.can_be_moved(obj):
+        targets.require_mesh(obj, "This tool drags")
     if obj.library is not None:
         raise SinewError(f"{obj.name} is linked - make a library override first")
     if obj.mode != "OBJECT":

@@ -9,9 +9,10 @@ from collections.abc import Sequence
 from bpy.types import Mesh, Object
 
 from ...core.errors import ConstraintError, SinewError
-from ...core.methods import BY_ID, DEFAULT_CAGE_METHOD, DEFAULT_METHOD
+from ...core.methods import BY_ID, DEFAULT_CAGE_METHOD, DEFAULT_METHOD, METHODS
 from ...properties import SinewDeformer, SinewHandle
 from ..control import kinds
+from ..control.handles.points import takes_segments
 from ..memory import sessions
 from .bind import bind
 from .deformers import add_deformer, remove_deformer
@@ -61,12 +62,14 @@ def rig_points(
     method: str,
     *,
     owned: bool = False,
+    acts_as: str = "PLACE",
     wait: bool = True,
 ) -> tuple[list[SinewHandle], SinewError | None]:
     """Handles of the active deformer that act where their controls, objects or bones, are; or of a new one.
 
     A new one has ``method``; an active one that cannot take points is refused. ``owned``: the controls were
-    made for these handles. The error is that of the bind. What is refused before it leaves nothing behind.
+    made for these handles. ``acts_as``: PLACE, POINTS or SEGMENTS, for bones and for objects that have
+    points. The error is that of the bind. What is refused before it leaves nothing behind.
     """
     active = obj.sinew.active
     deformer = active or add_deformer(obj, method)
@@ -77,7 +80,12 @@ def rig_points(
                 f"{deformer.definition.label} needs regions, not points - choose Radial Basis Functions, or "
                 "another method of space, first"
             )
-        uids += [add_point(obj, deformer, control, bone, owned).uid for control, bone in controls]
+        if acts_as == "SEGMENTS" and not takes_segments(deformer):
+            others = " or ".join(method.label for method in METHODS if method.takes_segments)
+            raise ConstraintError(
+                f"{deformer.definition.label} has no segments - choose {others} first, or use points"
+            )
+        uids += [add_point(obj, deformer, control, bone, owned, acts_as).uid for control, bone in controls]
     except SinewError:
         if active is None:
             remove_deformer(obj, len(obj.sinew.deformers) - 1)

@@ -4,6 +4,7 @@
 import logging
 import re
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -124,7 +125,9 @@ def _with_selectable(error: SinewError, request: BindInput | None) -> SinewError
     """The error of a bind, naming handles as the artist does, and elements that can be selected."""
     if request is None:
         return error
-    text = _ROW.sub(lambda row: request.names[int(row[1])], str(error)) if request.names else str(error)
+    text = str(error)
+    if request.names:
+        text = _ROW.sub(lambda row: _name(request.recipe, request.names, int(row[1])), text)
     elements = kinds.kind_of_method(request.recipe.method).selectable(error.elements, request)
     if request.rest.point_type is not MESH and elements.owner is Owner.TARGET:
         # Nothing of it can be selected, or repaired.
@@ -136,13 +139,23 @@ def with_names(error: SinewError, deformer: SinewDeformer, bound: Bound) -> Sine
     """The error of a solve, with the names that handles have now."""
     names = {handle.uid: handle.name for handle in deformer.handles}
     by_row = [names.get(uid, "a region") for uid in bound.handles]
-    text = _ROW.sub(lambda row: by_row[int(row[1])] if int(row[1]) < len(by_row) else row[0], str(error))
+    recipe = bound.factor.recipe
+    text = _ROW.sub(lambda row: _name(recipe, by_row, int(row[1])), str(error))
     elements = error.elements
     if elements.element == "handle":
-        members = [bound.indices[row] for row in elements.indices if row < len(bound.indices)]
+        rows = [recipe.located(row)[0] for row in elements.indices]
+        members = [bound.indices[row] for row in rows if row < len(bound.indices)]
         vertices = np.concatenate(members) if members else np.empty(0, dtype=int)
         elements = Elements(Owner.TARGET, "vertex", vertices) if len(vertices) else NO_ELEMENTS
     return error.with_elements(elements, error.remedy, text)
+
+
+def _name(recipe: Recipe, names: Sequence[str], row: int) -> str:
+    """What an artist calls a handle of the native module, or an object among several that control."""
+    handle, point = recipe.located(row)
+    if handle >= len(names):
+        return f"handle {row}"
+    return names[handle] if point is None else f"point {point} of {names[handle]}"
 
 
 def _keep_job_for(uid: str, key: tuple) -> None:

@@ -6,7 +6,7 @@ from bpy.types import Context, Menu, Object, Panel, UILayout
 from ... import session
 from ...ids import Menus, Operators
 from ...operators import target_of
-from ...properties import SinewDeformer
+from ...properties import SinewDeformer, SinewHandle
 from ..layouts import draw_move_buttons, draw_move_entries, invoking, split
 from ..places import ActiveDeformerPanel, active_deformer
 from ..text import columns, draw_text
@@ -43,12 +43,25 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
                 layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS").index = deformer.active_handle
             if handle.control is not None and handle.control.type == "ARMATURE":
                 control.prop_search(handle, "bone", handle.control.data, "bones")
+            if not handle.vertex_group and session.takes_points(deformer):
+                _draw_acts_as(context, layout, deformer, handle)
             layout.prop(handle, "from_rest")
         layout.prop(handle, "weight", slider=True)
         for parameter in deformer.definition.handle_parameters:
             layout.prop(handle, parameter.id, slider=True)
         if handle.kind == "HANDLE":
             layout.prop(handle, "colour")
+
+
+def _draw_acts_as(context: Context, layout: UILayout, deformer: SinewDeformer, handle: SinewHandle) -> None:
+    """Draw the choice of place, points or segments, as far as the method has them."""
+    row = layout.row(align=True, heading="Acts As")
+    row.prop_enum(handle, "acts_as", "PLACE")
+    row.prop_enum(handle, "acts_as", "POINTS")
+    if session.takes_segments(deformer):
+        row.prop_enum(handle, "acts_as", "SEGMENTS")
+    elif handle.acts_as == "SEGMENTS":
+        draw_text(context, layout, "This method has no segments: their ends act as points", "INFO")
 
 
 class SINEW_MT_handle(Menu):

@@ -3,6 +3,7 @@
 
 from typing import Any
 
+import bpy
 import numpy as np
 from bpy.types import Depsgraph, Object
 
@@ -14,8 +15,8 @@ from ...blocks import libraries
 from ...memory.evaluation import ControlState, Evaluation
 from ...memory.sessions import Bound
 from ..bind_input import BindInput
-from ..placement import read_place
-from . import keys, poses
+from ..objects import forget_row_rest
+from . import keys, points, poses
 from .links import links
 from .poses import complete_rest_frames as set_rest
 from .poses import complete_rest_frames as take_rest
@@ -97,7 +98,8 @@ def selectable(elements: Elements, request: BindInput) -> Elements:
     """The vertices of handles, where the native module names handles by their rows."""
     if elements.element != "handle":
         return elements
-    members = [request.indices[row] for row in elements.indices]
+    rows = [request.recipe.located(row)[0] for row in elements.indices]
+    members = [request.indices[row] for row in rows]
     return Elements(Owner.TARGET, "vertex", np.concatenate(members) if members else ())
 
 
@@ -108,17 +110,20 @@ def object_with(_deformer: SinewDeformer, _elements: Elements) -> Object:
 
 def read_state(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
     """One place per handle in the list; None for those without a control."""
-    return [
-        read_place(handle.control, depsgraph, handle.bone) if handle.kind == "HANDLE" else None
-        for handle in deformer.handles
-    ]
+    return [points.place_of(deformer, handle, depsgraph) for handle in deformer.handles]
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; perhaps keys."""
-    affine, from_rest = poses.bound_poses(evaluation, bound)
+def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; perhaps keys, and
+    the points of controls whose points count.
+    """
+    found = poses.bound_poses(evaluation, bound)
+    if found is None:
+        return None
+    affine, from_rest, placed = found
     keyed = keys.keywords(evaluation.deformer, bound, evaluation.depsgraph)
-    return affine, {"from_rest": from_rest, **keyed}
+    points_now = {"placed": np.concatenate(placed)} if placed else {}
+    return affine, {"from_rest": from_rest, **points_now, **keyed}
 
 
 def take_along(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
@@ -132,15 +137,17 @@ def use(_obj: Object, _deformer: SinewDeformer, control: Object, _owned: bool) -
     raise ConstraintError(f"{control.name} alone moves no handle - name the vertices that follow it")
 
 
-def is_stale(_deformer: SinewDeformer) -> bool:
-    """Never: only the places of objects and bones count, not their vertices."""
-    return False
+def is_stale(deformer: SinewDeformer) -> bool:
+    """Only where the points of controls count, and not the places of objects and bones alone."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return any(points.is_stale(deformer, handle, depsgraph) for handle in deformer.handles)
 
 
 def forget_rest(deformer: SinewDeformer) -> None:
-    """Forget the rest frames: at the next bind the controls rest where they are then."""
+    """Forget the rest frames and points: at the next bind the controls rest where they are then."""
     for handle in deformer.handles:
         handle.has_rest = handle.has_last_pose = False
+        forget_row_rest(handle)
 
 
 def lost(deformer: SinewDeformer) -> tuple[str, ...]:

@@ -7,13 +7,15 @@ from bpy.types import Object
 
 from ....properties import SinewDeformer
 from ...blocks.keeper import Link, find_driver
+from .points import are_apart
 
 
 def links(deformer: SinewDeformer) -> Iterator[Link]:
     """The object or bone of each handle that has a control."""
     for handle in deformer.handles:
         if handle.kind == "HANDLE" and handle.control is not None:
-            yield Link(handle.control, handle.bone)
+            by_shape = are_apart(deformer, handle) and not handle.bone
+            yield Link(handle.control, handle.bone, by_shape)
 
 
 def follow_renamed_bones(obj: Object) -> bool:
@@ -34,8 +36,8 @@ def follow_renamed_bones(obj: Object) -> bool:
         for deformer in obj.sinew.deformers:
             for handle in deformer.handles:
                 if handle.control == link.object and handle.bone == link.bone:
-                    had_rest = handle.has_rest
+                    had_rest, rest = handle.has_rest, handle.rest
                     handle.bone = target.bone_target
-                    handle.has_rest = had_rest
+                    handle.has_rest, handle.rest = had_rest, rest
                     renamed = True
     return renamed

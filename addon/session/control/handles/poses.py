@@ -17,6 +17,7 @@ from ...memory import sessions
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
 from ..placement import read_place
+from . import points
 from .links import follow_renamed_bones
 
 IDENTITY = np.eye(4)[:3]
@@ -71,6 +72,7 @@ def take_along(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarr
         if handle.has_last_pose:
             last = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
             handle.last_pose = (by[:3] @ _square(last) @ inverse).ravel().tolist()
+        points.take_along(handle, by, held)
         if handle.uid in held:
             held[handle.uid] = by[:3] @ _square(held[handle.uid]) @ inverse
 
@@ -79,11 +81,14 @@ def _square(pose: np.ndarray) -> np.ndarray:
     return np.vstack((pose, (0.0, 0.0, 0.0, 1.0)))
 
 
-def bound_poses(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.ndarray]:
-    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape.
+def bound_poses(
+    evaluation: Evaluation, bound: Bound
+) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]] | None:
+    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; and the points
+    (c, 3) of each handle whose points count, instead of its pose.
 
     If a control was deleted, its handle stays where it was last. If another control took its place, that one
-    starts from there.
+    starts from there. None if the last place of points is unknown.
     """
     deformer, depsgraph, session = evaluation.deformer, evaluation.depsgraph, evaluation.session
     world = evaluation.evaluated.matrix_world
@@ -91,6 +96,8 @@ def bound_poses(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.nd
         handle.uid: (handle, place)
         for handle, place in zip(deformer.handles, evaluation.control, strict=True)
     }
+    counts = points.bound_counts(bound)
+    placed: list[np.ndarray] = []
     poses = np.empty((len(bound.handles), 3, 4))
     from_rest = np.zeros(len(bound.handles), dtype=bool)
     for row, key in enumerate(bound.handles):
@@ -99,6 +106,15 @@ def bound_poses(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.nd
         if handle is None or handle.kind != "HANDLE":
             continue
         from_rest[row] = handle.from_rest
+        if row in counts:
+            if place is None and handle.bone and evaluation.in_viewport:
+                follow_renamed_bones(evaluation.obj)
+                place = points.place_of(deformer, handle, depsgraph)
+            found = points.now(evaluation, handle, place, counts[row])
+            if found is None:
+                return None
+            placed.append(found)
+            continue
         control = None if place is None else place.matrix()
         if control is None and handle.bone and evaluation.in_viewport:
             follow_renamed_bones(evaluation.obj)
@@ -120,7 +136,7 @@ def bound_poses(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, np.nd
             poses[row] = session.poses[key]
             if evaluation.in_viewport:
                 _keep(handle, poses[row])
-    return poses, from_rest
+    return poses, from_rest, placed
 
 
 def rest_here(
@@ -191,7 +207,10 @@ def _last_pose(deformer: SinewDeformer, bound: Bound, row: int) -> np.ndarray:
 
 
 def complete_rest_frames(obj: Object, deformer: SinewDeformer) -> None:
-    """Give a rest frame to each handle that has a control but no rest frame yet."""
+    """Give a rest frame to each handle that has a control but no rest frame yet; likewise where points count.
+
+    Those that have become more or fewer rest as they are now.
+    """
     target = np.array(obj.matrix_world, dtype=np.float64)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     for handle in deformer.handles:
@@ -199,3 +218,6 @@ def complete_rest_frames(obj: Object, deformer: SinewDeformer) -> None:
             matrix = control_matrix(handle, depsgraph)
             if matrix is not None:
                 capture_rest(handle, target, matrix)
+    for handle in deformer.handles:
+        if points.is_stale(deformer, handle, depsgraph):
+            points.take_rest(obj, handle)

@@ -7,20 +7,23 @@ This only reads Blender's data.
 import numpy as np
 from bpy.types import Mesh
 
-from ....backend import Handles, Recipe, Shape, connected_parts, handle_points
+from ....backend import HandlePoints, Handles, Recipe, Shape, connected_parts, handle_points
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
+from ....core.methods import Method, Posed
 from ....core.status import Remedy
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks import references
 from ...blocks.vertex_groups import read_weights
 from ..bind_input import BindInput, options, unpainted
+from . import points as apart_points
 from .poses import rest_of
 
 _IMPLIED = "support"  # the key of the fixed region around a support
 _REACH = 0.02  # of the size of the target: how far such points are from the place of a control
 _NO_VERTICES = np.empty(0, dtype=np.intp)
+_Joined = tuple[np.ndarray, bool]  # the edges (e, 2) of points, and whether they are handles as a whole
 _NOUNS = (("HANDLE", "handle", "handles"), ("FIXED", "fixed", "fixed"), ("SUPPORT", "support", "supports"))
 
 
@@ -32,7 +35,7 @@ def key(settings: SinewDeformer) -> tuple:
         (
             handle.uid,
             handle.kind,
-            handle.vertex_group or (tuple(rest_of(handle).ravel()) if has_points else ""),
+            handle.vertex_group or (_key_without_region(settings, handle) if has_points else ""),
             handle.weight,
             *_own_values(settings, handle),
         )
@@ -40,6 +43,12 @@ def key(settings: SinewDeformer) -> tuple:
         if handle.enabled
     )
     return (parts, *regions)
+
+
+def _key_without_region(settings: SinewDeformer, handle: SinewHandle) -> tuple:
+    if apart_points.are_apart(settings, handle):
+        return apart_points.key(settings, handle)
+    return tuple(rest_of(handle).ravel())
 
 
 def _own_values(settings: SinewDeformer, handle: SinewHandle) -> tuple:
@@ -70,6 +79,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     holder = np.full(count, -1)
     labels: list[str] = []
     points: list[np.ndarray] = []
+    apart: dict[int, _Joined] = {}
     support: np.ndarray | None = None
     of_supports: list[tuple] = []
     for handle in settings.handles:
@@ -80,11 +90,16 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
                 raise ConstraintError(
                     f"{handle.name} has no vertex group and no control - choose one of them, then bind again"
                 )
+            if apart_points.are_apart(settings, handle):
+                at_rest, edges = apart_points.at_rest(settings, handle)
+                apart[len(points)] = edges, apart_points.key(settings, handle)[1]
+                points.append(at_rest.points)
+            else:
+                points.append(_points_of_control(rest_of(handle), rest.points, method.posed is Posed.CONTROL))
             bound.append(handle)
             indices.append(_NO_VERTICES)
             weights.append(None)
             own.append(_own_values(settings, handle))
-            points.append(_points_of_control(rest_of(handle), rest.points, method.poses_maps))
             continue
         painted = rest.weights.get(handle.vertex_group)
         members = np.flatnonzero(painted > 0.0) if painted is not None else _NO_VERTICES
@@ -128,7 +143,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             method,
             Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            handle_points(method, np.concatenate(points), tuple(map(len, points)))
+            _handle_points(method, points, apart)
             if method.is_space
             else Handles(
                 tuple(indices),
@@ -139,12 +154,30 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         ),
         rest=rest,
         on_base=count == base_count,
-        control=_counted([handle.kind for handle in bound] + ["SUPPORT"] * len(of_supports)) or "no regions",
+        control=_counted([handle.kind for handle in bound] + ["SUPPORT"] * len(of_supports))
+        + (f" ({sum(len(points[row]) for row in apart):,} points)" if apart else "")
+        or "no regions",
         handles=tuple(keys),
         names=tuple(names),
         unused=tuple(unused),
         unpainted=unpainted(settings, rest),
         indices=tuple(indices),
+    )
+
+
+def _handle_points(method: Method, points: list[np.ndarray], apart: dict[int, _Joined]) -> HandlePoints:
+    """The points (c, 3) of each handle; of those that are ``apart``, the rows with their edges."""
+    counts = tuple(map(len, points))
+    starts = np.cumsum((0, *counts))
+    edges = [edges + starts[row] for row, (edges, _whole) in apart.items()]
+    whole = [np.full(len(edges), whole) for edges, whole in apart.values()]
+    return handle_points(
+        method,
+        np.concatenate(points),
+        counts,
+        tuple(row in apart for row in range(len(points))),
+        np.concatenate(edges) if apart else np.zeros((0, 2), dtype=int),
+        np.concatenate(whole) if apart else np.zeros(0, dtype=bool),
     )
 
 

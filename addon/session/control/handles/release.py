@@ -5,11 +5,13 @@ import bpy
 from bpy.types import Object
 
 from ....properties import SinewDeformer, SinewHandle, deformers_of
+from ..objects import forget_row_rest
 
 
 def release(obj: Object, deformer: SinewDeformer) -> None:
     """Remove the controls and the vertex groups that were made for the handles of a deformer."""
     for handle in deformer.handles:
+        forget_row_rest(handle)
         release_control(handle)
         release_group(obj, deformer, handle)
 

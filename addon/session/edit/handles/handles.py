@@ -16,6 +16,7 @@ from ...blocks import animation_paths, capture, shapes
 from ...control import kinds
 from ...control.handles import poses
 from ...control.handles.release import release_control, release_group
+from ...control.objects import forget_row_rest
 from ...memory import sessions
 from ..bind import unbind
 from . import empties
@@ -117,15 +118,22 @@ def _current_pose(deformer: SinewDeformer, rest: RestShape, members: np.ndarray)
 
 @sessions.suspended()
 def new_control(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> None:
-    """Give a handle that has lost its control an empty of its own, where its region is now. Nothing jumps."""
-    pose = poses.kept_pose(deformer, handle)
-    mesh = capture.rest_mesh(obj, deformer)
-    try:
-        empty, _frame = empties.make_empty(
-            obj, read_rest(mesh), _members(mesh, handle), f"{obj.name} {handle.name}", pose
-        )
-    finally:
-        bpy.data.meshes.remove(mesh)
+    """Give a handle that has lost its control an empty of its own, where its region is now. Nothing jumps.
+
+    One without a region acts as a place from now on.
+    """
+    pose, name = poses.kept_pose(deformer, handle), f"{obj.name} {handle.name}"
+    if handle.vertex_group:
+        mesh = capture.rest_mesh(obj, deformer)
+        try:
+            empty, _frame = empties.make_empty(obj, read_rest(mesh), _members(mesh, handle), name, pose)
+        finally:
+            bpy.data.meshes.remove(mesh)
+    else:
+        square = np.vstack((pose, (0.0, 0.0, 0.0, 1.0)))
+        size = 0.05 * (max(obj.dimensions) or 1.0)
+        empty = empties.new_empty(obj, poses.rest_of(handle), square, name, size)
+        handle.acts_as = "PLACE"
     handle.control, handle.bone, handle.owns_control = empty, "", True
     world = np.array(obj.matrix_world, dtype=np.float64)
     relative = empty.matrix_parent_inverse @ empty.matrix_basis
@@ -139,6 +147,7 @@ def new_control(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> No
 def remove_handle(obj: Object, deformer: SinewDeformer, index: int) -> None:
     """Remove a region, with the control and the vertex group that were made for it."""
     handle = deformer.handles[index]
+    forget_row_rest(handle)
     release_control(handle)
     release_group(obj, deformer, handle)
     order = animation_paths.removed(len(deformer.handles), index)

@@ -10,7 +10,7 @@ from mathutils import Vector
 from ....core.errors import ConstraintError, SinewError
 from ....core.names import unique_name
 from ....properties import SinewDeformer, SinewHandle
-from ...blocks import shapes
+from ...blocks import shapes, targets
 from ...control import kinds
 from ...memory import sessions
 from . import empties
@@ -20,11 +20,17 @@ _MOST = 500  # empties at the points of one object
 
 @sessions.suspended()
 def add_point(
-    obj: Object, deformer: SinewDeformer, control: Object, bone: str = "", owned: bool = False
+    obj: Object,
+    deformer: SinewDeformer,
+    control: Object,
+    bone: str = "",
+    owned: bool = False,
+    acts_as: str = "PLACE",
 ) -> SinewHandle:
     """Add a handle that moves space where ``control``, or its ``bone``, is now. ``bind`` must follow.
 
-    Several objects may have handles of one control. ``owned``: it was made for this handle.
+    Several objects may have handles of one control. ``owned``: it was made for this handle. ``acts_as``:
+    where the handle takes hold of space, if the control has points or is a bone.
     """
     taken = [other.name for other in deformer.handles]
     handle = deformer.handles.add()
@@ -33,6 +39,7 @@ def add_point(
     handle.named = unique_name(bone or control.name, taken)
     handle.name = handle.named
     handle.colour = empties.colour(len(deformer.handles) - 1)
+    handle.acts_as = acts_as if bone or targets.has_points(control) else "PLACE"
     try:
         empties.assign(obj, handle, control, bone)
     except SinewError:
@@ -60,7 +67,9 @@ def empties_on(obj: Object, points: Object) -> list[Object]:
     if not places:
         raise ConstraintError(f"{points.name} has no points that an empty can follow - use a mesh or a curve")
     if len(places) > _MOST:
-        raise ConstraintError(f"{points.name} has {len(places):,} points - use one of at most {_MOST}")
+        raise ConstraintError(
+            f"{points.name} has {len(places):,} points - use Points of Objects, which needs no empties"
+        )
     size = 0.02 * (max(obj.dimensions) or 1.0)
     found = []
     for number in range(len(places)):
@@ -70,6 +79,11 @@ def empties_on(obj: Object, points: Object) -> list[Object]:
         found.append(empty)
     bpy.context.view_layer.update()
     return found
+
+
+def with_points(objects: Sequence[Object]) -> list[Object]:
+    """Those of the objects whose points can be read after their modifiers."""
+    return [obj for obj in objects if targets.has_points(obj)]
 
 
 def _places(points: Object) -> Iterator[Sequence[float]]:

@@ -87,7 +87,10 @@ def _add(obj: Object, deformer: SinewDeformer, name: str, place: _Place, radius:
 
 
 def _on_surface(obj: Object, deformer: SinewDeformer, rest: RestShape, place: np.ndarray) -> _Place:
-    """The place of the rest shape whose deformed place is nearest to one of the world."""
+    """The place of the rest shape whose deformed place is nearest to one of the world.
+
+    Without a surface it is that place itself, which has moved as the nearest point has.
+    """
     if not len(rest.points):
         raise ConstraintError(f"{obj.name} has no points - a handle needs a place on its surface")
     before, after = _shown(deformer, rest)
@@ -95,7 +98,8 @@ def _on_surface(obj: Object, deformer: SinewDeformer, rest: RestShape, place: np
     local = (frames.inverse(world, obj.name) @ (*place, 1.0))[:3]
     if not len(rest.counts):
         nearest = int(np.argmin(np.linalg.norm(after - local, axis=1)))
-        return _Place(rest.points[nearest], after[nearest] - before[nearest])
+        moved = after[nearest] - before[nearest]
+        return _Place(local - moved, moved)
     faces = np.split(rest.corners, np.cumsum(rest.counts)[:-1])
     tree = BVHTree.FromPolygons(after.tolist(), [face.tolist() for face in faces])
     at, _normal, index, _distance = tree.find_nearest(Vector(local))

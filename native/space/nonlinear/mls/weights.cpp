@@ -50,29 +50,45 @@ void add(double* ten, double w, const Vector3& p)
             *ten++ += w * p[a] * p[b];
 }
 
-/// With the distance along the segment as D sinh(u), the integrand is a power of cosh(u): smooth however near
-/// v is. The foot of v, where it peaks, parts the range in two.
+/// With the distance from the foot along the segment as x = D sinh(u), the integrand is a power of cosh(u):
+/// smooth however near v is. The foot of v, where it peaks, parts the range in two. A place is p = foot + x
+/// times the direction, so three sums of w, w x and w x^2 are all that is needed. Places of the quadrature
+/// lie in pairs about the middle m of the range: exp(m + h) and exp(m - h) are two products.
 void add_segment(const Segment& segment, double least, double size, double alpha, double* ten)
 {
     const double D = std::max(segment.distance, 1e-12 * segment.length);
     const double begin = std::asinh(-segment.foot * segment.length / D),
                  end = std::asinh((1.0 - segment.foot) * segment.length / D);
-    const double middle = std::clamp(0.0, begin, end);
+    double sums[3] = {0.0, 0.0, 0.0};
+    const auto place = [&](double exponential, double weight) {
+        const double inverse = 1.0 / exponential;
+        const double x = 0.5 * D * (exponential - inverse), away = 0.5 * D * (exponential + inverse);
+        const double w = weight * away / size * decay(least, away * away, alpha);
+        sums[0] += w;
+        sums[1] += w * x;
+        sums[2] += w * x * x;
+    };
     const auto part = [&](double from, double to) {
         if (!(to > from))
             return;
-        for (int k = 0; k < nodes; ++k) {
-            const double place = k % 2 ? half_places[k / 2] : -half_places[k / 2];
-            const double u = 0.5 * (from + to) + 0.5 * (to - from) * place;
-            const double t = std::clamp(segment.foot + D * std::sinh(u) / segment.length, 0.0, 1.0);
-            const Vector3 p = segment.from + t * segment.along;
-            const double w = 0.5 * (to - from) * half_weights[k / 2] * D * std::cosh(u) / size *
-                             decay(least, D * D * std::cosh(u) * std::cosh(u), alpha);
-            add(ten, w, p);
+        const double middle = std::exp(0.5 * (from + to)), half = 0.5 * (to - from);
+        for (int k = 0; k < nodes / 2; ++k) {
+            const double step = std::exp(half * half_places[k]);
+            place(middle * step, half * half_weights[k]);
+            place(middle / step, half * half_weights[k]);
         }
     };
+    const double middle = std::clamp(0.0, begin, end);
     part(begin, middle);
     part(middle, end);
+    const Vector3 foot = segment.from + segment.foot * segment.along, along = segment.along / segment.length;
+    *ten++ += sums[0];
+    for (int a = 0; a < 3; ++a)
+        *ten++ += sums[0] * foot[a] + sums[1] * along[a];
+    for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b)
+            *ten++ += sums[0] * foot[a] * foot[b] + sums[1] * (foot[a] * along[b] + along[a] * foot[b]) +
+                      sums[2] * along[a] * along[b];
 }
 
 } // namespace
