@@ -72,7 +72,7 @@ WAYS = {
 }
 ALL = WAYS["all"]
 # How far the shape may change where the axes of the object decide something: cubes that stand along them
-# change the shape of the plate by .007, of a diagonal of 6, and the lattice from which a cage is made by .013.
+# change the shape of the plate by .007, of a diagonal of 6, and the lattice that a cage is made on by .013.
 BY_AXES = {"rigid_cells": 0.01, "subspace_laplacian": 0.02}
 
 

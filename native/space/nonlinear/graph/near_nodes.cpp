@@ -178,17 +178,21 @@ void NearNodes::find_near(const SurfaceFronts& fronts, const Nearest& nearest, c
             own[k] = own[k - 1];
         own[k] = {distance, node};
     };
-    // The nearest node and the four nearest to that one are five, so that no node behind them counts.
+    // The nearest node and the four nearest to that one are five, so that no node behind them counts; nor
+    // does one behind five that were found in the batches before.
     const std::vector<float> fourth = to_fourth(nearest);
     std::vector<float> bounds(static_cast<std::size_t>(n), infinite);
     for (int v = 0; v < n; ++v)
         if (nearest.node[v] >= 0)
-            bounds[v] = std::min(farthest, detour * (nearest.distance[v] + fourth[nearest.node[v]])) +
-                        fronts.margin(v);
+            bounds[v] = std::min(farthest, detour * (nearest.distance[v] + fourth[nearest.node[v]]));
     std::vector<int> number(static_cast<std::size_t>(n), -1);
     for (std::size_t j = 0; j < nodes_.size(); ++j)
         number[nodes_[j]] = static_cast<int>(j);
     std::vector<std::vector<Near>> others(nodes_.size()); // of each node, those around it
+    const auto bound = [&](int v) {
+        return std::min(bounds[v], near_[static_cast<std::size_t>(v) * kept + kept - 1].first) +
+               fronts.margin(v);
+    };
     Pool<SurfaceFronts::Front> pool;
     std::vector<std::vector<std::pair<int, float>>> reached(batch);
     for (int first = 0; first < static_cast<int>(nodes_.size()); first += batch) {
@@ -199,9 +203,8 @@ void NearNodes::find_near(const SurfaceFronts& fronts, const Nearest& nearest, c
             for (int k = begin; k < end; ++k) {
                 reached[k].clear();
                 if (is_on_surface(nodes_[first + k]))
-                    own->from(
-                        nodes_[first + k], [&](int v) { return bounds[v]; },
-                        [&](int v, float distance) { reached[k].emplace_back(v, distance); });
+                    own->from(nodes_[first + k], bound,
+                              [&](int v, float distance) { reached[k].emplace_back(v, distance); });
             }
         });
         for (int k = 0; k < some; ++k)

@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
-#include <utility>
 #include <vector>
 
 namespace sinew {
@@ -67,7 +68,8 @@ public:
         offer(source, 0.0F, bound);
         while (!open_.empty()) {
             std::ranges::pop_heap(open_, std::greater{});
-            const auto [distance, v] = open_.back();
+            const auto v = static_cast<int>(open_.back() & 0xFFFFFFFFU);
+            const auto distance = std::bit_cast<float>(static_cast<std::uint32_t>(open_.back() >> 32U));
             open_.pop_back();
             if (distance > distance_[v])
                 continue;
@@ -103,7 +105,8 @@ private:
                 return;
         }
         distance_[v] = distance;
-        open_.emplace_back(distance, v);
+        open_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(distance)} << 32U |
+                        static_cast<std::uint32_t>(v));
         std::ranges::push_heap(open_, std::greater{});
     }
 
@@ -129,7 +132,9 @@ private:
     std::vector<float> distance_;
     std::vector<int> times_; ///< that a shorter way to each vertex was offered
     std::vector<int> reached_;
-    std::vector<std::pair<float, int>> open_; ///< a heap
+    /// A heap of vertices, with their distances in the upper bits: those of numbers >= 0 are ordered as
+    /// these.
+    std::vector<std::uint64_t> open_;
 };
 
 } // namespace sinew
