@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/held_points.h"
+#include "native/bindings/handle_methods.h"
 #include "native/space/nonlinear/rigid_cells.h"
 
 namespace sinew::bindings {

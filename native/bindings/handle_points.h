@@ -13,8 +13,10 @@
 
 namespace sinew::bindings {
 
-/// Handle points from the arguments of a constructor in Python.
-inline HandlePoints handle_points(const py::object& given, const py::object& counts)
+/// Handle points from the arguments of a constructor in Python: counts is None where each point is a handle,
+/// and weights where all points are held fully.
+inline HandlePoints handle_points(const py::object& given, const py::object& counts,
+                                  const py::object& weights = py::none())
 {
     const FloatArray array = floats(given, "points");
     const PointsView view = points<InvalidConstraint>(array, "points");
@@ -24,7 +26,8 @@ inline HandlePoints handle_points(const py::object& given, const py::object& cou
         if (of_handles.empty())
             throw InvalidConstraint("counts: there is no handle");
     }
-    return HandlePoints(view, std::move(of_handles));
+    return HandlePoints(view, std::move(of_handles),
+                        weights.is_none() ? std::vector<double>{} : numbers(weights, "weights"));
 }
 
 /// What the constructors of methods on handle points say about these, and then about their own arguments.

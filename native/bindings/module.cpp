@@ -10,7 +10,7 @@ void bind_surface(py::module_& module);
 void bind_affine_basis(py::module_& module);
 void bind_space(py::module_& module);
 void bind_cage(py::module_& module);
-void bind_held_points(py::module_& module);
+void bind_handle_methods(py::module_& module);
 void bind_subdivision(py::module_& module);
 void bind_automatic_cage(py::module_& module);
 } // namespace sinew::bindings
@@ -28,7 +28,7 @@ PYBIND11_MODULE(sinew_native_bound, module) // entry.cpp calls it
     bind_surface(module);
     bind_space(module);
     bind_cage(module);
-    bind_held_points(module);
+    bind_handle_methods(module);
     bind_subdivision(module);
     bind_automatic_cage(module);
     MethodBinding::bind_all(module);

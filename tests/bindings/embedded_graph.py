@@ -8,7 +8,7 @@ from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
 WEIGHTS = {"rotation": 1.0, "regularity": 10.0, "pulls": 100.0}
-EDGE = [(a, b) for a in range(3) for b in range(a, 3)]
+PRODUCTS = [(a, b) for a in range(3) for b in range(3)]  # of columns; the paper has those of two once
 
 
 class PaperEnergy:
@@ -57,7 +57,7 @@ class PaperEnergy:
     def rotations(self, x: np.ndarray) -> np.ndarray:
         A = x[:, :3].transpose(0, 2, 1)  # rows of x are the columns of A
         S = A.transpose(0, 2, 1) @ A - np.eye(3)
-        return np.sqrt(WEIGHTS["rotation"]) * np.stack([S[:, a, b] for a, b in EDGE], 1)
+        return np.sqrt(WEIGHTS["rotation"]) * np.stack([S[:, a, b] for a, b in PRODUCTS], 1)
 
     def residual(self, flat: np.ndarray) -> np.ndarray:
         x = flat.reshape(-1, 4, 3)
@@ -68,13 +68,15 @@ class PaperEnergy:
         x = flat.reshape(-1, 4, 3)
         m, root = len(x), np.sqrt(WEIGHTS["rotation"])
         rows, columns, values = [], [], []
-        for e, (a, b) in enumerate(EDGE):
+        for e, (a, b) in enumerate(PRODUCTS):
             for own, other in ((a, b), (b, a)):
-                rows.append(np.repeat(6 * np.arange(m) + e, 3))
+                rows.append(np.repeat(len(PRODUCTS) * np.arange(m) + e, 3))
                 columns.append(((4 * np.arange(m) + own)[:, None] * 3 + np.arange(3)).ravel())
                 values.append(root * x[:, other].ravel())
         quartic = sparse.csr_matrix(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (6 * m, 12 * m)
+            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
+            (len(PRODUCTS) * m, 12 * m),
+            (len(PRODUCTS) * m, 12 * m),
         )
         return sparse.vstack((quartic, sparse.kron(self.linear, sparse.eye(3)))).tocsr()
 

@@ -71,6 +71,9 @@ WAYS = {
     "script": by_script,
 }
 ALL = WAYS["all"]
+# How far the shape may change where the axes of the object decide something: cubes that stand along them
+# change the shape of the plate by .007, of a diagonal of 6, and the lattice that a cage is made on by .013.
+BY_AXES = {"rigid_cells": 0.01, "subspace_laplacian": 0.02}
 
 
 def place(rig: HandleRig, where: Matrix = PLACE) -> None:
@@ -177,11 +180,10 @@ def test_undo_and_redo(placed: HandleRig, way: str):
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
 def test_every_method(method):
     rig = rig_for(method.id).start(method.id)
-    # The default stop of an iteration leaves up to .16 % of the box, whose diagonal is 6. Where the axes of
-    # the object decide something, as its size, a cage or which nodes carry a point, the shape is another one:
-    # then the status says by how much.
+    # The default stop of an iteration leaves up to .16 % of the box, whose diagonal is 6. Embedded
+    # deformation does not depend on the axes, and takes as many steps from any.
     iterates = method.iterative or any(row.id == "max_iterations" for row in method.parameters)
-    rig.exactness = 0.01 if iterates else EXACT
+    rig.exactness = 0.01 if iterates and method.id != "embedded_deformation" else EXACT
     place(rig)
     rig.lift(0.3)
     before = world_points(rig)
@@ -191,7 +193,7 @@ def test_every_method(method):
     assert rig.deformer.status_level == ("WARNING" if told else "INFO"), rig.deformer.status
     if iterates and told:
         assert changed == pytest.approx(float(told[1]), rel=0.01)
-        assert changed < (rig.exactness if method.symmetric else 0.03)
+        assert changed < BY_AXES.get(method.id, rig.exactness)
     else:
         assert changed < rig.exactness
 

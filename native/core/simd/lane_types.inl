@@ -113,6 +113,9 @@ inline void store_rows(double* rows, int stride, Lanes<double> a, Lanes<double> 
 #endif
 }
 inline Lanes<double> constant(double value) { return value - Lanes<double>{}; }
+inline Lanes<double> widened(Lanes<double> a) { return a; }
+inline Lanes<double> widened(Lanes<float> a) { return __builtin_convertvector(a, Lanes<double>); }
+inline Lanes<float> narrowed(Lanes<double> a) { return __builtin_convertvector(a, Lanes<float>); }
 inline Lanes<double> root(Lanes<double> a) // std::sqrt of each lane would check whether to set errno
 {
 #if defined(SINEW_EIGHT_LANES)
@@ -240,6 +243,13 @@ inline void store_rows(double* rows, int stride, Lanes<double> a, Lanes<double> 
         store(rows + k * stride, Lanes<double>{{a[k], b[k], c[k], d[k]}});
 }
 inline Lanes<double> constant(double value) { return {{value, value, value, value}}; }
+inline Lanes<double> widened(const Lanes<double>& a) { return a; }
+inline Lanes<double> widened(const Lanes<float>& a) { return {{a[0], a[1], a[2], a[3]}}; }
+inline Lanes<float> narrowed(const Lanes<double>& a)
+{
+    return {{static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2]),
+             static_cast<float>(a[3])}};
+}
 inline Lanes<double> root(const Lanes<double>& a)
 {
     return {{std::sqrt(a[0]), std::sqrt(a[1]), std::sqrt(a[2]), std::sqrt(a[3])}};

@@ -9,18 +9,6 @@ using sinew::PairProducts;
 using D = Lanes<double>;
 using F = Lanes<float>;
 
-#ifdef __GNUC__
-inline D widened(F a) { return __builtin_convertvector(a, D); }
-inline F narrowed(D a) { return __builtin_convertvector(a, F); }
-#else
-inline D widened(const F& a) { return {{a[0], a[1], a[2], a[3]}}; }
-inline F narrowed(const D& a)
-{
-    return {{static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2]),
-             static_cast<float>(a[3])}};
-}
-#endif
-
 inline double sum(D a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
 void step(const double* x, const double* z, int pairs, const float* const* s, const float* const* Ly,

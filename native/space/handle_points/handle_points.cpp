@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string>
 #include <tuple>
+#include <utility>
 
 namespace sinew {
 
@@ -18,7 +19,8 @@ constexpr double same_target = 1e-6;
 
 } // namespace
 
-HandlePoints::HandlePoints(PointsView points, std::vector<int> counts) : points_(points)
+HandlePoints::HandlePoints(PointsView points, std::vector<int> counts, std::vector<double> weights)
+    : points_(points), weights_(std::move(weights))
 {
     if (points.rows() == 0)
         throw InvalidConstraint("there is no handle point");
@@ -28,17 +30,27 @@ HandlePoints::HandlePoints(PointsView points, std::vector<int> counts) : points_
     for (int i = 0; i < points.rows(); ++i)
         if (!points.row(i).allFinite())
             bad.push_back(i);
+    std::vector<int> empty;
+    for (int h = 0; h < static_cast<int>(counts.size()); ++h)
+        if (counts[h] < 1)
+            empty.push_back(h);
+    if (!empty.empty())
+        throw InvalidConstraint("handles " + list_some(empty) + " hold no points", Error::Element::handle,
+                                empty);
     begins_.push_back(0);
     for (int h = 0; h < static_cast<int>(counts.size()); ++h) {
-        if (counts[h] < 1)
-            throw InvalidConstraint("handle " + std::to_string(h) + " has no points", Error::Element::handle,
-                                    {h});
         begins_.push_back(begins_.back() + counts[h]);
         handle_of_.insert(handle_of_.end(), static_cast<std::size_t>(counts[h]), h);
     }
     if (begins_.back() != points.rows())
         throw InvalidConstraint("counts: the handles have " + std::to_string(begins_.back()) +
                                 " points together, and " + std::to_string(points.rows()) + " are given");
+    if (!weights_.empty() && static_cast<Eigen::Index>(weights_.size()) != points.rows())
+        throw InvalidConstraint("weights: " + std::to_string(weights_.size()) + " given for " +
+                                std::to_string(points.rows()) + " points");
+    for (const double weight : weights_)
+        if (!(weight > 0.0 && weight <= 1.0))
+            throw InvalidOption("weights: " + std::to_string(weight) + " is not in (0, 1]");
     if (!bad.empty()) {
         std::vector<int> handles;
         for (int i : bad)
@@ -74,8 +86,9 @@ HandlePoints::HandlePoints(PointsView points, std::vector<int> counts) : points_
     const auto place = [&](int i) { return std::make_tuple(points_(i, 0), points_(i, 1), points_(i, 2)); };
     std::ranges::sort(order, {}, [&](int i) { return std::make_pair(place(i), i); });
     for (std::size_t k = 1; k < order.size(); ++k)
-        if (handle_of_[order[k - 1]] != handle_of_[order[k]] && place(order[k - 1]) == place(order[k]))
-            twins_.emplace_back(order[k - 1], order[k]);
+        if (const int a = order[k - 1], b = order[k];
+            handle_of_[a] != handle_of_[b] && place(a) == place(b) && weight(a) == 1.0 && weight(b) == 1.0)
+            twins_.emplace_back(a, b);
 }
 
 void HandlePoints::shares(int point, double* shares) const

@@ -14,23 +14,32 @@ namespace sinew {
 /// A handle of one point moves it anywhere. A handle of more points moves them by one affine map, which is
 /// posed by four control points: the mean o of its points, and o + s e_k along the three axes, where s is the
 /// size of all handles. So the control of k handles is (k to 4 k, 3) points, whatever moves them, and a
-/// handle of thousands of points costs a frame no more than one of two.
+/// handle of thousands of points costs a frame no more than one of two. Methods that let handles pull,
+/// instead of interpolating them, take the points and fit a motion to those of each handle (HandleControl).
 class HandlePoints
 {
 public:
     /// \param points  (c, 3) handle after handle.
     /// \param counts  how many points each handle has, all >= 1; empty if each point is a handle.
-    /// \throw InvalidConstraint  a point is not finite, there is none, or the counts do not sum to c.
-    explicit HandlePoints(PointsView points, std::vector<int> counts = {});
+    /// \param weights (c) in (0, 1], how strongly each point is held; empty where all are 1. Methods that
+    ///                interpolate handles hold all of them fully.
+    /// \throw InvalidConstraint  a point is not finite, there is none, the counts do not sum to c, or there
+    ///   is another number of weights than of points.
+    /// \throw InvalidOption      a weight is not in (0, 1].
+    explicit HandlePoints(PointsView points, std::vector<int> counts = {}, std::vector<double> weights = {});
 
     int handle_count() const { return static_cast<int>(begins_.size()) - 1; }
     int point_count() const { return static_cast<int>(points_.rows()); }
     const Points& points() const { return points_; }
     /// The points of a handle are [begin(h), begin(h + 1)).
     int begin(int handle) const { return begins_[handle]; }
-    bool is_single(int handle) const { return begins_[handle + 1] - begins_[handle] == 1; }
+    int count(int handle) const { return begins_[handle + 1] - begins_[handle]; }
+    bool is_single(int handle) const { return count(handle) == 1; }
     bool all_single() const { return handle_count() == point_count(); }
     int handle_of(int point) const { return handle_of_[point]; }
+    double weight(int point) const { return weights_.empty() ? 1.0 : weights_[point]; }
+    /// Pairs of points at one place that two handles hold fully.
+    const std::vector<std::pair<int, int>>& twins() const { return twins_; }
 
     /// The control at rest. Rows [column(h), column(h + 1)) belong to handle h.
     const Points& control() const { return control_; }
@@ -48,14 +57,13 @@ public:
     /// How a posed control moves a handle: x -> A x + t. A of a handle of one point is the identity.
     Pose map(PointsView posed, int handle) const;
 
-    /// \throw InvalidConstraint  a posed control of another size; one that is not finite; or points of
-    /// several
-    ///   handles at one place that go apart, which names these handles.
+    /// \throw InvalidConstraint  a posed control of another size; one that is not finite; or twins() that go
+    ///   apart, which names their handles.
     void check(PointsView posed) const;
 
     bool operator==(const HandlePoints& other) const
     {
-        return begins_ == other.begins_ && points_ == other.points_;
+        return begins_ == other.begins_ && weights_ == other.weights_ && points_ == other.points_;
     }
 
 private:
@@ -63,7 +71,8 @@ private:
 
     Points points_, control_;
     std::vector<int> begins_, columns_, handle_of_;
-    std::vector<std::pair<int, int>> twins_; ///< pairs of points of different handles at the same place
+    std::vector<double> weights_;
+    std::vector<std::pair<int, int>> twins_;
     Vector3 corner_ = Vector3::Zero();
     double size_ = 1.0;
 };

@@ -28,27 +28,26 @@ struct Pulls
     std::vector<Vector3> sides;       ///< and how far beside it
 };
 
-Pulls pulls_of(const HandleControl& handles, const std::vector<std::vector<BlendedMaps::Share>>& shares,
-               int nodes)
+Pulls pulls_of(const HandlePoints& held, const std::vector<HandleReach::Shares>& shares, int nodes)
 {
     std::vector<double> density(static_cast<std::size_t>(nodes), 0.0);
     for (std::size_t p = 0; p < shares.size(); ++p)
         for (const auto& share : shares[p])
-            density[share.map] += handles.weight(static_cast<int>(p)) * share.weight;
+            density[share.map] += held.weight(static_cast<int>(p)) * share.weight;
     Pulls result;
     for (int p = 0; p < static_cast<int>(shares.size()); ++p) {
         double strength = 0.0;
         for (const auto& share : shares[p])
             strength += share.weight * std::min(1.0, 1.0 / density[share.map]);
-        strength *= handles.weight(p);
-        const int handle = handles.handle_of(p);
+        strength *= held.weight(p);
+        const int handle = held.handle_of(p);
         const auto add = [&](const Vector3& side, double share) {
             result.pulls.push_back({handle, share * strength, shares[p]});
             result.points.push_back(p);
             result.sides.push_back(side);
         };
         add(Vector3::Zero(), 1.0);
-        if (handles.held().counts[handle] <= most_alone)
+        if (held.count(handle) <= most_alone)
             for (int axis = 0; axis < 3; ++axis)
                 for (const double side : {1.0, -1.0})
                     add(side * Vector3::Unit(axis), side_strength);
@@ -85,7 +84,7 @@ struct EmbeddedDeformation::Workspace
     EmbeddedEnergy::Shape shape;
 };
 
-EmbeddedDeformation::EmbeddedDeformation(SurfaceMesh surface, HeldPoints handles,
+EmbeddedDeformation::EmbeddedDeformation(SurfaceMesh surface, HandlePoints handles,
                                          const EmbeddedDeformationOptions& options)
     : HandleMethod(std::move(surface), std::move(handles)), options_(options)
 {
@@ -105,9 +104,9 @@ void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Pr
     const DeformationGraph graph(mesh, options_.nodes, progress);
     progress.tick(0.75, "computing weights");
     const double edge = graph.edge_length();
-    const Points held = in_unit(view(handles().held().points)), bound = in_unit(points);
+    const Points held = in_unit(view(handles().held().points())), bound = in_unit(points);
     const std::vector<HandleReach::Shares> held_shares = graph.shares(view(held));
-    Pulls pulls = pulls_of(handles(), held_shares, graph.size());
+    Pulls pulls = pulls_of(handles().held(), held_shares, graph.size());
     Points pulled(static_cast<Eigen::Index>(pulls.points.size()), 3);
     for (Eigen::Index k = 0; k < pulled.rows(); ++k)
         pulled.row(k) = held.row(pulls.points[k]) / edge + pulls.sides[k].transpose();

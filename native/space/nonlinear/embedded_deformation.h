@@ -36,16 +36,19 @@ struct EmbeddedDeformationOptions
 ///     E = w_rot sum_j Rot(A_j) + w_reg sum_j sum_(k in N(j)) |A_j (g_k - g_j) + g_j + t_j - g_k - t_k|^2
 ///       + w_con sum_p s_p |p' - q_p|^2
 ///
-/// with Rot the squared departures of the columns of A from unit length and right angles, N(j) the nodes that
-/// share a point with node j, and q_p where handles want their points. The weights are 1, 10 and 100.
+/// with Rot(A) = |A^T A - I|^2, the squared departures of the columns of A from unit length and right angles,
+/// N(j) the nodes around node j, see DeformationGraph, and q_p where handles want their points. The weights
+/// are 1, 10 and 100.
 ///
-/// Departs from the paper: lengths are measured in mean edges of the graph, so that the answer does not
-/// depend on the unit of length, and neither does the choice of the weights. A handle with more points than
-/// the nodes around them need does not pull harder: with D_j = sum_p w_j(p) over all of them, s_p = sum_j
-/// w_j(p) min(1, 1 / D_j). The place of a control without region pulls seven points: the place, and one edge
-/// to each side, half as strongly, so that it turns and scales the shape, too. Distances run along the
-/// surface, where there is one; see NearNodes and DeformationGraph. Instead of Gauss-Newton, which factorises
-/// 12 m unknowns in each of 4 to 8 steps, E itself is minimised by L-BFGS with one constant factor of 4 m
+/// Departs from the paper: Rot counts the angle between two columns twice, as the norm does. Counted once, an
+/// oblique stretch costs a quarter less than one along an axis, and the shape changes by up to 1 % of its
+/// size with the axes that it is given in. Lengths are measured in mean edges of the graph, so that the
+/// answer does not depend on the unit of length, and neither does the choice of the weights. A handle with
+/// more points than the nodes around them need does not pull harder: with D_j = sum_p w_j(p) over all of
+/// them, s_p = sum_j w_j(p) min(1, 1 / D_j). The place of a control without region pulls seven points: the
+/// place, and one edge to each side, half as strongly, so that it turns and scales the shape, too. Distances
+/// run along the surface, where there is one; see NearNodes. Instead of Gauss-Newton, which factorises 12 m
+/// unknowns in each of 4 to 8 steps, E itself is minimised by L-BFGS with one constant factor of 4 m
 /// unknowns, from rotations that are blended between the handles: a step takes three solves. The minimum is
 /// the same.
 ///
@@ -67,21 +70,20 @@ class EmbeddedDeformation : public HandleMethod
 public:
     /// \param surface  the shape on which the nodes are: a mesh, or points without faces.
     /// \throw InvalidOption      nodes < 1, max_iterations < 1, or a weight or the tolerance is out of range.
-    /// \throw InvalidConstraint  as HandleControl
-    EmbeddedDeformation(SurfaceMesh surface, HeldPoints handles,
+    EmbeddedDeformation(SurfaceMesh surface, HandlePoints handles,
                         const EmbeddedDeformationOptions& options = {});
     ~EmbeddedDeformation() override;
 
     /// The graph of the last bind, for drawing it and for tests.
     struct Graph
     {
-        Points nodes;                          ///< (m, 3) at rest
+        Points nodes; ///< (m, 3) at rest
         std::vector<std::array<int, 2>> edges; ///< pairs a < b
-        double edge_length = 1.0;              ///< the mean
-        Points pulls;                          ///< (pulls, 3) p
-        std::vector<int> pull_handles{};       ///< (pulls)
-        std::vector<double> strengths{};       ///< (pulls) s_p
-        RowMatrix pull_weights{};              ///< (pulls, m) w_j(p)
+        double edge_length = 1.0; ///< the mean
+        Points pulls; ///< (pulls, 3) p
+        std::vector<int> pull_handles{}; ///< (pulls)
+        std::vector<double> strengths{}; ///< (pulls) s_p
+        RowMatrix pull_weights{}; ///< (pulls, m) w_j(p)
     };
     /// \throw InvalidConstraint  before a bind
     Graph graph() const;

@@ -33,7 +33,7 @@ struct Seats
 };
 
 /// \param held  (c, 3) the points of the handles, in the coordinates of the grid.
-Seats seats_of(const CellGrid& grid, const HandleControl& handles, const Points& held)
+Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& held)
 {
     struct Sum
     {
@@ -46,7 +46,7 @@ Seats seats_of(const CellGrid& grid, const HandleControl& handles, const Points&
         sum.strength += handles.weight(p);
     }
     Seats seats;
-    std::vector<char> seated(static_cast<std::size_t>(handles.count()), 0);
+    std::vector<char> seated(static_cast<std::size_t>(handles.handle_count()), 0);
     for (const auto& tally : tallies) {
         const auto most =
             std::ranges::max_element(tally, {}, [](const auto& entry) { return entry.second.points; });
@@ -56,7 +56,7 @@ Seats seats_of(const CellGrid& grid, const HandleControl& handles, const Points&
             seated[most->first] = 1;
     }
     std::vector<int> without;
-    for (int h = 0; h < handles.count(); ++h)
+    for (int h = 0; h < handles.handle_count(); ++h)
         if (!seated[h])
             without.push_back(h);
     if (!without.empty())
@@ -123,7 +123,7 @@ struct RigidCells::Binding
     mutable Pool<Workspace> workspaces;
 };
 
-RigidCells::RigidCells(SurfaceMesh surface, HeldPoints handles, const RigidCellsOptions& options)
+RigidCells::RigidCells(SurfaceMesh surface, HandlePoints handles, const RigidCellsOptions& options)
     : HandleMethod(std::move(surface), std::move(handles)), options_(options)
 {
     require_at_least(options.cells, 8, "cells");
@@ -141,7 +141,7 @@ RigidCells::~RigidCells() = default;
 void RigidCells::build(PointsView points, SpaceReport& report, const Progress& progress)
 {
     CellGrid grid(surface_in_unit(), options_.cells, options_.levels, progress);
-    const Seats seats = seats_of(grid, handles(), in_unit(view(handles().held().points)));
+    const Seats seats = seats_of(grid, handles().held(), in_unit(view(handles().held().points())));
     std::vector<char> held;
     for (const int handle : seats.handle)
         held.push_back(handle >= 0);
@@ -197,7 +197,7 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
         return shares;
     };
     std::vector<int> unused;
-    const Points held_points = in_unit(view(handles().held().points));
+    const Points held_points = in_unit(view(handles().held().points()));
     const std::vector<HandleReach::Shares> held_shares = named(grid.shares(view(held_points), unused));
     std::vector<HandleReach::Shares> shares = named(grid.shares(view(bound), report.outside));
     const HandleReach reach(handles(), held_points, held_shares, grid.side());
@@ -207,7 +207,7 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
     BlendedMaps blended;
     for (const HandleReach::Shares& own : shares)
         blended.add(own);
-    const Vector3 first = held_points.topRows(handles().held().counts[0]).colwise().mean().transpose();
+    const Vector3 first = held_points.topRows(handles().held().count(0)).colwise().mean().transpose();
     std::unique_ptr<const Binding> next(new Binding{std::move(cells),
                                                     std::move(faces),
                                                     std::move(rest),

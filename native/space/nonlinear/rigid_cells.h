@@ -59,8 +59,8 @@ class RigidCells : public HandleMethod
 public:
     /// \param surface  the shape that the cells fill: a mesh, open or closed, or points without faces.
     /// \throw InvalidOption      an option is out of range.
-    /// \throw InvalidConstraint  as HandleControl; bind() throws it for handles without a cell of their own.
-    RigidCells(SurfaceMesh surface, HeldPoints handles, const RigidCellsOptions& options = {});
+    /// \throw InvalidConstraint  by bind(): handles without a cell of their own.
+    RigidCells(SurfaceMesh surface, HandlePoints handles, const RigidCellsOptions& options = {});
     ~RigidCells() override;
 
     /// The cells of the last bind, for drawing them and for tests.

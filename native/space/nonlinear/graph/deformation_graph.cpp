@@ -18,7 +18,8 @@ namespace sinew {
 namespace {
 
 constexpr double close_parts = 1.5; ///< radii
-constexpr std::size_t links = 3; ///< pairs that join a piece of the graph to the next one
+constexpr int links = 3; ///< pairs that join a piece of the graph to the next one
+constexpr double tie = 1e-5; ///< lengths that differ by this share are equal but for rounding
 
 using Share = BlendedMaps::Share;
 
@@ -66,22 +67,20 @@ DeformationGraph::DeformationGraph(const SurfaceMesh& mesh, int wanted, const Pr
 void DeformationGraph::connect(const Progress& progress)
 {
     progress.tick(0.7, "connecting nodes");
-    const auto unique = [](std::vector<std::array<int, 2>>& pairs) {
-        std::ranges::sort(pairs);
-        pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    std::vector<std::vector<int>> later(static_cast<std::size_t>(size())); // of each node, those after it
+    const auto add = [&](int a, int b) {
+        std::vector<int>& own = later[std::min(a, b)];
+        if (std::ranges::find(own, std::max(a, b)) == own.end())
+            own.push_back(std::max(a, b));
     };
-    std::vector<std::array<int, 2>> pairs;
-    std::size_t sorted = 0;
+    for (const auto& [a, b] : near_.pairs())
+        add(a, b);
     for (int v = 0; v < mesh_.vertex_count(); ++v) {
         const std::vector<Share> own = near_.shares(v);
         for (const Share& a : own)
             for (const Share& b : own)
                 if (a.map < b.map)
-                    pairs.push_back({a.map, b.map});
-        if (pairs.size() > 2 * sorted + 100000) {
-            unique(pairs);
-            sorted = pairs.size();
-        }
+                    add(a.map, b.map);
     }
     const auto on_large_part = [&](int j) { return near_.is_on_surface(near_.nodes()[j]); };
     for (int a = 0; a < size(); ++a)
@@ -89,17 +88,19 @@ void DeformationGraph::connect(const Progress& progress)
             if (on_large_part(a) && on_large_part(b) &&
                 near_.part(near_.nodes()[a]) != near_.part(near_.nodes()[b]) &&
                 (places_.row(a) - places_.row(b)).norm() <= close_parts * near_.radius())
-                pairs.push_back({a, b});
-    unique(pairs);
-    join_parts(pairs);
-    unique(pairs);
-    edges_ = std::move(pairs);
+                add(a, b);
+    for (int a = 0; a < size(); ++a) {
+        std::ranges::sort(later[a]);
+        for (const int b : later[a])
+            edges_.push_back({a, b});
+    }
+    join_parts();
 }
 
-void DeformationGraph::join_parts(std::vector<std::array<int, 2>>& pairs) const
+void DeformationGraph::join_parts()
 {
     Pieces pieces(size());
-    for (const auto& [a, b] : pairs)
+    for (const auto& [a, b] : edges_)
         pieces.join(a, b);
     while (true) {
         const int first = pieces.of(0);
@@ -107,20 +108,27 @@ void DeformationGraph::join_parts(std::vector<std::array<int, 2>>& pairs) const
         for (int j = 0; j < size(); ++j)
             (pieces.of(j) == first ? inside : outside).push_back(j);
         if (outside.empty())
-            return;
+            break;
         std::vector<std::tuple<double, int, int>> ways;
         for (const int a : inside)
             for (const int b : outside)
-                ways.emplace_back((places_.row(a) - places_.row(b)).squaredNorm(), a, b);
-        const int next = pieces.of(std::get<2>(*std::ranges::min_element(ways)));
+                ways.emplace_back((places_.row(a) - places_.row(b)).norm(), a, b);
+        const auto take_shortest = [&] { // of those that are as short as any, the first
+            const double least = std::get<0>(*std::ranges::min_element(ways));
+            const auto at = std::ranges::find_if(
+                ways, [&](const auto& way) { return std::get<0>(way) <= least * (1.0 + tie); });
+            const auto [length, a, b] = *at;
+            edges_.push_back({std::min(a, b), std::max(a, b)});
+            ways.erase(at);
+            return pieces.of(b);
+        };
+        const int next = take_shortest();
         std::erase_if(ways, [&](const auto& way) { return pieces.of(std::get<2>(way)) != next; });
-        const std::size_t some = std::min(links, ways.size());
-        std::partial_sort(ways.begin(), ways.begin() + static_cast<std::ptrdiff_t>(some), ways.end());
-        for (std::size_t k = 0; k < some; ++k)
-            pairs.push_back({std::min(std::get<1>(ways[k]), std::get<2>(ways[k])),
-                             std::max(std::get<1>(ways[k]), std::get<2>(ways[k]))});
+        for (int k = 1; k < links && !ways.empty(); ++k)
+            take_shortest();
         pieces.join(first, next);
     }
+    std::ranges::sort(edges_);
 }
 
 std::vector<std::vector<Share>> DeformationGraph::shares(PointsView points) const

@@ -15,8 +15,9 @@ namespace sinew {
 /// The graph of an embedded deformation: nodes on a shape, the nodes that each point follows, and the pairs
 /// of nodes that are to agree about where they are.
 ///
-/// Two nodes agree if a vertex follows both, or if they are on different large parts of the shape and closer
-/// than 1.5 radii. What is not connected then is joined by the three shortest pairs to the part next to it.
+/// Two nodes agree if a vertex follows both, if one is among the four nearest to the other or as far as the
+/// fourth, or if they are on different large parts of the shape and closer than 1.5 radii. What is not
+/// connected then is joined by the three shortest pairs to the part next to it.
 class DeformationGraph
 {
 public:
@@ -37,7 +38,7 @@ public:
 
 private:
     void connect(const Progress& progress);
-    void join_parts(std::vector<std::array<int, 2>>& pairs) const;
+    void join_parts();
 
     const SurfaceMesh& mesh_;
     NearNodes near_;

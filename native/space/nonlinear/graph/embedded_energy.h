@@ -27,9 +27,9 @@ struct EmbeddedWeights
 ///     E = w_rot sum_j Rot(I + U_j) + w_reg sum_(j, k) |U_j (g_k - g_j) + t_j - t_k|^2
 ///       + w_con sum_p s_p |sum_j w_pj (U_j (p - g_j) + t_j) - d_p|^2
 ///
-/// over both directions of each edge. Rot(A) = sum_(a < b) (a . b)^2 + sum_a (a . a - 1)^2 over the columns
-/// of A. With d_p the displacement of point p by its handle, all terms of the pulls of a handle are
-/// Y^T K Y, Y the unknowns less what the handle would make them.
+/// over both directions of each edge, with Rot(A) = |A^T A - I|^2. With d_p the displacement of point p by
+/// its handle, all terms of the pulls of a handle are Y^T K Y, Y the unknowns less what the handle would make
+/// them.
 class EmbeddedEnergy
 {
 public:

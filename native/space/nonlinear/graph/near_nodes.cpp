@@ -3,56 +3,33 @@
 
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/space/nonlinear/graph/surface_fronts.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <memory>
-#include <queue>
 
 namespace sinew {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-/// A part with a longer diagonal than this many spacings of nodes is measured along its surface.
-constexpr double large_part = 4.0;
+constexpr float infinite = SurfaceFronts::infinite;
+/// A part is measured along its surface if it is farther across than this many spacings of nodes.
+constexpr double large_part = 2.5;
 /// A node farther away than this many radii moves nothing.
-constexpr double reach = 3.0;
-/// How much farther than needed a front runs.
-constexpr double beyond = 1.3;
+constexpr float reach = 3.0F;
 constexpr int kept = NearNodes::count + 1;
-/// The least share by which a distance has to become shorter. Among slivers, each gain sets off others, so it
-/// doubles with every `patience` offers.
-constexpr double least_gain = 1e-4;
-constexpr int patience = 8;
 constexpr int batch = 64; ///< nodes whose fronts run at once
-
-/// The distance of `c` from the point in the plane, on the other side of the edge from a to b, that is as far
-/// from these as they say, if the way to it crosses the edge; infinite otherwise.
-double across(const Vector3& a, double at_a, const Vector3& b, double at_b, const Vector3& c)
-{
-    const Vector3 edge = b - a, side = c - a;
-    const double length = edge.norm();
-    if (!(length > 0.0))
-        return infinite;
-    const double source = 0.5 * (length + (at_a - at_b) * (at_a + at_b) / length);
-    const double depth = std::sqrt(std::max(0.0, at_a * at_a - source * source));
-    const double along = side.dot(edge) / length,
-                 height = std::sqrt(std::max(0.0, side.squaredNorm() - along * along));
-    if (!(depth + height > 0.0))
-        return infinite;
-    const double crossing = source + (along - source) * depth / (depth + height);
-    return crossing > 0.0 && crossing < length ? std::hypot(along - source, depth + height) : infinite;
-}
-
-/// Distances that differ by rounding alone are equal, so that the order of the vertices decides between them.
-/// On a regular mesh, the graph would change with each turn of its axes otherwise.
-double tied(double distance) { return static_cast<float>(distance); }
+/// The sum of two distances is at most this much shorter than that of a front over both ways.
+constexpr float detour = 1.05F;
+/// Places are equally far if their distances differ by this share: rounding of the shape in single precision
+/// moves fronts by up to 1e-4 along the lines of a grid.
+constexpr float tie = 1e-3F;
+/// Nodes that are nearer than the fifth by less than this share count as being as far.
+constexpr double least_nearer = 0.01;
 
 double area_of(const SurfaceMesh& mesh)
 {
@@ -62,130 +39,63 @@ double area_of(const SurfaceMesh& mesh)
     return sum;
 }
 
-} // namespace
-
-/// Distances along the surface from one vertex at a time.
-class NearNodes::Fronts
+/// Of the places that are as far as any, the first. So equally far ones are chosen by their numbers, and not
+/// by the last bits of the shape.
+int first_of_farthest(const std::vector<float>& distances, float farthest)
 {
-public:
-    explicit Fronts(const SurfaceMesh& mesh)
-        : mesh_(mesh), offsets_(static_cast<std::size_t>(mesh.vertex_count()) + 1, 0),
-          distance_(static_cast<std::size_t>(mesh.vertex_count()), infinite), times_(distance_.size(), 0)
-    {
-        for (const Triangle& triangle : mesh.triangles())
-            for (const int v : triangle)
-                ++offsets_[v + 1];
-        for (std::size_t v = 1; v < offsets_.size(); ++v)
-            offsets_[v] += offsets_[v - 1];
-        triangles_.resize(offsets_.back());
-        std::vector<int> next(offsets_.begin(), offsets_.end() - 1);
-        for (int t = 0; t < static_cast<int>(mesh.triangles().size()); ++t)
-            for (const int v : mesh.triangles()[t])
-                triangles_[next[v]++] = t;
-    }
+    const float least = farthest * (1.0F - tie);
+    return static_cast<int>(
+        std::ranges::find_if(distances, [&](float distance) { return distance >= least; }) -
+        distances.begin());
+}
 
-    /// Visits the vertices by rising distance from `source`, as long as they are nearer than bound(vertex).
-    template <class Bound, class Visit>
-    void from(int source, Bound&& bound, Visit&& visit)
-    {
-        open_ = {};
-        reached_.clear();
-        offer(source, 0.0, bound);
-        while (!open_.empty()) {
-            const auto [distance, v] = open_.top();
-            open_.pop();
-            if (distance > distance_[v] || !(distance < bound(v)))
-                continue;
-            for (int k = offsets_[v]; k < offsets_[v + 1]; ++k)
-                cross(mesh_.triangles()[triangles_[k]], v, bound);
-        }
-        for (const int v : reached_)
-            if (distance_[v] < bound(v))
-                visit(v, distance_[v]);
-        for (const int v : reached_)
-            distance_[v] = infinite;
-    }
+float largest(const std::vector<float>& numbers)
+{
+    return Eigen::Map<const Eigen::VectorXf>(numbers.data(), static_cast<Eigen::Index>(numbers.size()))
+        .maxCoeff();
+}
 
-private:
-    template <class Bound>
-    void offer(int v, double distance, Bound&& bound)
-    {
-        distance = tied(distance);
-        if (!(distance < bound(v)))
-            return;
-        if (distance_[v] == infinite) {
-            reached_.push_back(v);
-            times_[v] = 0;
-        } else if (!(distance < distance_[v] * (1.0 - std::ldexp(least_gain, times_[v]++ / patience)))) {
-            return;
-        }
-        distance_[v] = distance;
-        open_.emplace(distance, v);
-    }
-
-    template <class Bound>
-    void cross(const Triangle& triangle, int v, Bound&& bound)
-    {
-        const Vector3 at = mesh_.point(v);
-        for (int k = 0; k < 3; ++k) {
-            const int to = triangle[k];
-            if (to == v)
-                continue;
-            const Vector3 place = mesh_.point(to);
-            double least = distance_[v] + (place - at).norm();
-            for (const int other : triangle)
-                if (other != v && other != to && distance_[other] < infinite)
-                    least = std::min(least,
-                                     across(at, distance_[v], mesh_.point(other), distance_[other], place));
-            offer(to, least, bound);
-        }
-    }
-
-    using Entry = std::pair<double, int>;
-    const SurfaceMesh& mesh_;
-    std::vector<int> offsets_, triangles_; ///< of each vertex
-    std::vector<double> distance_;
-    std::vector<int> times_; ///< that a shorter way to each vertex was offered
-    std::vector<int> reached_;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open_;
-};
+} // namespace
 
 NearNodes::NearNodes(const SurfaceMesh& mesh, int wanted, const Progress& progress)
     : mesh_(mesh), parts_(connected_components(mesh)), large_(static_cast<std::size_t>(parts_.count), 0)
 {
     const double spacing = std::sqrt(area_of(mesh) / wanted);
-    std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(parts_.count));
+    std::vector<Vector3> middles(static_cast<std::size_t>(parts_.count), Vector3::Zero());
+    std::vector<double> counts(middles.size(), 0.0), widths(middles.size(), 0.0);
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        middles[part(v)] += mesh.point(v);
+        counts[part(v)] += 1.0;
+    }
     for (int v = 0; v < mesh.vertex_count(); ++v)
-        boxes[parts_.labels[v]].extend(mesh.point(v));
-    std::vector<char> has_faces(static_cast<std::size_t>(parts_.count), 0);
+        widths[part(v)] =
+            std::max(widths[part(v)], 2.0 * (mesh.point(v) - middles[part(v)] / counts[part(v)]).norm());
     for (const Triangle& triangle : mesh.triangles())
-        has_faces[parts_.labels[triangle[0]]] = 1;
-    for (int p = 0; p < parts_.count; ++p)
-        large_[p] = has_faces[p] && boxes[p].diagonal().norm() > large_part * spacing;
-    choose(wanted, progress);
-    find_near(progress);
+        large_[part(triangle[0])] = widths[part(triangle[0])] > large_part * spacing;
+    const SurfaceFronts fronts(mesh);
+    find_near(fronts, choose(fronts, wanted, progress), progress);
 }
 
-void NearNodes::choose(int wanted, const Progress& progress)
+NearNodes::Nearest NearNodes::choose(const SurfaceFronts& fronts, int wanted, const Progress& progress)
 {
-    Fronts fronts(mesh_);
+    SurfaceFronts::Front front(fronts);
     const int n = mesh_.vertex_count();
-    std::vector<double> near(static_cast<std::size_t>(n), infinite);
+    Nearest nearest{std::vector<float>(static_cast<std::size_t>(n), infinite),
+                    std::vector<int>(static_cast<std::size_t>(n), -1)};
+    std::vector<float>& near = nearest.distance;
     std::vector<int> loose;
     std::vector<char> begun(large_.begin(), large_.end()); // 1 for a large part without a node
     auto unreached = std::ranges::count(large_, 1);
-    for (int v = 0; v < n; ++v)
-        if (!is_on_surface(v))
-            loose.push_back(v);
     // Begins at the far end of a large part, so that no small one gets a node for nothing.
     const Vector3 centre = mesh_.points().colwise().mean().transpose();
-    int next = 0;
-    std::pair<bool, double> best{false, -1.0};
-    for (int v = 0; v < n; ++v)
-        if (const std::pair here{is_on_surface(v), tied((mesh_.point(v) - centre).norm())}; here > best) {
-            best = here;
-            next = v;
-        }
+    std::vector<float> from_centre(near.size(), -1.0F);
+    for (int v = 0; v < n; ++v) {
+        if (!is_on_surface(v))
+            loose.push_back(v);
+        if (is_on_surface(v) || unreached == 0)
+            from_centre[v] = static_cast<float>((mesh_.point(v) - centre).norm());
+    }
+    int next = first_of_farthest(from_centre, largest(from_centre));
     while (true) {
         if (nodes_.size() % 64 == 0)
             progress.tick(0.4 * std::min(1.0, static_cast<double>(nodes_.size()) / wanted), "placing nodes");
@@ -194,27 +104,72 @@ void NearNodes::choose(int wanted, const Progress& progress)
         if (is_on_surface(next)) {
             unreached -= begun[part(next)];
             begun[part(next)] = 0;
-            fronts.from(
-                next, [&](int v) { return near[v]; }, [&](int v, double distance) { near[v] = distance; });
+            front.from(
+                next, [&](int v) { return near[v] + fronts.margin(v); },
+                [&](int v, float distance) {
+                    if (distance < near[v]) {
+                        near[v] = distance;
+                        nearest.node[v] = next;
+                    }
+                });
         }
-        near[next] = 0.0;
+        near[next] = 0.0F;
         parallel_for(static_cast<int>(loose.size()), [&](int k) {
-            near[loose[k]] = std::min(near[loose[k]], tied((mesh_.point(loose[k]) - at).norm()));
+            near[loose[k]] =
+                std::min(near[loose[k]], static_cast<float>((mesh_.point(loose[k]) - at).norm()));
         });
-        const auto farthest = std::ranges::max_element(near);
-        radius_ = *farthest;
-        next = static_cast<int>(farthest - near.begin());
+        const float farthest = largest(near);
+        radius_ = farthest;
+        next = first_of_farthest(near, farthest);
         if (!(radius_ > 0.0) || (unreached == 0 && static_cast<int>(nodes_.size()) >= wanted))
             break;
     }
+    // Of two nodes far apart, the last bits may say which comes first.
+    std::ranges::sort(nodes_);
+    std::vector<int> number(static_cast<std::size_t>(n), -1);
+    for (std::size_t j = 0; j < nodes_.size(); ++j)
+        number[nodes_[j]] = static_cast<int>(j);
+    for (int& node : nearest.node)
+        node = node < 0 ? -1 : number[node];
+    return nearest;
 }
 
-void NearNodes::find_near(const Progress& progress)
+std::vector<float> NearNodes::to_fourth(const Nearest& nearest) const
+{
+    std::vector<std::vector<Near>> others(nodes_.size());
+    const auto note = [&](int from, int to, float distance) {
+        for (Near& near : others[from])
+            if (near.second == to) {
+                near.first = std::min(near.first, distance);
+                return;
+            }
+        others[from].emplace_back(distance, to);
+    };
+    for (const Triangle& triangle : mesh_.triangles())
+        for (int k = 0; k < 3; ++k) {
+            const int a = triangle[k], b = triangle[(k + 1) % 3], from = nearest.node[a],
+                      to = nearest.node[b];
+            if (from == to || from < 0 || to < 0)
+                continue;
+            const float distance = nearest.distance[a] + nearest.distance[b] +
+                                   static_cast<float>((mesh_.point(a) - mesh_.point(b)).norm());
+            note(from, to, distance);
+            note(to, from, distance);
+        }
+    std::vector<float> result;
+    for (std::vector<Near>& own : others) {
+        std::ranges::sort(own);
+        result.push_back(own.size() < count ? infinite : own[count - 1].first);
+    }
+    return result;
+}
+
+void NearNodes::find_near(const SurfaceFronts& fronts, const Nearest& nearest, const Progress& progress)
 {
     const int n = mesh_.vertex_count();
-    const double farthest = radius_ > 0.0 ? reach * radius_ : infinite;
+    const float farthest = radius_ > 0.0 ? reach * static_cast<float>(radius_) : infinite;
     near_.assign(static_cast<std::size_t>(n) * kept, {farthest, -1});
-    const auto put = [&](int v, double distance, int node) {
+    const auto put = [&](int v, float distance, int node) {
         Near* const own = near_.data() + static_cast<std::size_t>(v) * kept;
         int k = kept - 1;
         if (!(distance < own[k].first))
@@ -223,37 +178,67 @@ void NearNodes::find_near(const Progress& progress)
             own[k] = own[k - 1];
         own[k] = {distance, node};
     };
-    // A node that is not among the nearest of a vertex is not of those behind it, either; but a front that
-    // crosses an edge needs both of its ends. What counts is what the batches before have found.
+    // The nearest node and the four nearest to that one are five, so that no node behind them counts; nor
+    // does one behind five that were found in the batches before.
+    const std::vector<float> fourth = to_fourth(nearest);
+    std::vector<float> bounds(static_cast<std::size_t>(n), infinite);
+    for (int v = 0; v < n; ++v)
+        if (nearest.node[v] >= 0)
+            bounds[v] = std::min(farthest, detour * (nearest.distance[v] + fourth[nearest.node[v]]));
+    std::vector<int> number(static_cast<std::size_t>(n), -1);
+    for (std::size_t j = 0; j < nodes_.size(); ++j)
+        number[nodes_[j]] = static_cast<int>(j);
+    std::vector<std::vector<Near>> others(nodes_.size()); // of each node, those around it
     const auto bound = [&](int v) {
-        return beyond * near_[static_cast<std::size_t>(v) * kept + kept - 1].first;
+        return std::min(bounds[v], near_[static_cast<std::size_t>(v) * kept + kept - 1].first) +
+               fronts.margin(v);
     };
-    Pool<Fronts> fronts;
-    std::vector<std::vector<std::pair<int, double>>> reached(batch);
+    Pool<SurfaceFronts::Front> pool;
+    std::vector<std::vector<std::pair<int, float>>> reached(batch);
     for (int first = 0; first < static_cast<int>(nodes_.size()); first += batch) {
         progress.tick(0.4 + 0.3 * first / static_cast<double>(nodes_.size()), "measuring distances");
         const int some = std::min(batch, static_cast<int>(nodes_.size()) - first);
         parallel_chunks(some, 4, [&](int begin, int end) {
-            const auto own = fronts.take([&] { return std::make_unique<Fronts>(mesh_); });
+            const auto own = pool.take([&] { return std::make_unique<SurfaceFronts::Front>(fronts); });
             for (int k = begin; k < end; ++k) {
                 reached[k].clear();
                 if (is_on_surface(nodes_[first + k]))
                     own->from(nodes_[first + k], bound,
-                              [&](int v, double distance) { reached[k].emplace_back(v, distance); });
+                              [&](int v, float distance) { reached[k].emplace_back(v, distance); });
             }
         });
         for (int k = 0; k < some; ++k)
-            for (const auto& [v, distance] : reached[k])
+            for (const auto& [v, distance] : reached[k]) {
                 put(v, distance, first + k);
+                if (number[v] >= 0 && v != nodes_[first + k])
+                    others[number[v]].emplace_back(distance, first + k);
+            }
     }
     parallel_for(
         n,
         [&](int v) {
             if (!is_on_surface(v))
                 for (int j = 0; j < static_cast<int>(nodes_.size()); ++j)
-                    put(v, tied((mesh_.point(nodes_[j]) - mesh_.point(v)).norm()), j);
+                    put(v, static_cast<float>((mesh_.point(nodes_[j]) - mesh_.point(v)).norm()), j);
         },
         64);
+    for (int i = 0; i < static_cast<int>(nodes_.size()); ++i) {
+        std::vector<Near>& own = others[i];
+        if (!is_on_surface(nodes_[i]))
+            for (int j = 0; j < static_cast<int>(nodes_.size()); ++j)
+                if (j != i)
+                    own.emplace_back(
+                        static_cast<float>((mesh_.point(nodes_[j]) - mesh_.point(nodes_[i])).norm()), j);
+        const auto fourth = own.begin() + std::min<std::ptrdiff_t>(count, std::ssize(own)) - 1;
+        if (own.empty())
+            continue;
+        std::ranges::nth_element(own, fourth);
+        const float far = fourth->first * (1.0F + tie);
+        for (const auto& [distance, j] : own)
+            if (distance <= far)
+                pairs_.push_back({std::min(i, j), std::max(i, j)});
+        own = {};
+    }
 }
 
 std::vector<BlendedMaps::Share> NearNodes::weighed(const Near* near, int found) const
@@ -265,7 +250,7 @@ std::vector<BlendedMaps::Share> NearNodes::weighed(const Near* near, int found) 
     double sum = 0.0;
     for (int k = 0; k < std::min(found, count); ++k) {
         const double falling = farthest > 0.0 ? 1.0 - near[k].first / farthest : 0.0;
-        if (falling > 0.0) {
+        if (falling > least_nearer) {
             shares.push_back({near[k].second, falling * falling});
             sum += falling * falling;
         }
@@ -292,11 +277,12 @@ std::vector<BlendedMaps::Share> NearNodes::straight_shares(const Vector3& place)
 {
     std::vector<Near> all;
     for (int j = 0; j < static_cast<int>(nodes_.size()); ++j)
-        all.emplace_back(tied((mesh_.point(nodes_[j]) - place).norm()), j);
+        all.emplace_back(static_cast<float>((mesh_.point(nodes_[j]) - place).norm()), j);
     const int found = std::min(kept, static_cast<int>(all.size()));
     std::partial_sort(all.begin(), all.begin() + found, all.end());
     std::array<Near, kept> near;
-    near.fill({radius_ > 0.0 ? std::max(reach * radius_, 2.0 * all[0].first) : infinite, -1});
+    near.fill(
+        {radius_ > 0.0 ? std::max(reach * static_cast<float>(radius_), 2.0F * all[0].first) : infinite, -1});
     std::copy(all.begin(), all.begin() + found, near.begin());
     return weighed(near.data(), found);
 }

@@ -7,10 +7,13 @@
 #include "native/mesh/surface_mesh.h"
 #include "native/space/weights/blended_maps.h"
 
+#include <array>
 #include <utility>
 #include <vector>
 
 namespace sinew {
+
+class SurfaceFronts;
 
 /// Nodes that are spread evenly over a shape, and for each of its vertices the few nodes near it.
 ///
@@ -18,16 +21,19 @@ namespace sinew {
 /// its vertices follow its own nodes only, so that limbs side by side stay apart. All other vertices (small
 /// parts, points of a cloud or of a curve) are measured straight, to nodes anywhere.
 ///
-/// Each node is the vertex farthest from all nodes before it. Distances along the surface are those of fronts
-/// that cross the triangles and end where they have met `count` + 1 nearer nodes. A front is taken as that of
-/// a point in the plane of each triangle, which is exact where the surface unfolds into a plane (M. Novotni,
-/// R. Klein, "Computing Geodesic Distances on Triangular Meshes", WSCG 2002); operators/geodesic_distance.h,
-/// whose fronts are straight, is off by some percent near single points.
+/// Each node is the vertex farthest from all nodes before it, and of those that are equally far the first.
+/// Distances along the surface are those of SurfaceFronts, which end where they have met `count` + 1 nearer
+/// nodes; operators/geodesic_distance.h, whose fronts are straight, is off by some percent near single
+/// points.
+///
+/// So nodes and weights depend on lengths alone. Rounding of the shape, as when its axes turn, changes
+/// weights by about as much, and the nodes only where two vertices are equally far up to that, but do not
+/// count as being so.
 class NearNodes
 {
 public:
     /// Of a vertex: with d the distance, w = (1 - d / d_max)^2, and d_max that of the fifth node, or three
-    /// times the radius where fewer are as near.
+    /// times the radius where fewer are as near. Weights below 1e-4 are left out.
     static constexpr int count = 4;
 
     /// \param wanted  how many nodes, >= 1; there are more if there are more large parts, and fewer if there
@@ -35,8 +41,10 @@ public:
     /// \param mesh    has to outlive this object.
     NearNodes(const SurfaceMesh& mesh, int wanted, const Progress& progress);
 
-    /// The vertices at which the nodes are.
+    /// The vertices at which the nodes are, ascending.
     const std::vector<int>& nodes() const { return nodes_; }
+    /// Each node with the four nearest to it, and those as far as the fourth; a < b, in no order, some twice.
+    const std::vector<std::array<int, 2>>& pairs() const { return pairs_; }
     /// How far a vertex is from its nearest node, at most.
     double radius() const { return radius_; }
     /// The nodes that a vertex follows, with weights that sum to 1.
@@ -48,17 +56,25 @@ public:
     int part(int vertex) const { return parts_.labels[vertex]; }
 
 private:
-    using Near = std::pair<double, int>; ///< the distance, and the node
-    class Fronts;
+    using Near = std::pair<float, int>; ///< the distance, and the node
+    /// Of each vertex on a large part, its nearest node on that, and how far that is; else -1.
+    struct Nearest
+    {
+        std::vector<float> distance;
+        std::vector<int> node;
+    };
 
-    void choose(int wanted, const Progress& progress);
-    void find_near(const Progress& progress);
+    Nearest choose(const SurfaceFronts& fronts, int wanted, const Progress& progress);
+    /// A bound of how far each node is from the fourth nearest other one.
+    std::vector<float> to_fourth(const Nearest& nearest) const;
+    void find_near(const SurfaceFronts& fronts, const Nearest& nearest, const Progress& progress);
     std::vector<BlendedMaps::Share> weighed(const Near* near, int found) const;
 
     const SurfaceMesh& mesh_;
     Components parts_;
     std::vector<char> large_; ///< of each part
     std::vector<int> nodes_;
+    std::vector<std::array<int, 2>> pairs_;
     double radius_ = 0.0;
     std::vector<Near> near_; ///< count + 1 per vertex, by rising distance; node -1 where there is none
 };

@@ -67,7 +67,7 @@ std::vector<int> nearest_points(const Points& places, PointsView points)
     return found;
 }
 
-HandleMethod::HandleMethod(SurfaceMesh surface, HeldPoints held)
+HandleMethod::HandleMethod(SurfaceMesh surface, HandlePoints held)
     : surface_(std::move(surface)), centre_(middle(surface_.points())), unit_(diagonal(surface_.points())),
       control_(std::move(held), centre_, unit_)
 {
@@ -85,7 +85,7 @@ SurfaceMesh HandleMethod::surface_in_unit() const
 
 void HandleMethod::compute(PointsView points, SpaceReport& report, const Progress& progress)
 {
-    std::vector<int> carriers = nearest_points(control_.held().points, points);
+    std::vector<int> carriers = nearest_points(control_.held().points(), points);
     build(points, report, progress);
     carriers_ = std::move(carriers);
 }
@@ -114,10 +114,10 @@ std::vector<HeldMotion> HandleMethod::aimed(const Poses& poses, PointsView base,
                                 std::to_string(poses.size()) + " handles");
     Poses result = poses;
     if (enters(base) && base.rows() > 0 && static_cast<int>(poses.size()) == control_.count())
-        for (int h = 0, first = 0; h < control_.count(); first += control_.held().counts[h++])
+        for (int h = 0; h < control_.count(); ++h)
             if (!from_rest.empty() && from_rest[h]) {
                 // What has moved the incoming shape has moved the control, too.
-                const auto count = control_.held().counts[h];
+                const int first = control_.held().begin(h), count = control_.held().count(h);
                 Points before(count, 3), now(count, 3);
                 for (int k = 0; k < count; ++k) {
                     before.row(k) = points().row(carriers_[first + k]);

@@ -50,8 +50,7 @@ public:
 
 protected:
     /// \param surface  the shape that the space is built around, of any number of faces, also none.
-    /// \throw as HandleControl
-    HandleMethod(SurfaceMesh surface, HeldPoints held);
+    HandleMethod(SurfaceMesh surface, HandlePoints held);
 
     const Vector3& centre() const { return centre_; }
     double unit() const { return unit_; } ///< the diagonal of the box around the surface; 1 for a point

@@ -21,12 +21,11 @@ HandleReach::HandleReach(const HandleControl& handles, Points held, const std::v
                          double radius)
     : handles_(handles), held_(std::move(held)), shares_(shares), radius_(radius)
 {
-    for (int h = 0, first = 0; h < handles.count(); first += handles.held().counts[h++]) {
+    for (int h = 0; h < handles.count(); ++h) {
         std::vector<BoxTree::Box> boxes;
-        for (int k = 0; k < handles.held().counts[h]; ++k)
-            boxes.emplace_back(Vector3(held_.row(first + k).transpose()));
+        for (int k = 0; k < handles.held().count(h); ++k)
+            boxes.emplace_back(Vector3(held_.row(handles.held().begin(h) + k).transpose()));
         trees_.emplace_back(boxes);
-        first_.push_back(first);
     }
 }
 
@@ -34,14 +33,14 @@ double HandleReach::strength(int handle, const Shares& shares, const Vector3& po
 {
     double strongest = 0.0;
     trees_[handle].visit_by_bound(
-        handles_.held().counts[handle], radius_,
+        handles_.held().count(handle), radius_,
         [&](const BoxTree::Box& box, bool) { return box.exteriorDistance(point); },
         [&](int k) {
-            const int p = first_[handle] + k;
+            const int p = handles_.held().begin(handle) + k;
             if (!have_common(shares, shares_[p]))
                 return radius_;
             const double r = (held_.row(p).transpose() - point).norm() / radius_;
-            strongest = handles_.weight(p) * std::max(0.0, 1.0 - r * r * (3.0 - 2.0 * r));
+            strongest = handles_.held().weight(p) * std::max(0.0, 1.0 - r * r * (3.0 - 2.0 * r));
             return 0.0; // the others are farther away
         });
     return strongest;

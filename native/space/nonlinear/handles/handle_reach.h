@@ -38,7 +38,6 @@ private:
     const std::vector<Shares>& shares_;
     double radius_;
     std::vector<BoxTree> trees_; ///< of the points of each handle
-    std::vector<int> first_;
 };
 
 /// The displacements of the handles for BlendedMaps, about the centre of their coordinates.

@@ -10,16 +10,6 @@ using sinew::MlsMaps;
 using sinew::MlsSums;
 using L = Lanes<double>;
 
-inline L widened(const double* from) { return load(from); }
-inline L widened(const float* from)
-{
-#ifdef __GNUC__
-    return __builtin_convertvector(load(from), L);
-#else
-    return {{from[0], from[1], from[2], from[3]}};
-#endif
-}
-
 /// Below this share of the cube of its trace, a determinant is rounding.
 constexpr double least_determinant = 1e-13;
 
@@ -37,7 +27,7 @@ inline void add_points(const MlsFrame& frame, const T* weights, const L* v, Sums
 {
     const double* from = frame.points;
     for (int j = 0; j < frame.point_count; ++j, from += 6, weights += 4) {
-        const L w = widened(weights);
+        const L w = widened(load(weights));
         const L p[3] = {constant(from[0]) - v[0], constant(from[1]) - v[1], constant(from[2]) - v[2]};
         const L wp[3] = {w * p[0], w * p[1], w * p[2]};
         s.total = s.total + w;
@@ -59,12 +49,12 @@ inline void add_maps(const MlsFrame& frame, const T* weights, const L* v, Sums& 
     constexpr int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}}; // entries of a symmetric matrix
     const double* map = frame.maps;
     for (int j = 0; j < frame.map_count; ++j, map += 12, weights += 40) {
-        const L w = widened(weights);
+        const L w = widened(load(weights));
         L wp[3], wpp[6];
         for (int a = 0; a < 3; ++a)
-            wp[a] = widened(weights + 4 + 4 * a);
+            wp[a] = widened(load(weights + 4 + 4 * a));
         for (int k = 0; k < 6; ++k)
-            wpp[k] = widened(weights + 16 + 4 * k);
+            wpp[k] = widened(load(weights + 16 + 4 * k));
         s.total = s.total + w;
         for (int a = 0; a < 3; ++a)
             s.places[a] = s.places[a] + wp[a];

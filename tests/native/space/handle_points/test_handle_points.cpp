@@ -86,12 +86,29 @@ TEST(HandlePoints, refuses_no_points_empty_handles_and_numbers_that_are_not_fini
 {
     EXPECT_THROW(HandlePoints(view(Points(0, 3))), InvalidConstraint);
     EXPECT_THROW(HandlePoints(view(places()), {3, 4}), InvalidConstraint);
-    expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(places()), {3, 0, 5}); }),
-                    Error::Element::handle, {1});
+    expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(places()), {3, 0, 5, 0}); }),
+                    Error::Element::handle, {1, 3});
     Points broken = places();
     broken(6, 0) = std::numeric_limits<double>::infinity();
     expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(broken), {3, 1, 4}); }),
                     Error::Element::handle, {2});
+}
+
+TEST(HandlePoints, refuses_weights_that_are_not_shares_and_lets_soft_ones_go_apart)
+{
+    const auto weighed = [](const std::vector<double>& weights) {
+        return HandlePoints(view(places()), {3, 1, 4}, weights);
+    };
+    EXPECT_THROW(weighed(std::vector<double>(7, 1.0)), InvalidConstraint);
+    for (const double weight : {0.0, -1.0, 1.5, std::numeric_limits<double>::quiet_NaN()})
+        EXPECT_THROW(weighed(std::vector<double>(8, weight)), InvalidOption);
+    std::vector<double> weights(8, 1.0);
+    EXPECT_EQ(weighed(weights).twins().size(), 1) << "the place of points 3 and 7";
+    EXPECT_EQ(weighed(weights).weight(7), 1.0);
+    weights[7] = 0.5;
+    EXPECT_TRUE(weighed(weights).twins().empty());
+    EXPECT_EQ(weighed(weights).weight(7), 0.5);
+    EXPECT_FALSE(weighed(weights) == HandlePoints(view(places()), {3, 1, 4}));
 }
 
 } // namespace sinew

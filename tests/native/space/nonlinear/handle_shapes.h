@@ -4,31 +4,26 @@
 #include "native/space/nonlinear/handles/handle_method.h"
 #include "tests/native/shapes.h"
 
-#include <cstddef>
+#include <utility>
 #include <vector>
 
 /// Handles and warps that the tests of nonlinear space methods share.
 namespace sinew::shapes {
 
 /// The points of regions, handle after handle.
-inline HeldPoints held_by(const SurfaceMesh& of, const std::vector<std::vector<int>>& regions)
+inline HandlePoints held_by(const SurfaceMesh& of, const std::vector<std::vector<int>>& regions)
 {
-    HeldPoints held;
-    Eigen::Index count = 0;
-    for (const std::vector<int>& region : regions)
-        count += static_cast<Eigen::Index>(region.size());
-    held.points.resize(count, 3);
-    Eigen::Index row = 0;
+    std::vector<int> vertices, counts;
     for (const std::vector<int>& region : regions) {
-        held.counts.push_back(static_cast<int>(region.size()));
-        for (int v : region)
-            held.points.row(row++) = of.points().row(v);
+        counts.push_back(static_cast<int>(region.size()));
+        vertices.insert(vertices.end(), region.begin(), region.end());
     }
-    return held;
+    const Points points = of.points()(vertices, Eigen::all);
+    return HandlePoints(view(points), std::move(counts));
 }
 
 /// Both ends along x.
-inline HeldPoints held_ends(const SurfaceMesh& of, double depth)
+inline HandlePoints held_ends(const SurfaceMesh& of, double depth)
 {
     std::vector<std::vector<int>> regions;
     for (const Handle& handle : ends(of, depth))
@@ -43,6 +38,10 @@ inline Points warped(const HandleMethod& method, const Poses& poses,
     method.warp_poses(poses, incoming, out.data(), out.rows(), from_rest);
     return out;
 }
+
+/// Poses of the ends of a bar of length 24 along x.
+inline Poses bent(double degrees) { return {still(), turn({0, 1, 0}, degrees, {12, 0, 0}, {-3, 0, 0})}; }
+inline Poses twisted(double degrees) { return {still(), turn({1, 0, 0}, degrees)}; }
 
 /// Largest distance, as a share of the size.
 inline double apart(const Points& a, const Points& b) { return distance(a, b) / size(b); }

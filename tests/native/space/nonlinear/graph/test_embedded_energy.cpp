@@ -42,7 +42,8 @@ struct Small
     }
     EmbeddedEnergy energy() const { return {edges, pulls, 2, weights, places, points}; }
 
-    /// The sums of the paper, term by term; weights of pulls here do not sum to 1, so that d_p is blended.
+    /// The sums of the paper, term by term, but for angles counted twice; weights of pulls here do not sum to
+    /// 1, so that d_p is blended.
     double plain(const Points& x) const
     {
         double sum = 0.0;
@@ -51,7 +52,7 @@ struct Small
         for (int j = 0; j < nodes; ++j) {
             const Matrix3 A = Matrix3::Identity() + U(j);
             for (int a = 0; a < 3; ++a)
-                for (int b = a; b < 3; ++b) {
+                for (int b = 0; b < 3; ++b) {
                     const double departs = A.col(a).dot(A.col(b)) - (a == b ? 1.0 : 0.0);
                     sum += weights.rotation * departs * departs;
                 }

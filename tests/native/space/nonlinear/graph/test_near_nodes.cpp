@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <set>
 
@@ -104,6 +105,49 @@ TEST(NearNodes, takes_few_and_coincident_points)
         EXPECT_LE(near.nodes().size(), 3);
         for (int v = 0; v < count; ++v)
             EXPECT_NEAR(sum_of(near.shares(v)), 1.0, 1e-14);
+    }
+}
+
+/// As Blender has it after Apply Rotation and Scale.
+TEST(DeformationGraph, does_not_depend_on_the_axes)
+{
+    const std::vector<std::pair<SurfaceMesh, int>> cases{
+        {shapes::quad_grid(10, 10, 0.2), 300}, // each vertex is a node
+        {shapes::quad_grid(40, 40, 0.05), 60},
+        {shapes::sphere(4), 60},
+        {shapes::bar(24, 6), 60},
+        {shapes::grid(60, 60, 1.0, 0.3), 60},
+        {legs::pair(), 60},
+        {SurfaceMesh(shapes::sphere(3).points(), {}, {}), 40}};
+    shapes::Random random(5);
+    for (const auto& [given, wanted] : cases) {
+        const Points rest = given.points().cast<float>().cast<double>();
+        const SurfaceMesh mesh = shapes::moved(given, rest);
+        const DeformationGraph graph(mesh, wanted, {});
+        const auto shares = graph.shares(view(rest));
+        for (int round = 0; round < 4; ++round) {
+            Pose pose = shapes::turn(random.vector(), 180 * random.unit(), {0, 0, 0}, random.vector());
+            pose.leftCols<3>() *= 1.0 + random.unit();
+            const Points turned = shapes::transformed(rest, pose).cast<float>().cast<double>();
+            const SurfaceMesh other = shapes::moved(given, turned);
+            const DeformationGraph same(other, wanted, {});
+            EXPECT_EQ(same.edges(), graph.edges());
+            EXPECT_LT(shapes::distance(same.places(), shapes::transformed(graph.places(), pose)),
+                      1e-6 * shapes::size(turned));
+            const auto others = same.shares(view(turned));
+            double off = 0.0;
+            for (std::size_t v = 0; v < shares.size(); ++v) {
+                ASSERT_EQ(shares[v].size(), others[v].size()) << v;
+                std::map<int, double> change;
+                for (std::size_t k = 0; k < shares[v].size(); ++k) {
+                    change[shares[v][k].map] += shares[v][k].weight;
+                    change[others[v][k].map] -= others[v][k].weight;
+                }
+                for (const auto& [node, by] : change)
+                    off = std::max(off, std::abs(by));
+            }
+            EXPECT_LT(off, 1e-4) << "rounding of the points to single precision, over the spacing of nodes";
+        }
     }
 }
 

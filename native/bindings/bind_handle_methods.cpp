@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/held_points.h"
+#include "native/bindings/handle_methods.h"
 #include "native/bindings/representation.h"
 
 #include <algorithm>
@@ -71,21 +71,7 @@ py::array_t<int> pairs(const std::vector<std::array<int, 2>>& list)
     return result;
 }
 
-HeldPoints held_points(const py::object& given, const py::object& counts, const py::object& weights)
-{
-    const FloatArray array = floats(given, "points");
-    HeldPoints held;
-    held.points = points<InvalidConstraint>(array, "points");
-    if (counts.is_none())
-        held.counts.assign(static_cast<std::size_t>(held.points.rows()), 1);
-    else
-        held.counts = integers(counts, "counts");
-    if (!weights.is_none())
-        held.weights = numbers(weights, "weights");
-    return held;
-}
-
-void bind_held_points(py::module_& module)
+void bind_handle_methods(py::module_& module)
 {
     py::class_<HandleMethod, SpaceMethod, std::shared_ptr<HandleMethod>>(
         module, "HandleMethod", R"(What every deformation of space that handles move can do.

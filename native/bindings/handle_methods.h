@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/bindings/arguments.h"
+#include "native/bindings/handle_points.h"
 #include "native/bindings/method_binding.h"
 #include "native/space/nonlinear/handles/handle_method.h"
 
@@ -12,10 +13,6 @@
 #include <vector>
 
 namespace sinew::bindings {
-
-/// \param counts   None, which makes each point a handle, or one count per handle.
-/// \param weights  None, or one per point.
-HeldPoints held_points(const py::object& points, const py::object& counts, const py::object& weights);
 
 /// (l, 2)
 py::array_t<int> pairs(const std::vector<std::array<int, 2>>& list);
@@ -40,7 +37,7 @@ weights  None (1), or (c,) in (0, 1]: how strongly each point is held.
 Raises InvalidConstraint for handles without points, or numbers that are not finite; InvalidOption.)";
     result.def(py::init([options](const SurfaceMesh& mesh, const py::object& points, const py::object& counts,
                                   const py::object& weights, Own... values) {
-                   HeldPoints held = held_points(points, counts, weights);
+                   HandlePoints held = handle_points(points, counts, weights);
                    const Options chosen = options(values...);
                    const py::gil_scoped_release unlocked;
                    return std::make_shared<Method>(mesh, std::move(held), chosen);
