@@ -3,6 +3,7 @@
 set(SINEW_KERNELS
   native/core/simd/product_of_eight avx2
   native/handles/propagation_kernels avx2
+  native/multiresolution/details/detail_kernels avx2
   native/operators/fit_kernels avx2
   native/riders/frame_kernels avx2
   native/rotations/body_kernels avx2

@@ -33,19 +33,18 @@ std::vector<double> add_pulls(const Regions& regions, SparseMatrix& A)
 } // namespace
 
 void HeldSystem::factorize(std::shared_ptr<SparseMatrix> A, const Regions& regions,
-                           const std::function<void()>& completed)
+                           const std::function<void()>& completed, const Regions* wider)
 {
     std::vector<Constraint> constraints = regions.constraints();
     std::vector<double> stiffness = add_pulls(regions, *A);
-    std::vector<bool> free(regions.vertex_count());
-    for (int v = 0; v < regions.vertex_count(); ++v)
-        free[v] = regions.is_free(v);
+    const std::vector<bool> free = regions.free_vertices(),
+                            more = wider ? wider->free_vertices() : std::vector<bool>{};
 
     const ConstrainedQuadratic::Problem before = equations_.problem();
     constraints_.swap(constraints);
     stiffness_.swap(stiffness);
     try {
-        equations_.factorize(std::move(A), free);
+        equations_.factorize(std::move(A), free, more);
         if (completed)
             completed();
     } catch (const std::exception&) {
@@ -59,6 +58,19 @@ void HeldSystem::factorize(std::shared_ptr<SparseMatrix> A, const Regions& regio
 }
 
 SolveReport HeldSystem::solve(const Targets& targets, Points& positions, const Source& source) const
+{
+    SolveReport report;
+    solve(targets, positions, source, &report);
+    return report;
+}
+
+void HeldSystem::displace(const Targets& targets, Points& positions, const Source& source) const
+{
+    solve(targets, positions, source, nullptr);
+}
+
+void HeldSystem::solve(const Targets& targets, Points& positions, const Source& source,
+                       SolveReport* report) const
 {
     const PointsView base = targets.base();
     const int n = static_cast<int>(base.rows());
@@ -89,22 +101,22 @@ SolveReport HeldSystem::solve(const Targets& targets, Points& positions, const S
 
     const RowMatrix* const rhs = loaded ? &b : nullptr;
     equations_.solve(d, rhs, frame->work);
-    const ConstrainedQuadratic::Norms norms = equations_.norms(d, rhs);
-    energy += norms.energy; // with s_i |d_i|^2, as the pulls are on the diagonal
-    if (loaded)
-        energy -= 2 * parallel_sum(n, [&](int i) { return d.row(i).dot(b.row(i)); });
     positions.resize(n, 3);
     parallel_for(n, [&](int i) {
         for (int axis = 0; axis < 3; ++axis)
             positions(i, axis) = base(i, axis) + d(i, axis);
     });
 
-    SolveReport report;
-    report.iterations = 1;
-    report.converged = true;
-    report.energy = std::max(0.0, 0.5 * energy); // rounding may take it below
-    report.residual = norms.load > 0 ? std::sqrt(norms.residual / norms.load) : 0.0;
-    return report;
+    if (!report)
+        return;
+    const ConstrainedQuadratic::Norms norms = equations_.norms(d, rhs);
+    energy += norms.energy; // with s_i |d_i|^2, as the pulls are on the diagonal
+    if (loaded)
+        energy -= 2 * parallel_sum(n, [&](int i) { return d.row(i).dot(b.row(i)); });
+    report->iterations = 1;
+    report->converged = true;
+    report->energy = std::max(0.0, 0.5 * energy); // rounding may take it below
+    report->residual = norms.load > 0 ? std::sqrt(norms.residual / norms.load) : 0.0;
 }
 
 RowMatrix HeldSystem::spread(const MatrixX& constraints) const

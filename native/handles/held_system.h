@@ -42,9 +42,11 @@ public:
     /// Takes another A and other handles, and then calls `completed`. Leaves everything as it was if one of
     /// the two throws.
     /// \param A  (n, n) symmetric positive semi-definite, without soft pulls.
+    /// \param wider  where vertices are free for which the factor is analysed, too; see
+    ///   ConstrainedQuadratic. Null for none.
     /// \throw FactorizationFailed  a free block of A is singular; the element of the error is a vertex.
     void factorize(std::shared_ptr<SparseMatrix> A, const Regions& regions,
-                   const std::function<void()>& completed = {});
+                   const std::function<void()>& completed = {}, const Regions* wider = nullptr);
 
     /// Fills b (n, 3) and returns c.
     using Source = std::function<double(RowMatrix& b)>;
@@ -52,6 +54,9 @@ public:
     /// \param[out] positions  (n, 3) the shape that enters, displaced.
     /// \param source          null for b = 0 and c = 0, and then in all calls.
     SolveReport solve(const Targets& targets, Points& positions, const Source& source = {}) const;
+
+    /// The same without a report, whose energy and residual take a product with A.
+    void displace(const Targets& targets, Points& positions, const Source& source = {}) const;
 
     /// (n, m) d with b = 0 for m columns of constraint values.
     /// \param constraints  (c, m) one row for each of regions.constraints().
@@ -82,6 +87,7 @@ private:
         return stiffness_[row + stiffness_.size() - constraints_.size()];
     }
     RowMatrix spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const;
+    void solve(const Targets& targets, Points& positions, const Source& source, SolveReport* report) const;
 
     std::vector<Constraint> constraints_;
     std::vector<double> stiffness_; ///< s_i of the soft ones, which are the last

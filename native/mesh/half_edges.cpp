@@ -1,23 +1,46 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/half_edges.h"
 
+#include "native/core/parallel.h"
+
 #include <algorithm>
+#include <numeric>
 
 namespace sinew {
 
-std::vector<HalfEdge> sorted_half_edges(const SurfaceMesh& mesh)
+namespace {
+
+template <class Visit>
+void for_each_side(const SurfaceMesh& mesh, Visit&& visit)
 {
-    std::vector<HalfEdge> sides;
     for (int f = 0; f < mesh.face_count(); ++f) {
         const auto loop = mesh.face(f);
         for (std::size_t k = 0; k < loop.size(); ++k) {
             const int a = loop[k];
             const int b = loop[(k + 1) % loop.size()];
             if (a != b)
-                sides.push_back({std::min(a, b), std::max(a, b), a, b, f});
+                visit(HalfEdge{std::min(a, b), std::max(a, b), a, b, f});
         }
     }
-    std::ranges::sort(sides, {}, [](const HalfEdge& s) { return std::array{s.low, s.high, s.face, s.from}; });
+}
+
+} // namespace
+
+std::vector<HalfEdge> sorted_half_edges(const SurfaceMesh& mesh)
+{
+    // They are counted into one bucket per lower vertex, and only these few are sorted.
+    std::vector<int> begin(mesh.vertex_count() + 1, 0);
+    for_each_side(mesh, [&](const HalfEdge& side) { ++begin[side.low + 1]; });
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<HalfEdge> sides(begin.back());
+    std::vector<int> next(begin.begin(), begin.end() - 1);
+    for_each_side(mesh, [&](const HalfEdge& side) { sides[next[side.low]++] = side; });
+    parallel_for(mesh.vertex_count(), [&](int v) {
+        std::sort(sides.begin() + begin[v], sides.begin() + begin[v + 1],
+                  [](const HalfEdge& a, const HalfEdge& b) {
+                      return std::array{a.high, a.face, a.from} < std::array{b.high, b.face, b.from};
+                  });
+    });
     return sides;
 }
 

@@ -97,6 +97,14 @@ std::vector<Constraint> Regions::constraints() const
     return all;
 }
 
+std::vector<bool> Regions::free_vertices() const
+{
+    std::vector<bool> free(vertex_count());
+    for (int v = 0; v < vertex_count(); ++v)
+        free[v] = is_free(v);
+    return free;
+}
+
 BindReport Regions::report() const
 {
     BindReport report;

@@ -69,6 +69,7 @@ public:
     bool is_idle(int vertex) const { return idle_[vertex]; }
     /// Whether the position of a vertex has to be solved for.
     bool is_free(int vertex) const { return hard_[vertex] < 0 && !idle_[vertex]; }
+    std::vector<bool> free_vertices() const; ///< (n) is_free() of each
 
     /// A bind report with the counts of handles and vertices; the caller adds factorisations and time.
     BindReport report() const;

@@ -3,7 +3,9 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
+#include "native/core/parallel.h"
 #include "native/operators/laplacian.h"
+#include "native/solvers/shared_analyses.h"
 
 #include <utility>
 
@@ -63,6 +65,7 @@ std::vector<Points> Multiresolution::levels() const
 
 void Multiresolution::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
+    const SharedAnalyses shared; // of bi-Laplacians for the bands and for the base
     auto next = std::make_unique<Binding>();
     next->factorizations = impl_->bound->factorizations;
     next->analyses = impl_->bound->analyses;
@@ -73,7 +76,7 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
             return true;
         });
     };
-    next->bands = DetailBands(rest(), faired, impl_->options, impl_->rings, half(0.0));
+    next->bands = DetailBands(rest(), regions, faired, impl_->options, impl_->rings, half(0.0));
     BindReport of_bands;
     next->bands.report(of_bands);
     next->factorizations += of_bands.factorizations;
@@ -109,7 +112,8 @@ SolveReport Multiresolution::deform(const SolveRequest& request, const Targets& 
     if (bound.below.size() > 0 && !request.incoming && request.substeps == 1) {
         // From rest, so that the base can use what it has precomputed for this.
         report = impl_->base->solve(request, work->moved.back());
-        work->moved.back() += bound.below;
+        Points& moved = work->moved.back();
+        parallel_for(static_cast<int>(moved.rows()), [&](int v) { moved.row(v) += bound.below.row(v); });
     } else {
         SolveRequest of_base = request;
         of_base.incoming.emplace(view(levels.back()));

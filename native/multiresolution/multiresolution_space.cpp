@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/mesh/components.h"
+#include "native/solvers/shared_analyses.h"
 
 #include <algorithm>
 #include <array>
@@ -102,7 +103,8 @@ void MultiresolutionSpace::compute(PointsView points, SpaceReport& report, const
     next->vertices = vertices_of(mesh_, points);
     const Components parts = connected_components(mesh_);
     const Regions regions(held_vertices(mesh_, handles_), parts);
-    next->bands = DetailBands(mesh_, faired_regions(mesh_, regions, parts), options_,
+    const SharedAnalyses shared; // of all bands
+    next->bands = DetailBands(mesh_, regions, faired_regions(mesh_, regions, parts), options_,
                               std::make_shared<const RingRotations>(mesh_), part(0.0, 0.5));
     // The base comes last: its own bind leaves it as it was if it throws.
     const SpaceReport of_base = base_->rebind(*base_, view(next->bands.levels().back()), part(0.5, 0.5));

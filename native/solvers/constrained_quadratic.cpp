@@ -58,16 +58,22 @@ bool named(const ConstrainedQuadratic::Problem& problem, Work&& work)
 } // namespace
 
 void ConstrainedQuadratic::factorize(std::shared_ptr<const SparseMatrix> matrix,
-                                     const std::vector<bool>& free)
+                                     const std::vector<bool>& free, const std::vector<bool>& wider)
 {
     Problem next{std::move(matrix), free, problem_.unknowns};
     if (named(next, [&] { return update(next); })) {
         adopt(std::move(next));
         return;
     }
+    int unknown = 0, more = 0;
+    for (std::size_t i = 0; i < free.size(); ++i) {
+        unknown += free[i];
+        more += !wider.empty() && wider[i] && !free[i];
+    }
+    const bool widens = more <= most_given * unknown;
     next.unknowns.clear();
     for (int i = 0; i < static_cast<int>(free.size()); ++i)
-        if (free[i])
+        if (free[i] || (widens && !wider.empty() && wider[i]))
             next.unknowns.push_back(i);
     factorize(std::move(next));
 }

@@ -53,9 +53,12 @@ public:
     ///
     /// \param matrix  (n, n) symmetric positive semi-definite, both triangles stored; kept.
     /// \param free    (n) true where x is unknown. A_ff must be positive definite.
+    /// \param wider   (n) rows for which a new factor is analysed, too, so that it can share the analysis of
+    ///   one in which they are free; not where there are too many. Empty for none.
     /// \throw FactorizationFailed  A_ff is singular; the element of the error is a row of `matrix`. Call
     ///   restore() with the former problem() then.
-    void factorize(std::shared_ptr<const SparseMatrix> matrix, const std::vector<bool>& free);
+    void factorize(std::shared_ptr<const SparseMatrix> matrix, const std::vector<bool>& free,
+                   const std::vector<bool>& wider = {});
 
     /// Factorises a former problem() again, with the same bits as before.
     void restore(Problem problem);

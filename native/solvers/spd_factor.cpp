@@ -5,6 +5,7 @@
 #include "native/core/memory.h"
 #include "native/solvers/engines/cholmod_factor.h"
 #include "native/solvers/engines/ldlt_factor.h"
+#include "native/solvers/shared_analyses.h"
 
 #include <algorithm>
 #include <new>
@@ -51,17 +52,25 @@ SpdFactor::~SpdFactor() = default;
 SpdFactor::SpdFactor(SpdFactor&&) noexcept = default;
 SpdFactor& SpdFactor::operator=(SpdFactor&&) noexcept = default;
 
-void SpdFactor::analyze(const SparseMatrix& matrix, std::uint64_t pattern)
+template <class Copy>
+void SpdFactor::analyze(int size, std::uint64_t pattern, const Copy& copy)
 {
     std::unique_ptr<FactorEngine> engine = make_engine(options_);
+    const SharedAnalyses::Key key{pattern, size, options_.backend, options_.ordering};
     try {
-        engine->analyze(matrix, elimination_order(matrix, options_.ordering));
+        if (std::shared_ptr<const Analysis> known = SharedAnalyses::find(key)) {
+            engine->adopt(std::move(known));
+        } else {
+            const auto& matrix = copy(); // a copy is freed before the factor is computed
+            engine->analyze(matrix, elimination_order(matrix, options_.ordering));
+            SharedAnalyses::keep(key, engine->analysis());
+        }
     } catch (const std::bad_alloc&) {
         throw OutOfMemory("memory ran out before the size of the factor was known: use fewer vertices");
     }
     require_memory(engine->bytes());
     engine_ = std::move(engine);
-    size_ = static_cast<int>(matrix.cols());
+    size_ = size;
     pattern_ = pattern;
     ++analyses_;
 }
@@ -93,7 +102,7 @@ void SpdFactor::factorize(const SparseMatrix& matrix)
         return clear();
     const std::uint64_t pattern = digest(matrix);
     if (!engine_ || matrix.cols() != size_ || pattern != pattern_)
-        analyze(matrix, pattern);
+        analyze(static_cast<int>(matrix.cols()), pattern, [&]() -> const SparseMatrix& { return matrix; });
     const int broken = compute(matrix);
     check(matrix.diagonal(), broken);
 }
@@ -104,7 +113,7 @@ void SpdFactor::factorize(const PrincipalBlock& block)
         return clear();
     const std::uint64_t pattern = block.digest();
     if (!engine_ || block.size() != size_ || pattern != pattern_)
-        analyze(block.copy(), pattern); // the copy is freed before the factor is computed
+        analyze(block.size(), pattern, [&] { return block.copy(); });
     const int broken = compute(block);
     check(block.diagonal(), broken);
 }

@@ -80,7 +80,9 @@ public:
     double share() const { return share_; }
 
 private:
-    void analyze(const SparseMatrix& matrix, std::uint64_t pattern);
+    /// \param copy  gives the matrix.
+    template <class Copy>
+    void analyze(int size, std::uint64_t pattern, const Copy& copy);
     void clear();
     template <class Matrix>
     int compute(const Matrix& matrix);

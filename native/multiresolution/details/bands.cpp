@@ -18,15 +18,17 @@ constexpr int most_bands = 8;
 
 std::unique_ptr<DetailCoding> coding(DetailKind kind, const SurfaceMesh& rest, const Regions& regions,
                                      const Points& fine, const Points& coarse,
-                                     const std::shared_ptr<const RingRotations>& rings)
+                                     const std::shared_ptr<const RingRotations>& rings,
+                                     const Regions& handles)
 {
     switch (kind) {
     case DetailKind::normal_displacements:
         return std::make_unique<NormalDisplacements>(view(fine), view(coarse), rings);
     case DetailKind::displacement_volumes:
-        return std::make_unique<DisplacementVolumes>(rest, regions, view(fine), view(coarse), rings);
+        return std::make_unique<DisplacementVolumes>(rest, regions, view(fine), view(coarse), rings,
+                                                     &handles);
     case DetailKind::deformation_transfer:
-        return std::make_unique<DeformationTransfer>(rest, regions, rings);
+        return std::make_unique<DeformationTransfer>(rest, regions, view(fine), view(coarse), rings);
     case DetailKind::displacement_vectors:
         break;
     }
@@ -43,20 +45,20 @@ void MultiresolutionOptions::check() const
         throw InvalidOption("bands must be from 1 to " + std::to_string(most_bands));
 }
 
-DetailBands::DetailBands(const SurfaceMesh& rest, const Regions& faired,
+DetailBands::DetailBands(const SurfaceMesh& rest, const Regions& handles, const Regions& faired,
                          const MultiresolutionOptions& options,
                          const std::shared_ptr<const RingRotations>& rings, const Progress& progress)
 {
     double wavelength = options.wavelength * mean_edge(rest);
     for (int k = 0; k < options.bands; ++k, wavelength *= 2) {
         progress.tick(static_cast<double>(k) / options.bands, "fairing the base");
-        fairings_.push_back(std::make_unique<Fairing>(rest, faired, wavelength));
+        fairings_.push_back(std::make_unique<Fairing>(rest, faired, wavelength, &handles));
     }
     levels_ = {rest.points()};
     smooth(levels_);
     for (int k = 0; k < options.bands; ++k) {
         progress.tick(1.0, "coding the details");
-        codings_.push_back(coding(options.details, rest, faired, levels_[k], levels_[k + 1], rings));
+        codings_.push_back(coding(options.details, rest, faired, levels_[k], levels_[k + 1], rings, handles));
     }
 }
 

@@ -41,10 +41,12 @@ class DetailBands
 {
 public:
     DetailBands() = default;
-    /// \param faired  of faired_regions().
+    /// \param handles  what is held.
+    /// \param faired   faired_regions() of these.
     /// \throw FactorizationFailed, OutOfMemory, Cancelled
-    DetailBands(const SurfaceMesh& rest, const Regions& faired, const MultiresolutionOptions& options,
-                const std::shared_ptr<const RingRotations>& rings, const Progress& progress);
+    DetailBands(const SurfaceMesh& rest, const Regions& handles, const Regions& faired,
+                const MultiresolutionOptions& options, const std::shared_ptr<const RingRotations>& rings,
+                const Progress& progress);
 
     /// (bands + 1) the rest shape and what each band left of it.
     const std::vector<Points>& levels() const { return levels_; }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/multiresolution/details/deformation_transfer.h"
 
+#include "native/core/parallel.h"
 #include "native/operators/laplacian.h"
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -10,9 +13,10 @@
 namespace sinew {
 
 DeformationTransfer::DeformationTransfer(const SurfaceMesh& rest, const Regions& regions,
+                                         const PointsView& fine, const PointsView& coarse,
                                          std::shared_ptr<const RingRotations> rings)
     : rings_(std::move(rings)), still_(regions.handle_count(), Pose::Identity()),
-      from_aims_(regions.handle_count(), true)
+      from_aims_(regions.handle_count(), true), edges_(rest.triangles().size())
 {
     for (const SoftConstraint& pulled : regions.soft())
         soft_.push_back(pulled.vertex);
@@ -22,33 +26,54 @@ DeformationTransfer::DeformationTransfer(const SurfaceMesh& rest, const Regions&
     gradients_ = TurnedGradients(rest, metric);
     system_.factorize(std::make_shared<SparseMatrix>(laplacian_matrix(rest, Discretization::cotan, metric)),
                       regions);
+    parallel_for(static_cast<int>(edges_.size()), [&](int t) { edges_[t] = edges_of(fine, coarse, t); });
+}
+
+DeformationTransfer::Edges DeformationTransfer::edges_of(const PointsView& fine, const PointsView& coarse,
+                                                         int triangle) const
+{
+    const Triangle& t = rings_->triangles()[triangle];
+    const FaceDual dual = face_dual(coarse, t);
+    const double area = dual.normal.norm();
+    if (area == 0.0)
+        return {Vector3::Zero(), Vector3::Zero(), true};
+    Matrix3 inverse;
+    inverse << dual.first.transpose() / area, dual.second.transpose() / area,
+        dual.normal.transpose() / (area * std::sqrt(2 * area));
+    return {inverse * (fine.row(t[1]) - fine.row(t[0])).transpose(),
+            inverse * (fine.row(t[2]) - fine.row(t[0])).transpose(), false};
 }
 
 void DeformationTransfer::apply(const Band& band, Points& detailed, SolveReport& /*report*/) const
 {
     const auto work = workspaces_.take([] { return std::make_unique<Workspace>(); });
-    // Held vertices have no details.
-    work->aims = band.moved;
-    for (int v : soft_)
-        work->aims.row(v) +=
-            (rings_->at(band.coarse, band.moved, v) * (band.fine.row(v) - band.coarse.row(v)).transpose())
-                .transpose();
+    if (!soft_.empty()) { // held vertices have no details
+        work->aims = band.moved;
+        for (int v : soft_)
+            work->aims.row(v) +=
+                (rings_->at(band.coarse, band.moved, v) * (band.fine.row(v) - band.coarse.row(v)).transpose())
+                    .transpose();
+    }
     const auto change = [&](int triangle, Vector3& first, Vector3& second) {
-        const Triangle& corners = rings_->triangles()[triangle];
-        const FaceMap map = face_map(band.coarse, band.moved, corners);
-        Matrix3 T = -Matrix3::Identity();
-        if (map.area > 0) {
-            const double scale = std::sqrt(map.other_area / map.area);
-            T += map.weighted / map.area + (scale - 1) * map.other_normal * map.normal.transpose();
-        } else {
-            T += rings_->at(band.coarse, band.moved, corners[0]);
+        const auto [i, j, k] = rings_->triangles()[triangle];
+        const Edges edges = band.at_rest ? edges_[triangle] : edges_of(band.fine, band.coarse, triangle);
+        if (edges.flat) {
+            const Matrix3 R = rings_->at(band.coarse, band.moved, i);
+            first = (R * first - first).eval();
+            second = (R * second - second).eval();
+            return;
         }
-        first = (T * first).eval();
-        second = (T * second).eval();
+        const Vector3 f1 = (band.moved.row(j) - band.moved.row(i)).transpose(),
+                      f2 = (band.moved.row(k) - band.moved.row(i)).transpose(), N = f1.cross(f2);
+        const double twice = N.norm();
+        const Vector3 raised = (twice > 0 ? 1 / std::sqrt(twice) : 0.0) * N;
+        first = edges.first[0] * f1 + edges.first[1] * f2 + edges.first[2] * raised - first;
+        second = edges.second[0] * f1 + edges.second[1] * f2 + edges.second[2] * raised - second;
     };
     // The constraints have the displacements that lead from the fine shape to the aims.
-    system_.solve({still_, view(work->aims), band.fine, &from_aims_}, detailed,
-                  [&](RowMatrix& b) { return gradients_.source(band.fine, change, work->forces, b); });
+    const PointsView aims = soft_.empty() ? band.moved : view(work->aims);
+    system_.displace({still_, aims, band.fine, &from_aims_}, detailed,
+                     [&](RowMatrix& b) { return gradients_.source(band.fine, change, work->forces, b); });
 }
 
 void DeformationTransfer::report(BindReport& report) const { system_.report(report); }

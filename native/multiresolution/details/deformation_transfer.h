@@ -32,15 +32,26 @@ namespace sinew {
 class DeformationTransfer final : public DetailCoding
 {
 public:
-    /// \param regions  those of the fairing.
+    /// \param regions       those of the fairing.
+    /// \param fine, coarse  (n, 3) the band at rest.
     /// \throw FactorizationFailed  the element is a vertex.
-    DeformationTransfer(const SurfaceMesh& rest, const Regions& regions,
-                        std::shared_ptr<const RingRotations> rings);
+    DeformationTransfer(const SurfaceMesh& rest, const Regions& regions, const PointsView& fine,
+                        const PointsView& coarse, std::shared_ptr<const RingRotations> rings);
 
     void apply(const Band& band, Points& detailed, SolveReport& report) const override;
     void report(BindReport& report) const override;
 
 private:
+    /// Two edges of a triangle of the surface, each as a sum of the two edges of its triangle of the base and
+    /// of their cross product N over the root of its length. T_f takes them to the same sums after the
+    /// deformation.
+    struct Edges
+    {
+        Vector3 first, second;
+        bool flat; ///< the triangle of the base has no area, and this nothing
+    };
+    Edges edges_of(const PointsView& fine, const PointsView& coarse, int triangle) const;
+
     struct Workspace
     {
         Points aims;
@@ -53,6 +64,7 @@ private:
     HeldSystem system_;
     Poses still_;
     std::vector<bool> from_aims_;
+    std::vector<Edges> edges_; ///< at rest
     mutable Pool<Workspace> workspaces_;
 };
 

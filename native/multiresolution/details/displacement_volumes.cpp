@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/multiresolution/details/displacement_volumes.h"
 
-#include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/kernel_set.h"
+#include "native/multiresolution/details/detail_kernels.h"
 #include "native/operators/laplacian.h"
+#include "native/solvers/sparse_columns.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -16,177 +19,242 @@ namespace sinew {
 
 namespace {
 
-constexpr double tolerance = 1e-6;     ///< of volumes, as a share of their mean
-constexpr double softness = 1e-8;      ///< on the diagonal of K, as a share of its mean
-constexpr double area_change = 0.1;    ///< of the base, beyond which the chord diverges
+constexpr double tolerance = 1e-6;    ///< of volumes, as a share of their mean
+constexpr double softness = 1e-8;     ///< on the diagonal of K, as a share of its mean
+constexpr double area_change = 0.1;   ///< of the base, beyond which the chord diverges
 constexpr double least_detail = 1e-3; ///< as a share of an edge: smaller ones are kept less exactly
 constexpr int most_solves = 150;      ///< of one frame
 constexpr double least_independence = 1e-10; ///< of steps that are mixed
+constexpr double least_scale = 0.1, most_scale = 10.0; ///< of det F, so that flattened rings do no harm
 
-double det(const Vector3& a, const Vector3& b, const Vector3& c) { return a.dot(b.cross(c)); }
+int corner_of(const Triangle& triangle, int vertex)
+{
+    return triangle[0] == vertex ? 0 : triangle[1] == vertex ? 1 : 2;
+}
+
+/// The products of a with some b, added up in an order that does not depend on the number of threads.
+template <int count>
+std::array<double, count> products_with(const VectorX& a, const std::array<VectorX, count>& b, int used)
+{
+    constexpr int grain = 4096;
+    const int n = static_cast<int>(a.size());
+    std::vector<std::array<double, count>> parts((n + grain - 1) / grain);
+    parallel_chunks(n, grain, [&](int begin, int end) {
+        for (int k = 0; k < used; ++k)
+            parts[begin / grain][k] = a.segment(begin, end - begin).dot(b[k].segment(begin, end - begin));
+    });
+    std::array<double, count> sums{};
+    for (const auto& part : parts)
+        for (int k = 0; k < used; ++k)
+            sums[k] += part[k];
+    return sums;
+}
 
 } // namespace
 
 Prism prism_between(const PointsView& coarse, const PointsView& fine, const Triangle& triangle)
 {
-    std::array<Vector3, 3> b, x;
-    Vector3 centre = Vector3::Zero();
-    for (int k = 0; k < 3; ++k) {
-        b[k] = coarse.row(triangle[k]).transpose();
-        x[k] = fine.row(triangle[k]).transpose();
-        centre += b[k] / 3;
-    }
-    for (int k = 0; k < 3; ++k) {
-        b[k] -= centre;
-        x[k] -= centre;
-    }
-    Prism prism{(det(x[0], x[1], x[2]) - det(b[0], b[1], b[2])) / 6, {}};
+    const auto at = [&](const PointsView& points, int corner) -> Vector3 {
+        return points.row(triangle[corner]).transpose();
+    };
+    const Vector3 e1 = at(coarse, 1) - at(coarse, 0), e2 = at(coarse, 2) - at(coarse, 0),
+                  g1 = at(fine, 1) - at(fine, 0) + 0.5 * e1, g2 = at(fine, 2) - at(fine, 0) + 0.5 * e2;
+    const Vector3 N = (g1.cross(g2) + 0.75 * e1.cross(e2)) / 18; // a sixth of that in the header
+    const Vector3 c[3] = {(g1 - g2) / 18, g2 / 18, -g1 / 18};
+    Vector3 d = Vector3::Zero();
     for (int k = 0; k < 3; ++k)
-        prism.gradient[k] = x[(k + 1) % 3].cross(x[(k + 2) % 3]) / 6;
-    for (int k = 0; k < 3; ++k) { // the wall b_k b_l x_l x_k
-        const int l = (k + 1) % 3;
-        prism.volume +=
-            (det(b[k], b[l], x[l]) + det(b[k], x[l], x[k]) + det(b[k], b[l], x[k]) + det(b[l], x[l], x[k])) /
-            12;
-        prism.gradient[l] += (b[k].cross(b[l]) + x[k].cross(b[k]) + x[k].cross(b[l])) / 12;
-        prism.gradient[k] += (b[k].cross(x[l]) + b[k].cross(b[l]) + b[l].cross(x[l])) / 12;
+        d += at(fine, k) - at(coarse, k);
+    Prism prism;
+    for (int i = 0; i < 3; ++i) {
+        const Vector3 moment = share_of_others * d + share_of_own * (at(fine, i) - at(coarse, i));
+        prism.volumes[i] = N.dot(moment);
+        for (int corner = 0; corner < 3; ++corner)
+            prism.slopes[i].col(corner) =
+                (share_of_others + (corner == i ? share_of_own : 0.0)) * N + c[corner].cross(moment);
     }
     return prism;
 }
 
 DisplacementVolumes::DisplacementVolumes(const SurfaceMesh& rest, const Regions& regions,
                                          const PointsView& fine, const PointsView& coarse,
-                                         std::shared_ptr<const RingRotations> rings)
-    : rings_(std::move(rings)), vectors_(rings_, coarse), is_free_(rest.vertex_count(), 0),
-      mass_(divisible_mass(rest, Discretization::cotan_voronoi))
+                                         std::shared_ptr<const RingRotations> rings, const Regions* wider)
+    : rings_(std::move(rings)), vectors_(rings_, coarse), duals_(rings_->duals(coarse)),
+      ring_area_(rest.vertex_count(), 0.0), is_free_(rest.vertex_count(), 0),
+      mass_(divisible_mass(rest, Discretization::cotan_voronoi)), area_(area(coarse))
 {
     const int n = rest.vertex_count();
-    for (int v = 0; v < n; ++v)
+    for (int v = 0; v < n; ++v) {
+        for (int t : rings_->around(v))
+            ring_area_[v] += duals_[t].normal.norm();
         if (regions.is_free(v)) {
             is_free_[v] = 1;
             free_.push_back(v);
         }
-    std::vector<Prism> prisms;
-    VectorX volumes;
-    evaluate(fine, coarse, prisms, volumes);
-    std::vector<int> number(n, -1);
-    for (std::size_t k = 0; k < free_.size(); ++k)
-        number[free_[k]] = static_cast<int>(k);
-    std::vector<Eigen::Triplet<double>> entries; // of M^-1/2 J^T
-    for (std::size_t t = 0; t < prisms.size(); ++t)
-        for (int i : rings_->triangles()[t])
-            for (int corner = 0; corner < 3; ++corner)
-                if (const int j = rings_->triangles()[t][corner]; is_free_[i] && is_free_[j])
-                    for (int axis = 0; axis < 3; ++axis)
-                        entries.emplace_back(3 * number[j] + axis, number[i],
-                                             prisms[t].gradient[corner][axis] / (3 * std::sqrt(mass_[j])));
-    const auto unknowns = static_cast<Eigen::Index>(free_.size());
-    SparseMatrix J(3 * unknowns, unknowns);
-    J.setFromTriplets(entries.begin(), entries.end());
-    SparseMatrix K = J.transpose() * J;
-    softness_ = unknowns > 0 ? softness * K.diagonal().mean() : 0.0;
+    }
+    SparseMatrix K = stiffness(fine, coarse);
+    double diagonal = 0.0;
+    for (int v : free_)
+        diagonal += K.coeff(v, v) / static_cast<double>(free_.size());
+    softness_ = softness * diagonal;
     if (!(softness_ > 0)) {
         free_.clear(); // without area, no vertex has a volume
         std::ranges::fill(is_free_, 0);
         return;
     }
-    for (Eigen::Index k = 0; k < unknowns; ++k)
-        K.coeffRef(k, k) += softness_;
-    K.makeCompressed();
-    try {
-        factor_.factorize(K);
-    } catch (const OutOfMemory&) {
-        throw;
-    } catch (const FactorizationFailed& failure) {
-        std::vector<int> vertices;
-        for (int k : failure.elements())
-            vertices.push_back(free_[k]);
-        throw FactorizationFailed("the volumes of the details have no unique solution",
-                                  Error::Element::vertex, std::move(vertices));
-    }
+    for (int v : free_)
+        K.coeffRef(v, v) += softness_;
+    equations_.factorize(std::make_shared<SparseMatrix>(std::move(K)), regions.free_vertices(),
+                         wider ? wider->free_vertices() : std::vector<bool>{});
+    volumes_ = volumes(fine, coarse);
 }
 
-void DisplacementVolumes::evaluate(const PointsView& fine, const PointsView& coarse,
-                                   std::vector<Prism>& prisms, VectorX& volumes) const
+SparseMatrix DisplacementVolumes::stiffness(const PointsView& fine, const PointsView& coarse) const
 {
-    prisms.resize(rings_->triangles().size());
-    parallel_for(static_cast<int>(prisms.size()),
-                 [&](int t) { prisms[t] = prism_between(coarse, fine, rings_->triangles()[t]); });
+    struct Entry
+    {
+        int row;
+        Vector3 slope;
+    };
+    const int n = static_cast<int>(is_free_.size());
+    const std::vector<Triangle>& triangles = rings_->triangles();
+    std::vector<Prism> prisms(triangles.size());
+    parallel_for(static_cast<int>(triangles.size()),
+                 [&](int t) { prisms[t] = prism_between(coarse, fine, triangles[t]); });
+    std::vector<int> begin(n + 1, 0), end(n);
+    for (int v = 0; v < n; ++v)
+        begin[v + 1] = begin[v] + 1 + 2 * static_cast<int>(rings_->around(v).size()); // at most
+    // (column v, row i) dV_i/dx_v / sqrt(m_v), or zero where v is not free.
+    std::vector<Entry> entries(begin[n]);
+    parallel_for(n, [&](int v) {
+        end[v] = begin[v];
+        const double scale = is_free_[v] ? 1 / std::sqrt(mass_[v]) : 0.0;
+        for (int t : rings_->around(v)) {
+            const int corner = corner_of(triangles[t], v);
+            for (int k = 0; k < 3; ++k) {
+                const Vector3 slope = scale * prisms[t].slopes[k].col(corner);
+                const auto first = entries.begin() + begin[v], last = entries.begin() + end[v];
+                const auto at = std::find_if(
+                    first, last, [i = triangles[t][k]](const Entry& entry) { return entry.row == i; });
+                if (at != last)
+                    at->slope += slope;
+                else
+                    entries[end[v]++] = {triangles[t][k], slope};
+            }
+        }
+    });
+    return sparse_by_columns(n, n, [&](int c, SparseColumn& column) {
+        for (int k = begin[c]; k < end[c]; ++k) { // who is near whom is mutual
+            const int v = entries[k].row;
+            const auto first = entries.begin() + begin[v], last = entries.begin() + end[v];
+            const Vector3 own =
+                std::find_if(first, last, [c](const Entry& entry) { return entry.row == c; })->slope;
+            for (auto at = first; at != last; ++at)
+                column.add(at->row, own.dot(at->slope));
+        }
+    });
+}
+
+void DisplacementVolumes::evaluate(const PointsView& fine, const PointsView& coarse, Workspace& work,
+                                   VectorX& volumes) const
+{
+    const std::vector<Triangle>& triangles = rings_->triangles();
+    const DetailKernels& kernels = widest_kernels<DetailKernels>();
+    work.cells.resize(triangles.size());
+    parallel_chunks(static_cast<int>(triangles.size()), 2048, [&](int begin, int end) {
+        kernels.volumes(coarse.data(), fine.data(), triangles[begin].data(), end - begin,
+                        work.cells[begin].data());
+    });
     volumes.resize(fine.rows());
     parallel_for(static_cast<int>(fine.rows()), [&](int v) {
         double sum = 0.0;
         if (is_free_[v])
             for (int t : rings_->around(v))
-                sum += prisms[t].volume;
-        volumes[v] = sum / 3;
+                sum += work.cells[t][corner_of(triangles[t], v)];
+        volumes[v] = sum;
     });
 }
 
 VectorX DisplacementVolumes::volumes(const PointsView& fine, const PointsView& coarse) const
 {
-    std::vector<Prism> prisms;
+    const auto work = workspaces_.take([] { return std::make_unique<Workspace>(); });
     VectorX found;
-    evaluate(fine, coarse, prisms, found);
+    evaluate(fine, coarse, *work, found);
     return found;
 }
 
-void DisplacementVolumes::pull(const std::vector<Prism>& prisms, const VectorX& multipliers,
-                               Points& move) const
+void DisplacementVolumes::pull(const PointsView& x, const PointsView& coarse, const VectorX& multipliers,
+                               Workspace& work, Points& move) const
 {
+    const std::vector<Triangle>& triangles = rings_->triangles();
+    const DetailKernels& kernels = widest_kernels<DetailKernels>();
+    work.forces.resize(triangles.size());
+    parallel_chunks(static_cast<int>(triangles.size()), 2048, [&](int begin, int end) {
+        kernels.forces(coarse.data(), x.data(), multipliers.data(), triangles[begin].data(), end - begin,
+                       work.forces[begin].data());
+    });
     move.resize(multipliers.size(), 3);
     parallel_for(static_cast<int>(move.rows()), [&](int v) {
         Vector3 sum = Vector3::Zero();
-        if (is_free_[v])
-            for (int t : rings_->around(v)) {
-                const Triangle& corners = rings_->triangles()[t];
-                const int at = corners[0] == v ? 0 : corners[1] == v ? 1 : 2;
-                sum += (multipliers[corners[0]] + multipliers[corners[1]] + multipliers[corners[2]]) *
-                       prisms[t].gradient[at];
-            }
-        move.row(v) = sum.transpose() / (3 * mass_[v]);
+        if (is_free_[v]) {
+            for (int t : rings_->around(v))
+                sum += work.forces[t].col(corner_of(triangles[t], v));
+            sum = (work.metric[v] * sum).eval();
+        }
+        move.row(v) = sum.transpose();
     });
 }
 
-void DisplacementVolumes::push(const std::vector<Prism>& prisms, const Points& move, VectorX& change) const
+void DisplacementVolumes::push(const PointsView& x, const PointsView& coarse, const Points& move,
+                               Workspace& work, VectorX& change) const
 {
+    const std::vector<Triangle>& triangles = rings_->triangles();
+    const DetailKernels& kernels = widest_kernels<DetailKernels>();
+    parallel_chunks(static_cast<int>(triangles.size()), 2048, [&](int begin, int end) {
+        kernels.changes(coarse.data(), x.data(), move.data(), triangles[begin].data(), end - begin,
+                        work.cells[begin].data());
+    });
     change.resize(move.rows());
     parallel_for(static_cast<int>(move.rows()), [&](int v) {
         double sum = 0.0;
         if (is_free_[v])
             for (int t : rings_->around(v))
-                for (int corner = 0; corner < 3; ++corner)
-                    sum +=
-                        prisms[t].gradient[corner].dot(move.row(rings_->triangles()[t][corner]).transpose());
-        change[v] = sum / 3;
+                sum += work.cells[t][corner_of(triangles[t], v)];
+        change[v] = sum;
     });
 }
 
-VectorX DisplacementVolumes::precondition(const VectorX& r) const
+void DisplacementVolumes::precondition(const VectorX& r, Workspace& work, VectorX& solved) const
 {
-    const VectorX solved = factor_.solve(r(free_));
-    VectorX found = VectorX::Zero(r.size());
-    found(free_) = solved;
-    return found;
+    const std::vector<int>& unknowns = equations_.problem().unknowns;
+    const int count = static_cast<int>(unknowns.size());
+    work.unknowns.resize(count, 1);
+    parallel_for(count, [&](int u) { work.unknowns(u, 0) = work.inverse[unknowns[u]] * r[unknowns[u]]; });
+    equations_.factor().solve_rows(work.unknowns);
+    if (solved.size() != r.size())
+        solved = VectorX::Zero(r.size());
+    parallel_for(count,
+                 [&](int u) { solved[unknowns[u]] = work.inverse[unknowns[u]] * work.unknowns(u, 0); });
 }
 
-int DisplacementVolumes::newton(const std::vector<Prism>& prisms, const VectorX& r, double least, int most,
-                                VectorX& multipliers) const
+int DisplacementVolumes::newton(const PointsView& x, const PointsView& coarse, const VectorX& r, double least,
+                                int most, Workspace& work) const
 {
-    multipliers = VectorX::Zero(r.size());
-    VectorX left = r, z = precondition(r), p = z, product;
-    Points move;
+    work.multipliers = VectorX::Zero(r.size());
+    VectorX left = r, z, product;
+    precondition(left, work, z);
+    VectorX p = z;
     double slope = left.dot(z);
     int solves = 1;
     for (; solves < most && slope > 0; ++solves) {
-        pull(prisms, p, move);
-        push(prisms, move, product);
+        pull(x, coarse, p, work, work.move);
+        push(x, coarse, work.move, work, product);
         product += softness_ * p;
         const double length = slope / p.dot(product);
-        multipliers += length * p;
+        work.multipliers += length * p;
         left -= length * product;
         if (left.cwiseAbs().maxCoeff() < least)
             break;
-        z = precondition(left);
+        precondition(left, work, z);
         const double next = left.dot(z);
         p = z + next / slope * p;
         slope = next;
@@ -205,64 +273,102 @@ double DisplacementVolumes::area(const PointsView& points) const
     });
 }
 
-void DisplacementVolumes::mix(Workspace& work, int count)
+std::array<double, DisplacementVolumes::kept_steps> DisplacementVolumes::mix(Workspace& work, int count)
 {
-    const auto slots = work.steps.size();
-    const int kept = std::min(count, kept_steps);
-    const auto step = [&](int back) -> Step& { return work.steps[(count - back) % slots]; };
-    if (kept > 0) { // what was the start of this step becomes its change
-        Step& last = step(1);
-        last.left = work.left - last.left;
-        last.multipliers = work.multipliers - last.multipliers;
-        last.x = work.x - last.x;
+    Steps& steps = work.steps;
+    const int used = std::min(count, kept_steps), newest = (count + kept_steps - 1) % kept_steps;
+    std::array<double, kept_steps> shares{};
+    if (used > 0) {
+        steps.left[newest] = work.left - steps.last_left;
+        steps.multipliers[newest] = work.multipliers - steps.last_multipliers;
+        const auto row = products_with<kept_steps>(steps.left[newest], steps.multipliers, used),
+                   side = products_with<kept_steps>(work.left, steps.multipliers, used);
+        for (int k = 0; k < used; ++k)
+            steps.products(newest, k) = steps.products(k, newest) = row[k];
+        MatrixX products = steps.products.topLeftCorner(used, used);
+        products.diagonal() *= 1 + least_independence;
+        const VectorX found = products.ldlt().solve(Eigen::Map<const VectorX>(side.data(), used)).eval();
+        if (found.allFinite())
+            std::copy_n(found.data(), used, shares.begin());
     }
-    Step& next = step(0);
-    next.left = work.left;
-    next.multipliers = work.multipliers;
-    next.x = work.x;
-    MatrixX products(kept, kept);
-    VectorX shares(kept);
-    for (int i = 0; i < kept; ++i) {
-        for (int j = 0; j <= i; ++j)
-            products(i, j) = products(j, i) = step(i + 1).left.dot(step(j + 1).multipliers);
-        shares[i] = step(i + 1).left.dot(work.multipliers);
-    }
-    products.diagonal() *= 1 + least_independence;
-    shares = products.ldlt().solve(shares).eval();
-    if (!shares.allFinite())
-        return;
-    for (int i = 0; i < kept; ++i) {
-        work.multipliers -= shares[i] * step(i + 1).multipliers;
-        work.x -= shares[i] * step(i + 1).x;
-    }
+    steps.last_left = work.left;
+    steps.last_multipliers = work.multipliers;
+    for (int k = 0; k < used; ++k)
+        work.multipliers -= shares[k] * steps.multipliers[k];
+    return shares;
+}
+
+void DisplacementVolumes::take_map(int vertex, const Matrix3& rotation, const Matrix3& sum,
+                                   Workspace& work) const
+{
+    const bool has_area = ring_area_[vertex] > 0;
+    const Matrix3 F = has_area ? Matrix3(sum / ring_area_[vertex]) : rotation;
+    work.metric[vertex] = F * F.transpose() / mass_[vertex];
+    work.inverse[vertex] = 1 / std::clamp(std::abs(F.determinant()), least_scale, most_scale);
+}
+
+void DisplacementVolumes::begin(const Band& band, Workspace& work, Points& detailed,
+                                SolveReport& report) const
+{
+    const auto n = static_cast<Eigen::Index>(is_free_.size());
+    work.metric.resize(n);
+    work.inverse.setOnes(n);
+    const auto is_free = [&](int v) {
+        if (is_free_[v])
+            return true;
+        if (band.at_rest)
+            detailed.row(v) = band.moved.row(v) +
+                              (band.fine.row(v) - band.coarse.row(v)); // where it is none but of rounding
+        return false;
+    };
+    if (band.at_rest)
+        detailed.resize(n, 3);
+    else
+        vectors_.apply(band, detailed, report);
+    rings_->fit(duals_, band.moved, work.maps, is_free,
+                [&](int v, const Matrix3& rotation, const Matrix3& sum) {
+                    if (band.at_rest)
+                        detailed.row(v) =
+                            band.moved.row(v) +
+                            (rotation * (band.fine.row(v) - band.coarse.row(v)).transpose()).transpose();
+                    take_map(v, rotation, sum, work);
+                });
 }
 
 void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport& report) const
 {
-    vectors_.apply(band, detailed, report);
-    if (free_.empty())
+    if (free_.empty()) {
+        vectors_.apply(band, detailed, report);
         return;
+    }
     const auto work = workspaces_.take([] { return std::make_unique<Workspace>(); });
-    evaluate(band.fine, band.coarse, work->prisms, work->goal);
+    begin(band, *work, detailed, report);
+    if (band.at_rest)
+        work->goal = volumes_;
+    else
+        evaluate(band.fine, band.coarse, *work, work->goal);
     double scale = 0.0, cells = 0.0;
     for (int v : free_) {
         scale += std::abs(work->goal[v]) / static_cast<double>(free_.size());
-        cells += std::pow(mass_[v], 1.5) / static_cast<double>(free_.size());
+        cells += mass_[v] * std::sqrt(mass_[v]) / static_cast<double>(free_.size());
     }
     scale = std::max(scale, least_detail * cells); // a plate has volumes of rounding alone
-    const double before = area(band.coarse), after = area(band.moved);
+    const double before = band.at_rest ? area_ : area(band.coarse), after = area(band.moved);
     bool chord = std::abs(after - before) <= area_change * before;
     report.fallbacks += !chord;
     work->x = detailed;
+    const Points* at = &work->x;
     double best = INFINITY, earlier[2] = {INFINITY, INFINITY};
     int steps = 0, own = 0, solves = 0; // own: steps of this kind
     for (;; ++steps, ++own) {
-        evaluate(view(work->x), band.moved, work->prisms, work->left);
+        evaluate(view(work->x), band.moved, *work, work->left);
         work->left = work->goal - work->left;
         const double worst = work->left.cwiseAbs().maxCoeff() / scale;
+        at = &work->x;
         if (worst < best) {
             best = worst;
-            work->best = work->x;
+            work->best.swap(work->x);
+            at = &work->best;
         }
         if (best < tolerance)
             break;
@@ -278,20 +384,31 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
         if (solves >= most_solves || (!chord && !std::isfinite(worst)))
             break;
         if (chord) {
-            work->multipliers = precondition(work->left);
-            mix(*work, own);
+            precondition(work->left, *work, work->multipliers);
+            const auto shares = mix(*work, own);
             ++solves;
+            Points& change = work->steps.x[own % kept_steps];
+            const int used = std::min(own, kept_steps), n = static_cast<int>(is_free_.size());
+            pull(view(*at), band.moved, work->multipliers, *work, work->move);
+            parallel_for(n, [&](int v) {
+                for (int k = 0; k < used; ++k)
+                    work->move.row(v) -= shares[k] * work->steps.x[k].row(v);
+            });
+            change = work->move;
         } else {
-            solves += newton(work->prisms, work->left, std::max(0.05 * worst, 0.3 * tolerance) * scale,
-                             most_solves - solves, work->multipliers);
+            solves += newton(view(*at), band.moved, work->left,
+                             std::max(0.05 * worst, 0.3 * tolerance) * scale, most_solves - solves, *work);
+            pull(view(*at), band.moved, work->multipliers, *work, work->move);
         }
-        pull(work->prisms, work->multipliers, work->move);
-        work->x += work->move;
+        if (at != &work->x)
+            work->x.resize(at->rows(), 3);
+        parallel_for(static_cast<int>(at->rows()),
+                     [&](int v) { work->x.row(v) = at->row(v) + work->move.row(v); });
         earlier[1] = earlier[0];
         earlier[0] = worst;
     }
     if (std::isfinite(best))
-        detailed = work->best;
+        detailed.swap(work->best);
     report.iterations += steps;
     report.residual = best;
     report.converged = report.converged && best < tolerance;
@@ -299,9 +416,10 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
 
 void DisplacementVolumes::report(BindReport& report) const
 {
-    report.factorizations = factor_.factorizations();
-    report.analyses = factor_.analyses();
-    report.factor_bytes = factor_.size() ? factor_.bytes() : 0;
+    const SpdFactor& factor = equations_.factor();
+    report.factorizations = factor.factorizations();
+    report.analyses = factor.analyses();
+    report.factor_bytes = factor.bytes();
 }
 
 } // namespace sinew

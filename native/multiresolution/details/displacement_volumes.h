@@ -6,7 +6,7 @@
 #include "native/multiresolution/details/detail_coding.h"
 #include "native/multiresolution/details/displacement_vectors.h"
 #include "native/multiresolution/details/ring_rotations.h"
-#include "native/solvers/spd_factor.h"
+#include "native/solvers/constrained_quadratic.h"
 
 #include <array>
 #include <memory>
@@ -14,12 +14,19 @@
 
 namespace sinew {
 
-/// The signed volume of the prism between a triangle of the base and one of the surface, and its derivatives
-/// by the three corners of the surface. The walls are the means of their two triangulations.
+/// The signed volume of the prism between a triangle b of the base and one x of the surface, with ruled
+/// walls.
+///
+/// Over the point of b with barycentric coordinates u, the prism has the volume N d(u), where d = x - b is
+/// linear on the triangle, and
+///
+///     N = 1/3 (Nb + 1/2 Nm + Nx),   Nb = e1 x e2,   Nx = f1 x f2,   Nm = e1 x f2 + f1 x e2
+///
+/// with the edges e of b and f of x. The cell of a corner is where its coordinate is the largest.
 struct Prism
 {
-    double volume;
-    std::array<Vector3, 3> gradient;
+    std::array<double, 3> volumes; ///< over the cells of the corners
+    std::array<Matrix3, 3> slopes; ///< of each volume by the three corners of the surface, column by column
 };
 Prism prism_between(const PointsView& coarse, const PointsView& fine, const Triangle& triangle);
 
@@ -29,32 +36,39 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 /// M. Botsch, L. Kobbelt. "Multiresolution Surface Representation Based on Displacement Volumes."
 /// Eurographics 2003. Tutorial, section 4.4.3.
 ///
-///     least |x - x_0|^2_M   such that   V_i(x, b') = V_i(y, b) at each free vertex
+///     least sum_i m_i |F_i^-1 (x_i - x0_i)|^2   such that   V_i(x, b') = V_i(y, b) at each free vertex
 ///
-/// V_i is a third of the volumes of the prisms at a vertex, and x_0 the result of DisplacementVectors.
-/// Departs from the paper by one volume per vertex, and by its solver. With J = dV/dx, a step is x += M^-1
-/// J^T l:
+/// V_i is the volume over the cell of a vertex, and x0 the result of DisplacementVectors. F_i is the mean map
+/// of the triangles of the base there (RingRotations), so moves are measured as they would be at rest.
+/// Departs from the paper by one volume per vertex, and by its solver. With J = dV/dx and W = F M^-1 F^T, a
+/// step is x += W J^T l. Where F changes little from vertex to vertex, J F is det(F) times what it was at
+/// rest, so
 ///
-///   chord   l = K^-1 r with the factor of K = J M^-1 J^T of the rest shape, as long as steps halve r. Of the
-///           last steps that combination is taken off which leaves the least r^T K^-1 r (D. Anderson.
-///           "Iterative Procedures for Nonlinear Integral Equations." Journal of the ACM, 1965)
-///   Newton  J M^-1 J^T l = r by conjugate gradients with that factor as their preconditioner, where the
-///           chord stalls, or where the area of the base changes by more than a tenth
+///   chord   l = S^-1 K^-1 S^-1 r, with S = det F and the factor of K = J M^-1 J^T of the rest shape, takes
+///           off nine tenths of the residual r where heights times curvature are small. It goes on as long as
+///           two steps halve r. Of the last steps that combination is taken off which leaves the least r^T l
+///           (D. Anderson. "Iterative Procedures for Nonlinear Integral Equations." Journal of the ACM, 1965)
+///   Newton  J W J^T l = r by conjugate gradients with the same as their preconditioner, where the chord
+///           stalls, or where the area of the base changes by more than a tenth
 ///
-/// Volumes are kept, so a base that is scaled by s has details that are lower by s^2.
+/// With thirds of the prisms at a vertex instead of cells, sums over each triangle could vanish while
+/// vertices move to and fro, and the steps would not converge so fast on fine meshes. Volumes are kept, so a
+/// base that is scaled by s has details that are lower by s^2.
 ///
 ///   call         cost
 ///   constructor  a factor of the thin shell's size
-///   apply()      some 3 to 10 steps of a solve for one column each, where heights times curvature stay below
+///   apply()      some 4 to 8 steps of a solve for one column each, where heights times curvature stay below
 ///                .7; beyond that, up to 150 solves
 class DisplacementVolumes final : public DetailCoding
 {
 public:
     /// \param regions       those of the fairing.
     /// \param fine, coarse  (n, 3) the band at rest.
+    /// \param wider         as for the fairing, whose analysis this shares.
     /// \throw FactorizationFailed  the element is a vertex.
     DisplacementVolumes(const SurfaceMesh& rest, const Regions& regions, const PointsView& fine,
-                        const PointsView& coarse, std::shared_ptr<const RingRotations> rings);
+                        const PointsView& coarse, std::shared_ptr<const RingRotations> rings,
+                        const Regions* wider = nullptr);
 
     /// Adds its steps to the iterations, and one to the fallbacks where it needs Newton's; the residual is
     /// the largest error of a volume, as a share of their mean. Where that is not below 1e-6, the report has
@@ -66,45 +80,63 @@ public:
     VectorX volumes(const PointsView& fine, const PointsView& coarse) const;
 
 private:
-    /// What changed in a step of the chord.
-    struct Step
+    static constexpr int kept_steps = 3;
+
+    /// The last steps of the chord, in turn.
+    struct Steps
     {
-        VectorX left, multipliers;
-        Points x;
+        std::array<VectorX, kept_steps> left, multipliers; ///< their changes
+        std::array<Points, kept_steps> x; ///< likewise
+        Eigen::Matrix<double, kept_steps, kept_steps> products; ///< of changes of r and l
+        VectorX last_left, last_multipliers;
     };
-    static constexpr int kept_steps = 4;
 
     struct Workspace
     {
-        std::vector<Prism> prisms; ///< of the triangles
-        std::array<Step, kept_steps + 1> steps; ///< the last ones in turn, and where the next one starts
+        std::vector<std::array<double, 3>> cells; ///< volumes of the triangles
+        std::vector<Matrix3> maps, forces; ///< of the triangles
+        std::vector<Matrix3> metric; ///< (n) F F^T / m
+        VectorX inverse; ///< (n) 1 / det F
+        Steps steps;
         VectorX goal, left, multipliers;
+        RowMatrix unknowns;
         Points x, move, best;
     };
 
-    void evaluate(const PointsView& fine, const PointsView& coarse, std::vector<Prism>& prisms,
-                  VectorX& volumes) const;
-    /// move = M^-1 J^T multipliers.
-    void pull(const std::vector<Prism>& prisms, const VectorX& multipliers, Points& move) const;
+    void evaluate(const PointsView& fine, const PointsView& coarse, Workspace& work, VectorX& volumes) const;
+    /// The last sum of RingRotations at a vertex, as `metric` and `inverse`.
+    void take_map(int vertex, const Matrix3& rotation, const Matrix3& sum, Workspace& work) const;
+    /// x0, and the maps of the base.
+    void begin(const Band& band, Workspace& work, Points& detailed, SolveReport& report) const;
+    /// move = W J^T multipliers.
+    void pull(const PointsView& x, const PointsView& coarse, const VectorX& multipliers, Workspace& work,
+              Points& move) const;
     /// J move.
-    void push(const std::vector<Prism>& prisms, const Points& move, VectorX& change) const;
-    VectorX precondition(const VectorX& r) const;
-    /// Solves J M^-1 J^T l = r until the largest residual is below `least`, or by `most` solves; returns
-    /// their number.
-    int newton(const std::vector<Prism>& prisms, const VectorX& r, double least, int most,
-               VectorX& multipliers) const;
+    void push(const PointsView& x, const PointsView& coarse, const Points& move, Workspace& work,
+              VectorX& change) const;
+    /// S^-1 K^-1 S^-1 r
+    void precondition(const VectorX& r, Workspace& work, VectorX& solved) const;
+    /// Solves J W J^T l = r until the largest residual is below `least`, or by `most` solves; returns their
+    /// number. l is the workspace's multipliers.
+    int newton(const PointsView& x, const PointsView& coarse, const VectorX& r, double least, int most,
+               Workspace& work) const;
     double area(const PointsView& points) const;
-    /// Takes that combination of the last steps off x and the multipliers which leaves the least r^T K^-1 r.
+    /// (n, n) J M^-1 J^T of the free vertices, in the pattern of the thin shell.
+    SparseMatrix stiffness(const PointsView& fine, const PointsView& coarse) const;
+    /// Which share of each of the last steps to take off; takes it off the multipliers.
     /// \param count  of steps before.
-    static void mix(Workspace& work, int count);
+    static std::array<double, kept_steps> mix(Workspace& work, int count);
 
     std::shared_ptr<const RingRotations> rings_;
     DisplacementVectors vectors_;
+    std::vector<FaceDual> duals_; ///< of the base at rest
+    std::vector<double> ring_area_; ///< (n) of the triangles with a dual there
     std::vector<int> free_; ///< vertices
     std::vector<char> is_free_;
-    VectorX mass_;
+    VectorX mass_, volumes_; ///< at rest
+    double area_ = 0; ///< of the base at rest
     double softness_ = 0; ///< on the diagonal of K
-    SpdFactor factor_;
+    ConstrainedQuadratic equations_;
     mutable Pool<Workspace> workspaces_;
 };
 

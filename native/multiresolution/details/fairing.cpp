@@ -38,13 +38,15 @@ Regions faired_regions(const SurfaceMesh& mesh, const Regions& regions, const Co
 double mean_edge(const SurfaceMesh& mesh)
 {
     double sum = 0.0;
-    const auto edges = mesh.edges();
-    for (const auto& [a, b] : edges)
-        sum += (mesh.point(a) - mesh.point(b)).norm();
-    return edges.empty() ? 0.0 : sum / static_cast<double>(edges.size());
+    int count = 0;
+    for_each_edge(sorted_half_edges(mesh), [&](std::span<const HalfEdge> edge) {
+        sum += (mesh.point(edge[0].low) - mesh.point(edge[0].high)).norm();
+        ++count;
+    });
+    return count == 0 ? 0.0 : sum / count;
 }
 
-Fairing::Fairing(const SurfaceMesh& rest, const Regions& regions, double wavelength)
+Fairing::Fairing(const SurfaceMesh& rest, const Regions& regions, double wavelength, const Regions* wider)
     : still_(regions.handle_count(), Pose::Identity())
 {
     const TriangleMetric metric = triangle_metric(rest, least_area_for_order(2));
@@ -55,14 +57,14 @@ Fairing::Fairing(const SurfaceMesh& rest, const Regions& regions, double wavelen
     for (int v = 0; v < rest.vertex_count(); ++v)
         H->coeffRef(v, v) += mass[v];
     H->makeCompressed();
-    system_.factorize(std::move(H), regions);
+    system_.factorize(std::move(H), regions, {}, wider);
 }
 
 void Fairing::smooth(const PointsView& y, Points& smoothed) const
 {
     // The rows of L sum to zero, so M y - H y has no need of diagonals, and those alone hold M and the pulls.
     const SparseMatrix& H = system_.matrix();
-    system_.solve({still_, y, {}, nullptr}, smoothed, [&](RowMatrix& b) {
+    system_.displace({still_, y, {}, nullptr}, smoothed, [&](RowMatrix& b) {
         parallel_for(static_cast<int>(y.rows()), [&](int v) {
             Vector3 sum = Vector3::Zero();
             for (SparseMatrix::InnerIterator entry(H, v); entry; ++entry)

@@ -38,8 +38,11 @@ class Fairing
 {
 public:
     /// \param wavelength  a length > 0, unless the mesh has none.
+    /// \param wider       those of faired_regions() without the border: the analysis is theirs, so that a
+    ///   factor of the thin shell can share it. Null for none.
     /// \throw FactorizationFailed  the element is a vertex.
-    Fairing(const SurfaceMesh& rest, const Regions& regions, double wavelength);
+    Fairing(const SurfaceMesh& rest, const Regions& regions, double wavelength,
+            const Regions* wider = nullptr);
 
     /// \param y              (n, 3)
     /// \param[out] smoothed  (n, 3)

@@ -200,7 +200,9 @@ void NormalDisplacements::apply(const Band& band, Points& detailed, SolveReport&
         [&](int v) {
             return seats_[v].triangle < 0 ? band.fine.row(v) != band.coarse.row(v) : !band.at_rest;
         },
-        [&](int v, const Matrix3& R) { detailed.row(v) += (R * left(v)).transpose(); });
+        [&](int v, const Matrix3& R, const Matrix3& /*sum*/) {
+            detailed.row(v) += (R * left(v)).transpose();
+        });
 }
 
 } // namespace sinew

@@ -3,6 +3,7 @@
 
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/multiresolution/details/detail_kernels.h"
 #include "native/operators/fit_kernels.h"
 #include "native/operators/rotation_fit.h"
 
@@ -13,6 +14,8 @@
 #include <utility>
 
 namespace sinew {
+
+static_assert(sizeof(FaceDual) == 9 * sizeof(double) && sizeof(Triangle) == 3 * sizeof(int));
 
 namespace {
 
@@ -38,35 +41,6 @@ Matrix3 weighted_map(const FaceDual& dual, const PointsView& after, const Triang
     return f1 * dual.first.transpose() + f2 * dual.second.transpose() +
            direction(N1, N1.norm()) * dual.normal.transpose();
 }
-
-/// Vertices whose rotations are fitted together.
-struct FourRings
-{
-    const FitKernels& kernels = widest_kernels<FitKernels>();
-    int count = 0;
-    int vertices[4];
-    Matrix3 sums[4];
-
-    void add(int vertex, const Matrix3& sum)
-    {
-        vertices[count] = vertex;
-        sums[count++] = sum;
-    }
-
-    void fit(const RingRotations::Use& use)
-    {
-        using Row = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-        std::fill(sums + count, sums + 4, Matrix3::Identity());
-        double given[36], found[36];
-        for (int k = 0; k < 4; ++k)
-            Eigen::Map<Row>(given + 9 * k) = sums[k];
-        const int safe = kernels.fit(given, found);
-        for (int k = 0; k < count; ++k)
-            use(vertices[k],
-                safe >> k & 1 ? Matrix3(Eigen::Map<const Row>(found + 9 * k)) : fit_rotation_svd(sums[k]));
-        count = 0;
-    }
-};
 
 } // namespace
 
@@ -134,35 +108,52 @@ std::vector<FaceDual> RingRotations::duals(const PointsView& before) const
     return found;
 }
 
-void RingRotations::fit(const PointsView& before, const PointsView& after, std::vector<Matrix3>& maps,
-                        const Wanted& wanted, const Use& use) const
+void RingRotations::map_all(const PointsView& before, const PointsView& after,
+                            std::vector<Matrix3>& maps) const
 {
-    fit_all([&](int t) { return face_dual(before, triangles_[t]); }, after, maps, wanted, use);
-}
-
-void RingRotations::fit(const std::vector<FaceDual>& before, const PointsView& after,
-                        std::vector<Matrix3>& maps, const Wanted& wanted, const Use& use) const
-{
-    fit_all([&](int t) -> const FaceDual& { return before[t]; }, after, maps, wanted, use);
-}
-
-template <class Dual>
-void RingRotations::fit_all(const Dual& dual, const PointsView& after, std::vector<Matrix3>& maps,
-                            const Wanted& wanted, const Use& use) const
-{
+    const DetailKernels& kernels = widest_kernels<DetailKernels>();
     maps.resize(triangles_.size());
-    parallel_for(static_cast<int>(triangles_.size()),
-                 [&](int t) { maps[t] = weighted_map(dual(t), after, triangles_[t]); });
-    parallel_chunks(static_cast<int>(after.rows()), 2048, [&](int begin, int end) {
-        FourRings rings;
-        for (int v = begin; v < end; ++v)
-            if (wanted(v)) {
-                rings.add(v, sum_around(v, [&](int t) -> const Matrix3& { return maps[t]; }));
-                if (rings.count == 4)
-                    rings.fit(use);
-            }
-        rings.fit(use);
+    constexpr int block = 32;
+    parallel_chunks(static_cast<int>(triangles_.size()), 64 * block, [&](int begin, int end) {
+        FaceDual duals[block];
+        for (int from = begin; from < end; from += block) {
+            const int count = std::min(block, end - from);
+            for (int k = 0; k < count; ++k)
+                duals[k] = face_dual(before, triangles_[from + k]);
+            kernels.maps(duals[0].first.data(), after.data(), triangles_[from].data(), count,
+                         maps[from].data());
+        }
     });
+}
+
+void RingRotations::map_all(const std::vector<FaceDual>& before, const PointsView& after,
+                            std::vector<Matrix3>& maps) const
+{
+    const DetailKernels& kernels = widest_kernels<DetailKernels>();
+    maps.resize(triangles_.size());
+    parallel_chunks(static_cast<int>(triangles_.size()), 2048, [&](int begin, int end) {
+        kernels.maps(before[begin].first.data(), after.data(), triangles_[begin].data(), end - begin,
+                     maps[begin].data());
+    });
+}
+
+Matrix3 RingRotations::sum_of(const std::vector<Matrix3>& maps, int vertex) const
+{
+    return sum_around(vertex, [&](int t) -> const Matrix3& { return maps[t]; });
+}
+
+void RingRotations::fit_four(int count, const Matrix3* matrices, Matrix3* rotations)
+{
+    if (count == 0)
+        return;
+    using Row = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    double given[36], found[36];
+    for (int k = 0; k < 4; ++k)
+        Eigen::Map<Row>(given + 9 * k) = k < count ? matrices[k] : Matrix3::Identity();
+    const int safe = widest_kernels<FitKernels>().fit(given, found);
+    for (int k = 0; k < count; ++k)
+        rotations[k] =
+            safe >> k & 1 ? Matrix3(Eigen::Map<const Row>(found + 9 * k)) : fit_rotation_svd(matrices[k]);
 }
 
 } // namespace sinew

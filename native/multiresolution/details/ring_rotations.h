@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/parallel.h"
 #include "native/core/types.h"
 #include "native/mesh/surface_mesh.h"
 
-#include <functional>
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -42,16 +43,36 @@ public:
     RingRotations() = default;
     explicit RingRotations(const SurfaceMesh& mesh);
 
-    using Wanted = std::function<bool(int vertex)>;
-    using Use = std::function<void(int vertex, const Matrix3& rotation)>;
-    /// \param before, after  (n, 3)
+    /// Calls use(vertex, rotation, sum) for the vertices for which wanted(vertex) is true, both from several
+    /// threads; the sum is that of the maps of its triangles times their areas.
+    /// \param before  (n, 3), or what duals() returned for it.
+    /// \param after   (n, 3)
     /// \param maps    a workspace that is kept from call to call.
-    /// \param wanted  whether a vertex needs its rotation. Called from several threads, as is `use`.
-    void fit(const PointsView& before, const PointsView& after, std::vector<Matrix3>& maps,
-             const Wanted& wanted, const Use& use) const;
-    /// Likewise, from what duals() returned for the shape before.
-    void fit(const std::vector<FaceDual>& before, const PointsView& after, std::vector<Matrix3>& maps,
-             const Wanted& wanted, const Use& use) const;
+    template <class Before, class Wanted, class Use>
+    void fit(const Before& before, const PointsView& after, std::vector<Matrix3>& maps, const Wanted& wanted,
+             const Use& use) const
+    {
+        map_all(before, after, maps);
+        parallel_chunks(static_cast<int>(after.rows()), 2048, [&](int begin, int end) {
+            int vertices[4], count = 0;
+            Matrix3 sums[4], turns[4];
+            std::fill_n(sums, 4, Matrix3::Identity());
+            const auto finish = [&] {
+                fit_four(count, sums, turns);
+                for (int k = 0; k < count; ++k)
+                    use(vertices[k], turns[k], sums[k]);
+                count = 0;
+            };
+            for (int v = begin; v < end; ++v)
+                if (wanted(v)) {
+                    vertices[count] = v;
+                    sums[count++] = sum_of(maps, v);
+                    if (count == 4)
+                        finish();
+                }
+            finish();
+        });
+    }
 
     /// One per triangle, for a shape before that stays.
     std::vector<FaceDual> duals(const PointsView& before) const;
@@ -67,10 +88,14 @@ public:
     }
 
 private:
-    /// fit(), with one call of dual(triangle) each.
-    template <class Dual>
-    void fit_all(const Dual& dual, const PointsView& after, std::vector<Matrix3>& maps, const Wanted& wanted,
-                 const Use& use) const;
+    /// (triangles) their maps times their areas.
+    void map_all(const PointsView& before, const PointsView& after, std::vector<Matrix3>& maps) const;
+    void map_all(const std::vector<FaceDual>& before, const PointsView& after,
+                 std::vector<Matrix3>& maps) const;
+    /// The sum of those that decide about a vertex.
+    Matrix3 sum_of(const std::vector<Matrix3>& maps, int vertex) const;
+    /// The rotations that are closest to up to four matrices.
+    static void fit_four(int count, const Matrix3* matrices, Matrix3* rotations);
     /// The sum of map(triangle) over the triangles that decide about a vertex.
     template <class Map>
     Matrix3 sum_around(int vertex, const Map& map) const;

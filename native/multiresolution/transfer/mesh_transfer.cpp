@@ -68,7 +68,8 @@ MeshTransfer::MeshTransfer(const SurfaceMesh& source, const SurfaceMesh& target)
 {
     require_same_faces(source, target);
     rings_ = std::make_shared<const RingRotations>(target);
-    faces_ = std::make_unique<DeformationTransfer>(target, anchors(parts_), rings_);
+    faces_ =
+        std::make_unique<DeformationTransfer>(target, anchors(parts_), view(target_), view(source_), rings_);
     double area = 0.0, target_area = 0.0;
     std::tie(shares_, area) = shares_of(source, parts_);
     std::tie(target_shares_, target_area) = shares_of(target, parts_);
@@ -86,7 +87,7 @@ void MeshTransfer::transfer(const PointsView& source, Points& target) const
     if (!all_finite(source))
         throw InvalidConstraint("source: NaN or infinite coordinates");
     SolveReport report;
-    faces_->apply({view(target_), view(source_), source}, target, report);
+    faces_->apply({view(target_), view(source_), source, true}, target, report);
     Matrix3 sum = Matrix3::Zero();
     for (const Triangle& t : rings_->triangles())
         sum += face_map(view(source_), source, t).weighted;

@@ -131,6 +131,19 @@ cholmod_sparse view(const SparseMatrix& matrix)
     return s;
 }
 
+/// The symbolic part of supernodal factors.
+struct Symbolic final : Analysis
+{
+    explicit Symbolic(cholmod_factor* found) : factor(found) {}
+    ~Symbolic() override
+    {
+        Workspace workspace;
+        cholmod_free_factor(&factor, workspace.get());
+    }
+
+    cholmod_factor* factor;
+};
+
 class CholmodFactor final : public FactorEngine
 {
 public:
@@ -140,18 +153,21 @@ public:
     void analyze(const SparseMatrix& matrix, const std::vector<int>& order) override
     {
         release();
-        Workspace workspace;
-        workspace.get()->supernodal = supernodal_ ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
-        cholmod_sparse a = view(matrix);
-        std::vector<int> permutation = order;
-        factor_ = cholmod_analyze_p(&a, permutation.data(), nullptr, 0, workspace.get());
-        if (!factor_) {
-            if (workspace.get()->status == CHOLMOD_TOO_LARGE)
-                throw OutOfMemory("the factor needs at least " +
-                                  in_words(static_cast<std::int64_t>(8 * workspace.get()->lnz)) +
-                                  ", more than can be addressed: use fewer vertices");
-            refuse(workspace.get()->status);
-        }
+        cholmod_factor* const found = analyzed(matrix, order);
+        if (found->is_super)
+            adopt(std::make_shared<const Symbolic>(found));
+        else
+            factor_ = found;
+    }
+
+    std::shared_ptr<const Analysis> analysis() const override { return symbolic_; }
+
+    void adopt(std::shared_ptr<const Analysis> analysis) override
+    {
+        release();
+        symbolic_ = std::static_pointer_cast<const Symbolic>(std::move(analysis));
+        own_factor_ = *symbolic_->factor; // with its arrays, and later with values of its own
+        factor_ = &own_factor_;
     }
 
     int factorize(const SparseMatrix& matrix) override
@@ -298,6 +314,24 @@ private:
         throw FactorizationFailed("CHOLMOD failed with status " + std::to_string(status));
     }
 
+    /// The result of cholmod_analyze_p(), which belongs to the caller.
+    cholmod_factor* analyzed(const SparseMatrix& matrix, const std::vector<int>& order) const
+    {
+        Workspace workspace;
+        workspace.get()->supernodal = supernodal_ ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
+        cholmod_sparse a = view(matrix);
+        std::vector<int> permutation = order;
+        cholmod_factor* const found = cholmod_analyze_p(&a, permutation.data(), nullptr, 0, workspace.get());
+        if (!found) {
+            if (workspace.get()->status == CHOLMOD_TOO_LARGE)
+                throw OutOfMemory("the factor needs at least " +
+                                  in_words(static_cast<std::int64_t>(8 * workspace.get()->lnz)) +
+                                  ", more than can be addressed: use fewer vertices");
+            refuse(workspace.get()->status);
+        }
+        return found;
+    }
+
     /// Computes the values of CHOLMOD's own factor in place, so that CHOLMOD can solve for many columns.
     int factorize_supernodes(const PrincipalBlock& block, cholmod_common* common)
     {
@@ -358,15 +392,22 @@ private:
 
     void release()
     {
+        own_.reset();
         if (factor_) {
-            own_.reset();
             Workspace workspace;
-            cholmod_free_factor(&factor_, workspace.get());
+            if (symbolic_)
+                cholmod_free(factor_->xsize, sizeof(double), factor_->x, workspace.get());
+            else
+                cholmod_free_factor(&factor_, workspace.get());
+            factor_ = nullptr;
         }
+        symbolic_.reset(); // it has a workspace of its own
     }
 
     bool supernodal_;
-    cholmod_factor* factor_ = nullptr;
+    std::shared_ptr<const Symbolic> symbolic_; ///< null unless the factor is supernodal
+    cholmod_factor own_factor_{}; ///< with the arrays of symbolic_
+    cholmod_factor* factor_ = nullptr; ///< the one above, or one that CHOLMOD has made
     std::unique_ptr<SupernodalSolve<double>> own_; ///< solves for few columns
     std::int64_t nonzeros_ = 0;
 };

@@ -12,6 +12,15 @@
 
 namespace sinew {
 
+/// What an engine knows of the pattern of a matrix.
+struct Analysis
+{
+    Analysis() = default;
+    virtual ~Analysis() = default;
+    Analysis(const Analysis&) = delete;
+    Analysis& operator=(const Analysis&) = delete;
+};
+
 /// The interface that SpdFactor needs of a sparse Cholesky library.
 class FactorEngine
 {
@@ -20,6 +29,11 @@ public:
 
     /// Symbolic factorisation of the lower triangle, in the given elimination order.
     virtual void analyze(const SparseMatrix& matrix, const std::vector<int>& order) = 0;
+
+    /// What analyze() found, for other engines of the same kind; null where they cannot share it.
+    virtual std::shared_ptr<const Analysis> analysis() const { return nullptr; }
+    /// Takes over what another engine of the same kind has found for the same pattern and order.
+    virtual void adopt(std::shared_ptr<const Analysis> /*analysis*/) {}
 
     /// Numeric factorisation of a matrix with the analysed pattern.
     /// \return the unknown at which it broke down, or -1.

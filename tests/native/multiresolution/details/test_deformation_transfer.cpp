@@ -15,7 +15,8 @@ CodingTraits traits()
     return {.name = "DeformationTransfer",
             .make =
                 [](const Study& study) {
-                    return std::make_unique<DeformationTransfer>(study.mesh, study.regions, study.rings);
+                    return std::make_unique<DeformationTransfer>(
+                        study.mesh, study.regions, view(study.fine()), view(study.base), study.rings);
                 },
             .bent_up = 0.0199,
             .bent_down = 0.0192,
@@ -76,8 +77,8 @@ TEST(DeformationTransfer, vertices_that_are_pulled_softly_go_where_their_vectors
     Points base;
     Fairing(mesh, regions, 2.0).smooth(view(mesh.points()), base);
     const Pose pose = shapes::turn({1, 1, 2}, 100, {1, 2, 3}, {5, -4, 6});
-    EXPECT_LT(shapes::distance(bumps::detailed(DeformationTransfer(mesh, regions, rings), mesh.points(), base,
-                                               shapes::transformed(base, pose)),
+    const DeformationTransfer coding(mesh, regions, view(mesh.points()), view(base), rings);
+    EXPECT_LT(shapes::distance(bumps::detailed(coding, mesh.points(), base, shapes::transformed(base, pose)),
                                shapes::transformed(mesh.points(), pose)),
               1e-11);
 }

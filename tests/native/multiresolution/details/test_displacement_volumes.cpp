@@ -28,7 +28,8 @@ TEST(DisplacementVolumes, a_lifted_plate_has_its_area_times_the_lift_wherever_it
     const Points lifted = mesh.points().rowwise() + Eigen::RowVector3d(0.2, -0.1, 0.3);
     double sum = 0.0;
     for (const Triangle& t : mesh.triangles())
-        sum += prism_between(view(mesh.points()), view(lifted), t).volume;
+        for (double volume : prism_between(view(mesh.points()), view(lifted), t).volumes)
+            sum += volume;
     EXPECT_NEAR(sum, 0.3, 1e-14);
 }
 
@@ -43,10 +44,13 @@ TEST(DisplacementVolumes, the_gradient_of_a_prism_is_that_of_finite_differences)
             Points more = fine, less = fine;
             more(corner, axis) += step;
             less(corner, axis) -= step;
-            const double slope = (prism_between(view(coarse), view(more), t).volume -
-                                  prism_between(view(coarse), view(less), t).volume) /
-                                 (2 * step);
-            EXPECT_NEAR(prism_between(view(coarse), view(fine), t).gradient[corner][axis], slope, 1e-9);
+            for (int cell = 0; cell < 3; ++cell) {
+                const double slope = (prism_between(view(coarse), view(more), t).volumes[cell] -
+                                      prism_between(view(coarse), view(less), t).volumes[cell]) /
+                                     (2 * step);
+                EXPECT_NEAR(prism_between(view(coarse), view(fine), t).slopes[cell](axis, corner), slope,
+                            1e-9);
+            }
         }
 }
 
@@ -57,7 +61,7 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
     const VectorX goal = coding->volumes(view(study.fine()), view(study.base));
     const double height = shapes::distance(study.fine(), study.base),
                  mean = goal.cwiseAbs().sum() / goal.size();
-    for (double sharpness : {0.28, 0.7, 1.27}) { // height times curvature
+    for (double sharpness : {0.28, 0.7, 1.27, 1.6}) { // height times curvature
         const double half = 0.5 * 200 * shapes::pi / 180 * height / sharpness;
         const double degrees = half > 3 ? 200 * 3 / half : 200, wide = std::min(half, 3.0);
         const Points moved = bumps::bent(study.base, degrees, 5 - wide, 5 + wide);
@@ -67,9 +71,9 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
         EXPECT_LT((coding->volumes(view(x), view(moved)) - goal).cwiseAbs().maxCoeff(), 2e-6 * mean)
             << sharpness;
         EXPECT_EQ(bumps::turned_faces(study.mesh, study.base, moved, x), 0) << sharpness;
-        // 6, 9 and 10; without mixing 8 and 24, and the study found 74 solves in the tight bend.
-        EXPECT_LT(report.iterations, sharpness < 0.3 ? 8 : 15) << sharpness;
-        if (sharpness != 0.7) { // where the quick iteration may or may not do
+        // 5, 8, 17, and 23 with those of Newton's; the study found 8, 24, and 74 solves.
+        EXPECT_LT(report.iterations, sharpness < 0.3 ? 7 : sharpness < 1 ? 12 : 30) << sharpness;
+        if (sharpness != 1.27) { // where the quick iteration may or may not do
             EXPECT_EQ(report.fallbacks, sharpness > 1) << sharpness;
         }
     }

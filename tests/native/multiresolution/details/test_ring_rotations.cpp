@@ -17,7 +17,7 @@ std::vector<Matrix3> rotations(const SurfaceMesh& mesh, const Points& after)
     std::vector<Matrix3> found(mesh.vertex_count(), Matrix3::Zero()), maps;
     RingRotations(mesh).fit(
         view(mesh.points()), view(after), maps, [](int) { return true; },
-        [&](int v, const Matrix3& R) { found[v] = R; });
+        [&](int v, const Matrix3& R, const Matrix3& /*sum*/) { found[v] = R; });
     return found;
 }
 
@@ -75,7 +75,7 @@ TEST(RingRotations, of_a_shape_that_stays_are_the_same_to_the_last_bit)
     std::vector<Matrix3> maps;
     rings.fit(
         rings.duals(view(mesh.points())), view(after), maps, [](int) { return true; },
-        [&](int v, const Matrix3& R) { EXPECT_EQ(R, expected[v]) << v; });
+        [&](int v, const Matrix3& R, const Matrix3& /*sum*/) { EXPECT_EQ(R, expected[v]) << v; });
 }
 
 } // namespace sinew
