@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from inside import native
 from mathutils import Matrix
-from point_objects import cloud, hair
+from point_objects import MAKERS, cloud, hair, moved_by_hand
 from probe import render_points
 from registry import BY_ID, RIGID_ON_HANDLE_POINTS
 from rig import (
@@ -149,6 +149,19 @@ def test_bones_act_from_head_to_tail():
         handle.acts_as = "PLACE"
     update()
     assert np.abs(evaluated_points(plate) - expected).max() > 0.02, "bones turn the space at their heads"
+
+
+@pytest.mark.parametrize("kind", ["bezier", "text", "hair"])
+def test_bones_bend_curves_text_and_hair_along_their_length(kind: str):
+    obj, armature = MAKERS[kind](), skeleton()
+    before = moved_by_hand(obj, lambda points: points)
+    add_bones(obj, armature, method="mls", segments=True)
+    assert close(evaluated_points(obj), before, QUADRATURE)
+    ends = heads_and_tails(armature)
+    armature.pose.bones["Low"].rotation_euler = (0.4, 0.2, -0.5)
+    posed = heads_and_tails(armature)
+    expected = moved_by_hand(obj, lambda points: by_closed_form(ends, posed, points))
+    assert close(evaluated_points(obj), expected, QUADRATURE)
 
 
 def test_edges_of_an_object_act_as_segments():
