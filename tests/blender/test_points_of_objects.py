@@ -459,3 +459,22 @@ def test_lost_points_keep_the_last_shape_and_a_new_control_is_a_place():
     assert deformer.handles[0].acts_as == "PLACE"
     move_world(deformer.handles[0].control, some_motion())
     assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
+
+
+def test_points_that_a_deformer_moves_carry_several_objects():
+    """In one evaluation, and in renders."""
+    plate, other, points = grid_object(), grid_object("Other", cells=7), frame()
+    other.location = 0.2, 0.0, 0.3
+    empties = [new_empty(f"Empty {number}", corner) for number, corner in enumerate(CORNERS)]
+    add(points, *empties, source="SELECTED", method="mls")
+    for obj in (plate, other):
+        make_active(obj)
+        bpy.ops.sinew.deformer_add(method="rbf")
+        add(obj, points)
+    rests = [in_target(obj, points) for obj in (plate, other)]
+    empties[2].location.z += 0.8
+    assert np.abs(in_target(plate, points) - rests[0]).max() > 0.5
+    for obj, rest in zip((plate, other), rests):
+        expected = warped("rbf", rest, in_target(obj, points), base_points(obj))
+        assert close(evaluated_points(obj), expected, 1e-5)
+        assert close(render_points(obj), expected, 1e-5)
