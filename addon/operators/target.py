@@ -40,11 +40,11 @@ def show_control(context: Context, obj: Object, control: Object) -> None:
 
 
 def _posed_with(context: Context, armature: Object) -> Object | None:
-    """The only mesh that is selected together with an armature in Pose Mode."""
+    """The only object to move that is selected together with an armature in Pose Mode."""
     if armature.mode != "POSE":
         return None
-    meshes = [other for other in context.selected_objects if other.type == "MESH"]
-    return meshes[0] if len(meshes) == 1 else None
+    movable = [other for other in context.selected_objects if session.can_be_moved(other)]
+    return movable[0] if len(movable) == 1 else None
 
 
 def explain_no_target(context: Context) -> tuple[str, bool]:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from inside import native
 from mathutils import Matrix
-from point_objects import cloud, hair
+from point_objects import MAKERS, cloud, hair, moved_by_hand
 from probe import render_points
 from registry import BY_ID, RIGID_ON_HANDLE_POINTS
 from rig import (
@@ -149,6 +149,19 @@ def test_bones_act_from_head_to_tail():
         handle.acts_as = "PLACE"
     update()
     assert np.abs(evaluated_points(plate) - expected).max() > 0.02, "bones turn the space at their heads"
+
+
+@pytest.mark.parametrize("kind", ["bezier", "text", "hair"])
+def test_bones_bend_curves_text_and_hair_along_their_length(kind: str):
+    obj, armature = MAKERS[kind](), skeleton()
+    before = moved_by_hand(obj, lambda points: points)
+    add_bones(obj, armature, method="mls", segments=True)
+    assert close(evaluated_points(obj), before, QUADRATURE)
+    ends = heads_and_tails(armature)
+    armature.pose.bones["Low"].rotation_euler = (0.4, 0.2, -0.5)
+    posed = heads_and_tails(armature)
+    expected = moved_by_hand(obj, lambda points: by_closed_form(ends, posed, points))
+    assert close(evaluated_points(obj), expected, QUADRATURE)
 
 
 def test_edges_of_an_object_act_as_segments():
@@ -446,3 +459,22 @@ def test_lost_points_keep_the_last_shape_and_a_new_control_is_a_place():
     assert deformer.handles[0].acts_as == "PLACE"
     move_world(deformer.handles[0].control, some_motion())
     assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
+
+
+def test_points_that_a_deformer_moves_carry_several_objects():
+    """In one evaluation, and in renders."""
+    plate, other, points = grid_object(), grid_object("Other", cells=7), frame()
+    other.location = 0.2, 0.0, 0.3
+    empties = [new_empty(f"Empty {number}", corner) for number, corner in enumerate(CORNERS)]
+    add(points, *empties, source="SELECTED", method="mls")
+    for obj in (plate, other):
+        make_active(obj)
+        bpy.ops.sinew.deformer_add(method="rbf")
+        add(obj, points)
+    rests = [in_target(obj, points) for obj in (plate, other)]
+    empties[2].location.z += 0.8
+    assert np.abs(in_target(plate, points) - rests[0]).max() > 0.5
+    for obj, rest in zip((plate, other), rests):
+        expected = warped("rbf", rest, in_target(obj, points), base_points(obj))
+        assert close(evaluated_points(obj), expected, 1e-5)
+        assert close(render_points(obj), expected, 1e-5)

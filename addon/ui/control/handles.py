@@ -55,11 +55,16 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
 
 def _draw_acts_as(context: Context, layout: UILayout, deformer: SinewDeformer, handle: SinewHandle) -> None:
     """Draw the choice of place, points or segments, as far as the method has them."""
-    row = layout.row(align=True, heading="Acts As")
-    row.prop_enum(handle, "acts_as", "PLACE")
-    row.prop_enum(handle, "acts_as", "POINTS")
+    halves = layout.split(factor=0.4)
+    label = halves.row()
+    label.alignment = "RIGHT"
+    label.label(text="Acts As")
+    column = halves.column(align=True)
+    column.use_property_split = False  # which would give each button a label
+    column.prop_enum(handle, "acts_as", "PLACE")
+    column.prop_enum(handle, "acts_as", "POINTS")
     if session.takes_segments(deformer):
-        row.prop_enum(handle, "acts_as", "SEGMENTS")
+        column.prop_enum(handle, "acts_as", "SEGMENTS")
     elif handle.acts_as == "SEGMENTS":
         draw_text(context, layout, "This method has no segments: their ends act as points", "INFO")
 
