@@ -123,7 +123,7 @@ WORKS = (
         "rbf_compact_all",
         "a frame of such an `Rbf`",
         "a kernel that reaches all centres",
-        {1000: 3.0, 3000: 8.0, 10_000: 25.0},
+        {1000: 2.0, 3000: 5.0, 10_000: 15.0},
     ),
     Work("rbf_basis", "a frame of `Rbf`, 4 handles of many points", "30 million points a second", {ANY: 1.0}),
     Work(

@@ -10,7 +10,8 @@ namespace {
 
 /// Strips of a product, side by side.
 template <int height, int strips>
-inline void add_strips(const double* a, int stride_a, int inner, const double* b, double* const* c)
+inline void add_strips(const double* a, std::ptrdiff_t stride_a, std::ptrdiff_t step_a, int inner,
+                       const double* b, double* const* c)
 {
     constexpr int per_strip = 8 / lane_count, parts = strips * per_strip;
     const auto at = [&](int part) {
@@ -20,17 +21,17 @@ inline void add_strips(const double* a, int stride_a, int inner, const double* b
     for (int r = 0; r < height; ++r)
         for (int part = 0; part < parts; ++part)
             sum[r][part] = load(c[r] + lane_count * part);
-    for (int k = 0; k < inner; ++k, b += 8)
+    for (int k = 0; k < inner; ++k, a += step_a, b += 8)
         for (int r = 0; r < height; ++r)
             for (int part = 0; part < parts; ++part)
-                sum[r][part] = sum[r][part] + a[r * stride_a + k] * load(b + at(part));
+                sum[r][part] = sum[r][part] + a[r * stride_a] * load(b + at(part));
     for (int r = 0; r < height; ++r)
         for (int part = 0; part < parts; ++part)
             store(c[r] + lane_count * part, sum[r][part]);
 }
 
-void add_product(const double* a, int stride_a, int rows, int inner, const double* b, int strips, double* c,
-                 int stride_c, const int* place)
+void add_product(const double* a, int stride_a, int step_a, int rows, int inner, const double* b, int strips,
+                 double* c, int stride_c, const int* place)
 {
     constexpr int high = lane_count, wide = lane_count / 4; // so that all sums are in registers
     const auto line = [&](int r) { return c + static_cast<std::ptrdiff_t>(place ? place[r] : r) * stride_c; };
@@ -40,11 +41,13 @@ void add_product(const double* a, int stride_a, int rows, int inner, const doubl
             double* lines[high];
             for (int k = 0; k < high; ++k)
                 lines[k] = line(r + k) + 8 * s;
-            add_strips<high, some>(a + static_cast<std::ptrdiff_t>(r) * stride_a, stride_a, inner, b, lines);
+            add_strips<high, some>(a + static_cast<std::ptrdiff_t>(r) * stride_a, stride_a, step_a, inner, b,
+                                   lines);
         }
         for (; r < rows; ++r) {
             double* const one[] = {line(r) + 8 * s};
-            add_strips<1, some>(a + static_cast<std::ptrdiff_t>(r) * stride_a, stride_a, inner, b, one);
+            add_strips<1, some>(a + static_cast<std::ptrdiff_t>(r) * stride_a, stride_a, step_a, inner, b,
+                                one);
         }
         b += 8 * some * inner;
     };

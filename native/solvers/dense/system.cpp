@@ -47,8 +47,8 @@ PackedColumns::PackedColumns(const double* from, int rows, int columns, std::siz
 void PackedColumns::multiply_add(const double* a, int stride_a, int rows, double* c, int stride_c,
                                  const int* place) const
 {
-    widest_kernels<DenseKernels>().add_product(a, stride_a, rows, rows_, packed_.data(), strips_, c, stride_c,
-                                               place);
+    widest_kernels<DenseKernels>().add_product(a, stride_a, 1, rows, rows_, packed_.data(), strips_, c,
+                                               stride_c, place);
 }
 
 std::int64_t DenseSystem::bytes(int size, int columns)

@@ -213,19 +213,18 @@ RbfCoefficients RbfSystem::solve(const RowMatrix& values) const
     MatrixX at_z(q, values.cols());
     for (int k = 0; k < q; ++k)
         at_z.row(k) = values.row(base_.points[k]);
+    const RowMatrix left = values - base_.lagrange * at_z;
     RowMatrix y(free, values.cols());
     for (int i = 0; i < free; ++i)
-        y.row(i) = values.row(others_[i]) - base_.lagrange.row(others_[i]) * at_z;
+        y.row(i) = left.row(others_[i]);
     dense_.solve(y);
     RbfCoefficients found;
     found.weights = RowMatrix::Zero(count_, values.cols());
-    MatrixX sum = MatrixX::Zero(q, values.cols());
-    for (int i = 0; i < free; ++i) {
+    for (int i = 0; i < free; ++i)
         found.weights.row(others_[i]) = y.row(i);
-        sum -= base_.lagrange.row(others_[i]).transpose() * y.row(i);
-    }
+    const MatrixX sum = base_.lagrange.transpose() * found.weights;
     for (int k = 0; k < q; ++k)
-        found.weights.row(base_.points[k]) = sum.row(k);
+        found.weights.row(base_.points[k]) = -sum.row(k);
     found.polynomial = base_.inverse * (at_z - at_base_.transpose() * found.weights);
     return found;
 }

@@ -102,11 +102,16 @@ TEST(DenseKernels, give_the_same_bits_with_wider_instructions)
         const std::vector<int> place{9, 2, 4, 0, 7, 1, 5, 12, 3, 11, 6, 10, 8};
         const MatrixX before = random.dense(24, 13);
         MatrixX plain = before;
-        DenseKernels::baseline.add_product(a.data(), 30, rows, 30, b.data(), 3, plain.data(), 24,
+        DenseKernels::baseline.add_product(a.data(), 30, 1, rows, 30, b.data(), 3, plain.data(), 24,
                                            place.data());
         for (const DenseKernels* kernels : wide_kernels<DenseKernels>()) {
             MatrixX wide = before;
-            kernels->add_product(a.data(), 30, rows, 30, b.data(), 3, wide.data(), 24, place.data());
+            kernels->add_product(a.data(), 30, 1, rows, 30, b.data(), 3, wide.data(), 24, place.data());
+            EXPECT_EQ(plain, wide);
+            wide = before;
+            const RowMatrix turned = a; // (inner, rows)
+            kernels->add_product(turned.data(), 1, rows, rows, 30, b.data(), 3, wide.data(), 24,
+                                 place.data());
             EXPECT_EQ(plain, wide);
         }
         const RowMatrix U = random.dense(rows, 30), right = random.dense(rows, 24);
