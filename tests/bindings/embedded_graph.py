@@ -76,7 +76,6 @@ class PaperEnergy:
         quartic = sparse.csr_matrix(
             (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
             (len(PRODUCTS) * m, 12 * m),
-            (len(PRODUCTS) * m, 12 * m),
         )
         return sparse.vstack((quartic, sparse.kron(self.linear, sparse.eye(3)))).tocsr()
 

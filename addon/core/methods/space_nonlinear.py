@@ -35,7 +35,7 @@ _TOLERANCE = Float(
 
 def _graph_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     """Fronts from each node, and the pulls of the handles."""
-    return 1e-5 * points + 1e-8 * points * options["nodes"] ** 0.5 + 2e-5 * size + 1e-4 * options["nodes"]
+    return 4e-6 * points + 1e-8 * points * options["nodes"] ** 0.5 + 2e-5 * size + 1e-4 * options["nodes"]
 
 
 def _cells_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
