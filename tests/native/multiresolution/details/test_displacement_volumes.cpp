@@ -95,6 +95,18 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
     }
 }
 
+TEST(DisplacementVolumes, take_few_steps_on_a_base_that_is_stretched)
+{
+    const Study study(60);
+    const auto coding = coding_of(study);
+    const Points moved = study.base * Vector3(1.3, 1 / 1.3, 1).asDiagonal();
+    SolveReport report;
+    bumps::detailed(*coding, study.fine(), study.base, moved, &report);
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.fallbacks, 0);
+    EXPECT_LT(report.iterations, 7); // 6; and 8 if moves are not measured as at rest
+}
+
 TEST(DisplacementVolumes, are_kept_on_a_base_of_another_size)
 {
     const Study study(24);
