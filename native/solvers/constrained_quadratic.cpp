@@ -65,17 +65,24 @@ void ConstrainedQuadratic::factorize(std::shared_ptr<const SparseMatrix> matrix,
         adopt(std::move(next));
         return;
     }
+    next.unknowns = unknowns_of(free, wider);
+    factorize(std::move(next));
+}
+
+std::vector<int> ConstrainedQuadratic::unknowns_of(const std::vector<bool>& free,
+                                                   const std::vector<bool>& wider)
+{
     int unknown = 0, more = 0;
     for (std::size_t i = 0; i < free.size(); ++i) {
         unknown += free[i];
         more += !wider.empty() && wider[i] && !free[i];
     }
     const bool widens = more <= most_given * unknown;
-    next.unknowns.clear();
+    std::vector<int> unknowns;
     for (int i = 0; i < static_cast<int>(free.size()); ++i)
         if (free[i] || (widens && !wider.empty() && wider[i]))
-            next.unknowns.push_back(i);
-    factorize(std::move(next));
+            unknowns.push_back(i);
+    return unknowns;
 }
 
 void ConstrainedQuadratic::restore(Problem problem) { factorize(std::move(problem)); }

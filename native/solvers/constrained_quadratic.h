@@ -60,6 +60,9 @@ public:
     void factorize(std::shared_ptr<const SparseMatrix> matrix, const std::vector<bool>& free,
                    const std::vector<bool>& wider = {});
 
+    /// The rows of the free vertices and, where they are not too many, of the wider ones.
+    static std::vector<int> unknowns_of(const std::vector<bool>& free, const std::vector<bool>& wider);
+
     /// Factorises a former problem() again, with the same bits as before.
     void restore(Problem problem);
 

@@ -5,20 +5,20 @@
 
 namespace sinew {
 
-thread_local SharedAnalyses* SharedAnalyses::current_ = nullptr;
+thread_local SharedAnalyses* SharedAnalyses::current = nullptr;
 
 std::shared_ptr<const Analysis> SharedAnalyses::find(const Key& key)
 {
-    if (!current_)
+    if (!current)
         return nullptr;
-    const auto at = current_->kept_.find(key);
-    return at == current_->kept_.end() ? nullptr : at->second;
+    const auto at = current->kept_.find(key);
+    return at == current->kept_.end() ? nullptr : at->second;
 }
 
 void SharedAnalyses::keep(const Key& key, std::shared_ptr<const Analysis> analysis)
 {
-    if (current_ && analysis)
-        current_->kept_.insert_or_assign(key, std::move(analysis));
+    if (current && analysis)
+        current->kept_.insert_or_assign(key, std::move(analysis));
 }
 
 } // namespace sinew

@@ -17,8 +17,8 @@ namespace sinew {
 class SharedAnalyses
 {
 public:
-    SharedAnalyses() : outer_(current_) { current_ = this; }
-    ~SharedAnalyses() { current_ = outer_; }
+    SharedAnalyses() : outer_(current) { current = this; }
+    ~SharedAnalyses() { current = outer_; }
     SharedAnalyses(const SharedAnalyses&) = delete;
     SharedAnalyses& operator=(const SharedAnalyses&) = delete;
 
@@ -30,7 +30,7 @@ public:
     static void keep(const Key& key, std::shared_ptr<const Analysis> analysis);
 
 private:
-    static thread_local SharedAnalyses* current_;
+    static thread_local SharedAnalyses* current;
 
     SharedAnalyses* outer_;
     std::map<Key, std::shared_ptr<const Analysis>> kept_;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <new>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -66,6 +67,19 @@ void SingleFactor::factorize(const SparseMatrix& matrix, const std::vector<int>&
         throw FactorizationFailed("the matrix is not positive definite at unknown " + std::to_string(unknown),
                                   Error::Element::vertex, {unknown});
     }
+    adopt(std::move(factor), order);
+}
+
+void SingleFactor::adopt(std::unique_ptr<SpdFactor> factor)
+{
+    std::vector<int> order(factor->size());
+    std::iota(order.begin(), order.end(), 0);
+    adopt(std::move(factor), order);
+}
+
+/// \param order  the number that each unknown of the factor has here.
+void SingleFactor::adopt(std::unique_ptr<SpdFactor> factor, const std::vector<int>& order)
+{
     size_ = factor->size();
     other_.reset();
     supernodal_.reset();
@@ -81,9 +95,11 @@ void SingleFactor::factorize(const SparseMatrix& matrix, const std::vector<int>&
     row_begin_.assign(f->row_begin, f->row_begin + f->supernodes + 1);
     block_begin_.assign(f->block_begin, f->block_begin + f->supernodes + 1);
     rows_.assign(f->rows, f->rows + row_begin_.back());
-    values_.assign(block_begin_.back() + f->padding, 0.0f);
-    std::transform(f->values, f->values + block_begin_.back(), values_.begin(),
-                   [](double value) { return static_cast<float>(value); });
+    values_.resize(block_begin_.back() + f->padding);
+    parallel_chunks(block_begin_.back(), 1 << 18, [&](int begin, int end) {
+        std::transform(f->values + begin, f->values + end, values_.begin() + begin,
+                       [](double value) { return static_cast<float>(value); });
+    });
     supernodal_ = std::make_unique<SupernodalSolve<float>>(BasicSupernodalFactor<float>{
         .size = size_,
         .supernodes = f->supernodes,

@@ -35,6 +35,9 @@ public:
     /// The same with unknown order[i] eliminated as number i, or as a number close to it.
     void factorize(const SparseMatrix& matrix, const std::vector<int>& order);
 
+    /// Takes a factor over, whose values in double precision are freed.
+    void adopt(std::unique_ptr<SpdFactor> factor);
+
     /// X = A^-1 B. Several threads may call it at once; B may be X.
     /// \param rhs  (n, k) with k <= 4.
     void solve(const Points& rhs, Points& solution) const;
@@ -49,6 +52,7 @@ public:
     std::int64_t bytes() const;
 
 private:
+    void adopt(std::unique_ptr<SpdFactor> factor, const std::vector<int>& order);
     template <class Rows>
     void solve_rows(const Rows& rhs, Rows& solution) const;
 

@@ -58,8 +58,8 @@ void SpdFactor::analyze(int size, std::uint64_t pattern, const Copy& copy)
     std::unique_ptr<FactorEngine> engine = make_engine(options_);
     const SharedAnalyses::Key key{pattern, size, options_.backend, options_.ordering};
     try {
-        if (std::shared_ptr<const Analysis> known = SharedAnalyses::find(key)) {
-            engine->adopt(std::move(known));
+        if (const std::shared_ptr<const Analysis> known = SharedAnalyses::find(key)) {
+            engine->adopt(known);
         } else {
             const auto& matrix = copy(); // a copy is freed before the factor is computed
             engine->analyze(matrix, elimination_order(matrix, options_.ordering));

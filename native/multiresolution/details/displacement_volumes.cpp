@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/multiresolution/details/displacement_volumes.h"
 
+#include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
 #include "native/multiresolution/details/detail_kernels.h"
 #include "native/operators/laplacian.h"
+#include "native/solvers/constrained_quadratic.h"
 #include "native/solvers/sparse_columns.h"
 
 #include <Eigen/Cholesky>
@@ -103,8 +105,21 @@ DisplacementVolumes::DisplacementVolumes(const SurfaceMesh& rest, const Regions&
     }
     for (int v : free_)
         K.coeffRef(v, v) += softness_;
-    equations_.factorize(std::make_shared<SparseMatrix>(std::move(K)), regions.free_vertices(),
-                         wider ? wider->free_vertices() : std::vector<bool>{});
+    const std::vector<bool> free = regions.free_vertices();
+    unknowns_ = ConstrainedQuadratic::unknowns_of(free, wider ? wider->free_vertices() : std::vector<bool>{});
+    auto factor = std::make_unique<SpdFactor>();
+    try {
+        factor->factorize(PrincipalBlock(K, unknowns_, free));
+    } catch (const OutOfMemory&) {
+        throw;
+    } catch (const FactorizationFailed& failure) {
+        std::vector<int> vertices;
+        for (int unknown : failure.elements())
+            vertices.push_back(unknowns_[unknown]);
+        throw FactorizationFailed("the volumes of the details have no unique solution",
+                                  Error::Element::vertex, std::move(vertices));
+    }
+    factor_.adopt(std::move(factor)); // a step of the chord is no exact one anyway
     volumes_ = volumes(fine, coarse);
 }
 
@@ -225,15 +240,14 @@ void DisplacementVolumes::push(const PointsView& x, const PointsView& coarse, co
 
 void DisplacementVolumes::precondition(const VectorX& r, Workspace& work, VectorX& solved) const
 {
-    const std::vector<int>& unknowns = equations_.problem().unknowns;
-    const int count = static_cast<int>(unknowns.size());
-    work.unknowns.resize(count, 1);
-    parallel_for(count, [&](int u) { work.unknowns(u, 0) = work.inverse[unknowns[u]] * r[unknowns[u]]; });
-    equations_.factor().solve_rows(work.unknowns);
+    const int count = static_cast<int>(unknowns_.size());
+    MatrixX& x = work.unknowns;
+    x.resize(count, 1);
+    parallel_for(count, [&](int u) { x(u, 0) = work.inverse[unknowns_[u]] * r[unknowns_[u]]; });
+    factor_.solve(x, x);
     if (solved.size() != r.size())
         solved = VectorX::Zero(r.size());
-    parallel_for(count,
-                 [&](int u) { solved[unknowns[u]] = work.inverse[unknowns[u]] * work.unknowns(u, 0); });
+    parallel_for(count, [&](int u) { solved[unknowns_[u]] = work.inverse[unknowns_[u]] * x(u, 0); });
 }
 
 int DisplacementVolumes::newton(const PointsView& x, const PointsView& coarse, const VectorX& r, double least,
@@ -416,10 +430,8 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
 
 void DisplacementVolumes::report(BindReport& report) const
 {
-    const SpdFactor& factor = equations_.factor();
-    report.factorizations = factor.factorizations();
-    report.analyses = factor.analyses();
-    report.factor_bytes = factor.bytes();
+    report.factorizations = report.analyses = factor_.size() > 0 ? 1 : 0;
+    report.factor_bytes = factor_.bytes();
 }
 
 } // namespace sinew

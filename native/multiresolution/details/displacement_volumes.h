@@ -6,7 +6,7 @@
 #include "native/multiresolution/details/detail_coding.h"
 #include "native/multiresolution/details/displacement_vectors.h"
 #include "native/multiresolution/details/ring_rotations.h"
-#include "native/solvers/constrained_quadratic.h"
+#include "native/solvers/single_factor.h"
 
 #include <array>
 #include <memory>
@@ -80,7 +80,7 @@ public:
     VectorX volumes(const PointsView& fine, const PointsView& coarse) const;
 
 private:
-    static constexpr int kept_steps = 3;
+    static constexpr int kept_steps = 4;
 
     /// The last steps of the chord, in turn.
     struct Steps
@@ -99,7 +99,7 @@ private:
         VectorX inverse; ///< (n) 1 / det F
         Steps steps;
         VectorX goal, left, multipliers;
-        RowMatrix unknowns;
+        MatrixX unknowns;
         Points x, move, best;
     };
 
@@ -136,7 +136,8 @@ private:
     VectorX mass_, volumes_; ///< at rest
     double area_ = 0; ///< of the base at rest
     double softness_ = 0; ///< on the diagonal of K
-    ConstrainedQuadratic equations_;
+    std::vector<int> unknowns_; ///< vertices
+    SingleFactor factor_;
     mutable Pool<Workspace> workspaces_;
 };
 

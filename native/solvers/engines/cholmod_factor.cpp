@@ -162,10 +162,10 @@ public:
 
     std::shared_ptr<const Analysis> analysis() const override { return symbolic_; }
 
-    void adopt(std::shared_ptr<const Analysis> analysis) override
+    void adopt(const std::shared_ptr<const Analysis>& analysis) override
     {
         release();
-        symbolic_ = std::static_pointer_cast<const Symbolic>(std::move(analysis));
+        symbolic_ = std::static_pointer_cast<const Symbolic>(analysis);
         own_factor_ = *symbolic_->factor; // with its arrays, and later with values of its own
         factor_ = &own_factor_;
     }

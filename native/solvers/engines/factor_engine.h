@@ -33,7 +33,7 @@ public:
     /// What analyze() found, for other engines of the same kind; null where they cannot share it.
     virtual std::shared_ptr<const Analysis> analysis() const { return nullptr; }
     /// Takes over what another engine of the same kind has found for the same pattern and order.
-    virtual void adopt(std::shared_ptr<const Analysis> /*analysis*/) {}
+    virtual void adopt(const std::shared_ptr<const Analysis>& /*analysis*/) {}
 
     /// Numeric factorisation of a matrix with the analysed pattern.
     /// \return the unknown at which it broke down, or -1.

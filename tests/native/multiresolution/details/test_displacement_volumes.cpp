@@ -54,6 +54,20 @@ TEST(DisplacementVolumes, the_gradient_of_a_prism_is_that_of_finite_differences)
         }
 }
 
+TEST(DisplacementVolumes, of_a_vertex_are_the_sums_over_its_prisms)
+{
+    const Study study(13); // triangles that do not fill up the lanes of kernels
+    shapes::Random random(6);
+    const Points fine = study.fine() + 0.3 * random.dense(study.mesh.vertex_count(), 3);
+    VectorX sums = VectorX::Zero(study.mesh.vertex_count());
+    for (const Triangle& t : study.mesh.triangles()) {
+        const Prism prism = prism_between(view(study.base), view(fine), t);
+        for (int corner = 0; corner < 3; ++corner)
+            sums[t[corner]] += study.regions.is_free(t[corner]) ? prism.volumes[corner] : 0.0;
+    }
+    EXPECT_LT((coding_of(study)->volumes(view(fine), view(study.base)) - sums).cwiseAbs().maxCoeff(), 1e-14);
+}
+
 TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bends)
 {
     const Study study(60);
@@ -61,7 +75,7 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
     const VectorX goal = coding->volumes(view(study.fine()), view(study.base));
     const double height = shapes::distance(study.fine(), study.base),
                  mean = goal.cwiseAbs().sum() / goal.size();
-    for (double sharpness : {0.28, 0.7, 1.27, 1.6}) { // height times curvature
+    for (double sharpness : {0.28, 0.7, 1.27, 3.0}) { // height times curvature
         const double half = 0.5 * 200 * shapes::pi / 180 * height / sharpness;
         const double degrees = half > 3 ? 200 * 3 / half : 200, wide = std::min(half, 3.0);
         const Points moved = bumps::bent(study.base, degrees, 5 - wide, 5 + wide);
@@ -70,13 +84,27 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
         EXPECT_TRUE(report.converged) << sharpness;
         EXPECT_LT((coding->volumes(view(x), view(moved)) - goal).cwiseAbs().maxCoeff(), 2e-6 * mean)
             << sharpness;
-        EXPECT_EQ(bumps::turned_faces(study.mesh, study.base, moved, x), 0) << sharpness;
-        // 5, 8, 17, and 23 with those of Newton's; the study found 8, 24, and 74 solves.
-        EXPECT_LT(report.iterations, sharpness < 0.3 ? 7 : sharpness < 1 ? 12 : 30) << sharpness;
+        if (sharpness < 2) { // in bends of a third of the height, some faces turn
+            EXPECT_EQ(bumps::turned_faces(study.mesh, study.base, moved, x), 0) << sharpness;
+        }
+        // 5, 8, 17, and 10 with those of Newton's; the study found 8, 24, and 74 solves.
+        EXPECT_LT(report.iterations, sharpness < 0.3 ? 7 : sharpness < 1 ? 12 : 25) << sharpness;
         if (sharpness != 1.27) { // where the quick iteration may or may not do
-            EXPECT_EQ(report.fallbacks, sharpness > 1) << sharpness;
+            EXPECT_EQ(report.fallbacks, sharpness > 2) << sharpness;
         }
     }
+}
+
+TEST(DisplacementVolumes, take_few_steps_on_a_base_that_is_stretched)
+{
+    const Study study(60);
+    const auto coding = coding_of(study);
+    const Points moved = study.base * Vector3(1.3, 1 / 1.3, 1).asDiagonal();
+    SolveReport report;
+    bumps::detailed(*coding, study.fine(), study.base, moved, &report);
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.fallbacks, 0);
+    EXPECT_LT(report.iterations, 7); // 6; and 8 if moves are not measured as at rest
 }
 
 TEST(DisplacementVolumes, are_kept_on_a_base_of_another_size)
