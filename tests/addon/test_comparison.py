@@ -214,19 +214,25 @@ def test_the_first_stage_alone_degrades_faster_and_is_mended_too() -> None:
     assert alone[2] > 2.0 * steps[0] > 2.0 * steps[1]
 
 
-def test_normal_displacements_distort_where_others_do_not() -> None:
+@pytest.mark.parametrize("bumps", [0.06, 0.12])
+def test_normal_displacements_distort_where_others_do_not(bumps: float) -> None:
     """Bumps on the inner side of a tight bend: they are pressed together along the normals of the base."""
-    edit = bent_bumps(0.12, 140.0)
+    edit = bent_bumps(bumps, 140.0)
     found = {
         item[0]: measured(edit, ours("multiresolution", details=item[0], wavelength=20.0))
         for item in methods.BY_ID["multiresolution"].parameters[0].items
     }
     normal, vectors = found["normal_displacements"], found["displacement_vectors"]
-    assert vectors.edge_least < 1.1 * normal.edge_least
-    assert vectors.angle_max > 0.9 * normal.angle_max
-    for other in ("displacement_volumes", "deformation_transfer"):
-        assert found[other].edge_least > 2.0 * normal.edge_least
-        assert found[other].angle_max < 0.9 * normal.angle_max
+    volumes, transfer = found["displacement_volumes"], found["deformation_transfer"]
+    high = bumps > 0.1
+    for other in (volumes, transfer):
+        assert other.edge_least > (2.0 if high else 1.4) * normal.edge_least
+    assert transfer.angle_max < 0.6 * normal.angle_max
+    if high:
+        assert vectors.edge_least < 1.1 * normal.edge_least
+        assert vectors.angle_max > 0.9 * normal.angle_max
+    else:  # higher bumps meet on the inner side, where volumes turn single corners
+        assert volumes.angle_max < 0.7 * normal.angle_max
 
 
 def test_unrotated_gradients_distort() -> None:
