@@ -229,9 +229,9 @@ void NearNodes::find_near(const SurfaceFronts& fronts, const Nearest& nearest, c
                 if (j != i)
                     own.emplace_back(
                         static_cast<float>((mesh_.point(nodes_[j]) - mesh_.point(nodes_[i])).norm()), j);
-        const auto fourth = own.begin() + std::min<std::ptrdiff_t>(count, std::ssize(own)) - 1;
         if (own.empty())
             continue;
+        const auto fourth = own.begin() + std::min<std::ptrdiff_t>(count, std::ssize(own)) - 1;
         std::ranges::nth_element(own, fourth);
         const float far = fourth->first * (1.0F + tie);
         for (const auto& [distance, j] : own)
