@@ -2,7 +2,7 @@
 # The files of kernels, each with the sets of instructions for which it is compiled beside the baseline.
 set(SINEW_KERNELS
   native/core/simd/product_of_eight avx2
-  native/handles/propagation_kernels avx2
+  native/handles/propagation_kernels avx2 avx512
   native/multiresolution/details/detail_kernels avx2
   native/operators/fit_kernels avx2
   native/riders/frame_kernels avx2

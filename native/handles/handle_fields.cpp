@@ -125,18 +125,6 @@ void HandleFields::allocate(int columns_beside)
     shares_ = RowMatrix::Zero(n, columns);
 }
 
-double HandleFields::share(int vertex, int seat) const
-{
-    const int g = groups_.group[vertex], begin = groups_.offsets[g],
-              last = groups_.offsets[g + 1] - 1 - begin;
-    if (seat - begin < last)
-        return shares_(vertex, seat - begin);
-    double share = 1.0;
-    for (int slot = 0; slot < last; ++slot)
-        share -= shares_(vertex, slot);
-    return share;
-}
-
 void HandleFields::blend(const RowMatrix& values, RowMatrix& blended) const
 {
     const auto columns = values.cols();

@@ -37,7 +37,17 @@ public:
 
     const HandleGroups& groups() const { return groups_; }
     /// The field of a seat at a vertex of its part.
-    double share(int vertex, int seat) const;
+    double share(int vertex, int seat) const
+    {
+        const int g = groups_.group[vertex], begin = groups_.offsets[g],
+                  last = groups_.offsets[g + 1] - 1 - begin;
+        if (seat - begin < last)
+            return shares_(vertex, seat - begin);
+        double share = 1.0;
+        for (int slot = 0; slot < last; ++slot)
+            share -= shares_(vertex, slot);
+        return share;
+    }
 
     /// (n, m) the mean of the values of the seats at each vertex, weighted by the fields. Where all values of
     /// a part are one, it is exactly that one. Rows of parts without a handle are left as they are.

@@ -22,6 +22,8 @@ public:
 
     double operator()(double s) const
     {
+        if (values_.size() == 2)
+            return values_[0] + s * (values_[1] - values_[0]);
         const double place = s * static_cast<double>(values_.size() - 1);
         const int last = static_cast<int>(values_.size()) - 2,
                   k = static_cast<int>(std::clamp(std::floor(place), 0.0, static_cast<double>(last)));
@@ -54,44 +56,50 @@ public:
     /// \param base   (n, 3)
     /// \param group  group(v), -1 for none: the point stays.
     /// \param held   held(v, place) tells whether a handle holds the point, and its place.
-    /// \param share  share(v, seat) is t of a seat of the group of v.
-    /// \param put    put(v, place) takes the results.
-    template <class Group, class Held, class Share, class Put>
+    /// \param shares  shares(v, n, seat, t) writes t of a seat of the group of v, for n points from v on that
+    ///                are in this group.
+    /// \param put    put(v, n, places) takes the results of n points from v on.
+    template <class Group, class Held, class Shares, class Put>
     void move(int begin, int end, const PointsView& base, const Group& group, const Held& held,
-              const Share& share, const Put& put) const
+              const Shares& shares, const Put& put) const
     {
-        std::vector<double> t(4 * moving_.size());
-        double from[12], moved[12];
-        // Four at once; and one alone as four times the same point, so that it moves the same beside any
-        // others.
-        const auto by_kernel = [&](int own, const int (&of)[4]) {
-            for (int i = 0; i < 4; ++i) {
-                Vector3::Map(from + 3 * i) = base.row(of[i]).transpose();
-                for (int k = 0; k < parts_[own].count; ++k)
-                    t[4 * k + i] = share(of[i], seats_[begins_[own] + k]);
-            }
-            return kernels_.move(parts_[own], t.data(), from, moved);
+        constexpr int most = 256, stride = most + 8; // points of a run, with room for the kernels
+        std::vector<double> t(stride * moving_.size()), from(3 * stride), moved(3 * stride);
+        const auto alone = [&](int v) {
+            const Vector3 place = one(base.row(v).transpose(), group(v), [&](int seat) {
+                double t = 0.0;
+                shares(v, 1, seat, &t);
+                return t;
+            });
+            put(v, 1, place.data());
         };
         Vector3 place;
-        for (int v = begin; v < end; v += 4) {
-            const int own = group(v), last = std::min(v + 4, end);
-            bool together = last == v + 4 && own >= 0 && !blend_.alike(own);
-            for (int i = v; together && i < last; ++i)
-                together = group(i) == own && !held(i, place);
-            if (together && by_kernel(own, {v, v + 1, v + 2, v + 3})) {
-                for (int i = v; i < last; ++i)
-                    put(i, Vector3(Vector3::Map(moved + 3 * (i - v))));
+        for (int v = begin; v < end;) {
+            const int own = group(v);
+            const bool fixed = held(v, place);
+            if (fixed || own < 0 || blend_.alike(own)) {
+                if (fixed)
+                    put(v, 1, place.data());
+                else
+                    alone(v);
+                ++v;
                 continue;
             }
-            for (int i = v; i < last; ++i) {
-                const int alone = group(i);
-                if (held(i, place))
-                    put(i, place);
-                else if (alone >= 0 && !blend_.alike(alone) && by_kernel(alone, {i, i, i, i}))
-                    put(i, Vector3(Vector3::Map(moved)));
-                else
-                    put(i, one(base.row(i).transpose(), alone, [&](int seat) { return share(i, seat); }));
+            int n = 1;
+            while (n < most && v + n < end && group(v + n) == own && !held(v + n, place))
+                ++n;
+            for (int k = 0; k < parts_[own].count; ++k)
+                shares(v, n, seats_[begins_[own] + k], &t[k * stride]);
+            std::copy_n(base.data() + 3 * v, 3 * n, from.data());
+            for (int i = 0; i < n; ++i) {
+                const int done =
+                    i + kernels_.move(parts_[own], n - i, &t[i], stride, &from[3 * i], &moved[3 * i]);
+                put(v + i, done - i, &moved[3 * i]);
+                i = done;
+                if (i < n)
+                    alone(v + i);
             }
+            v += n;
         }
     }
 

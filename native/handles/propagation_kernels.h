@@ -23,14 +23,17 @@ struct PropagatedPart
 /// Every variant does the same operations in the same order and fuses none, so results agree to the last bit.
 struct PropagationKernels
 {
-    /// Moves four points.
-    /// \param t       (count, 4) how much of each motion reaches each point.
-    /// \param from    (4, 3) points.
-    /// \param[out] to (4, 3) where they go.
-    /// \return whether it did; it leaves blends that turn by more than about half a turn to the caller.
-    bool (*move)(const PropagatedPart& part, const double* t, const double* from, double* to);
+    /// Moves points one after the other, up to the first where the blend turns by more than about half a
+    /// turn: that one is left to the caller. The arrays are read and written up to a multiple of eight
+    /// points.
+    /// \param t       how much of motion k reaches point i: t[k * stride + i].
+    /// \param from    (n, 3) points.
+    /// \param[out] to (n, 3) where they go, as far as they are moved.
+    /// \return how many points it moved, n at most.
+    int (*move)(const PropagatedPart& part, int n, const double* t, int stride, const double* from,
+                double* to);
 
-    static const PropagationKernels baseline, avx2;
+    static const PropagationKernels baseline, avx2, avx512;
 };
 
 } // namespace sinew

@@ -3,6 +3,10 @@
 
 #include "native/core/simd/lane_math.inl"
 
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+
 namespace {
 
 using sinew::PropagatedMotion;
@@ -57,7 +61,9 @@ inline L series(L u)
     return even + u * odd;
 }
 
-bool move(const PropagatedPart& part, const double* t, const double* from, double* to)
+/// Moves as many points as a vector has lanes.
+/// \return a bit for each lane that is left to the caller.
+int move_lanes(const PropagatedPart& part, const double* t, int stride, const double* from, double* to)
 {
     const L zero = constant(0.0);
     L n[9];
@@ -67,7 +73,7 @@ bool move(const PropagatedPart& part, const double* t, const double* from, doubl
     L turning = zero;
     for (int m = 0; m < part.count; ++m) {
         const PropagatedMotion& motion = part.motions[m];
-        const L share = load(t + 4 * m);
+        const L share = load(t + static_cast<std::ptrdiff_t>(m) * stride);
         for (int k = 0; k < 9; ++k)
             n[k] = n[k] + share * constant(motion.numbers[k]);
         const L weight = larger(share, zero) * constant(motion.turning);
@@ -76,12 +82,10 @@ bool move(const PropagatedPart& part, const double* t, const double* from, doubl
         shift = shift + spread(motion.move) * share;
     }
     const L quarter = constant(0.25) * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    if (!all(above(constant(2.5), quarter)))
-        return false;
     const L sine = series<1>(quarter), whole = sine * series<0>(quarter), half = constant(0.5) * sine * sine;
 
     Three y;
-    load_columns(from, from + 3, from + 6, from + 9, y.x, y.y, y.z);
+    load_points(from, y.x, y.y, y.z);
     const auto turns = above(turning, zero);
     const L inverse = constant(1.0) / choose(turns, turning, constant(1.0));
     const Three away = y - centre * inverse;
@@ -96,12 +100,17 @@ bool move(const PropagatedPart& part, const double* t, const double* from, doubl
         return constant(R[3 * r]) * v.x + constant(R[3 * r + 1]) * v.y + constant(R[3 * r + 2]) * v.z;
     };
     const Three found = y + (Three{row(0), row(1), row(2)} - arm) + shift;
-    for (int k = 0; k < 4; ++k) {
-        to[3 * k] = found.x[k];
-        to[3 * k + 1] = found.y[k];
-        to[3 * k + 2] = found.z[k];
-    }
-    return true;
+    store_points(to, found.x, found.y, found.z);
+    // Blends that are not numbers are left, too.
+    return mask_bits(above(constant(2.5), quarter)) ^ ((1 << lane_count) - 1);
+}
+
+int move(const PropagatedPart& part, int n, const double* t, int stride, const double* from, double* to)
+{
+    for (int i = 0; i < n; i += lane_count)
+        if (const int left = move_lanes(part, t + i, stride, from + 3 * i, to + 3 * i))
+            return std::min(n, i + std::countr_zero(static_cast<unsigned>(left)));
+    return n;
 }
 
 } // namespace

@@ -64,10 +64,9 @@ inline bool all(Mask mask)
     return mask[0] && mask[1] && mask[2] && mask[3];
 }
 #endif
-#ifndef SINEW_EIGHT_LANES
 /// Lane k of x, y and z becomes the first, second and third number of the k-th row.
-inline void load_columns(const double* a, const double* b, const double* c, const double* d, Lanes<double>& x,
-                         Lanes<double>& y, Lanes<double>& z)
+inline void load_columns(const double* a, const double* b, const double* c, const double* d, FourLanes& x,
+                         FourLanes& y, FourLanes& z)
 {
     typedef double Pair __attribute__((vector_size(16), aligned(8)));
     const auto pairs = [](const double* p, const double* q) {
@@ -80,7 +79,43 @@ inline void load_columns(const double* a, const double* b, const double* c, cons
     y = __builtin_shufflevector(ac, bd, 1, 5, 3, 7);
     z = __builtin_shufflevector(ac_end, bd_end, 1, 5, 3, 7);
 }
+/// The coordinates of as many points (x, y, z), one after the other, as there are lanes.
+inline void load_points(const double* points, Lanes<double>& x, Lanes<double>& y, Lanes<double>& z)
+{
+    const auto four = [](const double* p, FourLanes& u, FourLanes& v, FourLanes& w) {
+        load_columns(p, p + 3, p + 6, p + 9, u, v, w);
+    };
+#ifdef SINEW_EIGHT_LANES
+    FourLanes low[3], high[3];
+    four(points, low[0], low[1], low[2]);
+    four(points + 12, high[0], high[1], high[2]);
+    x = __builtin_shufflevector(low[0], high[0], 0, 1, 2, 3, 4, 5, 6, 7);
+    y = __builtin_shufflevector(low[1], high[1], 0, 1, 2, 3, 4, 5, 6, 7);
+    z = __builtin_shufflevector(low[2], high[2], 0, 1, 2, 3, 4, 5, 6, 7);
+#else
+    four(points, x, y, z);
 #endif
+}
+/// The reverse of load_points().
+inline void store_points(double* points, Lanes<double> x, Lanes<double> y, Lanes<double> z)
+{
+    const auto four = [](double* to, FourLanes u, FourLanes v, FourLanes w) {
+        const FourLanes uv = __builtin_shufflevector(u, v, 0, 4, 1, 5),
+                        vw = __builtin_shufflevector(v, w, 1, 5, 2, 6),
+                        wu = __builtin_shufflevector(w, u, 2, 7, 3, 3);
+        *reinterpret_cast<FourLanes*>(to) = __builtin_shufflevector(uv, w, 0, 1, 4, 2);
+        *reinterpret_cast<FourLanes*>(to + 4) = __builtin_shufflevector(vw, u, 0, 1, 6, 2);
+        *reinterpret_cast<FourLanes*>(to + 8) = __builtin_shufflevector(wu, v, 0, 1, 7, 2);
+    };
+#ifdef SINEW_EIGHT_LANES
+    const auto low = [](Lanes<double> a) { return __builtin_shufflevector(a, a, 0, 1, 2, 3); };
+    const auto high = [](Lanes<double> a) { return __builtin_shufflevector(a, a, 4, 5, 6, 7); };
+    four(points, low(x), low(y), low(z));
+    four(points + 12, high(x), high(y), high(z));
+#else
+    four(points, x, y, z);
+#endif
+}
 /// Lane k of the n-th vector becomes lane n of the k-th.
 inline void transpose(FourLanes& a, FourLanes& b, FourLanes& c, FourLanes& d)
 {
@@ -227,6 +262,19 @@ inline void load_columns(const double* a, const double* b, const double* c, cons
     x = {{a[0], b[0], c[0], d[0]}};
     y = {{a[1], b[1], c[1], d[1]}};
     z = {{a[2], b[2], c[2], d[2]}};
+}
+inline void load_points(const double* points, Lanes<double>& x, Lanes<double>& y, Lanes<double>& z)
+{
+    load_columns(points, points + 3, points + 6, points + 9, x, y, z);
+}
+inline void store_points(double* points, const Lanes<double>& x, const Lanes<double>& y,
+                         const Lanes<double>& z)
+{
+    for (int k = 0; k < 4; ++k) {
+        points[3 * k] = x[k];
+        points[3 * k + 1] = y[k];
+        points[3 * k + 2] = z[k];
+    }
 }
 inline void transpose(Lanes<double>& a, Lanes<double>& b, Lanes<double>& c, Lanes<double>& d)
 {

@@ -110,11 +110,15 @@ void SpacePropagation::move(PointsView control, PointsView base, Real* out) cons
     parallel_chunks(n, 2048, [&](int begin, int end) {
         blend.move(
             begin, end, rest, [](int) { return 0; }, held,
-            [&](int v, int seat) { return transfer_(share(v, seat)); },
-            [&](int v, const Vector3& place) {
-                for (int axis = 0; axis < 3; ++axis)
-                    out[3 * static_cast<std::size_t>(v) + axis] =
-                        static_cast<Real>(base(v, axis) + (place[axis] - rest(v, axis)));
+            [&](int v, int count, int seat, double* t) {
+                for (int i = 0; i < count; ++i)
+                    t[i] = transfer_(share(v + i, seat));
+            },
+            [&](int v, int count, const double* places) {
+                const std::size_t first = 3 * static_cast<std::size_t>(v);
+                for (int i = 0; i < 3 * count; ++i)
+                    out[first + i] =
+                        static_cast<Real>(base.data()[first + i] + (places[i] - rest.data()[first + i]));
             });
     });
 }

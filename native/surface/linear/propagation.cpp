@@ -108,7 +108,10 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
     const PointsView base = targets.base();
     const int n = static_cast<int>(base.rows());
     positions.resize(n, 3);
-    const auto share = [&](int v, int seat) { return impl_->transfer(bound.fields.share(v, seat)); };
+    const auto shares = [&](int v, int count, int seat, double* t) {
+        for (int i = 0; i < count; ++i)
+            t[i] = impl_->transfer(bound.fields.share(v + i, seat));
+    };
     const auto held = [&](int v, Vector3& place) {
         if (groups.group[v] >= 0 && bound.held[v] >= 0)
             place = targets.position(v, bound.held[v]);
@@ -116,8 +119,10 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
     };
     parallel_chunks(n, 2048, [&](int begin, int end) {
         motions.move(
-            begin, end, base, [&](int v) { return groups.group[v]; }, held, share,
-            [&](int v, const Vector3& place) { positions.row(v) = place.transpose(); });
+            begin, end, base, [&](int v) { return groups.group[v]; }, held, shares,
+            [&](int v, int count, const double* places) {
+                std::copy_n(places, 3 * count, positions.data() + 3 * static_cast<std::size_t>(v));
+            });
     });
     SolveReport report;
     report.iterations = 1;

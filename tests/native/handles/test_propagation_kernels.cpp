@@ -21,15 +21,26 @@ TEST(PropagationKernels, give_the_same_bits_with_every_set_of_instructions)
         motion.turning = 0.7;
     }
     PropagatedPart part{motions.data(), 2, {}, {1, 0, 0, 0, 0, -1, 0, 1, 0}};
-    const RowMatrix t = random.dense(2, 4), from = random.dense(4, 3);
-    RowMatrix expected(4, 3), to(4, 3);
-    EXPECT_TRUE(PropagationKernels::baseline.move(part, t.data(), from.data(), expected.data()));
-    for (const PropagationKernels* kernels : wide_kernels<PropagationKernels>()) {
-        EXPECT_TRUE(kernels->move(part, t.data(), from.data(), to.data()));
-        EXPECT_EQ(to, expected);
+    constexpr int points = 13, room = 16;
+    RowMatrix t = random.dense(2, room);
+    const RowMatrix from = random.dense(room, 3);
+    const auto expect_same = [&](int first_left) {
+        RowMatrix expected = RowMatrix::Zero(room, 3), to = expected;
+        EXPECT_EQ(
+            PropagationKernels::baseline.move(part, points, t.data(), room, from.data(), expected.data()),
+            first_left);
+        for (const PropagationKernels* kernels : wide_kernels<PropagationKernels>()) {
+            EXPECT_EQ(kernels->move(part, points, t.data(), room, from.data(), to.data()), first_left);
+            EXPECT_EQ(to.topRows(first_left), expected.topRows(first_left));
+        }
+    };
+    expect_same(points);
+    t.col(14).setConstant(40.0); // beyond the last point
+    expect_same(points);
+    for (const int left : {11, 6, 0}) {
+        t.col(left).setConstant(40.0);
+        expect_same(left);
     }
-    motions[0].numbers[0] = 40.0;
-    EXPECT_FALSE(PropagationKernels::baseline.move(part, t.data(), from.data(), to.data()));
 }
 
 } // namespace sinew
