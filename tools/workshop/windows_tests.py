@@ -156,6 +156,7 @@ def calls_linalg(file: Path) -> bool:
 def answers_of_this_machine(minor: int) -> Path:
     """They have a file for each of the layers that read them, as these run beside each other."""
     build_tree("dev", "sinew_native")
+    RESULTS.mkdir(parents=True, exist_ok=True)
     file = RESULTS / f"answers-3.{minor}.npz"
     python = environments.dev().make().python
     paths = f"{DEV_MODULE}{os.pathsep}{ROOT}"

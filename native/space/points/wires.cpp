@@ -228,25 +228,57 @@ void Wires::add_contacts(const Vector3& x, Found& found) const
     found.begins.push_back(static_cast<int>(found.contacts.size()));
 }
 
-void Wires::append(const Found& part, Contacts& all)
+void Wires::append(const Found& part, Found& waiting, Contacts& all)
 {
     const int before = all.begins.back();
     for (const int begin : part.begins)
         all.begins.push_back(before + begin);
-    for (std::size_t k = 0; k < part.contacts.size(); ++k) {
-        const Contact& contact = part.contacts[k];
-        const std::size_t number = static_cast<std::size_t>(before) + k;
-        if (number % 4 == 0)
-            all.blocks.resize(all.blocks.size() + 20, 0.0);
-        double* const block = all.blocks.data() + 20 * (number / 4) + number % 4;
-        const double values[5] = {contact.from.x(), contact.from.y(), contact.from.z(), contact.falloff,
-                                  contact.stretch};
-        for (int value = 0; value < 5; ++value)
-            block[4 * value] = values[value];
-        all.firsts.push_back(all.firsts.back() + contact.shares);
+    const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    add(waiting.contacts, part.contacts);
+    add(waiting.samples, part.samples);
+    add(waiting.shares, part.shares);
+}
+
+void Wires::pack(Found& waiting, bool end, Contacts& all)
+{
+    const int count = static_cast<int>(waiting.contacts.size()), packed = end ? count : count / 4 * 4;
+    int begin = 0; // the first share of the next contact
+    for (int first = 0; first < packed; first += 4) {
+        int shares[4] = {}, begins[4] = {}, rows = 0;
+        all.blocks.resize(all.blocks.size() + 20, 0.0);
+        for (int lane = 0; lane < std::min(4, packed - first); ++lane) {
+            const Contact& contact = waiting.contacts[static_cast<std::size_t>(first + lane)];
+            const double values[5] = {contact.from.x(), contact.from.y(), contact.from.z(), contact.falloff,
+                                      contact.stretch};
+            for (int value = 0; value < 5; ++value)
+                all.blocks.end()[4 * value + lane - 20] = values[value];
+            begins[lane] = begin;
+            begin += shares[lane] = contact.shares;
+            rows = std::max(rows, contact.shares);
+        }
+        const auto sample = [&](int lane, int row) {
+            return waiting.samples[static_cast<std::size_t>(begins[lane] + row)];
+        };
+        for (int row = 0; row < rows; ++row) {
+            bool follows = row > 0;
+            for (int lane = 0; lane < 4; ++lane)
+                follows = follows && (row >= shares[lane] || sample(lane, row) == sample(lane, row - 1) + 1);
+            if (!follows)
+                all.rows.push_back(all.rows.back());
+            ++all.rows.back();
+            for (int lane = 0; lane < 4; ++lane) {
+                const bool shared = row < shares[lane];
+                if (!follows)
+                    all.samples.push_back(shared ? sample(lane, row) : 0);
+                all.shares.push_back(shared ? waiting.shares[static_cast<std::size_t>(begins[lane] + row)]
+                                            : 0.0);
+            }
+        }
+        all.firsts.push_back(static_cast<int>(all.rows.size()) - 1);
     }
-    all.samples.insert(all.samples.end(), part.samples.begin(), part.samples.end());
-    all.shares.insert(all.shares.end(), part.shares.begin(), part.shares.end());
+    waiting.contacts.erase(waiting.contacts.begin(), waiting.contacts.begin() + packed);
+    waiting.samples.erase(waiting.samples.begin(), waiting.samples.begin() + begin);
+    waiting.shares.erase(waiting.shares.begin(), waiting.shares.begin() + begin);
 }
 
 void Wires::compute(PointsView points, SpaceReport& report, const Progress& progress)
@@ -254,13 +286,12 @@ void Wires::compute(PointsView points, SpaceReport& report, const Progress& prog
     constexpr int slab = 1 << 16, grain = 1 << 10;
     const int count = static_cast<int>(points.rows());
     const auto bytes = [](const Contacts& made) {
-        return static_cast<std::int64_t>(sizeof(int) *
-                                             (made.begins.size() + made.firsts.size() + made.samples.size()) +
-                                         sizeof(double) * (made.blocks.size() + made.shares.size()));
+        return static_cast<std::int64_t>(
+            sizeof(int) * (made.begins.size() + made.firsts.size() + made.rows.size() + made.samples.size()) +
+            sizeof(double) * (made.blocks.size() + made.shares.size()));
     };
     Contacts all;
-    all.begins.push_back(0);
-    all.firsts.push_back(0);
+    Found waiting;
     progress.tick(0.0, "finding the nearest curves");
     for (int first = 0; first < count; first += slab) {
         const int some = std::min(slab, count - first);
@@ -270,13 +301,13 @@ void Wires::compute(PointsView points, SpaceReport& report, const Progress& prog
                 add_contacts(points.row(first + i), parts[static_cast<std::size_t>(begin / grain)]);
         });
         for (const Found& part : parts)
-            append(part, all);
+            append(part, waiting, all);
+        pack(waiting, first + some == count, all);
         require_memory(bytes(all), "the wires");
         progress.tick(static_cast<double>(first + some) / count, "finding the nearest curves");
     }
     if (count == 0)
         progress.tick(1.0, "finding the nearest curves");
-    all.firsts.resize(all.blocks.size() / 5 + 1, all.firsts.back());
     report.weight_bytes = bytes(all);
     contacts_ = std::move(all);
 }
@@ -299,7 +330,10 @@ Vector3 Wires::turn(const Curve& curve, int sample, PointsView control) const
 
 AlignedVector<double> Wires::table(PointsView control) const
 {
-    AlignedVector<double> rows(8 * static_cast<std::size_t>(control.rows()), 0.0);
+    int longest = 0; // a contact follows each sample of its curve at most once
+    for (const Curve& curve : curves_)
+        longest = std::max(longest, curve.end - curve.begin);
+    AlignedVector<double> rows(8 * static_cast<std::size_t>(control.rows() + longest), 0.0);
     for (const Curve& curve : curves_)
         for (int v = curve.begin; v < curve.end; ++v) {
             double* const row = rows.data() + 8 * static_cast<std::size_t>(v);
@@ -318,8 +352,8 @@ void Wires::displace(PointsView control, PointsView base, PositionsOut out) cons
     if (!all_finite(control))
         throw InvalidConstraint("a sample of the curves is not finite");
     const AlignedVector<double> rows = table(control);
-    const WireContacts contacts{contacts_.firsts.data(), contacts_.samples.data(), contacts_.shares.data(),
-                                contacts_.blocks.data()};
+    const WireContacts contacts{contacts_.firsts.data(), contacts_.rows.data(), contacts_.samples.data(),
+                                contacts_.shares.data(), contacts_.blocks.data()};
     const double m = options_.exponent;
     /// The move of a point by some contacts, whose moves are rows of four numbers.
     const auto blended = [m](const double* moves, int count) -> Vector3 {

@@ -51,8 +51,9 @@ struct WireOptions
 ///   bind()        the points changed            O(points x segments within reach)
 ///   warp()        the curves moved              O(samples + contacts); nothing for points out of reach
 ///
-/// Memory: 4 bytes per point, and per point and wire in whose reach it is 44 bytes, with 12 for each of the
-/// samples that it follows: two, and with smoothing some more far from the wire.
+/// Memory: 4 bytes per point, and per point and wire in whose reach it is about 46 bytes, with 8 for each of
+/// the samples that it follows, or one of three neighbours if that follows more: two, and with smoothing some
+/// more far from the wire.
 class Wires : public SpaceMethod
 {
 public:
@@ -108,7 +109,7 @@ private:
     /// shares.
     struct Contacts
     {
-        std::vector<int> begins, firsts, samples;
+        std::vector<int> begins{0}, firsts{0}, rows{0}, samples;
         AlignedVector<double> shares, blocks;
     };
 
@@ -118,10 +119,12 @@ private:
     void find_neighbours();
     void add_contacts(const Vector3& x, Found& found) const;
     void add_contact(const Curve& curve, const Vector3& x, Found& found) const;
-    static void append(const Found& part, Contacts& all);
+    static void append(const Found& part, Found& waiting, Contacts& all);
+    /// Moves contacts that wait into blocks: four each, and in the end what is left.
+    static void pack(Found& waiting, bool end, Contacts& all);
     /// The turn of a sample as an axis times an angle.
     Vector3 turn(const Curve& curve, int sample, PointsView control) const;
-    /// (c, 8) the move of each sample and 0, then its turn and 0.
+    /// (c, 8) the move of each sample and 0, then its turn and 0; with rows of zeros behind, for WireKernels.
     AlignedVector<double> table(PointsView control) const;
 
     Points reference_;

@@ -3,6 +3,8 @@
 
 #include "native/core/simd/lane_math.inl"
 
+#include <cstddef>
+
 namespace sinew {
 
 namespace {
@@ -53,21 +55,24 @@ inline void turning(Wide square, Wide& sine, Wide& cosine)
 void moves(const WireContacts& contacts, const double* table, int first, int blocks, double* out)
 {
     for (int block = first; block < first + blocks; ++block, out += 16) {
-        Wide sum[4], turn[4];
-        for (int lane = 0; lane < 4; ++lane) {
-            const int contact = 4 * block + lane, end = contacts.firsts[contact + 1];
-            Wide moved = constant(0.0), rotated = moved;
-            for (int k = contacts.firsts[contact]; k < end; ++k) {
-                const double* row = table + 8 * static_cast<long long>(contacts.samples[k]);
-                moved = moved + contacts.shares[k] * load(row);
-                rotated = rotated + contacts.shares[k] * load(row + 4);
-            }
-            sum[lane] = moved;
-            turn[lane] = rotated;
+        const Wide nothing = constant(0.0);
+        Wide sum[4] = {nothing, nothing, nothing, nothing}, turn[4] = {nothing, nothing, nothing, nothing};
+        for (int stretch = contacts.firsts[block]; stretch < contacts.firsts[block + 1]; ++stretch) {
+            const int* const samples = contacts.samples + 4 * static_cast<std::ptrdiff_t>(stretch);
+            const double* sample[4];
+            for (int lane = 0; lane < 4; ++lane)
+                sample[lane] = table + 8 * static_cast<std::ptrdiff_t>(samples[lane]);
+            const std::ptrdiff_t begin = contacts.rows[stretch], end = contacts.rows[stretch + 1];
+            const double* share = contacts.shares + 4 * begin;
+            for (std::ptrdiff_t at = 0; at < 8 * (end - begin); at += 8, share += 4)
+                for (int lane = 0; lane < 4; ++lane) {
+                    sum[lane] = sum[lane] + share[lane] * load(sample[lane] + at);
+                    turn[lane] = turn[lane] + share[lane] * load(sample[lane] + at + 4);
+                }
         }
         transpose(sum[0], sum[1], sum[2], sum[3]);
         transpose(turn[0], turn[1], turn[2], turn[3]);
-        const double* from = contacts.blocks + 20 * static_cast<long long>(block);
+        const double* from = contacts.blocks + 20 * static_cast<std::ptrdiff_t>(block);
         const Wide x = load(from), y = load(from + 4), z = load(from + 8), F = load(from + 12);
         const Wide scale = constant(1.0) + load(from + 16);
         const Wide u = F * turn[0], v = F * turn[1], w = F * turn[2];

