@@ -234,6 +234,17 @@ TEST(Wires, a_closed_wire_has_a_last_segment)
     EXPECT_NEAR(warped({.closed = {true}}, rest, posed, point)(0, 2), 1.0, 1e-15);
 }
 
+TEST(Wires, a_point_moves_the_same_alone_and_among_many)
+{
+    const Points rest = stacked(arc(40), line(9, {-1, -0.5, 0.5}, {1, -0.5, 0.5})), many = scattered(70000);
+    Points posed = rest;
+    posed.col(2) += 0.3 * rest.col(0);
+    const WireOptions options{.counts = {40, 9}, .closed = {true, false}, .radius = {0.8, 0.6}};
+    const Points together = warped(options, rest, posed, many);
+    for (const int i : {0, 1, 2, 3, 65533, 65534, 65535, 65536, 65537, 65538, 69999})
+        EXPECT_EQ(warped(options, rest, posed, many.row(i)), together.row(i)) << i;
+}
+
 TEST(Wires, doubled_samples_and_turned_wires_stay_finite)
 {
     Points rest(5, 3), posed(5, 3);
