@@ -39,14 +39,24 @@ public:
     /// The field of a seat at a vertex of its part.
     double share(int vertex, int seat) const
     {
-        const int g = groups_.group[vertex], begin = groups_.offsets[g],
-                  last = groups_.offsets[g + 1] - 1 - begin;
-        if (seat - begin < last)
-            return shares_(vertex, seat - begin);
-        double share = 1.0;
-        for (int slot = 0; slot < last; ++slot)
-            share -= shares_(vertex, slot);
+        double share;
+        shares(vertex, 1, seat, &share);
         return share;
+    }
+    /// The field of a seat at n vertices of its part, one after the other.
+    void shares(int begin, int n, int seat, double* found) const
+    {
+        const int g = groups_.group[begin], slot = seat - groups_.offsets[g];
+        const Eigen::Index width = shares_.cols(), kept = groups_.offsets[g + 1] - 1 - groups_.offsets[g];
+        const double* row = shares_.data() + width * begin;
+        for (int i = 0; i < n; ++i, row += width)
+            if (slot < kept)
+                found[i] = row[slot];
+            else {
+                found[i] = 1.0;
+                for (Eigen::Index other = 0; other < kept; ++other)
+                    found[i] -= row[other];
+            }
     }
 
     /// (n, m) the mean of the values of the seats at each vertex, weighted by the fields. Where all values of

@@ -20,14 +20,21 @@ public:
     /// \throw InvalidOption  less than two values, or one that is not finite.
     explicit TransferCurve(const std::vector<double>& values);
 
-    double operator()(double s) const
+    /// Replaces n values of s by t(s).
+    void apply(double* s, int n) const
     {
-        if (values_.size() == 2)
-            return values_[0] + s * (values_[1] - values_[0]);
-        const double place = s * static_cast<double>(values_.size() - 1);
-        const int last = static_cast<int>(values_.size()) - 2,
-                  k = static_cast<int>(std::clamp(std::floor(place), 0.0, static_cast<double>(last)));
-        return values_[k] + (place - k) * (values_[k + 1] - values_[k]);
+        const int last = static_cast<int>(values_.size()) - 2;
+        if (last == 0) {
+            const double begin = values_[0], rise = values_[1] - begin;
+            for (int i = 0; i < n; ++i)
+                s[i] = begin + s[i] * rise;
+            return;
+        }
+        for (int i = 0; i < n; ++i) {
+            const double place = s[i] * (last + 1);
+            const int k = static_cast<int>(std::clamp(std::floor(place), 0.0, static_cast<double>(last)));
+            s[i] = values_[k] + (place - k) * (values_[k + 1] - values_[k]);
+        }
     }
 
 private:

@@ -112,7 +112,8 @@ void SpacePropagation::move(PointsView control, PointsView base, Real* out) cons
             begin, end, rest, [](int) { return 0; }, held,
             [&](int v, int count, int seat, double* t) {
                 for (int i = 0; i < count; ++i)
-                    t[i] = transfer_(share(v + i, seat));
+                    t[i] = share(v + i, seat);
+                transfer_.apply(t, count);
             },
             [&](int v, int count, const double* places) {
                 const std::size_t first = 3 * static_cast<std::size_t>(v);

@@ -109,8 +109,8 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
     const int n = static_cast<int>(base.rows());
     positions.resize(n, 3);
     const auto shares = [&](int v, int count, int seat, double* t) {
-        for (int i = 0; i < count; ++i)
-            t[i] = impl_->transfer(bound.fields.share(v + i, seat));
+        bound.fields.shares(v, count, seat, t);
+        impl_->transfer.apply(t, count);
     };
     const auto held = [&](int v, Vector3& place) {
         if (groups.group[v] >= 0 && bound.held[v] >= 0)
