@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
 
 ANCHOR = 10.0  # of a held corner of a free prism, in medians of the weights
 # (1/9) 2^(-|i-k| - |j-l|) for the corners (i, j) and (k, l) of a side: (0, 0), (0, 1), (1, 0), (1, 1)
@@ -160,7 +161,7 @@ class Prisms:
         self,
         steps: int = 40,
         tolerance: float = 1e-12,
-        solve: Callable[[sp.csc_matrix, np.ndarray], np.ndarray] = sp.linalg.spsolve,
+        solve: Callable[[sp.csc_matrix, np.ndarray], np.ndarray] = spsolve,
         watch: Callable[[], None] = lambda: None,
     ) -> float:
         """Joint steps of all prisms, halved until the energy falls."""
