@@ -1,9 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lattices next to SciPy's splines and dense pseudo-inverses; what they refuse; and ten million points."""
-
-import os
-import subprocess
-import sys
+"""Lattices next to SciPy's splines and dense pseudo-inverses; and what they refuse."""
 
 import numpy as np
 import pytest
@@ -175,29 +171,3 @@ def test_handles_at_one_place_are_met_in_the_mean_and_reported() -> None:
     forward = bound(method.lattice, handles[:1], resolution=(5, 5, 5))
     met = forward.warp(method.lattice + method.control_moves(handles + drag))
     np.testing.assert_allclose(met[0], (0.6, 0.6, 0.5), atol=1e-12)
-
-
-MILLIONS = """
-import resource
-import numpy as np
-import sinew_native as sn
-points = np.random.default_rng(0).uniform(0.0, 1.0, (10_000_000, 3))
-line = np.linspace(0.0, 1.0, 4)
-w, v, u = np.meshgrid(line, line, line, indexing="ij")
-rest = np.stack((u, v, w), axis=-1).reshape(-1, 3)
-method = sn.Ffd(rest)
-report = method.bind(points)
-out = np.empty((len(points), 3), np.float32)
-method.warp(rest * 1.5, out=out)
-assert np.abs(out - 1.5 * points).max() < 1e-6
-print(report.weight_bytes, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024)
-"""
-
-
-@pytest.mark.skipif("SINEW_LONG_TESTS" not in os.environ, reason="it takes gigabytes, and half a minute")
-def test_ten_million_points_need_less_than_four_gigabytes() -> None:
-    run = subprocess.run([sys.executable, "-c", MILLIONS], capture_output=True, text=True, check=True)
-    kept, peak = map(int, run.stdout.split())
-    print(f"kept {kept / 1e9:.2f} GB, peak {peak / 1e9:.2f} GB")
-    assert kept < 30 * 10_000_000
-    assert peak < 4e9
