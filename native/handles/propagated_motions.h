@@ -60,12 +60,12 @@ public:
     int half_turns(const HandleGroups& groups) const { return blend_.half_turns(groups); }
 
     /// Moves points [begin, end).
-    /// \param base   (n, 3)
-    /// \param group  group(v), -1 for none: the point stays.
-    /// \param held   held(v, place) tells whether a handle holds the point, and its place.
+    /// \param base    (n, 3)
+    /// \param group   group(v), -1 for none: the point stays.
+    /// \param held    held(v, place) tells whether a handle holds the point, and its place.
     /// \param shares  shares(v, n, seat, t) writes t of a seat of the group of v, for n points from v on that
     ///                are in this group.
-    /// \param put    put(v, n, places) takes the results of n points from v on.
+    /// \param put     put(v, n, places) takes the results of n points from v on.
     template <class Group, class Held, class Shares, class Put>
     void move(int begin, int end, const PointsView& base, const Group& group, const Held& held,
               const Shares& shares, const Put& put) const
@@ -74,9 +74,9 @@ public:
         std::vector<double> t(stride * moving_.size()), from(3 * stride), moved(3 * stride);
         const auto alone = [&](int v) {
             const Vector3 place = one(base.row(v).transpose(), group(v), [&](int seat) {
-                double t = 0.0;
-                shares(v, 1, seat, &t);
-                return t;
+                double share = 0.0;
+                shares(v, 1, seat, &share);
+                return share;
             });
             put(v, 1, place.data());
         };
@@ -100,7 +100,7 @@ public:
             std::copy_n(base.data() + 3 * v, 3 * n, from.data());
             for (int i = 0; i < n; ++i) {
                 const int done =
-                    i + kernels_.move(parts_[own], n - i, &t[i], stride, &from[3 * i], &moved[3 * i]);
+                    i + kernels_.move(parts_[own], n - i, t.data() + i, stride, &from[3 * i], &moved[3 * i]);
                 put(v + i, done - i, &moved[3 * i]);
                 i = done;
                 if (i < n)
