@@ -13,7 +13,7 @@ import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 from mathutils import Matrix
 
-from ...backend import Cage, ControlPoints, Recipe, Shape
+from ...backend import ControlPoints, Recipe, Shape
 from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, SinewError
 from ...core.geometry import frames
@@ -49,7 +49,7 @@ class ObjectKind:
     REST_BUTTON, REST_REMEDY = "Rebind", Remedy.BIND  # what takes its rest anew
     ERROR: type[SinewError] = ConstraintError
     row: Callable[[SinewDeformer], Row]  # the place of the object in the settings
-    bound_to: Callable[[RestShape], Cage | ControlPoints]  # what is bound, for the rest in the target's frame
+    bound_to: Callable[[RestShape], ControlPoints]  # what is bound, for the rest in the target's frame
 
     def read_points(self, control: Object, depsgraph: Depsgraph) -> np.ndarray:
         """The points of the object, float32 (c, 3) in its own frame."""
