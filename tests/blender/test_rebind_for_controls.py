@@ -209,9 +209,7 @@ def test_undo_and_redo_of_the_edit(rig, change, remedy: str):
         settle()
         assert target().sinew.active.status_level == "INFO", target().sinew.active.status
         assert_follows()
-        control().location.z -= LIFT[
-            2
-        ]  # Blender counts on it that the next step finds what the last one left
+        control().location.z -= LIFT[2]  # Blender 5 relies on it that a step finds what the last one left
         update()
 
 
