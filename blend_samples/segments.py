@@ -8,11 +8,9 @@ from math import radians
 import bpy
 from mathutils import Matrix, Vector
 
-from . import posing, studio
-from .puppet import mannequin
+from . import mannequins, posing
+from .mannequins import POSE_FRAME
 
-POSE_FRAME = 40
-SPACING = 2.1
 FALLOFF = 2.0
 # Label -> whether bones act along their length; None for rest.
 FIGURES = {"Rest": None, "Bones as places": False, "Bones as segments": True}
@@ -30,29 +28,13 @@ TURNS = {
 
 
 def make() -> bpy.types.Scene:
-    scene = studio.empty_scene("Segments")
-    places = [SPACING * (k - 0.5 * (len(FIGURES) - 1)) for k in range(len(FIGURES))]
-    skins = []
-    for (label, whole), x in zip(FIGURES.items(), places):
-        skin, rig = mannequin(label)
-        skin.location.x = rig.location.x = x
-        bpy.context.view_layer.update()
-        skins.append(skin)
-        if whole is not None:
-            pose(skin, rig, whole)
-
-    studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.0, 0.0, 0.92), distance=26.0, elevation=10.0, width=6.6)
-    studio.add_lights(scene, target=(0.0, 0.0, 0.9), size=10.0)
-    for label, x in zip(FIGURES, places):
-        studio.add_label(scene, label, (x, -1.1, 0.0), 0.17)
-    studio.set_up_render(scene, samples=64, height=640)
-    studio.open_at(scene, POSE_FRAME, skins[-1])
-    return scene
+    return mannequins.row("Segments", FIGURES, pose, spacing=2.1, width=6.6, height=640, active=-1)
 
 
-def pose(skin: bpy.types.Object, rig: bpy.types.Object, whole: bool) -> None:
+def pose(skin: bpy.types.Object, rig: bpy.types.Object, whole: bool | None) -> None:
     """Let all bones move the space around them, and key the figure at rest and posed."""
+    if whole is None:
+        return
     posing.make_active(rig)
     bpy.ops.object.mode_set(mode="POSE")
     bpy.ops.pose.select_all(action="SELECT")

@@ -218,26 +218,20 @@ class HandlePoints(ControlPoints):
         ``placed`` (p, 3) are the points of those that are apart. The same displacements are added to the
         incoming shape whatever ``from_rest`` says.
         """
+        posed, rows = self._posed(method, pose)
+        if placed is not None:
+            posed[np.repeat(self.apart, rows)] = placed
+        return super().solve(method, posed, **options)
+
+    def _posed(self, _method: Any, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The control of the native method in a pose, and how many of its rows (k,) each handle has."""
         ends = np.cumsum(self.counts)[:-1]
         posed = np.empty_like(self.points)
         parts = zip(np.split(posed, ends), np.split(self.points, ends), pose, strict=True)
         for part, points, matrix in parts:
             np.matmul(points, matrix[:, :3].T, out=part)
             part += matrix[:, 3]
-        return self._warp(method, posed, np.array(self.counts), placed, options)
-
-    def _warp(
-        self,
-        method: Any,
-        posed: np.ndarray,
-        rows: np.ndarray,
-        placed: np.ndarray | None,
-        options: dict[str, Any],
-    ) -> tuple[np.ndarray, None]:
-        """The same for a ``posed`` control, which has as many ``rows`` (k,) for each handle."""
-        if placed is not None:
-            posed[np.repeat(self.apart, rows)] = placed
-        return super().solve(method, posed, **options)
+        return posed, np.array(self.counts)
 
 
 @dataclass(frozen=True)
@@ -329,21 +323,11 @@ class HandleMaps(HandlePoints):
             given["segments"] = self.edges[self.segments]
         return given
 
-    def solve(
-        self,
-        method: Any,
-        pose: np.ndarray,
-        *,
-        from_rest: np.ndarray | None = None,
-        placed: np.ndarray | None = None,
-        **options,
-    ) -> tuple[np.ndarray, None]:
-        """As above."""
+    def _posed(self, method: Any, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         counts = np.array(self.counts)
         rows = np.where(self.apart, counts, np.where(counts == 1, 1, 4))
         maps = np.repeat(pose, rows, axis=0)
-        posed = np.einsum("rij,rj->ri", maps[:, :, :3], method.control) + maps[:, :, 3]
-        return self._warp(method, posed, rows, placed, options)
+        return np.einsum("rij,rj->ri", maps[:, :, :3], method.control) + maps[:, :, 3], rows
 
 
 _NO_EDGES, _NO_SEGMENTS = np.zeros((0, 2), dtype=int), np.zeros(0, dtype=bool)
@@ -377,8 +361,10 @@ class CageReport:
 
 
 @dataclass(frozen=True)
-class Cage(Shape):
-    """The rest cage around a target, in the frame of the target."""
+class Cage(ControlPoints):
+    """The rest cage around a target, in the frame of the target. ``faces`` are (counts, corners)."""
+
+    faces: tuple[np.ndarray, np.ndarray]
 
     @property
     def size(self) -> int:
@@ -392,10 +378,6 @@ class Cage(Shape):
         with _naming_cage(native, cage):
             return make(native, recipe.method, cage, recipe.options)
 
-    def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
-        """Whether the bound method ``former`` has the weights that the method ``made`` would compute."""
-        return made.can_reuse(former, recipe.target.points)
-
     def bind(
         self, native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
     ) -> object:
@@ -408,18 +390,6 @@ class Cage(Shape):
         with _naming_cage(native, cage):
             outside = made.bind(points, progress).outside
         return CageReport(outside, np.unique(native.diagnose_cage(cage).crossing_faces))
-
-    def solve(
-        self,
-        method: Any,
-        vertices: np.ndarray,
-        *,
-        incoming: np.ndarray | None = None,
-        out: np.ndarray | None = None,
-        progress: Progress | None = None,
-    ) -> tuple[np.ndarray, None]:
-        """Positions (n, 3) for the ``vertices`` (c, 3) of the cage. There is nothing to report."""
-        return method.warp(vertices, out=out, incoming=incoming), None
 
 
 @contextmanager
@@ -451,7 +421,7 @@ class Recipe:
     method: Method
     target: Shape
     options: dict[str, object]
-    control: Handles | ControlPoints | Cage
+    control: Handles | ControlPoints
 
     @property
     def seconds(self) -> float:

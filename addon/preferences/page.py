@@ -69,7 +69,8 @@ class SinewPreferences(AddonPreferences):
     )
     auto_rebind: BoolProperty(
         name="Automatic Rebind",
-        description="New deformers bind again automatically when their mesh gains or loses vertices. "
+        description="New deformers bind again automatically when their mesh, or an object whose points move "
+        "it, gains or loses points. "
         "Turn it on if you switch between modelling and posing",
         default=DEFAULTS.auto_rebind,
     )

@@ -199,8 +199,8 @@ class SinewDeformer(PropertyGroup):
         BoolProperty,
         update=None,
         name="Automatic Rebind",
-        description="Bind again automatically when the mesh, or its cage, gains or loses vertices. "
-        "Regions are vertex groups, so they are kept; the cage takes its current shape as its rest shape",
+        description="Bind again automatically when the mesh, or an object whose points move it, gains or "
+        "loses points. Regions are vertex groups, so they are kept; such an object rests as it is then",
     )
     topology_changed: record(BoolProperty)
     proxy: record(PointerProperty, type=Object)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/handle_methods.h"
 #include "native/bindings/representation.h"
+#include "native/bindings/warped.h"
 
 #include <algorithm>
 #include <optional>
@@ -15,29 +16,9 @@ py::object warp_poses(const HandleMethod& method, const py::object& given, const
     const Poses maps = poses(given);
     const std::vector<bool> aims = flags(from_rest, maps.size()).value_or(std::vector<bool>{});
     const OptionalPoints entering(incoming, "incoming");
-    const auto count = [&] {
-        const py::gil_scoped_release unlocked;
-        const AccessLock shared = method.reading();
-        return method.points().rows();
-    };
-    if (!out.is_none()) {
-        SinglePoints single = singles(out, "out", count());
-        {
-            const py::gil_scoped_release unlocked;
-            method.warp_poses(maps, entering.view, single.data(), single.rows(), aims);
-            require_finite(single);
-        }
-        return out; // counts a reference, which needs the GIL
-    }
-    Points positions;
-    {
-        const py::gil_scoped_release unlocked;
-        const AccessLock shared = method.reading();
-        positions.resize(method.points().rows(), 3);
-        method.warp_poses(maps, entering.view, positions.data(), {}, aims);
-        require_finite(positions);
-    }
-    return to_numpy(std::move(positions));
+    return warped(method, out, [&](PositionsOut positions, std::optional<Eigen::Index> room) {
+        method.warp_poses(maps, entering.view, positions, room, aims);
+    });
 }
 
 py::tuple network(const HandleMethod& method, const py::object& given, const py::object& incoming,

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 #include "native/bindings/representation.h"
+#include "native/bindings/warped.h"
 #include "native/space/method.h"
 
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <optional>
 
 namespace sinew::bindings {
 
@@ -41,37 +43,15 @@ bool can_reuse_space(const SpaceMethod& method, const py::object& former, const 
     return method.can_reuse(other, view);
 }
 
-Eigen::Index point_count(const SpaceMethod& method)
-{
-    const py::gil_scoped_release unlocked;
-    const AccessLock shared = method.reading();
-    return method.points().rows();
-}
-
 py::object warp(const SpaceMethod& method, const py::object& control, const py::object& out,
                 const py::object& incoming)
 {
     const FloatArray array = floats(control, "cage_points");
     const PointsView view = points<InvalidConstraint>(array, "cage_points");
     const OptionalPoints entering(incoming, "incoming");
-    if (!out.is_none()) {
-        SinglePoints single = singles(out, "out", point_count(method));
-        {
-            const py::gil_scoped_release unlocked;
-            method.warp(view, entering.view, single.data(), single.rows());
-            require_finite(single);
-        }
-        return out; // counts a reference, which needs the GIL
-    }
-    Points positions;
-    {
-        const py::gil_scoped_release unlocked;
-        const AccessLock shared = method.reading();
-        positions.resize(method.points().rows(), 3);
-        method.warp(view, entering.view, positions.data());
-        require_finite(positions);
-    }
-    return to_numpy(std::move(positions));
+    return warped(method, out, [&](PositionsOut positions, std::optional<Eigen::Index> room) {
+        method.warp(view, entering.view, positions, room);
+    });
 }
 
 } // namespace

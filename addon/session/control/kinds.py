@@ -71,11 +71,15 @@ class ControlKind(Protocol):
     def links(self, deformer: SinewDeformer) -> Iterable[Link]:
         """The objects and bones that Blender must evaluate for the deformer."""
 
-    def is_stale(self, deformer: SinewDeformer) -> bool:
-        """Whether the control has gained or lost vertices since it was bound."""
+    def is_stale(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> bool:
+        """Whether a control has gained or lost points since it was bound."""
 
-    def set_rest(self, obj: Object, deformer: SinewDeformer) -> None:
-        """Let controls that have no rest yet rest where they are."""
+    def set_rest(self, obj: Object, deformer: SinewDeformer, renew: bool) -> None:
+        """Let controls that have no rest yet rest where they are.
+
+        With ``renew``, also those that have gained or lost points. Kinds without a button of their own for
+        that do it in any case.
+        """
 
     def take_rest(self, obj: Object, deformer: SinewDeformer) -> None:
         """Let the control rest as it is now."""

@@ -13,7 +13,7 @@ import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 from mathutils import Matrix
 
-from ...backend import Cage, ControlPoints, Recipe, Shape
+from ...backend import ControlPoints, Recipe, Shape
 from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, SinewError
 from ...core.geometry import frames
@@ -49,7 +49,7 @@ class ObjectKind:
     REST_BUTTON, REST_REMEDY = "Rebind", Remedy.BIND  # what takes its rest anew
     ERROR: type[SinewError] = ConstraintError
     row: Callable[[SinewDeformer], Row]  # the place of the object in the settings
-    bound_to: Callable[[RestShape], Cage | ControlPoints]  # what is bound, for the rest in the target's frame
+    bound_to: Callable[[RestShape], ControlPoints]  # what is bound, for the rest in the target's frame
 
     def read_points(self, control: Object, depsgraph: Depsgraph) -> np.ndarray:
         """The points of the object, float32 (c, 3) in its own frame."""
@@ -144,18 +144,19 @@ class ObjectKind:
         if control.type != self.TYPE:
             raise self.ERROR(f"{control.name} is no {self.TYPE.lower()} - {self.WANTED}")
 
-    def is_stale(self, deformer: SinewDeformer) -> bool:
+    def is_stale(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> bool:
         row = self.row(deformer)
         if row.missing or row.rest is None:
             return False
-        place = self.place(deformer, bpy.context.evaluated_depsgraph_get())
+        place = self.place(deformer, depsgraph)
         return place is not None and len(place.vertices) != len(row.rest.vertices)
 
-    def set_rest(self, obj: Object, deformer: SinewDeformer) -> None:
+    def set_rest(self, obj: Object, deformer: SinewDeformer, renew: bool) -> None:
         row = self.row(deformer)
         if row.object is not None and not libraries.is_lost(row.object):
             self.refuse_other_type(row.object)
-        if row.object is not None and row.rest is None:
+        stale = renew and self.is_stale(deformer, bpy.context.evaluated_depsgraph_get())
+        if row.object is not None and (row.rest is None or stale):
             self.take_rest(obj, deformer)
 
     def take_rest(self, obj: Object, deformer: SinewDeformer) -> None:

@@ -182,8 +182,7 @@ class SeveralKind(ObjectKind):
         if self.TYPES and control.type not in self.TYPES:
             raise self.ERROR(f"{control.name} is no {self.NOUN} - {self.WANTED}")
 
-    def is_stale(self, deformer: SinewDeformer) -> bool:
-        depsgraph = bpy.context.evaluated_depsgraph_get()
+    def is_stale(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> bool:
         return any(self._is_row_stale(row, depsgraph) for row in self.used(deformer))
 
     def _is_row_stale(self, row: SinewControl, depsgraph: Depsgraph) -> bool:
@@ -192,8 +191,7 @@ class SeveralKind(ObjectKind):
         place = self.place_of(row, depsgraph)
         return place is not None and len(place.vertices) != self.point_count(row.rest)
 
-    def set_rest(self, obj: Object, deformer: SinewDeformer) -> None:
-        """Also of objects that have gained or lost points."""
+    def set_rest(self, obj: Object, deformer: SinewDeformer, renew: bool) -> None:
         depsgraph = bpy.context.evaluated_depsgraph_get()
         for row in self.rows(deformer):
             if row.object is None or libraries.is_lost(row.object):

@@ -30,12 +30,14 @@ def bind(
     wait: bool = True,
     progress: Progress | None = None,
     entered: Mesh | None = None,
+    renew: bool = False,
 ) -> None:
     """Take what enters the modifier now as the rest shape and factorise.
 
     Without ``wait`` a heavy mesh is bound by a thread (``session.job``). On a refusal the deformer is
     unbound, shows the rest shape and keeps every setting. ``entered``: what enters in viewports, if the
-    caller has just captured it by ``capture.rest_mesh``; it is used up.
+    caller has just captured it by ``capture.rest_mesh``; it is used up. With ``renew``, controls that have
+    gained or lost points rest as they are now, whatever kind they are of.
     """
     try:
         with _shown_in_panel(deformer):
@@ -52,7 +54,7 @@ def bind(
                 keys.turn_with_rest(deformer, _bound(deformer), read_positions(meshes[0]))
                 shapes.hold_rest(deformer, meshes)
                 deformer.topology_changed = False
-                kind.set_rest(obj, deformer)
+                kind.set_rest(obj, deformer, renew)
                 shapes.ensure(obj, deformer, *sizes)
                 kinds.keep_evaluated(obj)
                 _factorise(deformer, wait, progress)
@@ -110,6 +112,9 @@ def _factorise(deformer: SinewDeformer, wait: bool, progress: Progress | None) -
 
 def _let_go(deformer: SinewDeformer) -> None:
     binding.abandon(deformer.uid)
+    session = sessions.find(deformer.uid)
+    if session is not None:
+        session.bound = None
     shapes.show_rest(deformer, "VIEWPORT")
     shapes.show_rest(deformer, "RENDER")
     shapes.release_rest(deformer)

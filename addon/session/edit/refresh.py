@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""After an edit of a mesh or a cage, uses painted weights, and notices new or removed vertices.
+"""After an edit of a mesh or a control, uses painted weights, and notices new or removed points.
 
 Main thread only, as this makes datablocks. It runs when the user pauses, never during an edit.
 """
@@ -14,7 +14,7 @@ from ...compat import read_positions, write_positions
 from ...core.errors import SinewError
 from ...mesh_io import read_rest, same_topology
 from ...properties import SinewDeformer
-from ..blocks import capture, rest_frame, shapes, vertex_groups
+from ..blocks import capture, shapes, vertex_groups
 from ..control import kinds
 from ..memory import sessions
 from . import bind
@@ -56,11 +56,10 @@ def _look_at(edited: list[Object]) -> bool:
             if not deformer.is_bound or deformer.bake.is_baked or shapes.is_linked(deformer.proxy):
                 continue
             kind = kinds.kind_in_use(deformer)
-            if deformer.auto_rebind and kind.is_stale(deformer):
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            if deformer.auto_rebind and kind.is_stale(deformer, depsgraph):
                 with suppress(SinewError):  # the panel says why
-                    rest_frame.absorb(deformer)
-                    kind.take_rest(obj, deformer)
-                    bind.bind(obj, deformer, wait=False)
+                    bind.bind(obj, deformer, wait=False, renew=True)
                 changed = True
             else:
                 vertex_groups.follow_renamed_groups(obj, deformer)

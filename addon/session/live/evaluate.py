@@ -330,7 +330,8 @@ def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
     if evaluation.in_viewport or evaluation.session.failed is not None:
         status.fail(evaluation.deformer.uid, error)
     if evaluation.in_viewport:
-        if evaluation.deformer.auto_rebind and error.remedy is Remedy.CAGE_REST:
+        deformer = evaluation.deformer
+        if deformer.auto_rebind and kinds.kind_in_use(deformer).is_stale(deformer, evaluation.depsgraph):
             sessions.note_edit(evaluation.obj.name)
     else:
         evaluation.note(f"In the render: {error}")

@@ -105,8 +105,8 @@ class CurvesKind(SeveralKind):
         row.has_domain = False
         self._take_domain(obj, row)
 
-    def set_rest(self, obj: Object, deformer: SinewDeformer) -> None:
-        super().set_rest(obj, deformer)
+    def set_rest(self, obj: Object, deformer: SinewDeformer, renew: bool) -> None:
+        super().set_rest(obj, deformer, renew)
         for row in self.rows(deformer):
             self._take_domain(obj, row)
 

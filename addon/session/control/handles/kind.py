@@ -3,7 +3,6 @@
 
 from typing import Any
 
-import bpy
 import numpy as np
 from bpy.types import Depsgraph, Object
 
@@ -18,7 +17,6 @@ from ..bind_input import BindInput
 from ..objects import forget_row_rest
 from . import keys, points, poses
 from .links import links
-from .poses import complete_rest_frames as set_rest
 from .poses import complete_rest_frames as take_rest
 from .poses import keep_pose
 from .regions import has_constraints as is_set
@@ -137,9 +135,13 @@ def use(_obj: Object, _deformer: SinewDeformer, control: Object, _owned: bool) -
     raise ConstraintError(f"{control.name} alone moves no handle - name the vertices that follow it")
 
 
-def is_stale(deformer: SinewDeformer) -> bool:
+def set_rest(obj: Object, deformer: SinewDeformer, _renew: bool) -> None:
+    """Controls that rest already stay as they are, unless they have gained or lost points that count."""
+    take_rest(obj, deformer)
+
+
+def is_stale(deformer: SinewDeformer, depsgraph: Depsgraph) -> bool:
     """Only where the points of controls count, and not the places of objects and bones alone."""
-    depsgraph = bpy.context.evaluated_depsgraph_get()
     return any(points.is_stale(deformer, handle, depsgraph) for handle in deformer.handles)
 
 

@@ -173,12 +173,12 @@ class LatticeKind(ObjectKind):
                 )
         return super().pose(evaluation, bound)
 
-    def is_stale(self, deformer: SinewDeformer) -> bool:
+    def is_stale(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> bool:
         row = self.row(deformer)
         described = None if row.rest is None else _described(row.rest)
         if described is not None and row.object is not None and row.object.type == "LATTICE":
             return _resolution(row.object.data) != described[0]
-        return super().is_stale(deformer)
+        return super().is_stale(deformer, depsgraph)
 
     def object_with(self, deformer: SinewDeformer, _elements: Elements) -> Object:
         """The lattice. Raises a ``ConstraintError`` if it no longer has the points of its rest."""
@@ -186,7 +186,7 @@ class LatticeKind(ObjectKind):
         if row.object is None:
             raise self.ERROR("The lattice is not in this view layer - nothing to select")
         self.refuse_other_type(row.object)
-        if self.is_stale(deformer):
+        if self.is_stale(deformer, bpy.context.evaluated_depsgraph_get()):
             raise self.ERROR(f"The lattice has other points than its rest - press {self.REST_BUTTON}")
         return row.object
 
