@@ -234,6 +234,19 @@ def test_normal_displacements_distort_where_others_do_not(bumps: float) -> None:
         assert vectors.angle_max > 0.9 * normal.angle_max
 
 
+@pytest.mark.parametrize(("bumps", "first"), [(0.09, 133), (0.12, 82), (0.12, 122)])
+def test_volumes_follow_a_bend_without_jumps(bumps: float, first: int) -> None:
+    """Degree by degree they move as vectors do, but for a tenth of an edge, also where bumps meet."""
+
+    def moves(details: str) -> np.ndarray:
+        solve = ours("multiresolution", details=details, wavelength=20.0)
+        return np.diff([solve(bent_bumps(bumps, float(first + k))) for k in range(8)], axis=0)
+
+    edit = bent_bumps(bumps)
+    edge = np.linalg.norm(edit.points[edit.triangles[0, 0]] - edit.points[edit.triangles[0, 1]])
+    assert np.abs(moves("displacement_volumes") - moves("displacement_vectors")).max() < 0.1 * edge
+
+
 def test_unrotated_gradients_distort() -> None:
     """Figure 15, b to d: a cylinder bent by 90 degrees."""
     edit = cylinder(28, angle=90.0)
