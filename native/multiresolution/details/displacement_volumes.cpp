@@ -26,6 +26,8 @@ constexpr double softness = 1e-8;     ///< on the diagonal of K, as a share of i
 constexpr double area_change = 0.1;   ///< of the base, beyond which the chord diverges
 constexpr double least_detail = 1e-3; ///< as a share of an edge: smaller ones are kept less exactly
 constexpr int most_solves = 150;      ///< of one frame
+constexpr double most_stretch = 0.8;  ///< of an edge by one of Newton's steps, as a share of its length
+constexpr double most_chord_stretch = 0.4; ///< by the first step of the chord; beyond it, Newton is as fast
 constexpr double least_independence = 1e-10; ///< of steps that are mixed
 constexpr double least_scale = 0.1, most_scale = 10.0; ///< of det F, so that flattened rings do no harm
 
@@ -287,6 +289,27 @@ double DisplacementVolumes::area(const PointsView& points) const
     });
 }
 
+double DisplacementVolumes::stretch(const PointsView& shape, const Points& move) const
+{
+    const std::vector<Triangle>& triangles = rings_->triangles();
+    constexpr int grain = 2048;
+    const int count = static_cast<int>(triangles.size());
+    std::vector<double> parts((count + grain - 1) / grain, 0.0);
+    parallel_chunks(count, grain, [&](int begin, int end) {
+        double most = 0.0;
+        for (int t = begin; t < end; ++t)
+            for (int corner = 0; corner < 3; ++corner) {
+                const int i = triangles[t][corner], j = triangles[t][(corner + 1) % 3];
+                const double before = (shape.row(i) - shape.row(j)).squaredNorm(),
+                             change = (move.row(i) - move.row(j)).squaredNorm();
+                if (change > most * before && before > 0)
+                    most = change / before;
+            }
+        parts[begin / grain] = most;
+    });
+    return std::sqrt(parts.empty() ? 0.0 : *std::ranges::max_element(parts));
+}
+
 std::array<double, DisplacementVolumes::kept_steps> DisplacementVolumes::mix(Workspace& work, int count)
 {
     Steps& steps = work.steps;
@@ -386,8 +409,9 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
         }
         if (best < tolerance)
             break;
-        const bool stalls = !(worst < 0.5 * earlier[1]);
-        if (chord && own >= 2 && stalls) {
+        const bool stalls = own >= 2 && !(worst < 0.5 * earlier[1]),
+                   is_steep = own == 1 && stretch(band.fine, work->move) > most_chord_stretch;
+        if (chord && (stalls || is_steep)) {
             chord = false; // from the start once more
             ++report.fallbacks;
             own = -1;
@@ -413,6 +437,8 @@ void DisplacementVolumes::apply(const Band& band, Points& detailed, SolveReport&
             solves += newton(view(*at), band.moved, work->left,
                              std::max(0.05 * worst, 0.3 * tolerance) * scale, most_solves - solves, *work);
             pull(view(*at), band.moved, work->multipliers, *work, work->move);
+            if (const double change = stretch(band.fine, work->move); change > most_stretch)
+                work->move *= most_stretch / change;
         }
         if (at != &work->x)
             work->x.resize(at->rows(), 3);

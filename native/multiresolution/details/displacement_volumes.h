@@ -48,8 +48,11 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 ///           off nine tenths of the residual r where heights times curvature are small. It goes on as long as
 ///           two steps halve r. Of the last steps that combination is taken off which leaves the least r^T l
 ///           (D. Anderson. "Iterative Procedures for Nonlinear Integral Equations." Journal of the ACM, 1965)
-///   Newton  J W J^T l = r by conjugate gradients with the same as their preconditioner, where the chord
-///           stalls, or where the area of the base changes by more than a tenth
+///   Newton  J W J^T l = r by conjugate gradients with the same as their preconditioner, where the first
+///           step of the chord changes an edge by more than .4 of its length, where the chord stalls, or
+///           where the area of the base changes by more than a tenth. A step that changed an edge by more
+///           than .8 of its length is made shorter: many shapes have these volumes, and a whole step from
+///           where bumps meet on the inside of a bend leads to one with corners turned over
 ///
 /// With thirds of the prisms at a vertex instead of cells, sums over each triangle could vanish while
 /// vertices move to and fro, and the steps would not converge so fast on fine meshes. Volumes are kept, so a
@@ -58,7 +61,7 @@ Prism prism_between(const PointsView& coarse, const PointsView& fine, const Tria
 ///   call         cost
 ///   constructor  a factor of the thin shell's size
 ///   apply()      some 4 to 8 steps of a solve for one column each, where heights times curvature stay below
-///                .7; beyond that, up to 150 solves
+///                .7; beyond that 15 to 70 solves, and 150 at most
 class DisplacementVolumes final : public DetailCoding
 {
 public:
@@ -121,6 +124,8 @@ private:
     int newton(const PointsView& x, const PointsView& coarse, const VectorX& r, double least, int most,
                Workspace& work) const;
     double area(const PointsView& points) const;
+    /// The largest change of an edge by a move, as a share of the edge's length in a shape.
+    double stretch(const PointsView& shape, const Points& move) const;
     /// (n, n) J M^-1 J^T of the free vertices, in the pattern of the thin shell.
     SparseMatrix stiffness(const PointsView& fine, const PointsView& coarse) const;
     /// Which share of each of the last steps to take off; takes it off the multipliers.

@@ -2,7 +2,7 @@
 #include "native/multiresolution/details/normal_displacements.h"
 
 #include "native/core/parallel.h"
-#include "native/mesh/triangle_tree.h"
+#include "native/mesh/closest_triangle.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -89,28 +89,23 @@ NormalDisplacements::NormalDisplacements(const PointsView& fine, const PointsVie
                                          std::shared_ptr<const RingRotations> rings)
     : rings_(std::move(rings)), seats_(fine.rows())
 {
-    const std::vector<Triangle>& triangles = rings_->triangles();
-    std::vector<Vector3> points(coarse.rows());
-    for (std::size_t v = 0; v < points.size(); ++v)
-        points[v] = coarse.row(static_cast<int>(v)).transpose();
-    std::vector<char> vectors(points.size(), 0);
-    const auto has_detail = [&](int v) { return fine.row(v) != coarse.row(v); };
-    if (std::ranges::all_of(triangles, [&](const Triangle& t) { return is_flat(corners_of(points, t)); })) {
-        for (int v = 0; v < fine.rows(); ++v)
-            vectors_ += has_detail(v);
-        return;
-    }
-    const TriangleTree tree(points, triangles);
+    std::vector<char> vectors(fine.rows(), 0);
+    const ClosestTriangle closest(coarse, rings_->triangles());
     std::vector<Vector3> of_faces;
     Points normals;
     normals_of(coarse, of_faces, normals);
     parallel_for(
         static_cast<int>(fine.rows()),
         [&](int v) {
-            if (!has_detail(v))
+            if (fine.row(v) == coarse.row(v))
                 return;
             const Vector3 x = fine.row(v).transpose();
-            seats_[v] = seat_of(x, tree.closest_place(x).triangle, coarse, normals);
+            // Its own vertex of the base is not nearer, unless only flat triangles meet there.
+            int triangle = closest.to(x, (1 + 1e-9) * (fine.row(v) - coarse.row(v)).norm());
+            if (triangle < 0)
+                triangle = closest.to(x, INFINITY);
+            if (triangle >= 0)
+                seats_[v] = seat_of(x, triangle, coarse, normals);
             vectors[v] = seats_[v].triangle < 0;
         },
         64);

@@ -75,7 +75,7 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
     const VectorX goal = coding->volumes(view(study.fine()), view(study.base));
     const double height = shapes::distance(study.fine(), study.base),
                  mean = goal.cwiseAbs().sum() / goal.size();
-    for (double sharpness : {0.28, 0.7, 1.27, 3.0}) { // height times curvature
+    for (double sharpness : {0.28, 0.7, 1.27, 1.6, 3.0}) { // height times curvature
         const double half = 0.5 * 200 * shapes::pi / 180 * height / sharpness;
         const double degrees = half > 3 ? 200 * 3 / half : 200, wide = std::min(half, 3.0);
         const Points moved = bumps::bent(study.base, degrees, 5 - wide, 5 + wide);
@@ -87,9 +87,13 @@ TEST(DisplacementVolumes, are_the_same_before_and_after_in_gentle_and_tight_bend
         if (sharpness < 2) { // in bends of a third of the height, some faces turn
             EXPECT_EQ(bumps::turned_faces(study.mesh, study.base, moved, x), 0) << sharpness;
         }
-        // 5, 8, 17, and 10 with those of Newton's; the study found 8, 24, and 74 solves.
-        EXPECT_LT(report.iterations, sharpness < 0.3 ? 7 : sharpness < 1 ? 12 : 25) << sharpness;
-        if (sharpness != 1.27) { // where the quick iteration may or may not do
+        // 5, 8, 15, 18, and 10 with those of Newton's; the study found 8, 24, and 74 solves.
+        EXPECT_LT(report.iterations, sharpness < 0.3   ? 7
+                                     : sharpness < 1   ? 12
+                                     : sharpness < 1.5 ? 17
+                                                       : 21)
+            << sharpness;
+        if (sharpness != 1.6) { // where the quick iteration may or may not do
             EXPECT_EQ(report.fallbacks, sharpness > 2) << sharpness;
         }
     }
@@ -112,7 +116,7 @@ TEST(DisplacementVolumes, are_kept_on_a_base_of_another_size)
     const Study study(24);
     const auto coding = coding_of(study);
     const VectorX goal = coding->volumes(view(study.fine()), view(study.base));
-    for (double scale : {0.7, 2.0}) {
+    for (double scale : {0.4, 0.7, 2.0, 5.0}) {
         SolveReport report;
         const Points moved = scale * study.base;
         const Points x = bumps::detailed(*coding, study.fine(), study.base, moved, &report);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/multiresolution/details/normal_displacements.h"
 
+#include "native/mesh/triangle_tree.h"
 #include "tests/native/multiresolution/codings.h"
 
 #include <Eigen/Geometry>
@@ -54,6 +55,47 @@ TEST(NormalDisplacements, every_vertex_stands_on_the_base_by_the_formula_of_the_
         EXPECT_LT((foot + seat.height * n.normalized() - study.mesh.point(v)).norm(), 1e-12);
     }
     EXPECT_GT(seated, 1000);
+}
+
+TEST(NormalDisplacements, stand_around_the_closest_triangle_of_a_messy_base)
+{
+    // A base that is noisy, has flat faces, and crosses itself; what is closest is often not below its
+    // vertex.
+    const SurfaceMesh mesh = shapes::grid(24, 24, 1.0 / 24);
+    shapes::Random random(12);
+    Points coarse = mesh.points() + 0.01 * random.dense(mesh.vertex_count(), 3);
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        if (coarse(v, 0) > 0.5)
+            coarse.row(v) = Eigen::RowVector3d(1 - coarse(v, 0), coarse(v, 1), coarse(v, 2) + 0.02);
+    for (int v : {30, 31, 32, 55, 56, 57, 80, 81, 82, 200, 300})
+        coarse.row(v) = coarse.row(55); // around 56, and at some more, faces are flat
+    Points fine = coarse + 0.04 * random.dense(mesh.vertex_count(), 3);
+    const auto rings = std::make_shared<const RingRotations>(mesh);
+    const NormalDisplacements coding(view(fine), view(coarse), rings);
+    std::vector<Vector3> points;
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        points.emplace_back(coarse.row(v).transpose());
+    const TriangleTree tree(points, mesh.triangles());
+    int closest = 0, near = 0, vectors = 0;
+    for (int v = 0; v < mesh.vertex_count(); ++v) {
+        const auto& seat = coding.seats()[v];
+        if (seat.triangle < 0) {
+            ++vectors;
+            continue;
+        }
+        const int expected = tree.closest_place(fine.row(v).transpose()).triangle;
+        std::vector<int> around{expected};
+        for (int ring = 0; ring < 2; ++ring)
+            for (int t : std::vector<int>(around))
+                for (int corner : mesh.triangles()[t])
+                    around.insert(around.end(), rings->around(corner).begin(), rings->around(corner).end());
+        closest += seat.triangle == expected;
+        near += std::ranges::find(around, seat.triangle) != around.end();
+    }
+    EXPECT_EQ(near, mesh.vertex_count() - vectors);
+    EXPECT_EQ(vectors, coding.vectors());
+    EXPECT_GT(closest, mesh.vertex_count() / 3);
+    EXPECT_LT(shapes::distance(bumps::detailed(coding, fine, coarse, coarse), fine), 1e-12);
 }
 
 TEST(NormalDisplacements, fold_over_in_a_tight_bend_where_vectors_do_not)
