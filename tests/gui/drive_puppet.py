@@ -69,7 +69,7 @@ def prepare():
     enable()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
-    from blend_samples.puppet import mannequin
+    from blend_samples.mannequins import mannequin
 
     mannequin("Mannequin")
     bpy.context.view_layer.objects.active = skin()
