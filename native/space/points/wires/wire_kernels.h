@@ -20,9 +20,8 @@ struct WireContacts
 struct WireKernels
 {
     /// The moves by which wires carry points.
-    /// \param table       (samples, 8) the move of each sample and 0, then its turn, axis times angle, and 0;
-    /// with
-    ///                    as many rows of zeros behind as a block has
+    /// \param table       (samples, 8) the move of each sample and 0, then its turn, axis times angle, and 0.
+    ///                    Behind them are as many rows of zeros as the longest block has.
     /// \param first       block
     /// \param[out] moves  (4 blocks, 4) a move and 0 per contact
     void (*moves)(const WireContacts& contacts, const double* table, int first, int blocks, double* moves);
