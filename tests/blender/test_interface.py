@@ -103,10 +103,9 @@ def test_without_a_mesh_the_tab_says_what_to_select():
     assert not sheet.operator_names()
 
 
-@pytest.mark.parametrize("kind", ["SURFACE", "META", "LATTICE"])
+@pytest.mark.parametrize("kind", ["SURFACE", "META"])
 def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
     data = {
-        "LATTICE": lambda: bpy.data.lattices.new("Thing"),
         "META": lambda: bpy.data.metaballs.new("Thing"),
         "SURFACE": lambda: bpy.data.curves.new("Thing", kind),
     }[kind]()
@@ -116,12 +115,11 @@ def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
     sheet = draw_panel(WIDE)
     assert "Thing is a" in sheet.texts()
     assert "which Sinew cannot move" in sheet.texts()
-    assert ("object.convert" in sheet.operator_names()) == (kind != "LATTICE")
+    assert "object.convert" in sheet.operator_names()
     with pytest.raises(RuntimeError, match="Thing is a"):
         bpy.ops.sinew.cage_add()
-    if kind != "LATTICE":
-        bpy.ops.object.convert(target="MESH")
-        assert "sinew.cage_add" in draw_panel().operator_names()
+    bpy.ops.object.convert(target="MESH")
+    assert "sinew.cage_add" in draw_panel().operator_names()
 
 
 def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig, room):
