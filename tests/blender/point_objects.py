@@ -206,7 +206,10 @@ def has_surface(obj: bpy.types.Object) -> bool:
 
 def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object:
     """A box of twelve triangles around the points and handles."""
-    low, high = np.array(obj.bound_box).min(axis=0), np.array(obj.bound_box).max(axis=0)
+    bounds = (
+        shown(obj) if obj.type == "LATTICE" else np.array(obj.bound_box)
+    )  # which 5.2 does not know of lattices
+    low, high = bounds.min(axis=0), bounds.max(axis=0)
     reach = margin + 0.5 * (high - low).max()
     middle = 0.5 * (low + high)
     faces = [face for a, b, c, d in SIDES for face in ((a, b, c), (a, c, d))]
