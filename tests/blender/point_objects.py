@@ -206,9 +206,8 @@ def has_surface(obj: bpy.types.Object) -> bool:
 
 def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object:
     """A box of twelve triangles around the points and handles."""
-    bounds = (
-        shown(obj) if obj.type == "LATTICE" else np.array(obj.bound_box)
-    )  # which 5.2 does not know of lattices
+    # Blender 5.2 does not know the bounds of lattices.
+    bounds = shown(obj) if obj.type == "LATTICE" else np.array(obj.bound_box)
     low, high = bounds.min(axis=0), bounds.max(axis=0)
     reach = margin + 0.5 * (high - low).max()
     middle = 0.5 * (low + high)
