@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
+from point_objects import bind, lattice
 from rig import Rig, in_mode, linked, make_active, update
 from sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
 
@@ -286,6 +287,13 @@ def test_a_deformer_row_mutes_its_modifier_in_viewport_and_render(bound_plate: R
         ("Sinew", "show_viewport"),
         ("Sinew", "show_render"),
     ]
+
+
+def test_the_row_of_a_lattice_mutes_its_key():
+    obj, _cage = bind(lattice())
+    sheet = draw_row(bpy.types.SINEW_UL_deformers, obj.sinew, obj.sinew.deformers[0], WIDE)
+    toggled, name = [(args[0], args[1]) for name, args, *_rest in sheet.calls if name == "prop"][-1]
+    assert (toggled, name) == (obj.data.shape_keys.key_blocks["Sinew"], "mute")
 
 
 def panels(space: str) -> dict[str, type]:
