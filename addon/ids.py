@@ -98,6 +98,8 @@ class Datablocks:
     REST = ".Sinew Rest"
     CURVE = ".Sinew Curve"
     MODIFIER = "Sinew"
+    SHAPE_KEY = "Sinew"
+    BASIS = "Basis"
 
 
 class Keys:
@@ -107,6 +109,7 @@ class Keys:
     GROUP_POINT_TYPE = "sinew_group_kind"
     KEEP = "sinew_keep_evaluated"
     SHAPE = "sinew_shape"
+    MADE_BASIS = "sinew_made_basis"
     CURVE = "sinew_curve"
     GRID_REST = "sinew_grid_rest"
     CAGE_ORIGIN = "sinew_cage"

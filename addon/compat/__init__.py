@@ -16,7 +16,16 @@ from .interface import (
 )
 from .layout import draw_keymap_item, draw_progress, text_width
 from .libraries import is_placeholder
-from .mesh import read_cloud, read_edges, read_faces, read_positions, read_triangles, write_positions
+from .mesh import (
+    read_cloud,
+    read_edges,
+    read_faces,
+    read_lattice,
+    read_positions,
+    read_triangles,
+    write_lattice,
+    write_positions,
+)
 from .modifiers import move_modifier
 from .nodes import enabled_socket
 from .shape_keys import read_key, write_key
@@ -39,6 +48,7 @@ __all__ = (
     "read_edges",
     "read_faces",
     "read_key",
+    "read_lattice",
     "read_positions",
     "read_triangles",
     "remove_action_curve",
@@ -49,5 +59,6 @@ __all__ = (
     "smooth_colour_shader",
     "text_width",
     "write_key",
+    "write_lattice",
     "write_positions",
 )

@@ -6,7 +6,7 @@ slower.
 """
 
 import numpy as np
-from bpy.types import ID, Mesh
+from bpy.types import ID, Lattice, Mesh
 
 
 def read_positions(mesh: Mesh) -> np.ndarray:
@@ -27,6 +27,19 @@ def read_cloud(cloud: ID) -> np.ndarray:
     if len(flat):
         attribute.data.foreach_get("vector", flat)
     return flat.reshape(-1, 3)
+
+
+def read_lattice(lattice: Lattice) -> np.ndarray:
+    """The points of a lattice, float32 (n, 3), in its own space, evaluated if the lattice is."""
+    flat = np.empty(3 * len(lattice.points), dtype=np.float32)
+    lattice.points.foreach_get("co_deform", flat)
+    return flat.reshape(-1, 3)
+
+
+def write_lattice(lattice: Lattice, positions: np.ndarray) -> None:
+    """Move the points of a lattice, float32 (n, 3). They count only while it has no shape keys."""
+    lattice.points.foreach_set("co_deform", np.ascontiguousarray(positions, dtype=np.float32).ravel())
+    lattice.update_tag()
 
 
 def read_faces(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read and write the positions of a shape key. Blender 4.1 and later have a fast way."""
+"""Read and write the positions of a shape key. For meshes, Blender 4.1 and later have a fast way."""
 
 import numpy as np
-from bpy.types import ShapeKey
+from bpy.types import Mesh, ShapeKey
 
 
 def read_key(key: ShapeKey) -> np.ndarray:
-    """The positions of a shape key, float32 (n, 3), in the space of the mesh."""
+    """The positions of a shape key, float32 (n, 3), in the space of the mesh or lattice."""
     flat = np.empty(len(key.data) * 3, dtype=np.float32)
     _points(key).foreach_get("co", flat)
     return flat.reshape(-1, 3)
@@ -18,4 +18,5 @@ def write_key(key: ShapeKey, positions: np.ndarray) -> None:
 
 
 def _points(key: ShapeKey):
-    return key.points if hasattr(key, "points") else key.data
+    is_fast = hasattr(key, "points") and isinstance(key.id_data.user, Mesh)
+    return key.points if is_fast else key.data

@@ -29,8 +29,9 @@ SURFACE = PointType("SURFACE", "MESH", _VERTICES)  # of an extruded or filled cu
 CURVE = PointType("CURVE", "CURVE", _POINTS)
 BEZIER = PointType("BEZIER", "CURVE", ("point or handle", "points and handles"), 3)
 POINTCLOUD = PointType("POINTCLOUD", "POINTCLOUD", _POINTS)
+LATTICE = PointType("LATTICE", "", _POINTS)  # which no node reads
 
-_BY_ID = {point_type.id: point_type for point_type in (MESH, SURFACE, CURVE, BEZIER, POINTCLOUD)}
+_BY_ID = {point_type.id: point_type for point_type in (MESH, SURFACE, CURVE, BEZIER, POINTCLOUD, LATTICE)}
 
 
 def point_type_with_id(identifier: object) -> PointType:

@@ -59,6 +59,7 @@ def _write_for_renders() -> float | None:
     if not _has_rigs_in_windows():
         return None
     session.carry_out_writes()
+    session.show_late()
     unlocked = any(session.must_hand_over(scene) for scene in bpy.data.scenes)
     return 0.0 if unlocked and bpy.app.is_job_running("RENDER") else _IDLE_POLL
 

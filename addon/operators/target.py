@@ -50,11 +50,6 @@ def _posed_with(context: Context, armature: Object) -> Object | None:
 def explain_no_target(context: Context) -> tuple[str, bool]:
     """What an artist can do if there is no object to work on, and whether Convert to Mesh does it."""
     obj = context.object
-    if obj is not None and obj.type == "LATTICE":
-        return (
-            f"{obj.name} is a lattice, which Sinew cannot move - put a cage around the objects that it moves",
-            False,
-        )
     if obj is None or obj.type not in _CONVERTIBLE:
         return "Select a mesh object, or a control of one", False
     return (
@@ -74,9 +69,10 @@ def has_target(operator: type, context: Context, mesh: bool = False) -> bool:
         return False
     if mesh and not session.is_mesh(obj):
         label = session.label(obj)
+        remedy = "" if obj.type == "LATTICE" else ", or convert it to a mesh"
         operator.poll_message_set(
             f"{obj.name} is a {label} object without regions - add a cage, a lattice, wires or handle "
-            "points, or convert it to a mesh"
+            f"points{remedy}"
         )
         return False
     return True

@@ -205,6 +205,9 @@ class SinewDeformer(PropertyGroup):
     topology_changed: record(BoolProperty)
     proxy: record(PointerProperty, type=Object)
     proxy_render: record(PointerProperty, type=Object)
+    shape_key: record(
+        StringProperty, description="The name of the shape key that shows the deformer of a lattice object"
+    )
     rest: record(PointerProperty, type=Mesh)
     rest_render: record(
         PointerProperty,

@@ -2,11 +2,12 @@
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
 from .blocks.baked import find_cache
+from .blocks.lattice_keys import show_late
 from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
-from .blocks.shapes import attribute_names, find_modifier, stray_modifiers
+from .blocks.shapes import attribute_names, find_modifier, shown_by, stray_modifiers
 from .blocks.surface import Hit, first_hit, nearest_point
-from .blocks.targets import can_be_moved, is_exported, is_mesh, label, require_mesh
+from .blocks.targets import can_be_moved, is_exported, is_lattice, is_mesh, label, require_mesh
 from .control.handles.points import takes_segments
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
@@ -140,6 +141,7 @@ __all__ = (
     "is_automatic",
     "is_draft",
     "is_exported",
+    "is_lattice",
     "is_mesh",
     "is_moved_by_control",
     "is_refining",
@@ -194,6 +196,8 @@ __all__ = (
     "set_rest_lattice",
     "set_rest_of",
     "settle",
+    "show_late",
+    "shown_by",
     "stop_count",
     "stop_here",
     "store",

@@ -59,6 +59,8 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
 def _draw_export(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     """Draw the panel for an object that is not a mesh, which can be baked to Alembic at most."""
     text = f"Only meshes can be baked, and this is a {session.label(obj)} object - convert it to a mesh first"
+    if session.is_lattice(obj):
+        text = "Only meshes can be baked - export what the lattice moves, or apply shapes as shape keys"
     if session.is_exported(obj) and bake.can_write_alembic():
         text = f"A {session.label(obj)} object can be baked to Alembic only"
         _bake(context, layout, deformer, "Bake to Alembic", "RENDER_ANIMATION").target = "ALEMBIC"

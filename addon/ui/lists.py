@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The lists of deformers, of handles, and of objects that control a deformer together."""
 
-from bpy.types import Context, UILayout, UIList
+from bpy.types import Context, ShapeKey, UILayout, UIList
 from bpy.utils import register_classes_factory
 
 from .. import session
@@ -36,8 +36,11 @@ class SINEW_UL_deformers(UIList):
         layout.prop(deformer, "name", text="", emboss=False, icon="ERROR" if failing else "NONE")
         row = layout.row(align=True)
         row.prop(deformer, "live", text="", emboss=False, icon="PLAY" if deformer.live else "FREEZE")
-        modifier = session.find_modifier(owner.id_data, deformer)
-        if modifier is not None:
+        modifier = session.shown_by(owner.id_data, deformer)
+        if isinstance(modifier, ShapeKey):
+            icon = "HIDE_ON" if modifier.mute else "HIDE_OFF"
+            row.prop(modifier, "mute", text="", emboss=False, icon=icon)
+        elif modifier is not None:
             row.prop(modifier, "show_viewport", text="", emboss=False)
             if columns(context) > _RENDER_FROM:
                 row.prop(modifier, "show_render", text="", emboss=False)

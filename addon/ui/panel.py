@@ -150,7 +150,7 @@ def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: Sine
 def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     column = split(layout.column())
     column.prop(deformer, "factor", slider=True)
-    if session.is_mesh(obj):
+    if session.is_mesh(obj) or session.is_lattice(obj):
         column.prop_search(deformer, "mask_group", obj, "vertex_groups")
 
 

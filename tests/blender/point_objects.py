@@ -117,8 +117,19 @@ def cloud() -> bpy.types.Object:
     return bpy.context.object
 
 
+def lattice() -> bpy.types.Object:
+    """As an artist has edited it, so that its points stand in no grid."""
+    data = bpy.data.lattices.new("Lattice")
+    data.points_u, data.points_v, data.points_w = 4, 3, 2
+    random = np.random.default_rng(3)
+    for point in data.points:
+        point.co_deform = point.co + Vector(random.uniform(-0.05, 0.05, 3))
+    return linked(bpy.data.objects.new("Lattice", data))
+
+
 MAKERS = {
-    maker.__name__: maker for maker in (bezier, poly, nurbs, mixed, bevelled, text, outline, hair, cloud)
+    maker.__name__: maker
+    for maker in (bezier, poly, nurbs, mixed, bevelled, text, outline, hair, cloud, lattice)
 }
 CURVES = ("bezier", "poly", "nurbs", "mixed")
 
@@ -171,6 +182,9 @@ def alone(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
     copy.sinew.deformers.clear()
     copy.modifiers.clear()
     copy.animation_data_clear()
+    if copy.type == "LATTICE" and copy.data.shape_keys is not None:
+        for deformer in obj.sinew.deformers:
+            copy.data.shape_keys.key_blocks[deformer.shape_key].mute = True
     bpy.context.scene.collection.objects.link(copy)
     update()
     try:
@@ -192,7 +206,9 @@ def has_surface(obj: bpy.types.Object) -> bool:
 
 def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object:
     """A box of twelve triangles around the points and handles."""
-    low, high = np.array(obj.bound_box).min(axis=0), np.array(obj.bound_box).max(axis=0)
+    # Blender 5.2 does not know the bounds of lattices.
+    bounds = shown(obj) if obj.type == "LATTICE" else np.array(obj.bound_box)
+    low, high = bounds.min(axis=0), bounds.max(axis=0)
     reach = margin + 0.5 * (high - low).max()
     middle = 0.5 * (low + high)
     faces = [face for a, b, c, d in SIDES for face in ((a, b, c), (a, c, d))]

@@ -34,7 +34,7 @@ class Probe(bpy.types.RenderEngine):
         self.end_result(self.begin_result(0, 0, *_size(depsgraph.scene)))
 
 
-_SHAPES = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD")
+_SHAPES = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD", "LATTICE")
 
 
 def _points(obj: bpy.types.Object) -> np.ndarray:

@@ -46,6 +46,8 @@ def points_of(evaluated: bpy.types.Object) -> np.ndarray:
     """Vertices, places along a curve, or the points themselves, object space, (n, 3)."""
     if evaluated.type in ("CURVES", "POINTCLOUD"):
         return coordinates(evaluated.data.attributes["position"].data, "vector")
+    if evaluated.type == "LATTICE":
+        return coordinates(evaluated.data.points, "co_deform")
     points = coordinates(evaluated.to_mesh().vertices)
     evaluated.to_mesh_clear()
     return points

@@ -132,7 +132,7 @@ KINDS = [kind for kind in MAKERS if kind != "nurbs"]  # a NURBS curve does not p
 def middle_of_a_face(obj: bpy.types.Object) -> np.ndarray | None:
     """One that looks up; None for an object without faces."""
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    if obj.type in ("CURVES", "POINTCLOUD"):
+    if obj.type in ("CURVES", "POINTCLOUD", "LATTICE"):
         return None
     mesh = evaluated.to_mesh()
     places = [np.array(face.center) for face in mesh.polygons if face.normal.z > 0.5]
@@ -155,7 +155,7 @@ def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     lifted = evaluated_points(obj) - before
     near = np.linalg.norm(before - place, axis=1)
-    if kind in ("hair", "cloud"):
+    if kind in ("hair", "cloud", "lattice"):
         assert close(lifted[near < 1e-6], np.tile(LIFT, ((near < 1e-6).sum(), 1)), MEETS)
     # A curve moves by its points: a place half-way between two follows less.
     assert lifted[np.argmin(near), 2] > (0.2 if kind in CURVES else 0.3)

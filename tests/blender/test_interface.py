@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
+from point_objects import bind, lattice
 from rig import Rig, in_mode, linked, make_active, update
 from sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
 
@@ -103,10 +104,9 @@ def test_without_a_mesh_the_tab_says_what_to_select():
     assert not sheet.operator_names()
 
 
-@pytest.mark.parametrize("kind", ["SURFACE", "META", "LATTICE"])
+@pytest.mark.parametrize("kind", ["SURFACE", "META"])
 def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
     data = {
-        "LATTICE": lambda: bpy.data.lattices.new("Thing"),
         "META": lambda: bpy.data.metaballs.new("Thing"),
         "SURFACE": lambda: bpy.data.curves.new("Thing", kind),
     }[kind]()
@@ -116,12 +116,11 @@ def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
     sheet = draw_panel(WIDE)
     assert "Thing is a" in sheet.texts()
     assert "which Sinew cannot move" in sheet.texts()
-    assert ("object.convert" in sheet.operator_names()) == (kind != "LATTICE")
+    assert "object.convert" in sheet.operator_names()
     with pytest.raises(RuntimeError, match="Thing is a"):
         bpy.ops.sinew.cage_add()
-    if kind != "LATTICE":
-        bpy.ops.object.convert(target="MESH")
-        assert "sinew.cage_add" in draw_panel().operator_names()
+    bpy.ops.object.convert(target="MESH")
+    assert "sinew.cage_add" in draw_panel().operator_names()
 
 
 def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig, room):
@@ -288,6 +287,13 @@ def test_a_deformer_row_mutes_its_modifier_in_viewport_and_render(bound_plate: R
         ("Sinew", "show_viewport"),
         ("Sinew", "show_render"),
     ]
+
+
+def test_the_row_of_a_lattice_mutes_its_key():
+    obj, _cage = bind(lattice())
+    sheet = draw_row(bpy.types.SINEW_UL_deformers, obj.sinew, obj.sinew.deformers[0], WIDE)
+    toggled, name = [(args[0], args[1]) for name, args, *_rest in sheet.calls if name == "prop"][-1]
+    assert (toggled, name) == (obj.data.shape_keys.key_blocks["Sinew"], "mute")
 
 
 def panels(space: str) -> dict[str, type]:

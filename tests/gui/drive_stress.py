@@ -45,6 +45,7 @@ class Stage:
         self.dragged_expected = Expected.of_rig(self.dragged, "arap")
         self.dragged.obj.location.x = 50.0
         control = self.rig.control
+        self._add_follower(control)
         for frame in (0, FRAMES):
             control.location.z = STEP * frame
             control.keyframe_insert("location", frame=frame)
@@ -63,6 +64,26 @@ class Stage:
         if hasattr(scene, "cycles"):
             scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.device = 1, False, "CPU"
         make_active(self.dragged.obj)
+
+    def _add_follower(self, control: bpy.types.Object) -> None:
+        """A mesh that follows a lattice, which the control of the plate moves, too."""
+        self.lattice = bpy.data.objects.new("Lattice", bpy.data.lattices.new("Lattice"))
+        self.follower = grid_object("Follower", cells=4)
+        self.follower.scale = 0.2, 0.2, 0.2
+        bpy.context.scene.collection.objects.link(self.lattice)
+        for obj in (self.lattice, self.follower):
+            obj.location.x = 30.0
+        self.follower.modifiers.new("Lattice", "LATTICE").object = self.lattice
+        bpy.context.view_layer.update()
+        self.follower_rest = shown(self.follower)
+        make_active(self.lattice)
+        control.select_set(True)
+        bpy.ops.sinew.point_add(source="SELECTED", method="mls")
+
+    def follower_error(self, height: float, places: np.ndarray | None = None) -> float:
+        places = shown(self.follower) if places is None else places
+        rise = height / self.follower.scale.z * np.array((0.0, -np.sin(TILT), np.cos(TILT)))
+        return float(np.abs(places - self.follower_rest - rise).max())
 
     def drag(self, moment: int) -> None:
         """The user moves a control that has no keys.
@@ -265,12 +286,17 @@ def stress(stage: Stage, engine: str, last: int, writers: list[bool]):
     yield
     seen[f"{engine}_dragged_error"] = stage.dragged_error()
     seen[f"{engine}_viewport_error"] = stage.error(STEP * scene.frame_current)
+    seen[f"{engine}_follower_error"] = stage.follower_error(STEP * scene.frame_current)
     if engine == Probe.bl_idname:
         errors = [
             float(np.abs(shapes["Plate"] - stage.expected.lifted(STEP * frame)).max())
             for frame, shapes in zip(Probe.frames, Probe.seen, strict=True)
         ]
         seen["probe_error"] = max(errors)
+        seen["probe_follower_error"] = max(
+            stage.follower_error(STEP * frame, shapes["Follower"])
+            for frame, shapes in zip(Probe.frames, Probe.seen, strict=True)
+        )
         Probe.seen = []
     for frame in (1, last // 2, last):
         scene.frame_set(frame)

@@ -16,6 +16,7 @@ FRAMES = int(os.environ.get("SINEW_STRESS_FRAMES", "100"))
 CYCLES_FRAMES = FRAMES // 10
 TIMEOUT = 400.0  # about 70 s on a quiet machine: 40 of them render, the rest waits for the autosave
 FLOAT32 = 4e-6
+FOLLOWS = 2e-5  # five times that, in the small frame of what the lattice moves
 ITERATIVE = 1e-3  # what an iterative method's own tolerance leaves
 
 
@@ -56,6 +57,7 @@ def test_each_frame_of_an_unlocked_render_is_right(seen: dict):
     assert seen["SINEW_TEST_PROBE_frames"] == FRAMES
     assert seen["SINEW_TEST_PROBE_moves"] > 0
     assert seen["probe_error"] < FLOAT32
+    assert seen["probe_follower_error"] < FOLLOWS
 
 
 @pytest.mark.parametrize(("engine", "frames"), [("SINEW_TEST_PROBE", FRAMES), ("CYCLES", CYCLES_FRAMES)])
@@ -69,6 +71,7 @@ def test_only_the_main_thread_writes_shapes_in_an_unlocked_render(seen: dict, en
 def test_the_viewport_is_right_after_an_unlocked_render(seen: dict, engine: str):
     last = CYCLES_FRAMES if engine == "CYCLES" else FRAMES
     assert seen[f"{engine}_viewport_error"] < FLOAT32
+    assert seen[f"{engine}_follower_error"] < FOLLOWS
     assert seen[f"{engine}_dragged_error"] < ITERATIVE
     for frame in (1, last // 2, last):
         assert seen[f"{engine}_after_{frame}"] < FLOAT32

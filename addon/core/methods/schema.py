@@ -38,7 +38,7 @@ class Moved(Enum):
     """The targets that a method can move."""
 
     MESH = "meshes"
-    POINTS = "curves, text, hair and point clouds"
+    POINTS = "curves, text, hair, point clouds and lattices"
 
 
 class Posed(Enum):

@@ -7,7 +7,7 @@ This only reads Blender's data.
 import os
 
 import bpy
-from bpy.types import Modifier, Object
+from bpy.types import Modifier, Object, ShapeKey
 
 from ...core import status
 from ...core.status import Level, Status
@@ -45,9 +45,9 @@ def _name(path: str) -> str:
     return os.path.basename(path.replace("\\", "/"))
 
 
-def overwrites(modifier: Modifier) -> bool:
+def overwrites(modifier: Modifier | ShapeKey) -> bool:
     """Whether nothing of the shape before a modifier is left after it."""
-    if modifier.type != "MESH_CACHE" or modifier.deform_mode != "OVERWRITE":
+    if isinstance(modifier, ShapeKey) or modifier.type != "MESH_CACHE" or modifier.deform_mode != "OVERWRITE":
         return False
     return modifier.factor == 1.0 and not modifier.vertex_group
 

@@ -13,14 +13,14 @@ import bpy
 import numpy as np
 from bpy.types import ID, Depsgraph, Mesh, Modifier, Object
 
-from ...compat import read_cloud, read_positions
+from ...compat import read_cloud, read_lattice, read_positions
 from ...core.errors import MeshError
-from ...core.point_types import MESH, point_type_with_id
+from ...core.point_types import LATTICE, MESH, point_type_with_id
 from ...ids import Datablocks, Keys
 from ...mesh_io import same_topology, weights_attribute
 from ...properties import SinewDeformer
 from ..memory import sessions
-from . import control_points, shapes, targets, vertex_groups
+from . import control_points, lattice_keys, shapes, targets, vertex_groups
 
 
 @contextmanager
@@ -37,6 +37,8 @@ def points_shown(obj: Object, depsgraph: Depsgraph) -> np.ndarray:
     """The points of an object after its modifiers, float32 (c, 3) in object space; none if it has none."""
     if targets.is_cloud(obj):
         return read_cloud(obj.evaluated_get(depsgraph).data)
+    if targets.is_lattice(obj):
+        return read_lattice(obj.evaluated_get(depsgraph).data)
     if not targets.has_points(obj):
         return np.zeros((0, 3), dtype=np.float32)
     with evaluated_mesh(obj, depsgraph) as mesh:
@@ -56,7 +58,10 @@ _AT_ONCE = 64  # so many objects are evaluated together: each evaluation looks a
 
 @contextmanager
 def _stand_ins(objects: Iterable[tuple[Object, int]]) -> Iterator[list[Object]]:
-    """A copy of each object with as many of its first modifiers. They are removed at the end."""
+    """A copy of each object with as many of its first modifiers. They are removed at the end.
+
+    That of a lattice has no modifiers, but as many of the keys of its deformers.
+    """
     copies: list[Object] = []
     own_data: list[ID] = []
     with sessions.suspended():
@@ -68,6 +73,11 @@ def _stand_ins(objects: Iterable[tuple[Object, int]]) -> Iterator[list[Object]]:
                 _remove_drivers(copy)
                 if obj.mode == "EDIT":
                     obj.update_from_editmode()
+                if targets.is_lattice(obj):
+                    lattice_keys.mute_from(copy, obj, last_modifier)
+                    own_data.append(copy.data)
+                    copy.modifiers.clear()
+                elif obj.mode == "EDIT":
                     copy.data = obj.data.copy()
                     own_data.append(copy.data)
                 for modifier in list(copy.modifiers)[last_modifier:]:
@@ -122,13 +132,17 @@ def _new_meshes(objects: Iterable[Object]) -> list[Mesh]:
     """New meshes of what objects are now, by one evaluation."""
     with ExitStack() as stack:
         shown = [
-            obj if targets.is_mesh(obj) else stack.enter_context(control_points.showing_points(obj))
+            obj
+            if targets.is_mesh(obj) or targets.is_lattice(obj)
+            else stack.enter_context(control_points.showing_points(obj))
             for obj in objects
         ]
         bpy.context.view_layer.update()
         depsgraph = bpy.context.evaluated_depsgraph_get()
         return [
-            bpy.data.meshes.new_from_object(
+            lattice_keys.mesh_of(obj.evaluated_get(depsgraph))
+            if targets.is_lattice(obj)
+            else bpy.data.meshes.new_from_object(
                 obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
             )
             for obj in shown
@@ -137,7 +151,7 @@ def _new_meshes(objects: Iterable[Object]) -> list[Mesh]:
 
 def rest_mesh(obj: Object, deformer: SinewDeformer) -> Mesh:
     """A new mesh: what enters the deformer's modifier now, or would enter one at the end of the stack."""
-    with _stand_ins([(obj, _position(obj, deformer))]) as copies:
+    with _stand_ins([(obj, position(obj, deformer))]) as copies:
         return _made(_rest_meshes([(obj, deformer)], copies)[0])
 
 
@@ -149,7 +163,7 @@ def rest_meshes(
     ``entered``: the rest mesh for viewports, if ``rest_mesh`` has just made it. It is returned, and stays
     the caller's if the one for renders is refused.
     """
-    if entered is not None and not _differs_in_renders(obj, list(obj.modifiers)[: _position(obj, deformer)]):
+    if entered is not None and not _differs_in_renders(obj, list(obj.modifiers)[: position(obj, deformer)]):
         return entered, None
     return _made(_rest_meshes_of([(obj, deformer)], [entered])[0])
 
@@ -175,7 +189,7 @@ def _rest_meshes_of(
     wanted: Wanted, entered: Sequence[Mesh | None]
 ) -> list[tuple[Mesh, Mesh | None] | MeshError]:
     """For each what ``rest_meshes`` makes, or its error."""
-    with _stand_ins((obj, _position(obj, deformer)) for obj, deformer in wanted) as copies:
+    with _stand_ins((obj, position(obj, deformer)) for obj, deformer in wanted) as copies:
         shown = [mesh for mesh in entered if mesh is not None] or _rest_meshes(wanted, copies)
         differing = [
             i
@@ -226,6 +240,8 @@ def _with_levels(modifiers: Iterable[Modifier]) -> list[Modifier]:
 
 def _differs_in_renders(obj: Object, modifiers: Sequence[Modifier]) -> bool:
     """Whether other vertices may come out of these modifiers of an object in renders."""
+    if targets.is_lattice(obj):  # its deformers come before all modifiers
+        return False
     if targets.render_resolution(obj.data):
         return True
     render = bpy.context.scene.render
@@ -264,7 +280,15 @@ def _as_rendered(copies: Sequence[Object]) -> Iterator[None]:
             bpy.data.batch_remove((own_data,))
 
 
-def _position(obj: Object, deformer: SinewDeformer) -> int:
+def position(obj: Object, deformer: SinewDeformer | None) -> int:
+    """How many modifiers come before the deformer, or would before a new one at the end of the stack; of a
+    lattice, how many deformers.
+    """
+    if targets.is_lattice(obj):
+        uids = [other.uid for other in obj.sinew.deformers]
+        return len(uids) if deformer is None or deformer.uid not in uids else uids.index(deformer.uid)
+    if deformer is None:
+        return len(obj.modifiers)
     modifier = shapes.find_modifier(obj, deformer)
     return len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
 
@@ -276,6 +300,8 @@ def _rest_meshes(wanted: Wanted, copies: Iterable[Object]) -> list[Mesh | MeshEr
             names = [group.name for group in obj.vertex_groups]
             few = len(names) <= FEW_GROUPS
             kept = names if few else vertex_groups.groups_in_use(deformer) & set(names)
+            if targets.is_lattice(obj):  # ``mesh_of`` reads all
+                continue
             painted = {weights_attribute(names.index(name)): name for name in kept}
             stack.enter_context(vertex_groups.keeping_weights(copy, painted))
         meshes = _new_meshes(copies)
@@ -285,7 +311,8 @@ def _rest_meshes(wanted: Wanted, copies: Iterable[Object]) -> list[Mesh | MeshEr
 def _as_rest(mesh: Mesh, obj: Object) -> Mesh | MeshError:
     """A new mesh of an object, named and marked as a rest mesh; or why it can be none."""
     if not targets.is_mesh(obj):
-        mesh[Keys.REST_POINT_TYPE] = control_points.take_point_type(mesh).id
+        is_lattice = targets.is_lattice(obj)
+        mesh[Keys.REST_POINT_TYPE] = (LATTICE if is_lattice else control_points.take_point_type(mesh)).id
         mesh[Keys.REST_STRUCTURE] = targets.structure(obj)
     if len(mesh.vertices) == 0:
         point_type = point_type_with_id(mesh.get(Keys.REST_POINT_TYPE))

@@ -7,18 +7,19 @@ shape object it shows, whatever its name is.
 
 import hashlib
 import uuid
+from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
 import numpy as np
-from bpy.types import Mesh, NodesModifier, Object, Scene
+from bpy.types import Mesh, Modifier, NodesModifier, Object, Scene, ShapeKey
 
 from ... import compat
 from ...ids import Datablocks, Inputs, Keys
 from ...mesh_io import copy_shape, replace_rest, resize_shape, shape_mesh, write_shape
 from ...properties import SinewDeformer, deformers_of
 from ..memory import render_writes, sessions
-from . import node_group, references, targets
+from . import lattice_keys, node_group, references, targets
 
 _KEY_LENGTH = 16
 _REST = ("rest",)
@@ -42,6 +43,18 @@ def find_modifier(obj: Object, deformer: SinewDeformer) -> NodesModifier | None:
         if compat.modifier_input(modifier, Inputs.INCOMING) == incoming:
             return modifier
     return None
+
+
+def shown_by(obj: Object, deformer: SinewDeformer) -> NodesModifier | ShapeKey | None:
+    """What shows this deformer: its modifier, or the shape key of a lattice."""
+    if targets.is_lattice(obj):
+        return lattice_keys.find(obj, deformer)
+    return find_modifier(obj, deformer)
+
+
+def stack(obj: Object) -> Sequence[Modifier | ShapeKey]:
+    """The modifiers, or shape keys of a lattice, some of which show deformers."""
+    return lattice_keys.blocks(obj) if targets.is_lattice(obj) else obj.modifiers
 
 
 def stray_modifiers(obj: Object) -> list[str]:
@@ -72,19 +85,21 @@ def attribute_names(key: str) -> tuple[str, str]:
     return f".sinew_in_{key}", f".sinew_index_{key}"
 
 
-def ensure(
-    obj: Object, deformer: SinewDeformer, vertex_count: int, render_count: int | None = None
-) -> NodesModifier:
+def ensure(obj: Object, deformer: SinewDeformer, vertex_count: int, render_count: int | None = None) -> None:
     """Make sure that there are shape meshes of the right size, and a modifier with the right inputs.
 
     What is right already stays as it is. ``render_count`` is given if another number of vertices enters in
-    renders.
+    renders. A bound lattice gets a shape key in place of the modifier.
     """
+    if targets.is_lattice(obj) and deformer.is_bound:
+        lattice_keys.ensure(obj, deformer)
     modifier = find_modifier(obj, deformer)
     deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
     render_count = vertex_count if render_count is None else render_count
     deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
     mark(deformer)
+    if targets.is_lattice(obj):
+        return
     point_type = targets.point_type(deformer)
     if modifier is None:
         modifier = obj.modifiers.new(Datablocks.MODIFIER, "NODES")
@@ -93,7 +108,6 @@ def ensure(
     elif not node_group.shows(modifier, point_type):
         modifier.node_group = node_group.ensure(point_type)
     connect(modifier, deformer)
-    return modifier
 
 
 def connect(modifier: NodesModifier, deformer: SinewDeformer) -> None:
@@ -161,8 +175,10 @@ def tell_copies_apart(obj: Object) -> bool:
     return renamed
 
 
-def connect_mask(obj: Object, modifier: NodesModifier, deformer: SinewDeformer) -> bool:
+def connect_mask(obj: Object, modifier: NodesModifier | ShapeKey, deformer: SinewDeformer) -> bool:
     """Pass the mask on to the modifier; whether it changed. A vertex group that is gone masks nothing."""
+    if isinstance(modifier, ShapeKey):
+        return lattice_keys.connect_mask(obj, modifier, deformer)
     mask = deformer.mask_group if deformer.mask_group in obj.vertex_groups else ""
     if compat.modifier_input(modifier, Inputs.MASK) == mask:
         return False
@@ -247,7 +263,9 @@ def render_as_shown(deformer: SinewDeformer, scene: Scene | None = None) -> bool
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:
-    """Remove the modifier, and what only this deformer used."""
+    """Remove the modifier or shape key, and what only this deformer used."""
+    if targets.is_lattice(obj):
+        lattice_keys.remove(obj, deformer)
     modifier = find_modifier(obj, deformer)
     if modifier is not None:
         obj.modifiers.remove(modifier)

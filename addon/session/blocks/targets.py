@@ -2,7 +2,8 @@
 """The objects that can be moved, by their type: no other module asks for it.
 
 A mesh has vertices, which every method moves. Curves, text, hair and point clouds have control points, or
-faces that Blender makes of them. No regions can be marked there, so only methods of space move them.
+faces that Blender makes of them. No regions can be marked there, so only methods of space move them. A
+lattice has points, which shape keys show (``lattice_keys``).
 """
 
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from bpy.types import ID, Curve, Object, Spline
 
-from ...compat import write_positions
+from ...compat import read_key, read_lattice, write_lattice, write_positions
 from ...core.errors import OptionError, SinewError
 from ...core.methods import Method, Moved
 from ...core.point_types import MESH, SURFACE, PointType, point_type_with_id
@@ -18,9 +19,9 @@ from ...core.status import Remedy
 from ...ids import Keys
 from ...properties import SinewDeformer
 
-_MOVED = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD")
+_MOVED = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD", "LATTICE")
 _CLOUDS = ("CURVES", "POINTCLOUD")
-_WITH_POINTS = (*_MOVED, "SURFACE")
+_WITH_POINTS = ("MESH", "CURVE", "FONT", *_CLOUDS, "SURFACE")
 
 
 def is_mesh(obj: Object) -> bool:
@@ -36,6 +37,11 @@ def can_be_moved(obj: Object) -> bool:
 def is_cloud(obj: Object) -> bool:
     """Whether Blender makes no mesh of the object, but shows its points."""
     return obj.type in _CLOUDS
+
+
+def is_lattice(obj: Object) -> bool:
+    """Whether the object takes no node modifiers, so that shape keys show its deformers."""
+    return obj.type == "LATTICE"
 
 
 def has_points(obj: Object) -> bool:
@@ -95,6 +101,10 @@ def sample(obj: Object, count: int) -> np.ndarray:
 
     Fewer if it has fewer; none of a text. In Edit Mode they are where they were before it.
     """
+    if is_lattice(obj):
+        keys = obj.data.shape_keys
+        held = read_lattice(obj.data) if keys is None else read_key(keys.reference_key)
+        return held[:: max(len(held) // count, 1)]
     if obj.type == "CURVE":
         splines = obj.data.splines
         points: Sequence = [point for spline in splines for point in (*spline.bezier_points, *spline.points)]
@@ -126,6 +136,8 @@ def write_points(obj: Object, places: np.ndarray) -> None:
     """Move all points and handles of an object to ``places``, float32 (n, 3). It must hold its points."""
     if obj.type == "CURVE":
         _write_splines(obj.data, places)
+    elif is_lattice(obj):
+        write_lattice(obj.data, places)
     else:
         write_positions(obj.data, places)
 
@@ -161,6 +173,8 @@ def structure(obj: Object) -> str:
         return " ".join(
             f"{spline.type}{_length(spline)}{'o' * spline.use_cyclic_u}" for spline in data.splines
         )
+    if is_lattice(obj):
+        return f"{data.points_u} {data.points_v} {data.points_w}"
     return f"{len(getattr(data, 'curves', ()))} {size(obj)}"
 
 
@@ -172,14 +186,16 @@ def render_resolution(data: ID) -> int:
 def require_method(obj: Object, method: Method) -> None:
     """Refuse an object that this method cannot move."""
     if not is_mesh(obj) and Moved.POINTS not in method.moves:
+        what = f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)}"
+        if is_lattice(obj):
+            raise OptionError(f"{what} - choose a space method")
         raise OptionError(
-            f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)} object - choose a "
-            "space method, or convert it to a mesh",
-            remedy=Remedy.CONVERT,
+            f"{what} object - choose a space method, or convert it to a mesh", remedy=Remedy.CONVERT
         )
 
 
 def require_mesh(obj: Object, what: str) -> None:
     """Refuse an object that is no mesh. ``what`` begins the sentence."""
     if not is_mesh(obj):
-        raise SinewError(f"{what} meshes, and {obj.name} is a {label(obj)} object - convert it to a mesh")
+        remedy = "" if is_lattice(obj) else " object - convert it to a mesh"
+        raise SinewError(f"{what} meshes, and {obj.name} is a {label(obj)}{remedy}")

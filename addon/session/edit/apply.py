@@ -9,16 +9,18 @@ from contextlib import contextmanager
 
 import bpy
 import numpy as np
-from bpy.types import Modifier, Object
+from bpy.types import Modifier, Object, ShapeKey
 
 from ...compat import read_key, read_positions, write_key
 from ...core.errors import SinewError
 from ...core.status import Level
+from ...ids import Datablocks
 from ...mesh_io import read_incoming
 from ...properties import SinewDeformer
-from ..blocks import capture, shapes, targets
+from ..blocks import capture, lattice_keys, shapes, targets
 from ..live import evaluate
 from ..memory import sessions
+from ..memory.evaluation import is_shown
 from . import deformers
 
 
@@ -29,8 +31,11 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
     and act on the result. Their names are returned.
     """
     deformer = obj.sinew.deformers[index]
-    modifier = shapes.find_modifier(obj, deformer)
+    modifier = shapes.shown_by(obj, deformer)
     _refuse(obj, deformer, modifier, as_shape_key)
+    if targets.is_lattice(obj):
+        _apply_to_lattice(obj, index, as_shape_key, keep)
+        return []
     modifiers = list(obj.modifiers)
     before = [other for other in modifiers[: modifiers.index(modifier)] if other.show_viewport]
     names = [other.name for other in before]
@@ -47,25 +52,57 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
     return names
 
 
-def _refuse(obj: Object, deformer: SinewDeformer, modifier: Modifier | None, as_shape_key: bool) -> None:
+def _apply_to_lattice(obj: Object, index: int, as_shape_key: bool, keep: bool) -> None:
+    """Move the points of a lattice, or make a new shape key of it. Its modifiers all come after."""
+    deformer = obj.sinew.deformers[index]
+    bpy.context.view_layer.update()
+    evaluate.update(bpy.context.evaluated_depsgraph_get())
+    if deformer.status_level == Level.ERROR.value:
+        raise SinewError(deformer.status)
+    with sessions.suspended():
+        places = lattice_keys.displaced(obj, deformer)
+        if as_shape_key:
+            _new_key(obj, deformer.name, places)
+        else:
+            write_key(obj.data.shape_keys.reference_key, places)
+        if not keep:
+            deformers.remove_deformer(obj, index)
+        obj.data.update_tag()
+        obj.update_tag()
+
+
+def _refuse(
+    obj: Object, deformer: SinewDeformer, modifier: Modifier | ShapeKey | None, as_shape_key: bool
+) -> None:
     """Refuse what Blender refuses to apply too, and a deformer without a shape."""
-    if as_shape_key:
+    is_lattice = targets.is_lattice(obj)
+    if as_shape_key and not is_lattice:
         targets.require_mesh(obj, "Shape keys are made on")
+    elif is_lattice:
+        lattice_keys.require(obj)
     elif not targets.holds_points(obj, targets.point_type(deformer)):
         raise SinewError(f"Blender makes what the cage moves of {obj.name} - convert it to a mesh")
     if obj.data.users > 1:
-        raise SinewError("Other objects share this mesh - make it single-user first (Object > Relations)")
+        what = "lattice" if is_lattice else "mesh"
+        raise SinewError(f"Other objects share this {what} - make it single-user first (Object > Relations)")
     if obj.data.library is not None or obj.data.override_library is not None:
         raise SinewError("The mesh is linked - make it local first (Object > Relations)")
-    if getattr(obj.data, "shape_keys", None) is not None and not as_shape_key:
-        raise SinewError("The mesh has shape keys, which keep its shape - use Apply as Shape Key")
+    has_keys = (
+        lattice_keys.has_others(obj)
+        if is_lattice
+        else hasattr(obj.data, "shape_keys") and (obj.data.shape_keys is not None)
+    )
+    if has_keys and not as_shape_key:
+        what = "lattice" if is_lattice else "mesh"
+        raise SinewError(f"The {what} has shape keys, which keep its shape - use Apply as Shape Key")
     if deformer.bake.is_baked:
         raise SinewError(f"{deformer.name} is baked - Unbake it first")
+    noun = "shape key" if is_lattice else "modifier"
     if modifier is None:
         button = "Rebind" if deformer.is_bound else "Bind"
-        raise SinewError(f"{deformer.name} has no modifier any more - press {button} first")
-    if not modifier.show_viewport:
-        raise SinewError(f"The modifier {modifier.name} is switched off - switch it on first")
+        raise SinewError(f"{deformer.name} has no {noun} any more - press {button} first")
+    if not is_shown(modifier, "VIEWPORT"):
+        raise SinewError(f"The {noun} {modifier.name} is switched off - switch it on first")
 
 
 @contextmanager
@@ -107,12 +144,16 @@ def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[st
 
 def _add_key(obj: Object, name: str, entered: np.ndarray, left: np.ndarray) -> None:
     """Add a shape key with value 0, as Blender's own Apply as Shape Key does."""
-    active = obj.active_shape_key_index
     if obj.data.shape_keys is None:
-        obj.shape_key_add(name="Basis", from_mix=False)
+        obj.shape_key_add(name=Datablocks.BASIS, from_mix=False)
     basis = read_key(obj.data.shape_keys.reference_key)
+    _new_key(obj, name, np.where(entered == basis, left, basis + (left - entered)))
+
+
+def _new_key(obj: Object, name: str, places: np.ndarray) -> None:
+    active = obj.active_shape_key_index
     key = obj.shape_key_add(name=name, from_mix=False)
     key.relative_key = obj.data.shape_keys.reference_key
     key.value = 0.0  # new keys are on from Blender 5.0
-    write_key(key, np.where(entered == basis, left, basis + (left - entered)))
+    write_key(key, places)
     obj.active_shape_key_index = active

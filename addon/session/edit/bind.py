@@ -13,7 +13,7 @@ from ...core import status
 from ...core.errors import ConstraintError, SinewError
 from ...core.status import Level, Status
 from ...properties import SinewDeformer
-from ..blocks import capture, rest_frame, shapes, targets, vertex_groups
+from ..blocks import capture, lattice_keys, rest_frame, shapes, targets, vertex_groups
 from ..blocks.owners import forget_owners
 from ..control import kinds
 from ..control.handles import keys
@@ -95,6 +95,8 @@ def _unbound_on_refusal(deformer: SinewDeformer) -> Iterator[None]:
 def _required_kind(obj: Object, deformer: SinewDeformer) -> ControlKind:
     """The kind of control that moves the deformer; refuses what cannot be bound."""
     targets.require_method(obj, deformer.definition)
+    if targets.is_lattice(obj):
+        lattice_keys.require(obj)
     kind = kinds.kind_in_use(deformer)
     if not kind.is_set(deformer):
         raise ConstraintError(kind.MISSING)
@@ -117,6 +119,8 @@ def _let_go(deformer: SinewDeformer) -> None:
         session.bound = None
     shapes.show_rest(deformer, "VIEWPORT")
     shapes.show_rest(deformer, "RENDER")
+    if targets.is_lattice(deformer.id_data):  # no longer needed, and Blender keeps the resolution while there
+        lattice_keys.remove(deformer.id_data, deformer)  # are keys
     shapes.release_rest(deformer)
     status.put_notes(deformer.uid, ())
 

@@ -15,7 +15,7 @@ from ...core.errors import CageError, MeshError
 from ...core.geometry import flat_outline
 from ...mesh_io import read_rest
 from ...properties import SinewDeformer
-from ..blocks import capture, rest_frame, shapes, targets
+from ..blocks import capture, rest_frame, targets
 from ..control import kinds
 from ..control.cage.kind import KIND as CAGE
 from ..live import binding
@@ -32,9 +32,7 @@ def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callab
     Any thread may call the function. ``options`` are those of ``backend.automatic_cage``, and ``flat`` if the
     cage of a flat shape may be flat. The cage of points without faces is made around their convex hull.
     """
-    modifier = None if deformer is None else shapes.find_modifier(obj, deformer)
-    position = len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
-    mesh = capture.mesh_after(obj, position)
+    mesh = capture.mesh_after(obj, capture.position(obj, deformer))
     try:
         rest = read_rest(mesh)
     finally:

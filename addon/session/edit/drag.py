@@ -355,11 +355,12 @@ def _require_target(obj: Object) -> None:
 
 def _require_working(obj: Object, deformer: SinewDeformer) -> None:
     """Refuse a deformer that would not show the drag."""
-    modifier, line = shapes.find_modifier(obj, deformer), status.current(deformer.uid)
+    modifier, line = shapes.shown_by(obj, deformer), status.current(deformer.uid)
     if deformer.bake.is_baked:
         raise SinewError(f"{deformer.name} is baked - Unbake it first")
     if modifier is not None and not is_shown(modifier, "VIEWPORT"):
-        raise SinewError(f"The modifier {modifier.name} of {obj.name} is hidden - show it in viewports first")
+        what = "shape key" if targets.is_lattice(obj) else "modifier"
+        raise SinewError(f"The {what} {modifier.name} of {obj.name} is hidden - show it in viewports first")
     if not deformer.live:
         raise SinewError(f"{deformer.name} is not live - switch Live on first")
     if line.level is Level.ERROR:

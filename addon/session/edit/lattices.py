@@ -81,7 +81,7 @@ def add_lattice_object(objects: Sequence[Object], shape: LatticeShape) -> Object
 
 def _shown(obj: Object) -> RestShape:
     """What enters the first deformer of ours, or would enter a new one at the end."""
-    mesh = capture.mesh_after(obj, len(obj.modifiers))
+    mesh = capture.mesh_after(obj, capture.position(obj, None))
     try:
         return read_rest(mesh)
     finally:

@@ -17,6 +17,7 @@ from ..blocks.owners import owners
 from ..control import kinds
 from ..live import binding, evaluate
 from ..memory import sessions
+from ..memory.evaluation import is_shown
 
 
 def store() -> None:
@@ -46,8 +47,8 @@ def store_shown() -> None:
 
 
 def _is_in_viewport(obj: Object, deformer: SinewDeformer) -> bool:
-    modifier = shapes.find_modifier(obj, deformer)
-    return modifier is not None and modifier.show_viewport
+    shows = shapes.shown_by(obj, deformer)
+    return shows is not None and is_shown(shows, "VIEWPORT")
 
 
 def _first_that_differs(obj: Object) -> SinewDeformer | None:

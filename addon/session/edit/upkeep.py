@@ -8,7 +8,7 @@ import bpy
 from bpy.types import Object
 
 from ...ids import Datablocks
-from ..blocks import keeper, references, shapes, targets
+from ..blocks import keeper, lattice_keys, references, shapes, targets
 from ..blocks.owners import copies, forget_owners, has_copies, owners
 from ..control import kinds
 from ..live import binding, mirroring
@@ -31,6 +31,8 @@ def separate(obj: Object) -> None:
         references.unshare_curves(deformer)
         if modifier is not None:
             shapes.connect(modifier, deformer)
+    if targets.is_lattice(obj):
+        lattice_keys.own_points(obj)
     kinds.keep_evaluated(obj)
     obj.update_tag()
 
@@ -40,6 +42,7 @@ def restore_shapes() -> None:
     for obj in owners():
         for deformer in obj.sinew.deformers if obj.library is None else ():
             shapes.restore(obj, deformer)
+    lattice_keys.forget_edits()
 
 
 def collect() -> None:

@@ -18,7 +18,7 @@ from ...core.methods import BY_ID
 from ...core.status import Level, Remedy, Status
 from ...ids import Inputs
 from ...properties import SinewDeformer
-from ..blocks import baked, shapes, targets, vertex_groups
+from ..blocks import baked, lattice_keys, shapes, targets, vertex_groups
 from ..blocks.owners import owners
 from ..control import kinds
 from ..memory import sessions
@@ -167,6 +167,9 @@ def _update_object(
     and modifiers need no check. ``entered`` float32 (n, 3) is what enters the first deformer, if it is known.
     """
     changed = False
+    is_lattice = targets.is_lattice(obj)
+    if is_lattice and mode == "VIEWPORT":
+        lattice_keys.follow_renamed(obj)
     if layout is None or not _still_holds(layout, obj):
         changed = True
         if mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
@@ -175,7 +178,7 @@ def _update_object(
         if mode == "VIEWPORT":
             mirroring.note_target(obj)
     chain = Chain()
-    for modifier, shows in zip(obj.modifiers, layout, strict=True):
+    for modifier, shows in zip(shapes.stack(obj), layout, strict=True):
         if not is_shown(modifier, mode):
             continue
         if shows is None:
@@ -214,6 +217,8 @@ def _update_object(
                 chain = _update_deformer(evaluation)
             except SinewError as error:
                 chain = _refuse(evaluation, error)
+    if is_lattice:
+        lattice_keys.show(obj, mode, depsgraph.scene)
     if mode == "VIEWPORT" and changed:
         _report_lost(obj)
         baked.report(obj)
@@ -223,6 +228,10 @@ def _update_object(
 def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
     """The index and key of the deformer that each modifier shows, or None."""
     by_proxy, found = _by_shape(obj), []
+    if targets.is_lattice(obj):
+        by_key = {obj.sinew.deformers[index].shape_key: index for index in by_proxy.values()}
+        indices = [by_key.get(key.name) if is_shown(key, mode) else None for key in shapes.stack(obj)]
+        return tuple(None if index is None else (index, obj.sinew.deformers[index].uid) for index in indices)
     for modifier in obj.modifiers:
         shape = None
         if modifier.type == "NODES" and is_shown(modifier, mode):
@@ -235,7 +244,7 @@ def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
 def _still_holds(layout: tuple, obj: Object) -> bool:
     """Whether a layout is still valid: scripts may change Sinew's lists, and Blender lists no update."""
     deformers = obj.sinew.deformers
-    return len(layout) == len(obj.modifiers) and all(
+    return len(layout) == len(shapes.stack(obj)) and all(
         shows is None or (shows[0] < len(deformers) and deformers[shows[0]].uid == shows[1])
         for shows in layout
     )
@@ -270,8 +279,8 @@ def _report_lost(obj: Object) -> None:
             lost = "rest shape"
         elif deformer.shape("VIEWPORT") is None or deformer.shape("RENDER") is None:
             lost = "hidden shape"
-        elif shapes.find_modifier(obj, deformer) is None:
-            lost = "modifier"
+        elif shapes.shown_by(obj, deformer) is None:
+            lost = "shape key" if targets.is_lattice(obj) else "modifier"
         else:
             continue
         text = f"The {lost} was deleted - Rebind"
@@ -299,6 +308,8 @@ def _update_deformer(evaluation: Evaluation) -> Chain:
         return Chain(broken=True)
     if deformer.method in BY_ID:
         targets.require_method(evaluation.obj, deformer.definition)
+    if targets.is_lattice(evaluation.obj):
+        lattice_keys.require(evaluation.obj)
     if not deformer.is_bound or not kinds.kind_in_use(evaluation.settings).is_set(evaluation.settings):
         if evaluation.in_viewport:
             binding.abandon(deformer.uid)

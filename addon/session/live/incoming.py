@@ -7,7 +7,7 @@ import numpy as np
 
 from ...core.errors import TopologyChangedError
 from ...mesh_io import read_incoming
-from ..blocks import node_group, shapes, targets
+from ..blocks import lattice_keys, node_group, shapes, targets
 from ..memory.evaluation import Chain, Evaluation, is_shown
 from ..memory.sessions import Bound
 
@@ -41,6 +41,8 @@ def find(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray | None, bool]
             session.structure = targets.structure(evaluation.obj)
         if session.structure != bound.rest.structure:
             raise TopologyChangedError(TOPOLOGY_CHANGED)
+        if targets.is_lattice(evaluation.obj):
+            evaluation.note(lattice_keys.hidden_by(evaluation.obj, evaluation.deformer))
         return None, True  # a cage adds displacements, so the incoming positions do not matter
     expected = len(bound.rest.points)
     if evaluation.chain.broken:

@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from bpy.types import Depsgraph, NodesModifier, Object
+from bpy.types import Depsgraph, Modifier, NodesModifier, Object, ShapeKey
 from mathutils import Matrix
 
 from ...core import status
@@ -86,7 +86,7 @@ class Evaluation:
     evaluated: Object
     depsgraph: Depsgraph
     mode: str  # VIEWPORT or RENDER: which of the two shapes is computed
-    modifier: NodesModifier
+    modifier: NodesModifier | ShapeKey
     deformer: SinewDeformer
     settings: SinewDeformer
     session: Session
@@ -125,6 +125,8 @@ class Evaluation:
         status.put_incoming(self.deformer.uid, text)
 
 
-def is_shown(modifier: NodesModifier, mode: str) -> bool:
-    """Whether the modifier takes part in the evaluation of this mode."""
+def is_shown(modifier: Modifier | ShapeKey, mode: str) -> bool:
+    """Whether the modifier takes part in the evaluation of this mode; or the shape key, in both."""
+    if isinstance(modifier, ShapeKey):
+        return not modifier.mute
     return modifier.show_viewport if mode == "VIEWPORT" else modifier.show_render

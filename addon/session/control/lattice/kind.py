@@ -9,7 +9,7 @@ import numpy as np
 from bpy.types import Depsgraph, Lattice, Mesh, Object
 
 from ....backend import ControlPoints, LatticePoints
-from ....compat import read_faces
+from ....compat import read_faces, read_lattice
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.status import Level, Remedy, Status
@@ -96,9 +96,7 @@ class LatticeKind(ObjectKind):
     def read_points(self, control: Object, depsgraph: Depsgraph) -> np.ndarray:
         if control.type == "MESH":
             return super().read_points(control, depsgraph)
-        data = control.evaluated_get(depsgraph).data
-        points = np.empty((len(data.points), 3), dtype=np.float32)
-        data.points.foreach_get("co_deform", points.ravel())
+        points = read_lattice(control.evaluated_get(depsgraph).data)
         return points if len(points) else NO_VERTICES
 
     def make_rest(self, control: Object, depsgraph: Depsgraph) -> Mesh:
