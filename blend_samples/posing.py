@@ -113,9 +113,7 @@ def add_lattice(
 
 def lattice_points(lattice: bpy.types.Object) -> np.ndarray:
     """The points (c, 3) as they are stored, object space."""
-    points = np.empty(3 * len(lattice.data.points), np.float32)
-    lattice.data.points.foreach_get("co_deform", points)
-    return points.reshape(-1, 3).astype(np.float64)
+    return stored(lattice.data.points, "co_deform").astype(np.float64)
 
 
 def add_pose(
@@ -165,17 +163,29 @@ def animate(
 
 def vertices(obj: bpy.types.Object) -> np.ndarray:
     """The vertices (n, 3) as they are stored, object space."""
-    points = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.vertices.foreach_get("co", points)
-    return points.reshape(-1, 3).astype(np.float64)
+    return stored(obj.data.vertices, "co").astype(np.float64)
 
 
 def shape(obj: bpy.types.Object) -> np.ndarray:
-    """The vertices (n, 3) as the modifiers leave them, object space."""
-    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", points)
-    return points.reshape(-1, 3)
+    """The vertices (n, 3) as the modifiers leave them, object space; points of a lattice or of hair."""
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if obj.type == "LATTICE":
+        return lattice_points(shown)
+    if obj.type == "CURVES":
+        return stored(shown.data.points, "position")
+    if obj.type == "MESH":
+        return stored(shown.data.vertices, "co")
+    mesh = shown.to_mesh()  # of a curve or text
+    points = stored(mesh.vertices, "co")
+    shown.to_mesh_clear()
+    return points
+
+
+def stored(points: bpy.types.bpy_prop_collection, name: str) -> np.ndarray:
+    """Coordinates (n, 3) float32 of vertices or points."""
+    flat = np.empty(3 * len(points), np.float32)
+    points.foreach_get(name, flat)
+    return flat.reshape(-1, 3)
 
 
 def check_posed(obj: bpy.types.Object, rest_frame: int, pose_frame: int) -> None:

@@ -28,7 +28,7 @@ from .mesh import (
 )
 from .modifiers import move_modifier
 from .nodes import enabled_socket
-from .shape_keys import read_key, write_key
+from .shape_keys import read_key, remove_data, write_key
 
 __all__ = (
     "action_curves",
@@ -52,6 +52,7 @@ __all__ = (
     "read_positions",
     "read_triangles",
     "remove_action_curve",
+    "remove_data",
     "rename_attribute_inputs",
     "select_bone",
     "set_modifier_input",

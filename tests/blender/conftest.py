@@ -52,10 +52,11 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo):
 
 @pytest.fixture(autouse=True)
 def comes_to_rest(scene: bpy.types.Scene, request: pytest.FixtureRequest) -> Iterator[None]:
-    """After every test nothing is stuck and nothing runs away; see ``inside.assert_at_rest``."""
+    """After every test nothing is stuck, runs away, or stays behind; see ``inside.assert_at_rest``."""
     yield
     if request.node.stash.get(_PASSED, False):
         inside.assert_at_rest()
+        assert all(keys.user for keys in bpy.data.shape_keys), "shape keys of removed datablocks are left"
 
 
 @pytest.fixture(autouse=True)

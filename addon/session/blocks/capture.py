@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from bpy.types import ID, Depsgraph, Mesh, Modifier, Object
 
-from ...compat import read_cloud, read_lattice, read_positions
+from ...compat import read_cloud, read_lattice, read_positions, remove_data
 from ...core.errors import MeshError
 from ...core.point_types import LATTICE, MESH, point_type_with_id
 from ...ids import Datablocks, Keys
@@ -88,7 +88,7 @@ def _stand_ins(objects: Iterable[tuple[Object, int]]) -> Iterator[list[Object]]:
         finally:
             for copy in copies:
                 bpy.data.objects.remove(copy)
-            bpy.data.batch_remove(own_data)
+            remove_data(own_data)
             bpy.context.view_layer.update()
 
 
@@ -119,7 +119,7 @@ def mesh_with_places(obj: Object) -> tuple[Mesh, np.ndarray | None]:
             (mesh,) = _new_meshes([copy])
         finally:
             copy.data = obj.data
-            bpy.data.batch_remove((own,))
+            remove_data((own,))
     carried = mesh.attributes.get(_PLACES)
     if carried is None or carried.domain != "POINT":
         return mesh, None
@@ -277,7 +277,7 @@ def _as_rendered(copies: Sequence[Object]) -> Iterator[None]:
             render.use_simplify = True
         for copy, data in replaced:
             own_data, copy.data = copy.data, data
-            bpy.data.batch_remove((own_data,))
+            remove_data((own_data,))
 
 
 def position(obj: Object, deformer: SinewDeformer | None) -> int:

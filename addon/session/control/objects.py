@@ -14,6 +14,7 @@ from bpy.types import Depsgraph, Mesh, Object
 from mathutils import Matrix
 
 from ...backend import ControlPoints, Recipe, Shape
+from ...compat import remove_data
 from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, SinewError
 from ...core.geometry import frames
@@ -265,7 +266,7 @@ def release(rows: Iterable[Row]) -> None:
         data = obj.data
         bpy.data.objects.remove(obj)
         if data is not None and data.users == 0:
-            bpy.data.batch_remove((data,))
+            remove_data((data,))
 
 
 def _is_used(control: Object) -> bool:

@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A toy longship of objects of every type: meshes, bevelled curves, text, hair, and a lattice in its sail."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import pi
+
+import bmesh
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+
+from ..materials import plain_material
+
+LENGTH = 0.95  # half of the hull's, along x
+MAST, YARD, FOOT = 1.86, 1.66, 0.80  # heights: top of the mast, upper and lower edge of the sail
+SAIL_WIDTH, SAIL_TURN = 1.16, -38.0  # the turn of the yard in degrees about z
+STRAND = 0.0025  # radius of a hair
+WIND = 0.30  # how far the middle of the sail is blown out
+PAINT = {
+    "Wood": (0.32, 0.15, 0.055),
+    "Dark Wood": (0.10, 0.042, 0.016),
+    "Rope": (0.55, 0.44, 0.28),
+    "Red": (0.36, 0.020, 0.015),
+    "Linen": (0.80, 0.74, 0.62),
+    "Gold": (0.62, 0.30, 0.05),
+    "Hair": (0.02, 0.015, 0.012),
+}
+
+
+def build(name: str) -> list[bpy.types.Object]:
+    """A ship in the scene's collection: its objects, but for the sail and the letter in its lattice."""
+    lattice = sail_lattice(name)
+    sail(name, lattice)
+    emblem(name, lattice)
+    return [
+        hull(name),
+        shields(name),
+        tubes(f"{name} Keel", 0.034, "Dark Wood", [keel()]),
+        tubes(f"{name} Rim", 0.020, "Dark Wood", [rim(side) for side in (1.0, -1.0)]),
+        tubes(f"{name} Spars", 0.026, "Dark Wood", spars()),
+        tubes(f"{name} Ropes", 0.0075, "Rope", ropes()),
+        lettering(name),
+        tail(name),
+        lattice,
+    ]
+
+
+def breadth(s: np.ndarray) -> np.ndarray:
+    """Half the width of the ship at the rim; ``s`` is -1 at the stern and 1 at the bow."""
+    return 0.36 * np.maximum(1.0 - s**4, 0.0) ** 0.8
+
+
+def rim_height(s: np.ndarray) -> np.ndarray:
+    return 0.40 + 0.30 * s**4
+
+
+def keel_height(s: np.ndarray) -> np.ndarray:
+    return 0.06 + 0.50 * s**6
+
+
+def hull(name: str) -> bpy.types.Object:
+    """Planks from rim to rim, and a deck."""
+    stations, girth = np.linspace(-0.995, 0.995, 61), np.linspace(-1.0, 1.0, 19)
+    s, t = (grid.ravel() for grid in np.meshgrid(stations, girth, indexing="ij"))
+    y = breadth(s) * np.sign(t) * np.sin(np.abs(t) * pi / 2) ** 0.8
+    z = keel_height(s) + (rim_height(s) - keel_height(s)) * (1.0 - np.cos(np.abs(t) * pi / 2)) ** 0.9
+    planks = np.stack((LENGTH * s, y, z), axis=1)
+    across = np.stack((LENGTH * s, 0.72 * np.abs(breadth(s)) * t, np.full_like(s, 0.27)), axis=1)
+    inside = np.repeat(np.abs(stations) < 0.82, len(girth))
+    across = across[inside]
+    faces = quads(len(stations), len(girth))
+    deck = quads(int(inside.sum()) // len(girth), len(girth)) + len(planks)
+    obj = mesh_object(f"{name} Hull", np.concatenate((planks, across)), np.concatenate((faces, deck)))
+    coat(obj.data, "Wood")
+    thickness = obj.modifiers.new("Solidify", "SOLIDIFY")
+    thickness.thickness, thickness.offset = 0.024, 0.0
+    return obj
+
+
+def quads(rows: int, columns: int) -> np.ndarray:
+    """The faces (m, 4) of a grid of points, row after row."""
+    k, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
+    corner = (k * columns + j).ravel()
+    return np.stack((corner, corner + columns, corner + columns + 1, corner + 1), axis=1)
+
+
+def mesh_object(name: str, points: np.ndarray, faces: np.ndarray) -> bpy.types.Object:
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), [], faces.tolist())
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    return linked(name, mesh)
+
+
+def coat(data: bpy.types.ID, *paints: str) -> None:
+    for paint in paints:
+        data.materials.append(plain_material(paint, PAINT[paint], roughness=0.5))
+
+
+def linked(name: str, data: bpy.types.ID) -> bpy.types.Object:
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def shields(name: str) -> bpy.types.Object:
+    """Round shields along both rims, each with a boss: loose parts of one mesh."""
+    shapes = bmesh.new()
+    for number, x in enumerate(np.linspace(-0.56, 0.56, 6)):
+        s = np.array(x / LENGTH)
+        for side in (1.0, -1.0):
+            place = Matrix.Translation((x, side * (float(breadth(s)) + 0.03), float(rim_height(s)) - 0.01))
+            for radius, depth, slot in ((0.108, 0.022, number % 2), (0.034, 0.042, 2)):
+                made = bmesh.ops.create_uvsphere(
+                    shapes,
+                    u_segments=32,
+                    v_segments=16,
+                    radius=1.0,
+                    matrix=place @ Matrix.Diagonal((radius, depth, radius, 1.0)),
+                )
+                for face in {face for vertex in made["verts"] for face in vertex.link_faces}:
+                    face.material_index, face.smooth = slot, True
+    mesh = bpy.data.meshes.new(f"{name} Shields")
+    shapes.to_mesh(mesh)
+    shapes.free()
+    coat(mesh, "Red", "Linen", "Gold")
+    return linked(mesh.name, mesh)
+
+
+def keel() -> np.ndarray:
+    """From the curl of the stern along the bottom to that of the bow."""
+    s = np.linspace(-1.0, 1.0, 60)
+    bottom = np.stack((LENGTH * s, 0.0 * s, keel_height(s) - 0.01), axis=1)
+    turn = np.linspace(-0.1 * pi, 1.75 * pi, 40)
+    radius = np.linspace(0.26, 0.05, 40)
+    x, z = radius * np.cos(turn), radius * np.sin(turn)
+    curl = np.stack((x, 0.0 * x, z), axis=1)
+    bow = curl - curl[0] + bottom[-1] + (0.03, 0.0, 0.05)
+    return np.concatenate((bow[::-1] * (-1.0, 1.0, 1.0), bottom, bow))
+
+
+def rim(side: float) -> np.ndarray:
+    s = np.linspace(-0.995, 0.995, 60)
+    return np.stack((LENGTH * s, side * breadth(s), rim_height(s)), axis=1)
+
+
+def yard_end(side: float, height: float) -> Vector:
+    turned = Matrix.Rotation(np.radians(SAIL_TURN), 3, "Z") @ Vector((0.0, 0.5 * SAIL_WIDTH * side, 0.0))
+    return turned + Vector((0.0, 0.0, height))
+
+
+def spars() -> list[np.ndarray]:
+    """The mast and the yard."""
+    return [
+        between((0.0, 0.0, 0.1), (0.0, 0.0, MAST)),
+        between(1.08 * yard_end(1.0, 0.0) + YARD * Vector((0, 0, 1)), yard_end(-1.0, YARD)),
+    ]
+
+
+def ropes() -> list[np.ndarray]:
+    top = (0.0, 0.0, MAST - 0.02)
+    ends = [(0.93 * LENGTH * side, 0.0, 0.62) for side in (1.0, -1.0)]
+    ends += [(x, side * 0.34, 0.40) for x in (-0.12, 0.0, 0.12) for side in (1.0, -1.0)]
+    sheets = [between(yard_end(side, FOOT), (-0.55, 0.28 * side, 0.42)) for side in (1.0, -1.0)]
+    return [between(top, end) for end in ends] + sheets
+
+
+def between(start: Iterable[float], end: Iterable[float], count: int = 24) -> np.ndarray:
+    return np.linspace(tuple(start), tuple(end), count)
+
+
+def tubes(name: str, radius: float, paint: str, lines: list[np.ndarray]) -> bpy.types.Object:
+    """A bevelled curve object of polylines."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions, data.bevel_depth, data.bevel_resolution, data.use_fill_caps = "3D", radius, 3, True
+    add_lines(data, lines)
+    coat(data, paint)
+    return linked(name, data)
+
+
+def add_lines(data: bpy.types.Curve, lines: list[np.ndarray]) -> None:
+    for line in lines:
+        spline = data.splines.new("POLY")
+        spline.points.add(len(line) - 1)
+        spline.points.foreach_set("co", np.column_stack((line, np.ones(len(line)))).ravel())
+        spline.use_smooth = True
+
+
+def sail_lattice(name: str) -> bpy.types.Object:
+    """Blender's own lattice around the sail; its shape key blows the sail out."""
+    data = bpy.data.lattices.new(f"{name} Sail Lattice")
+    data.points_u, data.points_v, data.points_w = 2, 5, 6
+    obj = linked(data.name, data)
+    obj.scale = 0.5, SAIL_WIDTH / 4.0, (YARD - FOOT) / 5.0  # Blender puts the points 1 apart
+    obj.shape_key_add(name="Flat")
+    wind = obj.shape_key_add(name="Wind")
+    wind.value = 1.0
+    for point in wind.data:
+        across, up = point.co.y / 2.0, point.co.z / 2.5  # -1 to 1
+        point.co.x += WIND / 0.5 * (1.0 - across**2) * (1.0 - up) * (1.6 + up)
+    place_at_sail(obj)
+    return obj
+
+
+def place_at_sail(obj: bpy.types.Object) -> None:
+    obj.location = 0.0, 0.0, 0.5 * (YARD + FOOT)
+    obj.rotation_euler.z = np.radians(SAIL_TURN)
+
+
+def sail(name: str, lattice: bpy.types.Object) -> bpy.types.Object:
+    """A flat cloth in stripes, which the lattice blows out."""
+    rows, columns = 36, 43
+    y, z = np.meshgrid(np.linspace(-0.5, 0.5, columns), np.linspace(-0.5, 0.5, rows))
+    flat = np.stack((0.0 * y, SAIL_WIDTH * y, (YARD - FOOT) * z), axis=-1).reshape(-1, 3)
+    obj = mesh_object(f"{name} Sail", flat, quads(rows, columns))
+    coat(obj.data, "Linen", "Red")
+    stripes = np.arange(len(obj.data.polygons)) % (columns - 1) // 6 % 2
+    obj.data.polygons.foreach_set("material_index", stripes)
+    place_at_sail(obj)
+    follow(obj, lattice)
+    return obj
+
+
+def follow(obj: bpy.types.Object, lattice: bpy.types.Object) -> None:
+    """Let Blender's lattice carry and bend the object."""
+    bpy.context.view_layer.update()
+    obj.parent, obj.matrix_parent_inverse = lattice, lattice.matrix_world.inverted()
+    obj.modifiers.new("Lattice", "LATTICE").object = lattice
+
+
+def emblem(name: str, lattice: bpy.types.Object) -> bpy.types.Object:
+    """A letter on the sail, which the same lattice blows out."""
+    obj = text(f"{name} Emblem", "S", 0.62)
+    place_at_sail(obj)
+    front = Matrix.Rotation(np.radians(SAIL_TURN), 4, "Z") @ Matrix.Rotation(pi / 2, 4, "Z")
+    obj.rotation_euler = (front @ Matrix.Rotation(pi / 2, 4, "X")).to_euler()
+    obj.location += Matrix.Rotation(np.radians(SAIL_TURN), 3, "Z") @ Vector((0.012, 0.0, 0.0))
+    follow(obj, lattice)
+    return obj
+
+
+def lettering(name: str) -> bpy.types.Object:
+    """The name on the planks, under the shields."""
+    obj = text(f"{name} Name", "SINEW", 0.14)
+    obj.location = 0.0, -0.318, 0.215
+    obj.rotation_euler.x = np.radians(118.0)
+    return obj
+
+
+def text(name: str, words: str, size: float) -> bpy.types.Object:
+    data = bpy.data.curves.new(name, "FONT")
+    data.body, data.size, data.extrude = words, size, 0.006
+    data.align_x, data.align_y, data.resolution_u = "CENTER", "CENTER", 8
+    coat(data, "Gold")
+    return linked(name, data)
+
+
+def tail(name: str) -> bpy.types.Object:
+    """A horse's tail at the masthead: hair curves."""
+    chance = np.random.default_rng(7)
+    way = np.linspace(0.0, 1.0, 14)
+
+    def strand() -> np.ndarray:
+        spread = chance.normal(0.0, 0.05, 3) * (1.0, 1.0, 0.6)
+        x, z = -0.40 * way, 0.10 * way - 0.26 * way**2
+        return np.stack((x, 0.0 * x, z + MAST), axis=1) + np.outer(way**0.8, spread)
+
+    data = bpy.data.curves.new(f"{name} Tail", "CURVE")
+    data.dimensions = "3D"
+    add_lines(data, [strand() for _ in range(220)])
+    obj = linked(data.name, data)
+    return to_hair(obj)
+
+
+def to_hair(obj: bpy.types.Object) -> bpy.types.Object:
+    """The same lines as hair curves."""
+    name = obj.name
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.convert(target="CURVES")
+    hair = bpy.context.object
+    hair.name = name
+    if "radius" not in hair.data.attributes:
+        hair.data.attributes.new("radius", "FLOAT", "POINT")
+    hair.data.attributes["radius"].data.foreach_set("value", [STRAND] * len(hair.data.points))
+    hair.data.materials.clear()
+    coat(hair.data, "Hair")
+    return hair
