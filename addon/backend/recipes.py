@@ -176,20 +176,31 @@ class LatticePoints(ControlPoints):
 class HandlePoints(ControlPoints):
     """Points that move with handles, handle after handle: ``counts`` (k,) is how many each of them has.
 
-    The points of a handle move by one map, or each by itself if the handle is ``apart`` (k,): then each is a
-    handle of the native method. ``edges`` (e, 2) join points of such handles; those that are ``segments``
-    (e,) act as a whole, if the method takes segments. The native class is made of the points alone.
+    ``weights`` (c,) in (0, 1] is how strongly each point is held. The points of a handle move by one map, or
+    each by itself if the handle is ``apart`` (k,): then each is a handle of the native method. ``edges``
+    (e, 2) join points of such handles; those that are ``segments`` (e,) act as a whole, if the method takes
+    segments. The native class is made of the points and weights alone.
     """
 
     counts: tuple[int, ...]
+    weights: np.ndarray
     apart: tuple[bool, ...]
     edges: np.ndarray
     segments: np.ndarray
+
+    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
+        """The native method, still without bound points."""
+        return make(native, recipe.method, self.points, {"weights": self.native_weights} | recipe.options)
 
     @cached_property
     def native_counts(self) -> np.ndarray:
         """How many points each handle of the native method has."""
         return np.repeat(np.where(self.apart, 1, self.counts), self._rows)
+
+    @property
+    def native_weights(self) -> np.ndarray | None:
+        """The weights, or None if all points are held fully."""
+        return None if (self.weights == 1.0).all() else self.weights
 
     @cached_property
     def _rows(self) -> np.ndarray:
@@ -240,7 +251,7 @@ class HandlePoses(HandlePoints):
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without bound points."""
-        own = {"points": self.points, "counts": self.native_counts}
+        own = {"points": self.points, "counts": self.native_counts, "weights": self.native_weights}
         return make(native, recipe.method, mesh, own | recipe.options)
 
     def solve(
@@ -318,7 +329,7 @@ class HandleMaps(HandlePoints):
         return len(self.points) + 12 * int(self.segments.sum())
 
     def _given(self, method: Method, options: Mapping[str, object]) -> dict[str, object]:
-        given = {"counts": self.native_counts, **options}
+        given = {"counts": self.native_counts, "weights": self.native_weights, **options}
         if method.takes_segments and self.segments.any():
             given["segments"] = self.edges[self.segments]
         return given
@@ -337,17 +348,19 @@ def handle_points(
     method: Method,
     points: np.ndarray,
     counts: tuple[int, ...],
+    weights: np.ndarray | None = None,
     apart: tuple[bool, ...] = (),
     edges: np.ndarray = _NO_EDGES,
     segments: np.ndarray = _NO_SEGMENTS,
 ) -> HandlePoints:
     """The control of a space method that handles move: ``counts`` of ``points`` (c, 3) belong to each.
 
-    By default none is ``apart``.
+    By default none is ``apart``, and all are held fully.
     """
     kinds: dict[Posed | None, type[HandlePoints]] = {Posed.CONTROL: HandleMaps, Posed.POSES: HandlePoses}
     kind = kinds.get(method.posed, HandlePoints)
-    return kind(points, counts, apart or (False,) * len(counts), edges, segments)
+    held = np.ones(len(points)) if weights is None else weights
+    return kind(points, counts, held, apart or (False,) * len(counts), edges, segments)
 
 
 @dataclass(frozen=True)

@@ -10,15 +10,17 @@ namespace sinew::bindings {
 
 namespace {
 
-std::shared_ptr<InverseFfd> make_inverse_ffd(const py::object& handles, const py::object& resolution,
-                                             const std::string& basis, int degree, double cut_off,
-                                             const py::object& frame)
+std::shared_ptr<InverseFfd> make_inverse_ffd(const py::object& handles, const py::object& weights,
+                                             const py::object& resolution, const std::string& basis,
+                                             int degree, double cut_off, const py::object& frame)
 {
     InverseFfdOptions options;
     options.resolution = three_counts(resolution, "resolution");
     options.basis = spline_or_bezier(basis, false);
     options.degree = degree;
     options.cut_off = cut_off;
+    if (!weights.is_none())
+        options.weights = numbers(weights, "weights");
     if (!frame.is_none()) {
         const FloatArray box = floats(frame, "frame");
         if (box.ndim() != 2 || box.shape(0) != 3 || box.shape(1) != 4)
@@ -52,10 +54,11 @@ Points of the shape are dragged, and the control points of a lattice around it m
 squares where they cannot meet all constraints, by least norm where they can. What is far from all constraints stays.
 The cost of a bind is O(points), and that of the eigenvectors of a matrix of as many rows as there are constraints or
 control points, whichever are fewer.)")
-        .def(py::init(&make_inverse_ffd), py::arg("points"), py::kw_only(), py::arg("resolution") = 5,
-             py::arg("basis") = "bspline", py::arg("degree") = 3, py::arg("cut_off") = 1e-3,
-             py::arg("frame") = py::none(), R"(
+        .def(py::init(&make_inverse_ffd), py::arg("points"), py::kw_only(), py::arg("weights") = py::none(),
+             py::arg("resolution") = 5, py::arg("basis") = "bspline", py::arg("degree") = 3,
+             py::arg("cut_off") = 1e-3, py::arg("frame") = py::none(), R"(
 points      (c, 3) the constraints at rest: places of the shape that will be dragged.
+weights     None (1), or (c,) in (0, 1]: how much the squared errors count where not all constraints can be met.
 resolution  control points of the lattice along each axis, 2 to 16: one number, or three.
 basis       'bspline' or 'bezier'.
 degree      of B-splines, 1 to 5; axes with fewer points have a lower one.
@@ -63,7 +66,7 @@ cut_off     singular values below this share of the largest count as zero: betwe
 frame       None, for a box around the bound points and the constraints; or (3, 4), whose image of the cube from -1 to
             1 is the box.
 
-Raises InvalidConstraint if there is no constraint, or one is not finite; InvalidOption.)")
+Raises InvalidConstraint if there is no constraint, one is not finite, or the weights do not fit; InvalidOption.)")
         .def_property_readonly(
             "lattice",
             [](const InverseFfd& method) {

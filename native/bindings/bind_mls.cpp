@@ -33,9 +33,10 @@ void bind_mls(py::module_& module)
 At each point, the map that fits the handles best, near ones the more. A point on a handle goes where the handle takes
 it. bind() computes the weights of all handles at each point; a frame fits one map per point.)")
         .def(
-            py::init([](const py::object& points, const py::object& counts, const std::string& maps,
-                        double alpha, const py::object& segments, const std::string& precision) {
-                HandlePoints handles = handle_points(points, counts);
+            py::init([](const py::object& points, const py::object& counts, const py::object& weights,
+                        const std::string& maps, double alpha, const py::object& segments,
+                        const std::string& precision) {
+                HandlePoints handles = handle_points(points, counts, weights);
                 const MlsOptions options{
                     choose<MlsMaps>(maps, "maps",
                                     {{"affine", MlsMaps::affine},
@@ -48,8 +49,9 @@ it. bind() computes the weights of all handles at each point; a frame fits one m
                 const py::gil_scoped_release unlocked;
                 return std::make_shared<Mls>(std::move(handles), options);
             }),
-            py::arg("points"), py::arg("counts") = py::none(), py::kw_only(), py::arg("maps") = "rigid",
-            py::arg("alpha") = 1.0, py::arg("segments") = py::none(), py::arg("precision") = "single",
+            py::arg("points"), py::arg("counts") = py::none(), py::kw_only(), py::arg("weights") = py::none(),
+            py::arg("maps") = "rigid", py::arg("alpha") = 1.0, py::arg("segments") = py::none(),
+            py::arg("precision") = "single",
             with_handle_points(
                 R"(maps       that are fitted: 'rigid', 'similarity' (with one scale), or 'affine', which needs four points that lie in no
            plane; else rigid maps are used, and the report says so.

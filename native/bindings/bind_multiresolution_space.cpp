@@ -18,9 +18,9 @@ void bind_multiresolution_space(py::module_& module)
 A space method on handle points moves a smooth base of a mesh, and the details are put back on it: they turn with the
 base where it bends. Vertices at handle points have no details, so handles are met as the space method meets them.)")
         .def(py::init([](const py::object& points, const std::shared_ptr<SpaceMethod>& base,
-                         const SurfaceMesh& mesh, const py::object& counts, const std::string& details,
-                         double wavelength, int bands) {
-                 HandlePoints handles = handle_points(points, counts);
+                         const SurfaceMesh& mesh, const py::object& counts, const py::object& weights,
+                         const std::string& details, double wavelength, int bands) {
+                 HandlePoints handles = handle_points(points, counts, weights);
                  const MultiresolutionOptions options{
                      choose<DetailKind>(details, "details",
                                         {{"displacement_vectors", DetailKind::displacement_vectors},
@@ -32,8 +32,8 @@ base where it bends. Vertices at handle points have no details, so handles are m
                  return std::make_shared<MultiresolutionSpace>(std::move(handles), base, mesh, options);
              }),
              py::arg("points"), py::arg("base").none(false), py::arg("mesh"), py::arg("counts") = py::none(),
-             py::kw_only(), py::arg("details") = "displacement_vectors", py::arg("wavelength") = 10.0,
-             py::arg("bands") = 1,
+             py::kw_only(), py::arg("weights") = py::none(), py::arg("details") = "displacement_vectors",
+             py::arg("wavelength") = 10.0, py::arg("bands") = 1,
              with_handle_points(
                  R"(base       SpaceMethod on the same handles. It belongs to this object from now on.
 mesh       SurfaceMesh, the rest shape; all of its vertices can be bound, or some.

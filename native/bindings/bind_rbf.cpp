@@ -17,9 +17,10 @@ void bind_rbf(py::module_& module)
 The smoothest deformation of space that takes the points of the handles along. bind() solves one system; a frame of
 handles of several points is a product with 4 functions per handle, and that of single points a sum over all of them.)")
         .def(
-            py::init([](const py::object& points, const py::object& counts, const std::string& kernel,
-                        int degree, double radius, double tolerance, const std::string& precision) {
-                HandlePoints handles = handle_points(points, counts);
+            py::init([](const py::object& points, const py::object& counts, const py::object& weights,
+                        const std::string& kernel, int degree, double radius, double tolerance,
+                        const std::string& precision) {
+                HandlePoints handles = handle_points(points, counts, weights);
                 const RbfOptions options{
                     choose<RbfFunction>(kernel, "kernel",
                                         {{"triharmonic", RbfFunction::triharmonic},
@@ -34,7 +35,7 @@ handles of several points is a product with 4 functions per handle, and that of 
                 const py::gil_scoped_release unlocked;
                 return std::make_shared<Rbf>(std::move(handles), options);
             }),
-            py::arg("points"), py::arg("counts") = py::none(), py::kw_only(),
+            py::arg("points"), py::arg("counts") = py::none(), py::kw_only(), py::arg("weights") = py::none(),
             py::arg("kernel") = "triharmonic", py::arg("degree") = 2, py::arg("radius") = 0.5,
             py::arg("tolerance") = 1e-4, py::arg("precision") = "single",
             with_handle_points(

@@ -15,15 +15,16 @@ void bind_space_propagation(py::module_& module)
 The rotation, the scale and the move of each handle fade with the straight distance from it, for any points. With
 t(s) = s, an affine map of all handles together is reproduced.)")
         .def(
-            py::init([](const py::object& points, const py::object& counts, const py::object& transfer) {
-                HandlePoints handles = handle_points(points, counts);
+            py::init([](const py::object& points, const py::object& counts, const py::object& weights,
+                        const py::object& transfer) {
+                HandlePoints handles = handle_points(points, counts, weights);
                 SpacePropagationOptions options;
                 if (!transfer.is_none())
                     options.transfer = numbers(transfer, "transfer");
                 const py::gil_scoped_release unlocked;
                 return std::make_shared<SpacePropagation>(std::move(handles), options);
             }),
-            py::arg("points"), py::arg("counts") = py::none(), py::kw_only(),
+            py::arg("points"), py::arg("counts") = py::none(), py::kw_only(), py::arg("weights") = py::none(),
             py::arg("transfer") = py::none(),
             with_handle_points(
                 R"(transfer   (k,) values of t(s) at even steps from s = 0 to s = 1, k >= 2; None for t(s) = s.

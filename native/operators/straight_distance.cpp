@@ -25,11 +25,12 @@ StraightDistance::StraightDistance(const SurfaceMesh& mesh,
     sort(0, static_cast<int>(places_.size()));
 }
 
-StraightDistance::StraightDistance(const Points& points) : axes_(static_cast<std::size_t>(points.rows()), 0)
+StraightDistance::StraightDistance(const Points& points, const std::vector<double>& distances)
+    : axes_(static_cast<std::size_t>(points.rows()), 0)
 {
     places_.reserve(axes_.size());
     for (Eigen::Index i = 0; i < points.rows(); ++i)
-        places_.push_back({points.row(i).transpose(), 0.0});
+        places_.push_back({points.row(i).transpose(), distances.empty() ? 0.0 : distances[i]});
     sort(0, static_cast<int>(places_.size()));
 }
 

@@ -22,8 +22,9 @@ class StraightDistance
 public:
     /// \param sources  one or more.
     StraightDistance(const SurfaceMesh& mesh, const std::vector<GeodesicDistance::Source>& sources);
-    /// From some points, one or more, with d = 0.
-    explicit StraightDistance(const Points& points);
+    /// From some points, one or more.
+    /// \param distances  d of each; empty where all are 0.
+    explicit StraightDistance(const Points& points, const std::vector<double>& distances = {});
 
     double at(const Vector3& x) const;
 

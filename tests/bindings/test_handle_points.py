@@ -25,8 +25,8 @@ def test_rbf_is_scipys_interpolant(kernel: str, scipy: str, degree: int) -> None
     assert len(rbf.centres) == len(HANDLES)
 
 
-def rigid(v: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    w = 1.0 / ((p - v) ** 2).sum(axis=1)
+def rigid(v: np.ndarray, p: np.ndarray, q: np.ndarray, w: np.ndarray | None = None) -> np.ndarray:
+    w = 1.0 / ((p - v) ** 2).sum(axis=1) if w is None else w
     a, b = w @ p / w.sum(), w @ q / w.sum()
     u, _s, vt = np.linalg.svd((q - b).T @ ((p - a) * w[:, None]))
     turn = u @ np.diag((1.0, 1.0, np.sign(np.linalg.det(u @ vt)))) @ vt
@@ -70,6 +70,78 @@ def test_multiresolution_puts_details_back_on_the_base_of_any_of_them() -> None:
         assert np.abs(moved - points @ TURN.T - 1.0).max() < 1e-5
 
 
+def bones(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How strongly two bones along x hold points, and which points they share: weights sum to 1."""
+    far = np.clip(0.5 + 2.0 * points[:, 0], 0.0, 1.0)
+    return np.stack((1.0 - far, far)), np.flatnonzero((far > 0.0) & (far < 1.0))
+
+
+def held_by_bones(method: type, points: np.ndarray, **options) -> tuple[object, np.ndarray]:
+    """A method whose two handles share points, and the control posed: one stays, one is turned and moved."""
+    weights, _shared = bones(points)
+    members = [np.flatnonzero(own) for own in weights]
+    made = method(
+        np.concatenate([points[own] for own in members]),
+        [len(own) for own in members],
+        weights=np.concatenate([own[rows] for own, rows in zip(weights, members, strict=True)]),
+        **options,
+    )
+    posed = made.control.copy()
+    posed[4:] = posed[4:] @ TURN.T + 0.5
+    return made, posed
+
+
+BLEND = np.random.default_rng(3).uniform(-1.0, 1.0, (90, 3))
+
+
+def blended(points: np.ndarray) -> np.ndarray:
+    near, far = bones(points)[0][:, :, None]
+    return near * points + far * (points @ TURN.T + 0.5)
+
+
+def test_rbf_takes_places_that_handles_share_to_the_mean_of_their_targets() -> None:
+    made, posed = held_by_bones(sn.Rbf, BLEND, precision="double")
+    assert made.bind(POINTS).remarks == []
+    expected = RBFInterpolator(BLEND, blended(BLEND) - BLEND, kernel="cubic", degree=2)(POINTS)
+    assert np.abs(made.warp(posed) - POINTS - expected).max() < 1e-9
+
+
+def test_mls_takes_places_that_handles_share_to_the_mean_of_their_targets() -> None:
+    weights, shared = bones(BLEND)
+    assert len(shared) > 10
+    made, posed = held_by_bones(sn.Mls, BLEND, precision="double")
+    made.bind(np.concatenate((BLEND, POINTS)))
+    moved = made.warp(posed)
+    assert np.abs(moved[: len(BLEND)] - blended(BLEND)).max() < 1e-12
+    for v, place in zip(POINTS[:20], moved[len(BLEND) : len(BLEND) + 20], strict=True):
+        w = weights / ((BLEND - v) ** 2).sum(axis=1) / (weights > 0.0).sum(axis=1)[:, None]
+        p, q = np.tile(BLEND, (2, 1)), np.concatenate((BLEND, BLEND @ TURN.T + 0.5))
+        assert np.abs(place - rigid(v, p, q, w.ravel())).max() < 1e-9
+
+
+def test_propagation_lets_points_give_way_that_are_held_weakly() -> None:
+    made, posed = held_by_bones(sn.SpacePropagation, BLEND)
+    made.bind(BLEND)
+    far = np.clip(0.5 + 2.0 * BLEND[:, 0], 0.0, 1.0)
+    away = np.linalg.norm(made.warp(posed) - BLEND, axis=1)
+    whole = np.linalg.norm(BLEND @ TURN.T + 0.5 - BLEND, axis=1)
+    assert np.abs(away[far == 0.0]).max() == 0.0
+    assert np.abs(away - whole)[far == 1.0].max() < 1e-6
+    between = (far > 0.2) & (far < 0.8)
+    assert (away[between] < 0.95 * whole[between]).all()
+    assert (away[between] > 0.02 * whole[between]).all()
+
+
+@pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation])
+def test_the_handle_that_holds_a_place_fully_overrules_the_others(method: type) -> None:
+    points = np.concatenate((HANDLES[:20], HANDLES[20:40], HANDLES[:5]))
+    made = method(points, [20, 25], weights=[*np.ones(40), *np.full(5, 0.4)])
+    made.bind(HANDLES[:5])
+    posed = made.control.copy()
+    posed[4:] += 1.0
+    assert np.abs(made.warp(posed) - HANDLES[:5]).max() < 1e-6
+
+
 def test_refusals_name_handles() -> None:
     twice = np.concatenate((HANDLES[:3], HANDLES[:1]))
     rbf = sn.Rbf(twice)
@@ -82,6 +154,9 @@ def test_refusals_name_handles() -> None:
     for wrong in ([], [60, 1], [59]):
         with pytest.raises(sn.InvalidConstraint):
             sn.Rbf(HANDLES, wrong)
+    for weights in ([0.5], np.full(60, 1.5), np.zeros(60)):
+        with pytest.raises((sn.InvalidConstraint, sn.InvalidOption), match="weights"):
+            sn.Rbf(HANDLES, weights=weights)
     for options in ({"kernel": "gauss"}, {"degree": 5}, {"radius": 0.0}):
         with pytest.raises(sn.InvalidOption):
             sn.Rbf(HANDLES, **options)

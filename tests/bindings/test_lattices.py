@@ -171,3 +171,22 @@ def test_handles_at_one_place_are_met_in_the_mean_and_reported() -> None:
     forward = bound(method.lattice, handles[:1], resolution=(5, 5, 5))
     met = forward.warp(method.lattice + method.control_moves(handles + drag))
     np.testing.assert_allclose(met[0], (0.6, 0.6, 0.5), atol=1e-12)
+
+
+def test_where_handles_cannot_all_be_met_their_weights_count() -> None:
+    random = np.random.default_rng(11)
+    handles, weights = random.uniform(0.0, 1.0, (40, 3)), random.uniform(0.05, 1.0, 40)
+    method = sn.InverseFfd(handles, weights=weights, resolution=2, cut_off=1e-6)
+    assert method.bind(POINTS).remarks == []
+    drag = random.uniform(-0.2, 0.2, handles.shape)
+    forward = bound(method.lattice, handles, resolution=(2, 2, 2))
+    rest = method.lattice
+    B = np.stack(
+        [forward.warp(rest + np.outer(row, (1.0, 0.0, 0.0)))[:, 0] - handles[:, 0] for row in np.eye(8)], 1
+    )
+    expected = np.linalg.solve(B.T @ (weights[:, None] * B), B.T @ (weights[:, None] * drag))
+    np.testing.assert_allclose(method.control_moves(handles + drag), expected, atol=1e-9)
+    with pytest.raises(sn.InvalidConstraint, match="weights"):
+        sn.InverseFfd(handles, weights=[0.5])
+    with pytest.raises(sn.InvalidOption, match="weights"):
+        sn.InverseFfd(handles, weights=np.zeros(40))

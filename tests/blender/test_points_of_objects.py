@@ -22,6 +22,7 @@ from rig import (
     base_points,
     change_in_edit_mode,
     close,
+    coordinates,
     evaluated_points,
     grid_object,
     in_mode,
@@ -35,6 +36,7 @@ from rig import (
     some_motion,
     update,
 )
+from rig_of_lattice import lattice_object
 from sheet import draw
 
 # The weights are kept in single precision, and a segment is a quadrature of eight places on either side.
@@ -191,6 +193,34 @@ def test_points_that_no_edge_joins_stay_points_among_segments():
     mixed.data.vertices[2].co.y = 1.3
     expected = warped("mls", rest, in_target(plate, mixed), base_points(plate), segments=[(0, 1), (2, 3)])
     assert close(evaluated_points(plate), expected, 1e-5)
+
+
+def test_points_and_lines_of_a_lattice_as_its_modifiers_move_them():
+    plate, lattice, empty = grid_object(), lattice_object((3, 2, 2), "Points"), new_empty("Hook")
+    lattice.location = 0.05, 0.03, 0.17
+    hook = lattice.modifiers.new("Hook", "HOOK")
+    hook.object = empty
+    hook.vertex_indices_set([0, 1, 11])
+    update()
+    deformer = add(plate, lattice, method="mls")
+    at_rest, rest = base_points(plate), in_target(plate, lattice)
+    empty.location.z = 0.4
+    update()
+    posed = in_target(plate, lattice)
+    assert (np.abs(posed - rest).max(axis=1) > 0.1).sum() == 3
+    expected = warped("mls", rest, posed, at_rest)
+    assert close(evaluated_points(plate), expected, 1e-5)
+    assert close(render_points(plate), expected, 1e-5)
+    deformer.handles[0].acts_as = "SEGMENTS"
+    empty.location.z = 0.0
+    make_active(plate)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    empty.location.z = 0.4
+    update()
+    grid = coordinates(lattice.data.points, "co_deform")  # a unit apart
+    pairs = np.argwhere(np.triu(np.abs(np.linalg.norm(grid[:, None] - grid, axis=2) - 1.0) < 1e-5))
+    assert len(pairs) == 20
+    assert close(evaluated_points(plate), by_closed_form(rest[pairs], posed[pairs], at_rest), QUADRATURE)
 
 
 def key_shape(points: bpy.types.Object) -> None:

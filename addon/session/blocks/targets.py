@@ -21,7 +21,7 @@ from ...properties import SinewDeformer
 
 _MOVED = ("MESH", "CURVE", "FONT", "CURVES", "POINTCLOUD", "LATTICE")
 _CLOUDS = ("CURVES", "POINTCLOUD")
-_WITH_POINTS = ("MESH", "CURVE", "FONT", *_CLOUDS, "SURFACE")
+_WITH_POINTS = (*_MOVED, "SURFACE")
 
 
 def is_mesh(obj: Object) -> bool:

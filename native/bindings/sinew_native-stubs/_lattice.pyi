@@ -32,6 +32,7 @@ class InverseFfd(SpaceMethod):
         self,
         points: ArrayLike,
         *,
+        weights: ArrayLike | None = None,
         resolution: int | Sequence[int] = 5,
         basis: Literal["bspline", "bezier"] = "bspline",
         degree: int = 3,

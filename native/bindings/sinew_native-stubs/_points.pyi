@@ -13,6 +13,7 @@ class Rbf(SpaceMethod):
         points: ArrayLike,
         counts: ArrayLike | None = None,
         *,
+        weights: ArrayLike | None = None,
         kernel: Literal[
             "triharmonic", "biharmonic", "wendland_c0", "wendland_c2", "wendland_c4"
         ] = "triharmonic",
@@ -32,6 +33,7 @@ class Mls(SpaceMethod):
         points: ArrayLike,
         counts: ArrayLike | None = None,
         *,
+        weights: ArrayLike | None = None,
         maps: Literal["affine", "similarity", "rigid"] = "rigid",
         alpha: float = 1.0,
         segments: ArrayLike | None = None,
@@ -44,7 +46,12 @@ class Mls(SpaceMethod):
 
 class SpacePropagation(SpaceMethod):
     def __init__(
-        self, points: ArrayLike, counts: ArrayLike | None = None, *, transfer: ArrayLike | None = None
+        self,
+        points: ArrayLike,
+        counts: ArrayLike | None = None,
+        *,
+        weights: ArrayLike | None = None,
+        transfer: ArrayLike | None = None,
     ) -> None: ...
     @property
     def control(self) -> Floats: ...
@@ -57,6 +64,7 @@ class MultiresolutionSpace(SpaceMethod):
         mesh: SurfaceMesh,
         counts: ArrayLike | None = None,
         *,
+        weights: ArrayLike | None = None,
         details: Literal[
             "displacement_vectors", "normal_displacements", "displacement_volumes", "deformation_transfer"
         ] = "displacement_vectors",

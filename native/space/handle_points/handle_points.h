@@ -22,7 +22,9 @@ public:
     /// \param points  (c, 3) handle after handle.
     /// \param counts  how many points each handle has, all >= 1; empty if each point is a handle.
     /// \param weights (c) in (0, 1], how strongly each point is held; empty where all are 1. Methods that
-    ///                interpolate handles hold all of them fully.
+    ///                interpolate handles hold a point fully, if it is alone; where several handles hold one
+    ///                place, it goes to the mean of their targets by these weights, or only where those that
+    ///                hold it fully take it.
     /// \throw InvalidConstraint  a point is not finite, there is none, the counts do not sum to c, or there
     ///   is another number of weights than of points.
     /// \throw InvalidOption      a weight is not in (0, 1].
@@ -38,6 +40,7 @@ public:
     bool all_single() const { return handle_count() == point_count(); }
     int handle_of(int point) const { return handle_of_[point]; }
     double weight(int point) const { return weights_.empty() ? 1.0 : weights_[point]; }
+    bool all_full() const { return weights_.empty(); }
     /// Pairs of points at one place that two handles hold fully.
     const std::vector<std::pair<int, int>>& twins() const { return twins_; }
 

@@ -68,6 +68,12 @@ InverseFfd::InverseFfd(PointsView handles, const InverseFfdOptions& options)
                                 std::to_string(most_points));
     if (!(options.cut_off > 0.0 && options.cut_off < 1.0))
         throw InvalidOption("cut_off must lie between 0 and 1");
+    if (!options.weights.empty() && static_cast<Eigen::Index>(options.weights.size()) != handles_.rows())
+        throw InvalidConstraint("weights: " + std::to_string(options.weights.size()) + " given for " +
+                                std::to_string(handles_.rows()) + " points");
+    for (const double weight : options.weights)
+        if (!(weight > 0.0 && weight <= 1.0))
+            throw InvalidOption("weights: " + std::to_string(weight) + " is not in (0, 1]");
     for (int count : options.resolution)
         AxisBasis(options.basis, count, options.degree, LatticeOutside::follow);
 }
@@ -91,9 +97,12 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     const Eigen::Index fewer = std::min(count, controls);
     require_memory(static_cast<std::int64_t>(sizeof(double)) * (2 * count * controls + 2 * fewer * fewer),
                    "the inverse of the lattice");
-    MatrixX B(count, controls);
+    const VectorX roots = options_.weights.empty()
+                              ? VectorX(VectorX::Ones(count))
+                              : VectorX(VectorX::Map(options_.weights.data(), count).cwiseSqrt());
+    MatrixX B(count, controls); // the rows of constraints that count less are shorter
     for (Eigen::Index c = 0; c < count; ++c)
-        B.row(c) = grid->weights(grid->place(handles_.row(c).transpose())).transpose();
+        B.row(c) = roots[c] * grid->weights(grid->place(handles_.row(c).transpose())).transpose();
     progress.tick(0.0, "inverting the lattice");
     // B^+ = B^T (B B^T)^+ = (B^T B)^+ B^T by the eigenvectors of the smaller product, whose eigenvalues are
     // the squares of the singular values.
@@ -105,8 +114,9 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     const int rank = static_cast<int>((values.array() > least).count());
     const MatrixX inner = modes.eigenvectors() * inverses.asDiagonal() * modes.eigenvectors().transpose();
     MatrixX inverse = count <= controls ? MatrixX(B.transpose() * inner) : MatrixX(inner * B.transpose());
+    inverse *= roots.asDiagonal();
 
-    if (const std::vector<int> twice = coinciding(handles_); !twice.empty())
+    if (const std::vector<int> twice = coinciding(handles_); !twice.empty() && options_.weights.empty())
         report.remarks.push_back(
             "handle points " + list_some(twice) +
             " coincide with others: where they are dragged apart, they meet in the mean");
@@ -154,7 +164,8 @@ std::vector<std::string> InverseFfd::changed_settings(const SpaceMethod& former)
     const InverseFfdOptions &a = options_, &b = other.options_;
     const bool same = a.resolution == b.resolution && a.basis == b.basis && a.degree == b.degree &&
                       a.cut_off == b.cut_off && a.frame == b.frame;
-    return names_of({{"handles", handles_.rows() != other.handles_.rows() || handles_ != other.handles_},
+    return names_of({{"handles", handles_.rows() != other.handles_.rows() || handles_ != other.handles_ ||
+                                     a.weights != b.weights},
                      {"lattice", !same}});
 }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace sinew {
 
@@ -21,6 +22,8 @@ struct InverseFfdOptions
     /// The lattice fills the image of the cube from -1 to 1; without it, a box a tenth longer than that
     /// around the points and the handles.
     std::optional<Pose> frame;
+    /// (c) in (0, 1], how much the squared error at each constraint counts; empty where all are 1.
+    std::vector<double> weights{};
 };
 
 /// Inverse free-form deformation: the points that the artist drags are constraints, and the control points of
@@ -35,8 +38,8 @@ struct InverseFfdOptions
 ///
 /// B^+ is the pseudo-inverse, of which singular values below `cut_off` times the largest count as zero. Where
 /// the control points can meet all constraints they do, by the moves of least squares; where they cannot, for
-/// example where two constraints coincide, the errors have least squares. Far from all constraints nothing
-/// moves, so a translation of all of them is not one of the shape.
+/// example where two constraints coincide, the errors have least squares, by their weights. Far from all
+/// constraints nothing moves, so a translation of all of them is not one of the shape.
 ///
 ///   call          repeat it when ...            cost
 ///   constructor   the handles changed           nothing
@@ -48,7 +51,7 @@ class InverseFfd : public SpaceMethod
 {
 public:
     /// \param handles  (c, 3) the constraints at rest, c >= 1.
-    /// \throw InvalidConstraint  there is none, or some are not finite.
+    /// \throw InvalidConstraint  there is none, some are not finite, or there is another number of weights.
     /// \throw InvalidOption      an option is out of range.
     explicit InverseFfd(PointsView handles, const InverseFfdOptions& options = {});
 

@@ -37,7 +37,9 @@ struct MlsOptions
 /// that all handles make is reproduced. In 3D, the best rotation has no closed form: operators/rotation_fit.h
 /// finds it, four points at a time.
 ///
-/// Beyond the papers: a handle of several points moves by an affine map, and its points share one weight.
+/// Beyond the papers: how strongly a point is held multiplies its w_i, and a place that several handles hold
+/// goes to the mean of their targets; a handle of several points moves by an affine map, and its points share
+/// one weight.
 /// What a frame needs of it are ten numbers: its weight, and the first and second moments of its weighted
 /// points. So do segments, whose moments are integrals; in 3D, these are quadratures, whose weights are
 /// positive, so that all that is said above holds for segments, too.

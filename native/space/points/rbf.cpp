@@ -67,21 +67,25 @@ struct Places
     Points centres;         ///< (c, 3)
     std::vector<int> of;    ///< the centre of each point
     std::vector<int> sizes; ///< how many points each centre stands for
+    std::vector<double> weights; ///< of each point among those of its centre
+    std::vector<double> totals;  ///< of the weights of each centre
 
-    Places(const Points& points, double reach);
+    /// \param points  those of `handles`, scaled.
+    Places(const Points& points, double reach, const HandlePoints& handles);
     /// (c, k) the means of values (n, k) of the points.
     RowMatrix means(const RowMatrix& values) const
     {
         RowMatrix sums = RowMatrix::Zero(centres.rows(), values.cols());
         for (std::size_t i = 0; i < of.size(); ++i)
-            sums.row(of[i]) += values.row(static_cast<Eigen::Index>(i));
+            sums.row(of[i]) += weights[i] * values.row(static_cast<Eigen::Index>(i));
         for (std::size_t c = 0; c < sizes.size(); ++c)
-            sums.row(static_cast<Eigen::Index>(c)) /= sizes[c];
+            sums.row(static_cast<Eigen::Index>(c)) /= totals[c];
         return sums;
     }
 };
 
-Places::Places(const Points& points, double reach) : of(static_cast<std::size_t>(points.rows()), -1)
+Places::Places(const Points& points, double reach, const HandlePoints& handles)
+    : of(static_cast<std::size_t>(points.rows()), -1)
 {
     std::vector<int> order(of.size()), firsts;
     std::iota(order.begin(), order.end(), 0);
@@ -107,6 +111,15 @@ Places::Places(const Points& points, double reach) : of(static_cast<std::size_t>
     centres.resize(static_cast<Eigen::Index>(firsts.size()), 3);
     for (std::size_t c = 0; c < firsts.size(); ++c)
         centres.row(static_cast<Eigen::Index>(c)) = points.row(firsts[c]);
+    std::vector<char> is_full(firsts.size(), 0);
+    for (std::size_t i = 0; i < of.size(); ++i)
+        is_full[of[i]] |= static_cast<char>(handles.weight(static_cast<int>(i)) == 1.0);
+    totals.assign(firsts.size(), 0.0);
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        const double weight = handles.weight(static_cast<int>(i));
+        weights.push_back(is_full[of[i]] && weight < 1.0 ? 0.0 : weight);
+        totals[of[i]] += weights.back();
+    }
 }
 
 } // namespace
@@ -197,7 +210,7 @@ double Rbf::prepare(PointsView points, const Progress& progress)
     });
     auto solved = std::make_shared<Solved>();
     const Points scaled = (handles_.points().rowwise() - handles_.corner().transpose()) / handles_.size();
-    solved->places = std::make_unique<const Places>(scaled, least_distance(basis_));
+    solved->places = std::make_unique<const Places>(scaled, least_distance(basis_), handles_);
     const Points& places = solved->places->centres;
     solved->polynomials = Polynomials(places, degree_of(options_));
     if (handles_.all_single()) {
@@ -239,15 +252,18 @@ double Rbf::prepare(PointsView points, const Progress& progress)
             solved->factors[(static_cast<std::size_t>(k / 3) * count + j) * 3 + k % 3] =
                 j < q ? solved->coefficients.polynomial(j, k)
                       : solved->coefficients.weights(solved->near.order()[j - q], k);
-    // What all handle points get, against what they should get.
+    // What all handle points get, against what they should get: those held in part share their targets.
     const auto m = static_cast<int>(all.rows());
     std::vector<double> worst(static_cast<std::size_t>((m + 63) / 64), 0.0);
     parallel_chunks(m, 64, [&](int begin, int end) {
         RowMatrix rows;
         const Points block = handles_.points().middleRows(begin, end - begin);
         evaluate(*solved, view(block), rows);
-        worst[static_cast<std::size_t>(begin / 64)] =
-            (rows - all.middleRows(begin, end - begin)).cwiseAbs().rowwise().sum().maxCoeff();
+        for (int i = begin; i < end; ++i) {
+            const auto target = handles_.weight(i) == 1.0 ? all.row(i) : values.row(solved->places->of[i]);
+            double& own = worst[static_cast<std::size_t>(begin / 64)];
+            own = std::max(own, (rows.row(i - begin) - target).cwiseAbs().sum());
+        }
     });
     solved->error = *std::ranges::max_element(worst);
     within.tick(1.0, "checking the handles");

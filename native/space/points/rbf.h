@@ -47,8 +47,8 @@ struct RbfOptions
 /// few of the points may be centres, see rbf/incremental.h. A compact function visits only the m centres near
 /// each point, by a grid of the centres and an order of the points in which neighbours are near in space.
 ///
-/// Departs from the papers: handle points that nearly coincide get a tiny diagonal, instead of a singular
-/// system, so that they are met in the mean.
+/// Departs from the papers: handle points that nearly coincide are one centre, which goes to the mean of
+/// their targets by the weights of HandlePoints; and a nearly singular system gets a tiny diagonal.
 ///
 ///   call           repeat it when ...       cost
 ///   constructor    the handles changed      nothing

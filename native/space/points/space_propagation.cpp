@@ -6,6 +6,7 @@
 #include "native/operators/straight_distance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <type_traits>
@@ -31,10 +32,15 @@ void SpacePropagation::compute(PointsView points, SpaceReport& report, const Pro
     const auto size = static_cast<std::size_t>(n) * static_cast<std::size_t>(kept);
     progress.tick(0.0, "measuring distances");
     require_memory(static_cast<std::int64_t>(4 * size), "the shares of the handles");
+    const double spacing = handles_.size() / std::sqrt(handles_.point_count());
     std::vector<StraightDistance> trees;
-    for (int h = 0; h < k; ++h)
-        trees.emplace_back(Points(
-            handles_.points().middleRows(handles_.begin(h), handles_.begin(h + 1) - handles_.begin(h))));
+    for (int h = 0; h < k; ++h) {
+        const int first = handles_.begin(h), count = handles_.count(h);
+        std::vector<double> beyond;
+        for (int i = first; i < first + count; ++i)
+            beyond.push_back(spacing * (1.0 - handles_.weight(i)) / handles_.weight(i));
+        trees.emplace_back(Points(handles_.points().middleRows(first, count)), beyond);
+    }
     std::vector<float> shares(size);
     constexpr int slab = 1 << 17;
     for (int first = 0; first < n; first += slab) {

@@ -25,9 +25,11 @@ struct SpacePropagationOptions
 ///
 ///     s_h = (1 / d_h) / sum_g (1 / d_g),      s = d_F / (d_F + d_H) for one handle and what is fixed
 ///
-/// Rotation, scale and move are damped apart by t(s), about the centre of the handle. Points of a handle go
-/// where it takes them. It needs no surface, so gaps, loose parts, curves and point clouds are no obstacle;
-/// but it knows none either, so a handle reaches across a gap as far as along the shape.
+/// A point that is held by a weight w < 1 is (1 - w) / w spacings farther away: the size of all handles over
+/// the root of how many points they have. Rotation, scale and move are damped apart by t(s), about the centre
+/// of the handle. Points of a handle go where it takes them. It needs no surface, so gaps, loose parts,
+/// curves and point clouds are no obstacle; but it knows none either, so a handle reaches across a gap as far
+/// as along the shape.
 ///
 /// Departs from the paper: several handles are blended as on a surface. With t(s) = s, an affine map of all
 /// handles together is reproduced.

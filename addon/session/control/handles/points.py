@@ -145,15 +145,25 @@ def take_rest(obj: Object, handle: SinewHandle) -> None:
     control, depsgraph = handle.control, bpy.context.evaluated_depsgraph_get()
     control.update_from_editmode()
     points = _ends(handle.bone, control, depsgraph) if handle.bone else points_shown(control, depsgraph)
-    edges = np.array([[0, 1]] if handle.bone else np.zeros((0, 2)), dtype=np.int32)
-    if not (handle.bone or targets.is_cloud(control) or not len(points)):
-        with evaluated_mesh(control, depsgraph) as shown:
-            edges = read_edges(shown)
     if not len(points):
         raise ConstraintError(
             f"{control.name} has no points - let {handle.name} act as a place, or add some, then Rebind"
         )
+    edges = np.array([[0, 1]], dtype=np.int32) if handle.bone else _edges(control, depsgraph)
     handle.rest = stored_rest(obj, control, _mesh(points, edges), handle.rest)
+
+
+def _edges(control: Object, depsgraph: Depsgraph) -> np.ndarray:
+    """The edges (e, 2) of an object after its modifiers: of a lattice, the lines of its grid."""
+    if targets.is_cloud(control):
+        return np.zeros((0, 2), dtype=np.int32)
+    if targets.is_lattice(control):
+        counts = control.data.points_w, control.data.points_v, control.data.points_u
+        grid = np.arange(np.prod(counts), dtype=np.int32).reshape(counts)
+        lines = [np.moveaxis(grid, axis, 0) for axis in range(3)]
+        return np.concatenate([np.stack((line[:-1], line[1:]), -1).reshape(-1, 2) for line in lines])
+    with evaluated_mesh(control, depsgraph) as shown:
+        return read_edges(shown)
 
 
 def _mesh(points: np.ndarray, edges: np.ndarray) -> Mesh:

@@ -85,6 +85,9 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     for handle in settings.handles:
         if not handle.enabled:
             continue
+        if method.is_space and handle.kind != "SUPPORT" and handle.weight == 0.0:
+            unused.append(f"{handle.name} is not used: its weight is 0")
+            continue
         if not handle.vertex_group and method.is_space and handle.kind == "HANDLE":
             if not handle.has_rest:
                 raise ConstraintError(
@@ -98,7 +101,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
                 points.append(_points_of_control(rest_of(handle), rest.points, method.posed is Posed.CONTROL))
             bound.append(handle)
             indices.append(_NO_VERTICES)
-            weights.append(None)
+            weights.append(np.full(len(points[-1]), handle.weight))
             own.append(_own_values(settings, handle))
             continue
         painted = rest.weights.get(handle.vertex_group)
@@ -143,7 +146,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             method,
             Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            _handle_points(method, points, apart)
+            _handle_points(method, points, weights, apart)
             if method.is_space
             else Handles(
                 tuple(indices),
@@ -165,8 +168,13 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     )
 
 
-def _handle_points(method: Method, points: list[np.ndarray], apart: dict[int, _Joined]) -> HandlePoints:
-    """The points (c, 3) of each handle; of those that are ``apart``, the rows with their edges."""
+def _handle_points(
+    method: Method,
+    points: list[np.ndarray],
+    weights: list[np.ndarray | None],
+    apart: dict[int, _Joined],
+) -> HandlePoints:
+    """The points (c, 3) and weights (c,) of each handle; of those that are ``apart``, rows with edges."""
     counts = tuple(map(len, points))
     starts = np.cumsum((0, *counts))
     edges = [edges + starts[row] for row, (edges, _whole) in apart.items()]
@@ -175,6 +183,9 @@ def _handle_points(method: Method, points: list[np.ndarray], apart: dict[int, _J
         method,
         np.concatenate(points),
         counts,
+        np.concatenate(
+            [np.ones(n) if held is None else held for n, held in zip(counts, weights, strict=True)]
+        ),
         tuple(row in apart for row in range(len(points))),
         np.concatenate(edges) if apart else np.zeros((0, 2), dtype=int),
         np.concatenate(whole) if apart else np.zeros(0, dtype=bool),

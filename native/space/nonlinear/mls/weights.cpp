@@ -109,28 +109,41 @@ void mls_weights(const HandlePoints& handles, const MlsElements& elements, doubl
         least = std::min(least, Segment(points.row(a), points.row(b), v).least_square());
     const double touching = on_segment * handles.size() * on_segment * handles.size();
     const bool on = least <= (elements.segments.empty() ? 0.0 : touching);
-    double* to = numbers;
-    for (const int i : elements.points) {
-        const double square = relative(i).squaredNorm();
-        *to++ = on ? (square <= least ? 1.0 : 0.0) : decay(least, square, alpha);
+    const auto is_there = [&](int i) { return relative(i).squaredNorm() <= least; };
+    const auto is_full = [&](int i) { return is_there(i) && handles.weight(i) == 1.0; };
+    const auto touches = [&](const std::array<int, 2>& ends) {
+        return Segment(points.row(ends[0]), points.row(ends[1]), v).least_square() <= touching;
+    };
+    bool full = handles.all_full();
+    if (on && !full) {
+        full =
+            std::ranges::any_of(elements.points, is_full) || std::ranges::any_of(elements.segments, touches);
+        for (const int h : elements.groups)
+            for (int i = handles.begin(h); i < handles.begin(h + 1); ++i)
+                full = full || is_full(i);
     }
+    // What a point at v counts.
+    const auto there = [&](int i) {
+        return !is_there(i) ? 0.0 : !full ? handles.weight(i) : handles.weight(i) == 1.0 ? 1.0 : 0.0;
+    };
+    double* to = numbers;
+    for (const int i : elements.points)
+        *to++ = on ? there(i) : handles.weight(i) * decay(least, relative(i).squaredNorm(), alpha);
     for (const int h : elements.groups) {
         const double share = 1.0 / (handles.begin(h + 1) - handles.begin(h));
         for (int i = handles.begin(h); i < handles.begin(h + 1); ++i) {
             const Vector3 p = relative(i);
-            const double square = p.squaredNorm();
             if (!on)
-                add(to, share * decay(least, square, alpha), p);
-            else if (square <= least)
-                *to = 1.0;
+                add(to, share * handles.weight(i) * decay(least, p.squaredNorm(), alpha), p);
+            else
+                *to = std::max(*to, there(i));
         }
         to += 10;
     }
     for (const auto& [a, b] : elements.segments) {
-        const Segment segment(points.row(a), points.row(b), v);
         if (!on)
-            add_segment(segment, least, handles.size(), alpha, to);
-        else if (segment.least_square() <= touching)
+            add_segment({points.row(a), points.row(b), v}, least, handles.size(), alpha, to);
+        else if (touches({a, b}))
             *to = 1.0;
         to += 10;
     }

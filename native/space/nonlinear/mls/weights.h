@@ -22,7 +22,8 @@ struct MlsElements
 /// w p p^T (6: xx, xy, xz, yy, yz, zz) of a group or a segment, with p - v for p. They sum to 1.
 ///
 /// w = |p - v|^(-2 alpha); the points of a group share one weight evenly, and a segment has the integral over
-/// its length, in units of `size`. If v lies on elements, these have all the weight.
+/// its length, in units of `size`. How strongly a point is held multiplies its w. If v lies on elements,
+/// these have all the weight, or those that hold it fully.
 /// \param[out] numbers  (elements.numbers())
 void mls_weights(const HandlePoints& handles, const MlsElements& elements, double alpha, const Vector3& v,
                  double* numbers);
