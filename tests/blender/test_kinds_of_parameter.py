@@ -121,7 +121,8 @@ class Around:
 
 class Nearest:
     made = []
-    def __init__(self, points):
+    def __init__(self, points, weights):
+        assert weights is None, "all are held fully"
         self.rest = points.copy()
         Nearest.made.append(points.tolist())
     def can_reuse(self, former, points):

@@ -44,9 +44,9 @@ class Moved(Enum):
 class Posed(Enum):
     """How handles move a space method: what its native class is made of, and what poses it.
 
-    POINTS: of the handle points; ``warp`` takes them where the maps of the handles pose them. CONTROL: of
-    the points and their ``counts``; ``warp`` takes its ``control`` posed so. POSES: of the surface, the
-    points and their counts; ``warp_poses`` takes the maps.
+    POINTS: of the handle points and their ``weights``; ``warp`` takes them where the maps of the handles pose
+    them. CONTROL: of these and their ``counts``; ``warp`` takes its ``control`` posed so. POSES: of the
+    surface and all of them; ``warp_poses`` takes the maps.
     """
 
     POINTS = "points"
