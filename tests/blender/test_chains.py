@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 import pytest
-from cages import ball, fine_box, surround
+from cages import ball, box, fine_box, surround
 from inside import calls_of
 from mathutils import Matrix
 from probe import render
@@ -30,6 +30,7 @@ from rig import (
     new_empty,
     update,
 )
+from rig_of_lattice import lattice_object
 from rigs import HandleRig
 from sheet import draw_panel
 
@@ -249,6 +250,33 @@ def it_rides_on_a_rider(name: str) -> Chain:
     return Chain(base.control, base.obj, rider.obj)
 
 
+def moved_lattice() -> tuple[bpy.types.Object, bpy.types.Object]:
+    """A lattice with a deformer, around all that it carries, and the cage that moves it."""
+    lattice, cage = lattice_object((3, 3, 3), "Middle"), box("Cage", 3.0)
+    lattice.scale = 1.2, 1.2, 1.2
+    update()
+    surround(lattice, cage)
+    return lattice, cage
+
+
+def it_is_below_a_lattice_that_a_cage_moves(name: str) -> Chain:
+    """By Blender's own modifier, before ours."""
+    base, cage = moved_lattice()
+    rider = new_rider(name)
+    rider.obj.modifiers.new("Lattice", "LATTICE").object = base
+    rider.bind("thin_shell")
+    return Chain(cage, base, rider.obj)
+
+
+def its_lattice_has_a_deformer(name: str) -> Chain:
+    """The lattice of the rider is moved by a cage itself."""
+    base, cage = moved_lattice()
+    rider = ball(name, 2)
+    make_active(rider)
+    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=base.name)
+    return Chain(cage, base, rider)
+
+
 CHAINS: list[Callable[[str], Chain]] = [
     its_control_on_a_vertex,
     its_control_on_three_vertices,
@@ -265,6 +293,8 @@ CHAINS: list[Callable[[str], Chain]] = [
     it_is_moved_by_nodes_that_ask_for_the_base,
     its_cage_has_a_deformer,
     its_cage_is_wrapped_onto_the_base,
+    it_is_below_a_lattice_that_a_cage_moves,
+    its_lattice_has_a_deformer,
     it_rides_on_a_rider,
 ]
 
