@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
 from mathutils import Vector
 
 from . import materials, posing, studio
@@ -13,6 +14,7 @@ from .volume import volume
 
 POSE_FRAME = 40
 SPACING = 2.2
+STRIPES, STRIPE = 3, (0.30, 0.035, 0.02)
 # the tool, where it rests, its reach, and how it has moved in the frame of the pillar
 TOOLS = {
     "Rest": None,
@@ -25,7 +27,7 @@ TOOLS = {
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Vector Fields")
     first = pillar.build()
-    first.data.materials.append(materials.patched_material("Pillar", pillar.PLAIN, (), roughness=0.5))
+    paint_stripes(first.data)
     row = posing.line_up(first, TOOLS, SPACING)
     for obj, tool in zip(row, TOOLS.values()):
         if tool:
@@ -46,6 +48,17 @@ def make() -> bpy.types.Scene:
     studio.set_up_render(scene, samples=32, width=1680, height=520)
     studio.open_at(scene, POSE_FRAME, row[-1])
     return scene
+
+
+def paint_stripes(mesh: bpy.types.Mesh) -> None:
+    """Upright stripes, which show how the pillar turns."""
+    points = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", points.ravel())
+    angle, away = np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])
+    stripes = mesh.attributes.new("stripe", "FLOAT", "POINT")
+    stripes.data.foreach_set("value", away * np.cos(STRIPES * angle))
+    patches = (("stripe", STRIPE, 0.006),)
+    mesh.materials.append(materials.patched_material("Pillar", pillar.PLAIN, patches, roughness=0.5))
 
 
 def pose(obj: bpy.types.Object, kind: str, height: float, reach: dict[str, float], move: Move) -> None:
