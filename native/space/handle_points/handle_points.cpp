@@ -19,6 +19,16 @@ constexpr double same_target = 1e-6;
 
 } // namespace
 
+void require_weights(const std::vector<double>& weights, Eigen::Index points)
+{
+    if (!weights.empty() && static_cast<Eigen::Index>(weights.size()) != points)
+        throw InvalidConstraint("weights: " + std::to_string(weights.size()) + " given for " +
+                                std::to_string(points) + " points");
+    for (const double weight : weights)
+        if (!(weight > 0.0 && weight <= 1.0))
+            throw InvalidOption("weights: " + std::to_string(weight) + " is not in (0, 1]");
+}
+
 HandlePoints::HandlePoints(PointsView points, std::vector<int> counts, std::vector<double> weights)
     : points_(points), weights_(std::move(weights))
 {
@@ -45,12 +55,7 @@ HandlePoints::HandlePoints(PointsView points, std::vector<int> counts, std::vect
     if (begins_.back() != points.rows())
         throw InvalidConstraint("counts: the handles have " + std::to_string(begins_.back()) +
                                 " points together, and " + std::to_string(points.rows()) + " are given");
-    if (!weights_.empty() && static_cast<Eigen::Index>(weights_.size()) != points.rows())
-        throw InvalidConstraint("weights: " + std::to_string(weights_.size()) + " given for " +
-                                std::to_string(points.rows()) + " points");
-    for (const double weight : weights_)
-        if (!(weight > 0.0 && weight <= 1.0))
-            throw InvalidOption("weights: " + std::to_string(weight) + " is not in (0, 1]");
+    require_weights(weights_, points.rows());
     if (!bad.empty()) {
         std::vector<int> handles;
         for (int i : bad)

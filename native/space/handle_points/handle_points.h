@@ -9,6 +9,11 @@
 
 namespace sinew {
 
+/// Refuses weights of handle points; none stand for 1 everywhere.
+/// \throw InvalidConstraint  there is another number of weights than of points.
+/// \throw InvalidOption      a weight is not in (0, 1].
+void require_weights(const std::vector<double>& weights, Eigen::Index points);
+
 /// Points that handles take along, at rest.
 ///
 /// A handle of one point moves it anywhere. A handle of more points moves them by one affine map, which is

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
+#include "native/space/handle_points/handle_points.h"
 #include "native/space/lattice/grid/placing.h"
 
 #include <Eigen/Eigenvalues>
@@ -68,12 +69,7 @@ InverseFfd::InverseFfd(PointsView handles, const InverseFfdOptions& options)
                                 std::to_string(most_points));
     if (!(options.cut_off > 0.0 && options.cut_off < 1.0))
         throw InvalidOption("cut_off must lie between 0 and 1");
-    if (!options.weights.empty() && static_cast<Eigen::Index>(options.weights.size()) != handles_.rows())
-        throw InvalidConstraint("weights: " + std::to_string(options.weights.size()) + " given for " +
-                                std::to_string(handles_.rows()) + " points");
-    for (const double weight : options.weights)
-        if (!(weight > 0.0 && weight <= 1.0))
-            throw InvalidOption("weights: " + std::to_string(weight) + " is not in (0, 1]");
+    require_weights(options.weights, handles_.rows());
     for (int count : options.resolution)
         AxisBasis(options.basis, count, options.degree, LatticeOutside::follow);
 }
