@@ -348,10 +348,10 @@ def handle_points(
     method: Method,
     points: np.ndarray,
     counts: tuple[int, ...],
-    weights: np.ndarray | None = None,
     apart: tuple[bool, ...] = (),
     edges: np.ndarray = _NO_EDGES,
     segments: np.ndarray = _NO_SEGMENTS,
+    weights: np.ndarray | None = None,
 ) -> HandlePoints:
     """The control of a space method that handles move: ``counts`` of ``points`` (c, 3) belong to each.
 

@@ -56,19 +56,24 @@ def new_native(row: object, target: object, options: dict[str, object]) -> objec
 
 
 def on_handle_points(
-    row: object, parts: list[np.ndarray], options: dict[str, object], mesh: object
+    row: object,
+    parts: list[np.ndarray],
+    options: dict[str, object],
+    mesh: object,
+    weights: np.ndarray | None = None,
 ) -> object:
-    """The native object of a space method, with the points (c, 3) of each handle.
+    """The native object of a space method, with the points (c, 3) of each handle, held by weights (c,).
 
     The base of one around another is its native object, or its row with options; else the first one.
     """
-    places, options = np.concatenate(parts), dict(options)
+    places, options = np.concatenate(parts), options | {"weights": weights}
     if row.posed is Posed.CONTROL:
         options["counts"] = [len(points) for points in parts]
     if row.wraps:
         base = options.get("base") or (base_of(row), options_of(base_of(row), {})[0])
         if isinstance(base, tuple):
-            base = new_native(base[0], places, base[1] | {"counts": options["counts"]})
+            given = {"counts": options["counts"], "weights": weights}
+            base = new_native(base[0], places, base[1] | given)
         options |= {"mesh": mesh, "base": base}
     return new_native(row, places, options)
 
@@ -82,16 +87,25 @@ def control_points(row: object, solver: object, parts: list[np.ndarray], poses: 
 
 
 def space_warp(
-    row: object, rest: np.ndarray, faces: tuple, members: list[np.ndarray], options: dict[str, object]
+    row: object,
+    rest: np.ndarray,
+    faces: tuple,
+    members: list[np.ndarray],
+    options: dict[str, object],
+    strengths: list[np.ndarray],
 ) -> Callable[[np.ndarray, np.ndarray | None], np.ndarray]:
-    """A warp of ``rest`` (n, 3) by a new native object whose handles hold points: takes poses (k, 3, 4)."""
-    mesh = native().SurfaceMesh(rest, faces)
+    """A warp of ``rest`` (n, 3) by a new native object whose handles hold points: takes poses (k, 3, 4).
+
+    Each of the ``members`` is held by its strength.
+    """
+    mesh, weights = native().SurfaceMesh(rest, faces), np.concatenate(strengths)
     if row.posed is Posed.POSES:
         made = getattr(native(), row.native)
-        solver = made(mesh, np.concatenate(members), [len(own) for own in members], **options)
+        counts = [len(own) for own in members]
+        solver = made(mesh, np.concatenate(members), counts, weights=weights, **options)
         solver.bind(rest)
         return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)
-    solver = on_handle_points(row, members, options, mesh)
+    solver = on_handle_points(row, members, options, mesh, weights)
     solver.bind(rest)
     return lambda poses, incoming: solver.warp(
         control_points(row, solver, members, list(poses)), incoming=incoming
@@ -149,7 +163,9 @@ class Expected(Poses):
         self._still = [np.eye(4)[:3]] * (len(groups) - 1)
         self._members = [rest[group[0]] for group in groups]
         if self._row.is_space:
-            self._solver = space_warp(self._row, rest, faces_of(obj.data), self._members, self._options)
+            strengths = [weights for _members, weights in groups]
+            faces = faces_of(obj.data)
+            self._solver = space_warp(self._row, rest, faces, self._members, self._options, strengths)
             return
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
         self._solver = new_native(self._row, mesh, self._options)

@@ -180,7 +180,7 @@ class Oracle:
         incoming = None if np.array_equal(before, rest) else before
         members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
         if row.is_space:
-            warp = space_warp(row, rest, faces, [rest[rows] for rows in members], options)
+            warp = space_warp(row, rest, faces, [rest[rows] for rows in members], options, strengths)
             try:
                 return warp(poses, incoming), 0.0
             except self.native.InvalidConstraint as error:  # as of one place that two handles pull apart
@@ -298,13 +298,15 @@ def regions_of(deformer, weights: Weights, part: np.ndarray) -> list[Region]:
     strengths = np.array([painted[handle.uid] * handle.weight for handle in movers]).reshape(-1, count)
     if ((strengths >= 1.0).sum(axis=0) > 1).any():
         raise Refusal("a vertex in two hard handles")
+    is_space = BY_ID[deformer.method].is_space  # where what holds nothing is no handle
     found = [
         Region(members, strength[members], handle.continuity, handle)
         for handle, strength in zip(movers, strengths, strict=True)
-        for members in [np.flatnonzero(painted[handle.uid])]
+        for members in [np.flatnonzero(strength if is_space else painted[handle.uid])]
+        if len(members)
     ]
     free = ~np.any([painted[handle.uid] > 0.0 for handle in handles], axis=0)
-    if deformer.loose_parts == "FOLLOW" and not BY_ID[deformer.method].is_space:
+    if deformer.loose_parts == "FOLLOW" and not is_space:
         free &= np.isin(part, part[~free])
     if supports and free.any():
         border = min(handle.continuity for handle in supports)

@@ -85,10 +85,8 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     for handle in settings.handles:
         if not handle.enabled:
             continue
-        if method.is_space and handle.kind != "SUPPORT" and handle.weight == 0.0:
-            unused.append(f"{handle.name} is not used: its weight is 0")
-            continue
-        if not handle.vertex_group and method.is_space and handle.kind == "HANDLE":
+        is_free = method.is_space and handle.weight == 0.0
+        if not handle.vertex_group and method.is_space and handle.kind == "HANDLE" and not is_free:
             if not handle.has_rest:
                 raise ConstraintError(
                     f"{handle.name} has no vertex group and no control - choose one of them, then bind again"
@@ -107,7 +105,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         painted = rest.weights.get(handle.vertex_group)
         members = np.flatnonzero(painted > 0.0) if painted is not None else _NO_VERTICES
         if painted is None or len(members) == 0:
-            unused.append(_why_unused(handle, painted is not None))
+            unused.append(_why_unused(handle, painted))
             continue
         if handle.kind == "SUPPORT":
             support = painted > 0.0 if support is None else support | (painted > 0.0)
@@ -116,6 +114,9 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         strength = painted[members].astype(np.float64) * handle.weight
         _refuse_overlap(holder, members[strength >= 1.0], handle.name, labels)
         taken[members] = True
+        if is_free:
+            unused.append(_why_unused(handle, painted))
+            continue
         bound.append(handle)
         indices.append(members)
         points.append(rest.points[members])
@@ -183,12 +184,12 @@ def _handle_points(
         method,
         np.concatenate(points),
         counts,
-        np.concatenate(
-            [np.ones(n) if held is None else held for n, held in zip(counts, weights, strict=True)]
-        ),
         tuple(row in apart for row in range(len(points))),
         np.concatenate(edges) if apart else np.zeros((0, 2), dtype=int),
         np.concatenate(whole) if apart else np.zeros(0, dtype=bool),
+        np.concatenate(
+            [np.ones(n) if held is None else held for n, held in zip(counts, weights, strict=True)]
+        ),
     )
 
 
@@ -204,9 +205,11 @@ def _points_of_control(frame: np.ndarray, shape: np.ndarray, takes_maps: bool) -
     return frame[:3, 3] + reach * np.concatenate((np.zeros((1, 3)), axes.T, -axes.T))
 
 
-def _why_unused(handle: SinewHandle, has_group: bool) -> str:
-    """The line in the panel about a region that holds no vertex."""
-    lacks = "has no vertices - assign some" if has_group else "is not on the mesh - pick another"
+def _why_unused(handle: SinewHandle, painted: np.ndarray | None) -> str:
+    """The line in the panel about a region that holds nothing."""
+    if not handle.vertex_group or (painted is not None and painted.any()):
+        return f"{handle.name} is not used: its weight is 0"
+    lacks = "is not on the mesh - pick another" if painted is None else "has no vertices - assign some"
     return f"{handle.name} is not used: its vertex group '{handle.vertex_group}' {lacks}"
 
 
