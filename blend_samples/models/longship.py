@@ -12,6 +12,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ..materials import plain_material
+from ..posing import make_active
 
 LENGTH = 0.95  # half of the hull's, along x
 MAST, YARD, FOOT = 1.86, 1.66, 0.80  # heights: top of the mast, upper and lower edge of the sail
@@ -276,10 +277,7 @@ def tail(name: str) -> bpy.types.Object:
 def to_hair(obj: bpy.types.Object) -> bpy.types.Object:
     """The same lines as hair curves."""
     name = obj.name
-    for other in bpy.context.selected_objects:
-        other.select_set(False)
-    obj.select_set(True)
-    bpy.context.view_layer.objects.active = obj
+    make_active(obj)
     bpy.ops.object.convert(target="CURVES")
     hair = bpy.context.object
     hair.name = name

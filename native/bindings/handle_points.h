@@ -38,7 +38,7 @@ points     (c, 3) the points of the handles at rest, handle after handle.
 counts     (k,) how many points each handle has; None if each point is a handle, which moves it anywhere. A handle of
            more points moves them by one affine map.
 weights    None (1), or (c,) in (0, 1]: how strongly each point is held. Where several handles hold one place, it goes to
-           the mean of their targets by these weights, or where the one takes it that holds it fully.
+           the mean of their targets by these weights; one that holds it fully overrules the others.
 )") + own;
 }
 

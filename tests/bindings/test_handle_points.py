@@ -119,6 +119,20 @@ def test_mls_takes_places_that_handles_share_to_the_mean_of_their_targets() -> N
         assert np.abs(place - rigid(v, p, q, w.ravel())).max() < 1e-9
 
 
+def test_a_segment_counts_as_much_as_its_ends_are_held() -> None:
+    """A third of the weight for one segment is the same as the other one three times."""
+    ends = HANDLES[:4]
+    apart = np.concatenate((ends[:2], ends[2:], ends[2:], ends[2:]))
+    pairs = [[0, 1], [2, 3], [4, 5], [6, 7]]
+    strong = sn.Mls(apart, segments=pairs, precision="double")
+    weak = sn.Mls(ends, segments=pairs[:2], weights=[1 / 3, 1 / 3, 1.0, 1.0], precision="double")
+    strong.bind(POINTS)
+    weak.bind(POINTS)
+    posed = ends + MOVES[:4]
+    expected = strong.warp(np.concatenate((posed[:2], posed[2:], posed[2:], posed[2:])))
+    assert np.abs(weak.warp(posed) - expected).max() < 1e-9
+
+
 def test_propagation_lets_points_give_way_that_are_held_weakly() -> None:
     made, posed = held_by_bones(sn.SpacePropagation, BLEND)
     made.bind(BLEND)

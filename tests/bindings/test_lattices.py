@@ -186,6 +186,8 @@ def test_where_handles_cannot_all_be_met_their_weights_count() -> None:
     )
     expected = np.linalg.solve(B.T @ (weights[:, None] * B), B.T @ (weights[:, None] * drag))
     np.testing.assert_allclose(method.control_moves(handles + drag), expected, atol=1e-9)
+    twice = sn.InverseFfd(np.concatenate((handles, handles[:2])), weights=[*weights, 0.5, 1.0])
+    assert "handle points 41 coincide" in twice.bind(POINTS).remarks[0]
     with pytest.raises(sn.InvalidConstraint, match="weights"):
         sn.InverseFfd(handles, weights=[0.5])
     with pytest.raises(sn.InvalidOption, match="weights"):

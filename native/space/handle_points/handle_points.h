@@ -28,8 +28,8 @@ public:
     /// \param counts  how many points each handle has, all >= 1; empty if each point is a handle.
     /// \param weights (c) in (0, 1], how strongly each point is held; empty where all are 1. Methods that
     ///                interpolate handles hold a point fully, if it is alone; where several handles hold one
-    ///                place, it goes to the mean of their targets by these weights, or only where those that
-    ///                hold it fully take it.
+    ///                place, it goes to the mean of their targets by these weights. Handles that hold it
+    ///                fully overrule those that hold it in part.
     /// \throw InvalidConstraint  a point is not finite, there is none, the counts do not sum to c, or there
     ///   is another number of weights than of points.
     /// \throw InvalidOption      a weight is not in (0, 1].

@@ -112,7 +112,9 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     MatrixX inverse = count <= controls ? MatrixX(B.transpose() * inner) : MatrixX(inner * B.transpose());
     inverse *= roots.asDiagonal();
 
-    if (const std::vector<int> twice = coinciding(handles_); !twice.empty() && options_.weights.empty())
+    std::vector<int> twice = coinciding(handles_);
+    std::erase_if(twice, [&](int c) { return roots[c] < 1.0; }); // painted regions share points on purpose
+    if (!twice.empty())
         report.remarks.push_back(
             "handle points " + list_some(twice) +
             " coincide with others: where they are dragged apart, they meet in the mean");

@@ -122,9 +122,10 @@ void mls_weights(const HandlePoints& handles, const MlsElements& elements, doubl
             for (int i = handles.begin(h); i < handles.begin(h + 1); ++i)
                 full = full || is_full(i);
     }
-    // What a point at v counts.
+    // What a point counts if v lies on elements.
     const auto there = [&](int i) {
-        return !is_there(i) ? 0.0 : !full ? handles.weight(i) : handles.weight(i) == 1.0 ? 1.0 : 0.0;
+        const double weight = handles.weight(i);
+        return is_there(i) && (!full || weight == 1.0) ? weight : 0.0;
     };
     double* to = numbers;
     for (const int i : elements.points)
@@ -141,10 +142,13 @@ void mls_weights(const HandlePoints& handles, const MlsElements& elements, doubl
         to += 10;
     }
     for (const auto& [a, b] : elements.segments) {
-        if (!on)
+        if (!on) {
             add_segment({points.row(a), points.row(b), v}, least, handles.size(), alpha, to);
-        else if (touches({a, b}))
+            const double weight = 0.5 * (handles.weight(a) + handles.weight(b));
+            std::for_each(to, to + 10, [weight](double& number) { number *= weight; });
+        } else if (touches({a, b})) {
             *to = 1.0;
+        }
         to += 10;
     }
     double sum = 0.0;

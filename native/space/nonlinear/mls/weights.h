@@ -22,8 +22,9 @@ struct MlsElements
 /// w p p^T (6: xx, xy, xz, yy, yz, zz) of a group or a segment, with p - v for p. They sum to 1.
 ///
 /// w = |p - v|^(-2 alpha); the points of a group share one weight evenly, and a segment has the integral over
-/// its length, in units of `size`. How strongly a point is held multiplies its w. If v lies on elements,
-/// these have all the weight, or those that hold it fully.
+/// its length, in units of `size`. How strongly a point is held multiplies its w, and the mean of its
+/// ends that of a segment. If v lies on elements, these have all the weight; points that are held in part
+/// have none if there are others.
 /// \param[out] numbers  (elements.numbers())
 void mls_weights(const HandlePoints& handles, const MlsElements& elements, double alpha, const Vector3& v,
                  double* numbers);
