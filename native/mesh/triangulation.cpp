@@ -48,6 +48,13 @@ bool inside(const Vector2& p, const Vector2& a, const Vector2& b, const Vector2&
     return cross(b - a, p - a) >= 0 && cross(c - b, p - b) >= 0 && cross(a - c, p - c) >= 0;
 }
 
+/// Whether the direction d lies between the directions `first` and `last`, counter-clockwise, or along one.
+bool between(const Vector2& d, const Vector2& first, const Vector2& last)
+{
+    const bool after = cross(first, d) >= 0, before = cross(d, last) >= 0;
+    return cross(first, last) > 0 ? after && before : after || before;
+}
+
 class EarClipper
 {
 public:
@@ -66,37 +73,61 @@ public:
 
     void run(std::vector<Triangle>& triangles)
     {
-        constexpr double cut = -std::numeric_limits<double>::infinity();
         for (std::size_t left = flat_.size(); left > 2; --left) {
-            const int ear = static_cast<int>(std::ranges::max_element(score_) - score_.begin());
+            const int ear = best_ear();
             const int a = previous_[ear];
             const int b = next_[ear];
             triangles.push_back({polygon_[a], polygon_[ear], polygon_[b]});
             next_[a] = b;
             previous_[b] = a;
-            score_[ear] = cut;
-            if (left > 3) {
-                score_[a] = score(a);
-                score_[b] = score(b);
-            }
+            score_[ear] = cut_off;
+            if (left > 3)
+                for (const int i : {previous_[a], a, b, next_[b]})
+                    score_[i] = score(i);
         }
     }
 
 private:
-    /// The quality of the ear at corner i. A corner that is no ear gets -2 or less, so that it is cut only
-    /// when no ear is left.
+    static constexpr double no_ear = -2; ///< such scores, and lower ones
+    static constexpr double cut_off = -std::numeric_limits<double>::infinity();
+
+    /// The corner to cut next. Scores are kept, and a corner that was no ear is one as soon as what was in
+    /// its triangle has been cut off.
+    int best_ear()
+    {
+        auto best = std::ranges::max_element(score_);
+        if (*best <= no_ear) {
+            for (std::size_t i = 0; i < score_.size(); ++i)
+                if (score_[i] != cut_off)
+                    score_[i] = score(static_cast<int>(i));
+            best = std::ranges::max_element(score_);
+        }
+        return static_cast<int>(best - score_.begin());
+    }
+
+    /// The quality of the ear at corner i. A corner that is no ear is cut only when no ear is left.
     double score(int i) const
     {
         const int a = previous_[i];
         const int b = next_[i];
         const double q = quality(flat_[a], flat_[i], flat_[b]);
         if (q <= 0)
-            return -3 + q;
+            return no_ear - 1 + q;
+        if (!opens_to(a, b) || !opens_to(b, a))
+            return no_ear;
         for (int p = next_[b]; p != a; p = next_[p])
             if (inside(flat_[p], flat_[a], flat_[i], flat_[b]) && flat_[p] != flat_[a] &&
-                flat_[p] != flat_[b])
-                return -2;
+                flat_[p] != flat_[i] && flat_[p] != flat_[b])
+                return no_ear;
         return q;
+    }
+
+    /// Whether the polygon is on the way from one corner to another, close to the first. Where a polygon
+    /// has a slit, two corners are at the same place, and each opens to a side of its own.
+    bool opens_to(int corner, int other) const
+    {
+        const Vector2& from = flat_[corner];
+        return between(flat_[other] - from, flat_[next_[corner]] - from, flat_[previous_[corner]] - from);
     }
 
     std::span<const int> polygon_;

@@ -186,6 +186,45 @@ TEST(Triangulation, covers_a_ring_that_is_cut_open_along_a_narrow_slit)
     EXPECT_NEAR(ring.area, 12, 1e-5); // 16 less the hole of 4 and the slit
 }
 
+/// A star-shaped outline around a star-shaped hole, joined by a slit of no width: two corners at each end of
+/// it.
+std::vector<Vector3> ring(shapes::Random& random, int outer, int inner, const Matrix3& R)
+{
+    const auto loop = [&](int corners, double least) {
+        std::vector<Vector3> p;
+        for (int k = 0; k < corners; ++k) {
+            const double angle = 2 * shapes::pi * (k + (k > 0 ? 0.4 * random.signed_unit() : 0.0)) / corners;
+            p.push_back(R * (least + random.unit()) * Vector3(std::cos(angle), std::sin(angle), 0));
+        }
+        p.push_back(p.front());
+        return p;
+    };
+    std::vector<Vector3> p = loop(outer, 3.0), hole = loop(inner, 0.5);
+    p.insert(p.end(), hole.rbegin(), hole.rend());
+    return p;
+}
+
+TEST(Triangulation, covers_rings_with_a_slit_of_no_width_from_every_corner)
+{
+    std::vector<Vector3> square{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {0, 0, 0},
+                                {1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}, {1, 1, 0}};
+    for (std::size_t start = 0; start < square.size(); ++start) {
+        const Cut result = cut(square);
+        expect_cover(result, 10);
+        EXPECT_NEAR(result.area, 12, 1e-12) << "from corner " << start; // 16 less the hole of 4
+        std::ranges::rotate(square, square.begin() + 1);
+    }
+    shapes::Random random(7);
+    for (int trial = 0; trial < 50; ++trial) {
+        const int outer = 5 + random.below(12), inner = 5 + random.below(12);
+        std::vector<Vector3> p = ring(random, outer, inner, random.rotation());
+        for (std::size_t start = 0; start < p.size(); ++start) {
+            expect_cover(cut(p), outer + inner + 2);
+            std::ranges::rotate(p, p.begin() + 1);
+        }
+    }
+}
+
 TEST(Triangulation, does_not_depend_on_the_scale)
 {
     const std::vector<Vector3> unit = comb(3);
