@@ -183,7 +183,8 @@ class Baking:
                     "the same visibility in both"
                 )
             cache.timing(self.request.frames)
-            part.filepath = paths.choose(obj, deformer, self.request.target, self.request.filepath)
+            taken = [other.filepath for other in self._parts if other is not part]
+            part.filepath = paths.choose(obj, deformer, self.request.target, self.request.filepath, taken)
 
     def _check_keys(self, reader: ShapeReader, obj: Object, deformer: SinewDeformer) -> None:
         """Blender adds shape keys before all modifiers, so no other modifier may come before the deformer."""

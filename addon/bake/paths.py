@@ -2,6 +2,7 @@
 """Where a bake may write: beside the .blend file, or at a path that the user chose."""
 
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -12,7 +13,7 @@ from ..properties import SinewDeformer, deformers_of
 from .files import SUFFIXES
 
 FOLDER = "sinew_cache"
-_LONGEST = 120  # characters that names in Blender may contribute to a file name
+_LONGEST = 120  # bytes that names in Blender may contribute to a file name, which may have 255
 UNSAVED = "Save the file first, or choose a path - caches are written beside the .blend"
 
 
@@ -31,51 +32,55 @@ def is_beside(filepath: str) -> bool:
     return Path(os.path.realpath(absolute(filepath))).is_relative_to(_home())
 
 
-def default(obj: Object, deformer: SinewDeformer, target: str) -> str:
-    """``//sinew_cache/<file>/<object>-<deformer>.pc2``.
+def default(obj: Object, deformer: SinewDeformer, target: str, taken: Sequence[str] = ()) -> str:
+    """``//sinew_cache/<file>/<object>-<deformer>.pc2``, or with the key of the deformer if that is taken.
 
     Each .blend file has a folder of its own, since versions of a file often lie in one folder.
     """
     name = obj.name if target == "ALEMBIC" else f"{obj.name}-{deformer.name}"
     path = _beside(name, target)
-    return path if is_free(path, deformer) else _beside(name, target, f"-{deformer.uid}")
+    return path if is_free(path, deformer, taken) else _beside(name, target, f"-{deformer.uid}")
 
 
 def _beside(name: str, target: str, key: str = "") -> str:
     file = bpy.path.clean_name(Path(bpy.data.filepath).stem)
-    return f"//{FOLDER}/{file}/{bpy.path.clean_name(name)[:_LONGEST]}{key}{SUFFIXES[target]}"
+    short = bpy.path.clean_name(name).encode()[:_LONGEST].decode(errors="ignore")
+    return f"//{FOLDER}/{file}/{short}{key}{SUFFIXES[target]}"
 
 
-def is_free(path: str, deformer: SinewDeformer) -> bool:
-    """Whether no other baked deformer plays this file."""
-    return not any(
-        other.uid != deformer.uid and other.bake.is_baked and _same(other.bake.filepath, path)
+def is_free(path: str, deformer: SinewDeformer, taken: Sequence[str] = ()) -> bool:
+    """Whether no other baked deformer plays this file, and the file is none of those that are ``taken``."""
+    played = (
+        other.bake.filepath
         for obj in bpy.data.objects
         if obj.library is None
         for other in deformers_of(obj)
+        if other.uid != deformer.uid and other.bake.is_baked
     )
+    return not any(_same(path, other) for other in (*taken, *played))
 
 
 def _same(a: str, b: str) -> bool:
     return bool(a) and os.path.normcase(absolute(a)) == os.path.normcase(absolute(b))
 
 
-def choose(obj: Object, deformer: SinewDeformer, target: str, chosen: str) -> str:
+def choose(obj: Object, deformer: SinewDeformer, target: str, chosen: str, taken: Sequence[str] = ()) -> str:
     """The path of a bake, as it is stored: ``chosen`` by the user, that of the last bake, or the default.
 
+    The last two are none of those that are ``taken``, which other deformers of the same bake are written to.
     A path that comes from the .blend file itself is used only if it lies beside the file, since the file may
     come from someone else.
     """
     last = deformer.bake.filepath
     if _is_given(chosen):
         return _stored(_with_suffix(chosen, target))
-    if last and last.lower().endswith(SUFFIXES[target]) and is_free(last, deformer):
+    if last and last.lower().endswith(SUFFIXES[target]) and is_free(last, deformer, taken):
         if not is_beside(last):
             raise SinewError(
                 f"The last bake was written to {last}, outside the folder of this file - choose a path"
             )
         return last
-    return _checked(default(obj, deformer, target))
+    return _checked(default(obj, deformer, target, taken))
 
 
 def choose_for_transfer(source: Object, target: Object, chosen: str) -> str:

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, played
-from rig import Rig, grid_object
+from rig import Rig, grid_object, make_active
 
 # Paths
 
@@ -66,14 +66,25 @@ def test_a_bake_never_replaces_a_file_of_another_kind(saved: Rig, tmp_path: Path
     assert (tmp_path / "shot" / "scene.blend.pc2").is_file()
 
 
-def test_objects_whose_names_look_alike_get_files_of_their_own(saved: Rig):
-    saved.obj.name = saved.name = "a:b"
-    other = Rig(grid_object("a*b")).bind()
+@pytest.mark.parametrize("at_once", [False, True])
+@pytest.mark.parametrize("names", [("a:b", "a*b"), ("漢" * 84 + "a", "漢" * 84 + "b")], ids=["alike", "long"])
+def test_objects_whose_names_look_alike_get_files_of_their_own(saved: Rig, names: tuple, at_once: bool):
+    other = Rig(grid_object("Other")).bind()
     animate(other.control, angle=20.0)
+    for rig, name in zip((saved, other), names):  # Blender before 5.0 keeps 63 bytes of a name
+        obj = rig.obj
+        obj.name = name
+        rig.name = obj.name
     live = {rig.name: played(rig.obj) for rig in (saved, other)}
-    bake(saved, "PC2")
-    bake(other, "PC2")
+    if at_once:
+        make_active(other.obj)
+        saved.obj.select_set(True)
+        assert bpy.ops.sinew.bake(target="PC2", all_deformers=True) == {"FINISHED"}
+    else:
+        bake(saved, "PC2")
+        bake(other, "PC2")
     for rig in (saved, other):
+        assert rig.deformer.bake.is_baked
         assert_same(played(rig.obj), live[rig.name])
 
 
