@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bmesh
 import bpy
 import numpy as np
 import pytest
-from events import ALL, MESHES, REBIND, REGIONS, Event, Table, every, is_bound_again, is_over
+from events import ALL, MESHES, REBIND, REGIONS, Event, Table, every, is_bound_again, is_over, lives_on
 from inside import catch_up, room, settle
 from rig import (
     Rig,
@@ -165,6 +167,44 @@ def its_topology_changed_and_changed_back(rig: HandleRig) -> None:
 
 
 # --- Edit and Sculpt Mode
+
+
+def turn_faces(obj: bpy.types.Object, where: Callable[[np.ndarray], bool]) -> None:
+    """Flip Normals on the faces whose centres are there."""
+
+    def flip(edit: bmesh.types.BMesh) -> None:
+        for face in edit.faces:
+            face.select_set(bool(where(face.calc_center_median())))
+        bmesh.update_edit_mesh(obj.data)
+        assert bpy.ops.mesh.flip_normals() == {"FINISHED"}
+
+    change_in_edit_mode(obj, flip)
+
+
+@EVENTS.on([kind for kind in ALL if kind != "curve in a cage"], then=is_bound_again)
+def its_faces_turned(rig: HandleRig) -> None:
+    """Some of them, all, and in the file: they are the same faces. Rebind takes them as they are then."""
+    for where in (lambda point: point.x > 0.1, lambda _point: True):
+        turn_faces(rig.obj, where)
+        settle()
+        lives_on(rig)
+    reopen(rig.folder / "turned.blend")
+    lives_on(rig)
+
+
+@EVENTS.on(["cage", "curve in a cage"])
+def the_faces_of_its_control_turned(rig: HandleRig) -> None:
+    for where in (lambda point: point.z > 0.1, lambda _point: True):
+        turn_faces(rig.control, where)
+        settle()
+        lives_on(rig)
+
+
+@EVENTS.on(ALL)
+def taken_for_another_topology_in_an_older_file(rig: HandleRig) -> None:
+    """As files were saved after faces were turned, before these counted as the same ones."""
+    rig.deformer.topology_changed = True
+    reopen(rig.folder / "turned.blend")
 
 
 @EVENTS.on(MESHES, then=is_bound_again)
