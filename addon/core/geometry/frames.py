@@ -46,12 +46,12 @@ def turned_faces(
     if np.array_equal(one[1], other[1]):
         return turned
     faces = np.repeat(np.arange(len(turned)), one[0])
-    edges = [face_edges(*part) for part in (one, other)]
-    undirected = [_in_order(np.sort(part, axis=1), faces) for part in edges]
-    if not np.array_equal(*undirected):
+    before, after = face_edges(*one), face_edges(*other)
+    sides = _in_order(np.sort(before, axis=1), faces)
+    if not np.array_equal(sides, _in_order(np.sort(after, axis=1), faces)):
         return None
-    directed = [_in_order(part, faces) for part in edges]
-    turned[faces[(directed[0] != directed[1]).any(axis=1)]] = True
+    differ = _in_order(before, faces) != _in_order(after, faces)
+    turned[faces[differ.any(axis=1)]] = True
     return turned
 
 
