@@ -361,6 +361,7 @@ def test_a_mask_whose_group_is_deleted_masks_nothing_anywhere(posed: HandleRig):
     make_active(posed.obj)
     posed.obj.vertex_groups.active = posed.obj.vertex_groups["Left"]
     assert bpy.ops.object.vertex_group_remove() == {"FINISHED"}
+    assert posed.renders(posed.at(posed.height))
     lives_on(posed)
     settle()
     lives_on(posed)
