@@ -12,7 +12,7 @@ from bpy.types import Mesh, Object
 
 from ...core.errors import SinewError
 from ...ids import Keys
-from ...mesh_io import keep_lost_groups, keep_shape, known_groups, read_rest, same_topology
+from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, same_topology
 from ...properties import SinewDeformer
 from ..blocks import capture, shapes, vertex_groups
 from ..control import kinds
@@ -86,7 +86,7 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     for old, new in pairs:
         keep_lost_groups(new, old, vertex_groups.groups_in_use(deformer))
     same = fits and all(_same_weights(old, new, deformer) for old, new in pairs)
-    is_known = all(known_groups(old) == known_groups(new) for old, new in pairs)
+    is_known = all(group_names(old) == group_names(new) for old, new in pairs)
     changed = not same or deformer.topology_changed
     if not changed and is_known:
         _discard(meshes)
