@@ -94,9 +94,7 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     for old, new in pairs:
         keep_shape(new, old)
         if same:
-            new[Keys.REST_TOKEN] = old.get(
-                Keys.REST_TOKEN, ""
-            )  # nothing that a factor depends on has changed
+            new[Keys.REST_TOKEN] = old.get(Keys.REST_TOKEN, "")  # no factor depends on what has changed
     sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
     shapes.hold_rest(deformer, meshes)
     shapes.ensure(obj, deformer, *sizes)
