@@ -47,12 +47,15 @@ class RestShape:
         return self.points.astype(np.float32)
 
     def moved(self, matrix: np.ndarray, token: str) -> "RestShape":
-        """The shape moved by an affine ``matrix`` (4, 4). Faces point to the same side after a reflection."""
+        """The shape moved by an affine ``matrix`` (4, 4). Faces point to the same side after a reflection.
+
+        They begin at the same corner, so that polygons are cut into the same triangles.
+        """
         corners = self.corners
         if np.linalg.det(matrix[:3, :3]) < 0.0:
-            last = np.repeat(np.cumsum(self.counts), self.counts) - 1
-            first = last + 1 - np.repeat(self.counts, self.counts)
-            corners = corners[first + last - np.arange(len(corners))]
+            count = np.repeat(self.counts, self.counts)
+            first = np.repeat(np.cumsum(self.counts), self.counts) - count
+            corners = corners[first + (first - np.arange(len(corners))) % count]
         return replace(
             self,
             token=token,
