@@ -192,6 +192,26 @@ def its_faces_turned(rig: HandleRig) -> None:
     lives_on(rig)
 
 
+def test_turned_faces_count_from_the_next_bind_on(plate: Rig):
+    """Weights are painted in between. Most methods give the same shape; this one grows a layer from the faces."""
+    for vertex in plate.obj.data.vertices:
+        vertex.co.z = 0.3 * np.sin(3.0 * vertex.co.x)
+    plate.bind("subspace_laplacian")
+    plate.lift(0.5)
+    before = plate.points()
+    turn_faces(plate.obj, lambda _point: True)
+    settle()
+    assert close(plate.points(), before)
+    plate.obj.vertex_groups["Base"].add(plate.base.tolist(), 0.9999, "REPLACE")
+    plate.obj.data.update_tag()
+    settle()
+    assert not close(plate.points(), before, 1e-7)
+    assert close(plate.points(), before, 1e-3)
+    make_active(plate.obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert not close(plate.points(), before, 0.01)
+
+
 @EVENTS.on(["cage", "curve in a cage"])
 def the_faces_of_its_control_turned(rig: HandleRig) -> None:
     for where in (lambda point: point.z > 0.1, lambda _point: True):
