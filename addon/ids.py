@@ -117,6 +117,7 @@ class Keys:
     REST_LATTICE = "sinew_resolution"
     REST_INTERPOLATION = "sinew_interpolation"
     REST_GROUPS = "sinew_groups"
+    REST_LOST = "sinew_lost_groups"
     REST_POINT_TYPE = "sinew_kind"
     REST_STRUCTURE = "sinew_structure"
 

@@ -14,6 +14,7 @@ from bpy.types import Modifier, Object, Scene
 from .. import backend, session
 from ..compat import move_modifier, read_positions
 from ..core.errors import MeshError, SinewError
+from ..core.geometry.frames import turned_faces
 from ..mesh_io import read_rest
 from . import cache, paths
 from .files import CacheFile
@@ -101,13 +102,13 @@ def _check(source: Object, target: Object) -> None:
 
 
 def _prepared(source: Object, target: Object) -> Callable[[np.ndarray], np.ndarray]:
-    """The native transfer between the meshes as they rest."""
-    shapes = []
-    for obj in (source, target):
-        rest = read_rest(obj.data)
-        shapes.append(backend.Shape(rest.points, (rest.counts, rest.corners)))
+    """The native transfer between the meshes as they rest. Faces that are only turned are the same ones."""
+    rests = [read_rest(obj.data) for obj in (source, target)]
+    faces = [(rest.counts, rest.corners) for rest in rests]
+    if turned_faces(*faces) is not None:
+        faces[1] = faces[0]
     try:
-        return backend.mesh_transfer(*shapes)
+        return backend.mesh_transfer(*map(backend.Shape, (rest.points for rest in rests), faces))
     except MeshError as error:
         raise SinewError(
             f"{source.name} and {target.name} do not have the same faces: {error} - the target has to be a "

@@ -38,12 +38,16 @@ class Remedy(Enum):
 
 @dataclass(frozen=True)
 class Status:
-    """One line, the elements that **Select** shows, and the remedy that a button offers."""
+    """One line, the elements that **Select** shows, and the remedy that a button offers.
+
+    ``left_out``: it tells what could not be used, so scripts and reports have to tell it, too.
+    """
 
     level: Level = Level.NONE
     text: str = ""
     elements: Elements = NO_ELEMENTS
     remedy: Remedy = Remedy.NONE
+    left_out: bool = False
 
 
 EMPTY = Status()
@@ -51,6 +55,7 @@ EMPTY = Status()
 _statuses: dict[str, Status] = remember({})
 _notes: dict[str, tuple[Status, ...]] = remember({})
 _incoming: dict[str, Status] = remember({})
+_masks: dict[str, Status] = remember({})
 
 
 def current(key: str) -> Status:
@@ -60,8 +65,18 @@ def current(key: str) -> Status:
 
 def notes(key: str) -> tuple[Status, ...]:
     """The other lines, which are mostly warnings."""
-    lines, last = _notes.get(key, ()), _incoming.get(key)
-    return lines if last is None else (*lines, last)
+    live = (_incoming.get(key), _masks.get(key))
+    return (*_notes.get(key, ()), *(line for line in live if line is not None))
+
+
+def left_out(key: str) -> tuple[str, ...]:
+    """The other lines that tell what could not be used."""
+    return tuple(line.text for line in notes(key) if line.left_out)
+
+
+def told(key: str) -> str:
+    """The main line as scripts read it: followed by what could not be used."""
+    return ". ".join((current(key).text, *left_out(key)))
 
 
 def put(key: str, status: Status) -> None:
@@ -83,6 +98,14 @@ def put_incoming(key: str, text: str) -> None:
         _incoming.pop(key, None)
 
 
+def put_mask(key: str, text: str) -> None:
+    """Replace the line that tells why there is no mask; empty for no line."""
+    if text:
+        _masks[key] = Status(Level.WARNING, text, left_out=True)
+    else:
+        _masks.pop(key, None)
+
+
 def fail(key: str, error: Exception) -> None:
     """Show an error as the main line."""
     elements, remedy = getattr(error, "elements", NO_ELEMENTS), getattr(error, "remedy", Remedy.NONE)
@@ -93,3 +116,4 @@ def clear(key: str) -> None:
     """Remove all lines of a deformer."""
     _statuses.pop(key, None)
     put_notes(key, ())
+    put_mask(key, "")

@@ -28,6 +28,9 @@ def on_undo(*_args: object) -> None:
 def on_load(*_args: object) -> None:
     """Another file was opened: forget everything about the previous one."""
     forget_all()
+    for obj in session.owners():
+        if any(deformer.topology_changed for deformer in obj.sinew.deformers):
+            session.note_edit(obj.name)  # to look once more: Sinew once took turned faces for other ones
     if session.owners():  # the first evaluation after a load calls no handlers
         depsgraph = bpy.context.evaluated_depsgraph_get()
         if bpy.app.background and session.has_copies():

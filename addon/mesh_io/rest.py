@@ -8,12 +8,12 @@ import bmesh
 import numpy as np
 from bpy.types import Mesh
 
-from ..compat import read_faces, read_positions
+from ..compat import read_faces, read_positions, write_positions
 from ..core.geometry import frames
 from ..core.point_types import MESH, PointType, point_type_with_id
 from ..ids import Keys
 
-_KEYS = (Keys.REST_TOKEN, Keys.REST_GROUPS, Keys.REST_POINT_TYPE, Keys.REST_STRUCTURE)
+_KEYS = (Keys.REST_TOKEN, Keys.REST_GROUPS, Keys.REST_LOST, Keys.REST_POINT_TYPE, Keys.REST_STRUCTURE)
 _WEIGHTS = ".sinew_weight_"  # prefix of the attributes that hold the weights of vertex groups
 
 
@@ -47,12 +47,15 @@ class RestShape:
         return self.points.astype(np.float32)
 
     def moved(self, matrix: np.ndarray, token: str) -> "RestShape":
-        """The shape moved by an affine ``matrix`` (4, 4). Faces point to the same side after a reflection."""
+        """The shape moved by an affine ``matrix`` (4, 4). Faces point to the same side after a reflection.
+
+        They begin at the same corner, so that polygons are cut into the same triangles.
+        """
         corners = self.corners
         if np.linalg.det(matrix[:3, :3]) < 0.0:
-            last = np.repeat(np.cumsum(self.counts), self.counts) - 1
-            first = last + 1 - np.repeat(self.counts, self.counts)
-            corners = corners[first + last - np.arange(len(corners))]
+            count = np.repeat(self.counts, self.counts)
+            first = np.repeat(np.cumsum(self.counts), self.counts) - count
+            corners = corners[first + (first - np.arange(len(corners))) % count]
         return replace(
             self,
             token=token,
@@ -99,10 +102,11 @@ def _copy_weights(held: Mesh, new: Mesh) -> bool:
 
     It is enough if the shapes and UV maps are equal and all weights are stored as attributes.
     """
-    wanted = [weights_attribute(index) for index in range(len(group_names(new)))]
+    wanted = [weights_attribute(index) for index in range(len(known_groups(new)))]
     if not all(name in new.attributes for name in wanted):
         return False
-    if not same_topology(held, new) or not np.array_equal(read_positions(held), read_positions(new)):
+    turned = _turned_faces(held, new)
+    if turned is None or turned.any() or not np.array_equal(read_positions(held), read_positions(new)):
         return False
     if not _same_uv_maps(held, new):
         return False
@@ -147,12 +151,35 @@ def read_uv_map(mesh: Mesh, name: str) -> np.ndarray | None:
 
 
 def same_topology(a: Mesh, b: Mesh) -> bool:
-    """Whether two rest meshes have equally many vertices, the same faces and the same structure."""
+    """Whether two rest meshes have equally many vertices, the same faces and the same structure.
+
+    Faces that were turned over, as by Flip Normals or an applied negative scale, are the same faces.
+    """
+    return _turned_faces(a, b) is not None
+
+
+def _turned_faces(a: Mesh, b: Mesh) -> np.ndarray | None:
+    """Which faces are turned over in ``b``, bool (m,); None if the meshes have another topology."""
     if len(a.vertices) != len(b.vertices):
-        return False
+        return None
     if any(a.get(key) != b.get(key) for key in (Keys.REST_POINT_TYPE, Keys.REST_STRUCTURE)):
-        return False
-    return all(np.array_equal(x, y) for x, y in zip(read_faces(a), read_faces(b), strict=True))
+        return None
+    return frames.turned_faces(read_faces(a), read_faces(b))
+
+
+def keep_shape(mesh: Mesh, held: Mesh) -> None:
+    """Give a mesh the points of another with the same topology, and let its faces point to the same sides."""
+    write_positions(mesh, read_positions(held))
+    turned = _turned_faces(held, mesh)
+    if turned is None or not turned.any():
+        return
+    edit = bmesh.new()
+    edit.from_mesh(mesh, face_normals=False)
+    edit.faces.ensure_lookup_table()
+    for index in np.flatnonzero(turned):
+        edit.faces[index].normal_flip()
+    edit.to_mesh(mesh)
+    edit.free()
 
 
 def _replacement_points(
@@ -178,11 +205,34 @@ def _replacement_points(
 
 
 def group_names(mesh: Mesh) -> list[str]:
-    """The names of the vertex groups of a rest mesh, in their order."""
-    names = mesh.get(Keys.REST_GROUPS)
+    """The names of the vertex groups that the object of a rest mesh had, in their order."""
+    return _names(mesh, Keys.REST_GROUPS)
+
+
+def known_groups(mesh: Mesh) -> list[str]:
+    """The same, then the names of groups that were deleted before, and whose weights it still holds."""
+    return group_names(mesh) + _names(mesh, Keys.REST_LOST)
+
+
+def _names(mesh: Mesh, key: str) -> list[str]:
+    names = mesh.get(key)
     if not hasattr(names, "__iter__"):
         return []
     return [name if isinstance(name, str) else "" for name in names]
+
+
+def keep_lost_groups(mesh: Mesh, held: Mesh, wanted: set[str]) -> None:
+    """Let a new rest mesh take over the weights of the ``wanted`` groups that only ``held`` still has.
+
+    Both have the same vertices.
+    """
+    own = group_names(mesh)
+    found = group_weights(held, known_groups(held), wanted - set(own))
+    for index, name in enumerate(sorted(found), len(own)):
+        kept = mesh.attributes.new(weights_attribute(index), "FLOAT", "POINT")
+        kept.data.foreach_set("value", found[name])
+    if found:
+        mesh[Keys.REST_LOST] = sorted(found)
 
 
 def weights_attribute(index: int) -> str:
@@ -191,8 +241,9 @@ def weights_attribute(index: int) -> str:
 
 
 def group_weights(mesh: Mesh, names: list[str], wanted: set[str]) -> dict[str, np.ndarray]:
-    """Weights float32 (n,) of the ``wanted`` groups. ``names`` are all groups of the mesh, in order.
+    """Weights float32 (n,) from 0 to 1 of the ``wanted`` groups. ``names`` are all groups of the mesh.
 
+    Blender itself may store weights that are a little above 1, as With Automatic Weights does.
     Groups that are stored as attributes take a millisecond per million vertices. All others are read
     together, in one slow pass over the vertices.
     """
@@ -205,11 +256,9 @@ def group_weights(mesh: Mesh, names: list[str], wanted: set[str]) -> dict[str, n
             attribute.data.foreach_get("value", weights)
         else:
             rows[index] = weights
-    if not rows:
-        return found
-    for index, vertex in enumerate(mesh.vertices):
+    for index, vertex in enumerate(mesh.vertices if rows else ()):
         for element in vertex.groups:
             weights = rows.get(element.group)
             if weights is not None:
                 weights[index] = element.weight
-    return found
+    return {name: weights.clip(0.0, 1.0) for name, weights in found.items()}

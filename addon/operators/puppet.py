@@ -14,7 +14,7 @@ from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, view_of
 from .puppeteering import Puppeteering
 from .reporting import reports_errors
-from .target import object_mode, target_of
+from .target import object_mode, show_control, target_of
 from .waiting import BindingOperator
 
 _KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
@@ -227,7 +227,7 @@ class SINEW_OT_puppet_rig(BindingOperator, Operator):
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
-        obj = target_of(context)
+        obj = _mesh_to_rig(context)
         others = [other for other in context.selected_objects if other.type == "ARMATURE"]
         if self.armature:
             others = [other for other in context.scene.objects if other.name == self.armature]
@@ -236,12 +236,26 @@ class SINEW_OT_puppet_rig(BindingOperator, Operator):
         if len(others) != 1 or obj is None:
             raise SinewError("Select the mesh and one armature")
         with object_mode(context, obj):
-            deformer, refusal = session.rig_puppet(
+            deformer, left_out, refusal = session.rig_puppet(
                 obj, others[0], self.method, self.margin, self.automatic, wait
             )
+        if obj != context.object:
+            show_control(context, obj, others[0])  # it stays active, and the panel shows this mesh
         context.view_layer.update()
-        self.report_bind(refusal, deformer.uid, f"{len(deformer.handles)} bones")
+        count = len(deformer.handles)
+        subject = "1 bone" if count == 1 else f"{count} bones"
+        if left_out:
+            subject += f", without {left_out} whose vertex group{' is' if left_out == 1 else 's are'} empty"
+        self.report_bind(refusal, deformer.uid, subject)
         return {"FINISHED"}
+
+
+def _mesh_to_rig(context: Context) -> Object | None:
+    """The mesh that is selected together with an armature, whichever of them is active."""
+    if context.object is not None and context.object.type == "MESH":
+        return context.object
+    meshes = [other for other in context.selected_objects if other.type == "MESH"]
+    return meshes[0] if len(meshes) == 1 else target_of(context)
 
 
 def _draw_nothing() -> None:

@@ -21,8 +21,10 @@ class WaitsForBind:
         self._reports, self._words = session.job(uid) is not None, (subject, more)
         line = status.current(uid)
         if not self._reports and line.text:
-            level = "WARNING" if line.level is Level.ERROR else "INFO"
-            self.report({level}, (f"{subject}: " if subject else "") + line.text + more)
+            left_out = status.left_out(uid)
+            level = "WARNING" if left_out or line.level is Level.ERROR else "INFO"
+            text = (f"{subject}: " if subject else "") + line.text + more
+            self.report({level}, ". ".join((text, *left_out)))
 
     def wait_for(self, context: Context, uid: str, result: set[str]) -> set[str]:
         """Continue as a modal operator while a thread binds the deformer; else return ``result``."""

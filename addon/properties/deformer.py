@@ -229,7 +229,7 @@ class SinewDeformer(PropertyGroup):
         name="Status",
         description="What the deformer is doing, or what is wrong and what to do about it",
         options={"SKIP_SAVE"},
-        get=lambda deformer: status.current(deformer.uid).text,
+        get=lambda deformer: status.told(deformer.uid),
     )
     status_level: StringProperty(
         name="Status Level",

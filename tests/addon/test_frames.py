@@ -121,3 +121,23 @@ def test_rigid_fit_of_a_mirrored_cloud_is_a_rotation():
     before = RANDOM.normal(size=(20, 3))
     found = frames.fit(before, before * (-1.0, 1.0, 1.0), rigid=True)
     assert np.linalg.det(found[:, :3]) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("corners", "turned"),
+    [
+        ([0, 1, 2, 3, 2, 1, 4], [False, False]),
+        ([2, 3, 0, 1, 1, 4, 2], [False, False]),
+        ([0, 3, 2, 1, 2, 1, 4], [True, False]),
+        ([3, 2, 1, 0, 4, 1, 2], [True, True]),
+        ([0, 2, 1, 3, 2, 1, 4], None),
+        ([0, 1, 2, 3, 3, 1, 4], None),
+        ([2, 1, 4, 0, 1, 2, 3], None),
+    ],
+    ids=["the same", "begun elsewhere", "one turned", "both turned", "crossed", "another vertex", "swapped"],
+)
+def test_faces_that_are_turned_are_told_from_other_faces(corners: list[int], turned: list[bool] | None):
+    counts = np.array([3, 4] if corners[:3] == [2, 1, 4] else [4, 3])
+    one = np.array([4, 3]), np.array([0, 1, 2, 3, 2, 1, 4])
+    found = frames.turned_faces(one, (counts, np.array(corners)))
+    assert (None if found is None else found.tolist()) == turned

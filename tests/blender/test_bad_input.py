@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bad input: a report and a status with remedy, the rest shape, nothing lost, no traceback."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
-from inside import BINDING
+from inside import BINDING, settle
+from probe import render_points
 from registry import WITH_HANDLES
-from rig import Rig, add_group, grid_object, make_active, new_empty, new_object, reopen
+from rig import Rig, add_group, close, grid_object, make_active, new_empty, new_object, reopen
 
 
 def assert_at_rest(plate: Rig) -> None:
@@ -80,6 +82,67 @@ def test_group_deleted_after_bind(plate: Rig, room):
     assert_at_rest(plate)
     (note,) = room("core.status").notes(plate.deformer.uid)
     assert "vertex group 'Top' is not on the mesh" in note.text
+
+
+def weigh(obj: bpy.types.Object, name: str, weight: float) -> None:
+    """Store a weight of all its vertices as Blender itself does: a user or ``add`` cannot pass 1."""
+    index = obj.vertex_groups[name].index
+    for vertex in obj.data.vertices:
+        groups = vertex.groups
+        groups.foreach_set("weight", [weight if row.group == index else row.weight for row in groups])
+    obj.data.update_tag()
+    settle()
+
+
+def hold_by(name: str) -> Callable[[Rig], None]:
+    """All vertices are in a group that one of the settings names."""
+
+    def hold(plate: Rig) -> None:
+        owner = plate.deformer if name == "mask_group" else plate.deformer.parameters
+        plate.deformer.parameters.stretching = 1.0  # so that it counts how the surface resists bends
+        plate.obj.vertex_groups["Left"].add(range(len(plate.rest())), 1.0, "REPLACE")
+        setattr(owner, name, "Left")
+        settle()
+
+    return hold
+
+
+def hold_as(role: str) -> Callable[[Rig], None]:
+    def hold(plate: Rig) -> None:
+        make_active(plate.obj)
+        bpy.ops.sinew.handle_add(kind=role, vertex_group="Left")
+
+    return hold
+
+
+HOLDS = {
+    "handle": ("thin_shell", hold_as("HANDLE")),
+    "fixed": ("arap", hold_as("FIXED")),
+    "support": ("thin_shell", hold_as("SUPPORT")),
+    "painted parameter": ("thin_shell", hold_by("bending_group")),
+    "mask": ("thin_shell", hold_by("mask_group")),
+    "handle in space": ("rbf", hold_as("HANDLE")),
+    "fixed in space": ("mls", hold_as("FIXED")),
+}
+
+
+@pytest.mark.parametrize("what", HOLDS)
+def test_weights_above_1_count_as_1(plate: Rig, what: str):
+    """With Automatic Weights leaves weights of 1.003 behind."""
+    method, hold = HOLDS[what]
+    add_group(plate.obj, "Left", lambda point: point[0] < -0.5 and abs(point[1]) < 0.5)
+    plate.bind(method)
+    hold(plate)
+    plate.lift(0.5)
+    before = plate.points()
+    for weight in (1.003, 1.7):
+        weigh(plate.obj, "Left", weight)
+        for _ in range(2):
+            assert plate.deformer.status_level == "INFO", plate.deformer.status
+            assert close(plate.points(), before)
+            assert close(render_points(plate.obj), before)
+            make_active(plate.obj)
+            assert bpy.ops.sinew.bind() == {"FINISHED"}
 
 
 def test_vertex_in_two_hard_handles(plate: Rig):

@@ -463,6 +463,70 @@ def test_automatic_keyframes_key_the_partner_too(hands: Rig, monkeypatch):
     assert all(len(curve.keyframe_points) <= 2 for curve in curves_of(right(hands)))
 
 
+def insert_keyframes(kind: str = "LocRotScale") -> None:
+    """As the key I does, for what is selected; then the artist pauses."""
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, area=window.screen.areas[0]):
+        assert bpy.ops.anim.keyframe_insert_by_name(type=kind) == {"FINISHED"}
+    settle()
+
+
+def keys_of(obj: bpy.types.Object) -> dict[tuple[str, int], list[float]]:
+    """The frames of its keyframes, by channel."""
+    curves = [] if obj.animation_data is None else curves_of(obj)
+    return {(c.data_path, c.array_index): [point.co.x for point in c.keyframe_points] for c in curves}
+
+
+@pytest.mark.parametrize(("one", "other"), [(left, right), (right, left)])
+def test_inserting_keyframes_keys_the_partner_too(hands: Rig, one, other):
+    """At rest, moved, moved once more; and one channel alone."""
+    scene = bpy.context.scene
+    select(one(hands))
+    scene.frame_set(1)
+    insert_keyframes()
+    assert set(map(tuple, keys_of(one(hands)).values())) == {(1.0,)}
+    assert keys_of(other(hands)) == keys_of(one(hands))
+    scene.frame_set(11)
+    for height in (0.4, 0.7):
+        pose(one(hands), **POSED | {"location": (0.1, 0.2, height)})
+        insert_keyframes()
+        assert keys_of(other(hands)) == keys_of(one(hands))
+    scene.frame_set(21)
+    pose(one(hands), location=(0.0, 0.5, 0.0))
+    insert_keyframes("Location")
+    assert keys_of(one(hands))["location", 0] == [1.0, 11.0, 21.0]
+    assert keys_of(one(hands))["scale", 0] == [1.0, 11.0]
+    assert keys_of(other(hands)) == keys_of(one(hands))
+    for frame, values in (
+        (1, REST),
+        (11, MIRRORED | {"location": (-0.1, 0.2, 0.7)}),
+        (21, {"location": (0.0, 0.5, 0.0)}),
+    ):
+        scene.frame_set(frame)
+        assert is_at(other(hands), values, 1e-5)
+
+
+def test_only_what_is_keyed_by_hand_is_keyed_on_the_other_side(hands: Rig):
+    """Not what a script names, nor what is keyed while both are selected or while the switch is off."""
+    select(control(hands, "Head"))
+    left(hands).keyframe_insert("location", frame=1)
+    update()
+    settle()
+    assert not keys_of(right(hands))
+    select(left(hands), right(hands))
+    insert_keyframes("Location")
+    assert set(keys_of(right(hands))) == {("location", axis) for axis in range(3)}
+    select(left(hands))
+    pose(left(hands), **POSED)
+    bpy.context.scene.frame_set(5)  # what was not keyed is gone
+    insert_keyframes("Scaling")
+    assert {path for path, _axis in keys_of(right(hands))} == {"location", "scale"}
+    hands.deformer.use_mirror_x = False
+    update()
+    insert_keyframes("Rotation")
+    assert ("rotation_euler", 0) not in keys_of(right(hands))
+
+
 def test_without_it_an_update_and_a_frame_call_nothing_for_it(hands: Rig, room):
     inside = room("session.live.mirroring")
     ours = {

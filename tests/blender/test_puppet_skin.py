@@ -82,6 +82,50 @@ def test_painted_groups_with_the_names_of_bones_are_used():
     assert len(obj.vertex_groups) == 4
 
 
+def group_with(obj: bpy.types.Object, name: str, inside) -> None:
+    group = obj.vertex_groups.new(name=name)
+    group.add([vertex.index for vertex in obj.data.vertices if inside(vertex.co.z)], 1.0, "REPLACE")
+
+
+@pytest.mark.parametrize("active", ["Arm", "Sleeve"])
+@pytest.mark.parametrize("mode", ["OBJECT", "POSE"])
+def test_the_mesh_and_its_armature_are_selected_in_any_order(active: str, mode: str):
+    """Another mesh that the armature moves already is not taken for the selected one."""
+    armature, other = arm(), tube()
+    other.name = "Other"
+    bpy.ops.sinew.puppet_rig(armature=armature.name)
+    obj = tube()
+    make_active(bpy.data.objects[active])
+    for chosen in (armature, obj):
+        chosen.select_set(True)
+    if mode == "POSE" and active == "Arm":
+        bpy.ops.object.mode_set(mode="POSE")
+    assert bpy.ops.sinew.puppet_rig() == {"FINISHED"}
+    assert [row.bone for row in obj.sinew.active.handles] == ["first", "second"]
+    assert len(other.sinew.deformers) == 1
+    assert bpy.context.object.name == active
+    rest = base_points(obj)
+    armature.pose.bones["first"].location.y = 0.5
+    assert close(evaluated_points(obj), rest + (0.0, 0.0, 0.5), 2e-5)
+
+
+def test_bones_with_empty_groups_are_left_out_and_counted(capfd: pytest.CaptureFixture):
+    """Importers leave such groups behind. If all are empty, limbs are found by distance."""
+    armature, obj = arm(), tube()
+    group_with(obj, "first", lambda z: z < 0.8)
+    obj.vertex_groups.new(name="second")
+    weightless = obj.vertex_groups["second"]
+    weightless.add([0, 1, 2], 0.0, "REPLACE")
+    assert bpy.ops.sinew.puppet_rig(armature=armature.name) == {"FINISHED"}
+    assert [row.bone for row in obj.sinew.active.handles] == ["first"]
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    assert "1 bone, without 1 whose vertex group is empty" in capfd.readouterr().out
+    obj.vertex_groups["first"].remove(range(len(obj.data.vertices)))
+    assert bpy.ops.sinew.puppet_rig(armature=armature.name) == {"FINISHED"}
+    assert [row.bone for row in obj.sinew.active.handles] == ["first", "second"]
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+
+
 def test_a_keyed_pose_plays_with_its_skin():
     obj, armature = rigged()
     pose(armature, "second", (0.0, 0.0, 0.0), key=True)

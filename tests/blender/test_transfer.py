@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from baking import FRAMES, animate, played
-from rig import Rig, linked, make_active, push, save
+from rig import Rig, base_points, linked, make_active, new_object, push, save
 from second_blender import LOOK, another_blender
 
 
@@ -52,6 +52,15 @@ def test_a_target_of_twice_the_size_moves_as_the_source_at_every_frame(pair, tmp
     assert np.abs(moved[FRAMES[-1]] - moved[FRAMES[0]]).max() > 1.0
 
 
+def test_faces_of_the_target_may_be_turned(pair, tmp_path: Path):
+    plate, target = pair
+    target.data.flip_normals()
+    assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
+    moved = played(target)
+    for frame, points in played(plate.obj).items():
+        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame
+
+
 def test_another_transfer_replaces_the_first_and_the_other_modifiers_stay(pair, tmp_path: Path):
     plate, target = pair
     target.modifiers.new("Later", "SMOOTH").factor = 0.0
@@ -88,9 +97,9 @@ def test_what_cannot_be_transferred_is_said_and_changes_nothing(pair, tmp_path: 
         assert bpy.context.scene.frame_current == before
 
     refused("empty", frame_start=5, frame_end=4)
-    flipped = stout(plate.obj, lambda co: co)
-    flipped.data.flip_normals()
-    refused("faces of the target have other vertices", to=flipped)
+    corners = [tuple(face.vertices) for face in target.data.polygons]
+    crossed = new_object("Crossed", base_points(target), [(a, c, b, d) for a, b, c, d in corners])
+    refused("faces of the target have other vertices", to=crossed)
     subdivided = plate.obj.modifiers.new("More", "SUBSURF")
     refused("make .* vertices of its .* - switch those off")
     plate.obj.modifiers.remove(subdivided)

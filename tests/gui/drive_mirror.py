@@ -165,6 +165,44 @@ def typed():
     screenshot("2-typed")
 
 
+def keys() -> list[dict[str, list[float]]]:
+    """The frames and values of the keyframes of the left and the right control, by channel."""
+    found = []
+    for side in "LR":
+        animation = ear(side).animation_data
+        curves = [] if animation is None or animation.action is None else animation.action.fcurves
+        found.append(
+            {
+                f"{curve.data_path} {curve.array_index}": [tuple(point.co) for point in curve.keyframe_points]
+                for curve in curves
+            }
+        )
+    return found
+
+
+def keyed():
+    """I, and Location in its menu: as it is, then moved on another frame, then moved again on that frame."""
+    found = seen["keyed"] = []
+    for frame, key in ((1, ""), (11, "ONE"), (11, "TWO")):
+        bpy.context.scene.frame_set(frame)
+        choose("L")
+        yield from rest()
+        move(*middle())
+        yield
+        for name in ("G", "Z", key, "RET") if key else ():
+            press(name)
+            yield
+        yield from rest()
+        press("I")
+        yield from rest()
+        press("L")
+        yield from rest()
+        found.append(keys())
+    screenshot("3-keyed")
+    for side in "LR":
+        ear(side).animation_data_clear()
+
+
 def chain():
     """A flag whose control is a child of a vertex of the ear that is dragged."""
     deformer().use_mirror_x = False
@@ -205,7 +243,7 @@ def chain():
     press("LEFTMOUSE")
     yield from rest()
     found.append(apart_now())
-    screenshot("3-ridden")
+    screenshot("4-ridden")
 
 
 def journey():
@@ -215,6 +253,7 @@ def journey():
     yield from clear()
     yield from cancel()
     yield from typed()
+    yield from keyed()
     yield from chain()
 
 

@@ -62,6 +62,17 @@ def test_typed_numbers_are_followed(seen: dict):
     assert uneven < FLOAT32
 
 
+def test_the_key_i_keys_both_sides(seen: dict):
+    heights = []
+    for left, right in seen["keyed"]:
+        assert left.keys() == right.keys() == {f"location {axis}" for axis in range(3)}
+        for channel, sign in (("location 0", -1.0), ("location 1", 1.0), ("location 2", 1.0)):
+            assert np.allclose(np.array(left[channel]) * (1.0, sign), right[channel], atol=FLOAT32)
+        heights.append([frame for frame, _value in left["location 2"]])
+    assert heights == [[1.0], [1.0, 11.0], [1.0, 11.0]]
+    assert seen["keyed"][1] != seen["keyed"][2]
+
+
 def test_a_rig_that_rides_on_a_vertex_is_right_at_each_step_of_a_drag(seen: dict):
     """Its control is at the vertex that is shown, and its shape at the control."""
     heights = [height for height, _control, _tip in seen["ridden"]]

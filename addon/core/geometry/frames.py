@@ -20,9 +20,44 @@ def newell_normals(points: np.ndarray, counts: np.ndarray, corners: np.ndarray) 
     if len(counts) == 0:
         return np.zeros((0, 3))
     starts = np.concatenate(([0], np.cumsum(counts)[:-1]))
+    edges = face_edges(counts, corners)
+    return np.add.reduceat(np.cross(points[edges[:, 0]], points[edges[:, 1]]), starts, axis=0)
+
+
+def face_edges(counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The vertices at both ends of the edge after each corner, (c, 2), in the direction of its face."""
+    ends = np.cumsum(counts)
     following = np.arange(1, len(corners) + 1)
-    following[starts + counts - 1] = starts
-    return np.add.reduceat(np.cross(points[corners], points[corners[following]]), starts, axis=0)
+    following[ends - 1] = ends - counts
+    return np.column_stack((corners, corners[following]))
+
+
+def turned_faces(
+    one: tuple[np.ndarray, np.ndarray], other: tuple[np.ndarray, np.ndarray]
+) -> np.ndarray | None:
+    """Whether each face of ``one`` is turned over in ``other``, bool (m,); None if they are other faces.
+
+    Faces are given as the number of corners of each, and the vertices of the corners. At which of its corners
+    a face begins does not count.
+    """
+    if not np.array_equal(one[0], other[0]) or len(one[1]) != len(other[1]):
+        return None
+    turned = np.zeros(len(one[0]), dtype=bool)
+    if np.array_equal(one[1], other[1]):
+        return turned
+    faces = np.repeat(np.arange(len(turned)), one[0])
+    before, after = face_edges(*one), face_edges(*other)
+    sides = _in_order(np.sort(before, axis=1), faces)
+    if not np.array_equal(sides, _in_order(np.sort(after, axis=1), faces)):
+        return None
+    differ = _in_order(before, faces) != _in_order(after, faces)
+    turned[faces[differ.any(axis=1)]] = True
+    return turned
+
+
+def _in_order(edges: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """The edges (c, 2) of each face by rising vertices. ``faces`` (c,) are their faces."""
+    return edges[np.lexsort((edges[:, 1], edges[:, 0], faces))]
 
 
 def region_frame(

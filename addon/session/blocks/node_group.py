@@ -139,7 +139,7 @@ def _nodes(group: GeometryNodeTree, point_type: PointType) -> None:
         build.feed(added.inputs[0], before)
         build.feed(added.inputs[1], sampled)
         goal = build.switch("VECTOR", is_displacement, sampled, added.outputs[0])
-        settings = {"data_type": "VECTOR", "clamp_factor": False}
+        settings = {"data_type": "VECTOR", "clamp_factor": True}  # painted weights may be a little above 1
         return build.out(build.add("ShaderNodeMix", settings, Factor=share, A=before, B=goal), "Result")
 
     if point_type is BEZIER:  # handles of other types would follow rules of their own

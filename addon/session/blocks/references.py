@@ -179,7 +179,8 @@ def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> 
             f"{parameter.label}: {obj.name} has {counts[0]}, and this mesh {counts[1]} - choose a copy of "
             "this mesh that was only reshaped"
         )
-    if not (np.array_equal(found.counts, rest.counts) and np.array_equal(found.corners, rest.corners)):
+    faces = rest.counts, rest.corners
+    if frames.turned_faces(faces, (found.counts, found.corners)) is None:
         raise OptionError(
             f"{parameter.label}: the faces of {obj.name} have other vertices than those of this mesh - "
             "choose a copy of this mesh that was only reshaped"
@@ -189,7 +190,7 @@ def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> 
             f"{parameter.label}: {len(found.not_finite):,} vertices of {obj.name} are not finite, the first "
             f"is {found.not_finite[0]} - mend that mesh"
         )
-    return Shape(found.points, (found.counts, found.corners))
+    return Shape(found.points, faces)
 
 
 def _unevaluated(values: PropertyGroup, parameter: MeshShape) -> Object | None:

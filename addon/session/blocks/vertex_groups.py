@@ -11,7 +11,7 @@ from bpy.types import Mesh, Object
 from ... import compat
 from ...core.methods import group_property
 from ...ids import Datablocks, Keys
-from ...mesh_io import RestShape, group_names, group_weights, read_uv_map
+from ...mesh_io import RestShape, group_names, group_weights, known_groups, read_uv_map
 from ...properties import SinewDeformer, deformers_of
 from . import references
 from .node_group import attach
@@ -72,7 +72,7 @@ def read_weights(rest: RestShape, mesh: Mesh, settings: SinewDeformer) -> None:
     """Read the vertex groups and UV maps in use that have not been read yet."""
     wanted = groups_in_use(settings) - rest.weights.keys()
     if wanted:
-        rest.weights.update(group_weights(mesh, group_names(mesh), wanted))
+        rest.weights.update(group_weights(mesh, known_groups(mesh), wanted))
     for name in references.uv_maps(settings).keys() - rest.uv_maps.keys():
         places = read_uv_map(mesh, name)
         if places is not None:

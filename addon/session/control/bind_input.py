@@ -123,6 +123,7 @@ def unpainted(settings: SinewDeformer, rest: RestShape) -> tuple[Status, ...]:
         Status(
             Level.WARNING,
             f"{parameter.label} '{name}' is not on the mesh: a plane is used instead - pick another",
+            left_out=True,
         )
         for name, parameter in references.uv_maps(settings).items()
         if name not in rest.uv_maps
@@ -131,6 +132,7 @@ def unpainted(settings: SinewDeformer, rest: RestShape) -> tuple[Status, ...]:
         Status(
             Level.WARNING,
             f"{parameter.label} is not painted: vertex group '{group}' is not on the mesh - pick another",
+            left_out=True,
         )
         for method, values in settings.methods
         for parameter in method.paintable

@@ -10,9 +10,9 @@ import bpy
 import numpy as np
 from bpy.types import Mesh, Object
 
-from ...compat import read_positions, write_positions
 from ...core.errors import SinewError
-from ...mesh_io import read_rest, same_topology
+from ...ids import Keys
+from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, same_topology
 from ...properties import SinewDeformer
 from ..blocks import capture, shapes, vertex_groups
 from ..control import kinds
@@ -73,7 +73,8 @@ def _look_at(edited: list[Object]) -> bool:
 def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> bool:
     """Use the painted weights of meshes that enter now, or note their topology, if it is another one.
 
-    Returns whether there is anything to solve again. The meshes are used up.
+    Vertex groups that were deleted count as they were until the next bind, which leaves them out. Returns
+    whether there is anything to solve again. The meshes are used up.
     """
     held = (deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER") if deformer.renders_differ else None)
     if not same_topology(held[0], meshes[0]):
@@ -81,19 +82,26 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
         _change_topology(obj, deformer)
         return True
     fits = _fits(held[1], meshes[1])
-    same = fits and all(_same_weights(old, new, deformer) for old, new in zip(held, meshes, strict=True))
-    if same and not deformer.topology_changed:
+    pairs = [(old, new) for old, new in zip(held, meshes if fits else meshes[:1]) if old is not None]
+    for old, new in pairs:
+        keep_lost_groups(new, old, vertex_groups.groups_in_use(deformer))
+    same = fits and all(_same_weights(old, new, deformer) for old, new in pairs)
+    is_known = all(group_names(old) == group_names(new) for old, new in pairs)
+    changed = not same or deformer.topology_changed
+    if not changed and is_known:
         _discard(meshes)
         return False
-    write_positions(meshes[0], read_positions(held[0]))
-    if fits and held[1] is not None:
-        write_positions(meshes[1], read_positions(held[1]))
+    for old, new in pairs:
+        keep_shape(new, old)
+        if same:
+            new[Keys.REST_TOKEN] = old.get(Keys.REST_TOKEN, "")  # no factor depends on what has changed
     sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
     shapes.hold_rest(deformer, meshes)
     shapes.ensure(obj, deformer, *sizes)
     deformer.topology_changed = False
-    obj.update_tag(refresh={"OBJECT"})
-    return True
+    if changed:
+        obj.update_tag(refresh={"OBJECT"})
+    return changed
 
 
 def _fits(old: Mesh | None, new: Mesh | None) -> bool:
@@ -103,9 +111,7 @@ def _fits(old: Mesh | None, new: Mesh | None) -> bool:
     return same_topology(old, new)
 
 
-def _same_weights(old: Mesh | None, new: Mesh | None, deformer: SinewDeformer) -> bool:
-    if old is None:
-        return True
+def _same_weights(old: Mesh, new: Mesh, deformer: SinewDeformer) -> bool:
     before, after = read_rest(old), read_rest(new)
     vertex_groups.read_weights(before, old, deformer)
     vertex_groups.read_weights(after, new, deformer)

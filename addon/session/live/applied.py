@@ -8,6 +8,8 @@ that moves the mesh as a whole, as Geometry to Origin does, leaves the controls 
 in Edit Mode, everybody sees what they move.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from bpy.types import Object
 from mathutils import Matrix
@@ -28,22 +30,33 @@ from ..memory.sessions import LastUpdate
 _SAMPLE = 64  # points that are compared
 _ROUNDING = 4e-6  # some roundings of float32, relative to the coordinates
 _VISIBLE = 1e-3  # relative to the size of the shape
+_EVEN = 1e-4  # a scale that differs by less than this share of it is the same along all axes
 _MOST = 1000  # meshes that undo can go back to
 _STRAYED = (
     "The mesh was moved in its object, away from its controls - undo it, or move these to their places, then "
     "Unbind and Bind"
 )
 
+
+class _Followed(NamedTuple):
+    """A shape that has followed, float32 (n, 3), and what of it was applied, in words."""
+
+    shape: np.ndarray
+    applied: str
+
+
+Expected = dict[str, _Followed | None]  # by the key of the deformer
+
 _samples: dict[str, np.ndarray] = remember({})  # by object, in its last update
 _in_edit_mode: set[str] = remember(set())  # the objects that were in it in their last update
 _frames: dict[tuple, np.ndarray] = remember({})  # of the rest of a deformer, by what its mesh was then
 
 
-def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> dict[str, np.ndarray | None]:
+def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> Expected:
     """Let the rest of an object follow if Apply has changed it, after its mesh was edited.
 
-    Returns the shapes that stay where they were in the world, float32 (n, 3) by the key of the deformer; None
-    where the mesh was moved as a whole, and its controls were not.
+    Returns the shapes that stay where they were in the world; None where the mesh was moved as a whole, and
+    its controls were not.
     Without a ``last`` update the mesh may be that of another step of undo. Blender stores such a step before
     the rest has followed, so the frame of the rest is what it was when this mesh was here before.
     """
@@ -62,7 +75,7 @@ def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> dict[str,
         by = _change(last.world, evaluated.matrix_world, before, sample)
     if len(_frames) > _MOST:
         _frames.clear()
-    expected: dict[str, np.ndarray | None] = {}
+    expected: Expected = {}
     if strayed:
         expected.update({deformer.uid: None for deformer in obj.sinew.deformers if deformer.is_bound})
     for index, deformer in enumerate(obj.sinew.deformers):
@@ -73,7 +86,9 @@ def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> dict[str,
             frame = rest_frame.matrix(deformer)
             moved = by is not None
             if by is not None:
-                expected |= _take_along(deformer, by)
+                shown = _take_along(deformer, by)
+                if shown is not None:
+                    expected[deformer.uid] = _Followed(shown, _in_words(by))
             elif last is None and not np.array_equal(_frames.get(key, frame), frame):
                 moved = True
                 _take_along(deformer, _frames[key] @ np.linalg.inv(frame))
@@ -134,8 +149,19 @@ def _refined(by: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarra
     return correction @ by
 
 
-def _take_along(deformer: SinewDeformer, by: np.ndarray) -> dict[str, np.ndarray]:
-    """Change the frame of the rest, of the last poses and of the shape that is shown, which is returned."""
+def _in_words(by: np.ndarray) -> str:
+    """What the affine map (4, 4) that Apply has moved the points by has changed of a shape."""
+    scales = np.linalg.svd(by[:3, :3], compute_uv=False)
+    if scales[0] - scales[-1] > _EVEN * scales[0]:
+        return "proportions that were"
+    return "mirroring that was" if np.linalg.det(by[:3, :3]) < 0.0 else "transform that was"
+
+
+def _take_along(deformer: SinewDeformer, by: np.ndarray) -> np.ndarray | None:
+    """Change the frame of the rest, of the last poses and of the shape that is shown, which is returned.
+
+    That is float32 (n, 3), or None if the rest shape is shown.
+    """
     session = sessions.open_session(deformer.uid)
     with session.lock:
         rest_frame.move(deformer, by)
@@ -144,8 +170,7 @@ def _take_along(deformer: SinewDeformer, by: np.ndarray) -> dict[str, np.ndarray
         for mode in ("RENDER", "VIEWPORT"):
             shapes.session_of(deformer, mode).shown.clear()
         _move_shape(deformer.shape("RENDER"), by)
-        shown = _move_shape(deformer.shape("VIEWPORT"), by)
-    return {} if shown is None else {deformer.uid: shown}
+        return _move_shape(deformer.shape("VIEWPORT"), by)
 
 
 def _move_shape(shape: Object | None, by: np.ndarray) -> np.ndarray | None:
@@ -173,11 +198,12 @@ def _copy(deformer: SinewDeformer, evaluated: SinewDeformer) -> None:
     evaluated.has_applied = deformer.has_applied
 
 
-def report(obj: Object, expected: dict[str, np.ndarray | None]) -> None:
+def report(obj: Object, evaluated: Object, expected: Expected) -> None:
     """Tell in the panel where the mesh has left its controls.
 
-    And where a method gives another shape now, as it may after an uneven scale.
+    And where a method gives another shape now, as it may after an uneven scale: by how much in the world.
     """
+    to_world = np.array(evaluated.matrix_world, dtype=np.float64)[:3, :3].T
     for deformer in obj.sinew.deformers:
         wanted, session = expected.get(deformer.uid), sessions.find(deformer.uid)
         if wanted is None and deformer.uid in expected:
@@ -185,12 +211,12 @@ def report(obj: Object, expected: dict[str, np.ndarray | None]) -> None:
                 status.put(deformer.uid, Status(Level.WARNING, _STRAYED))
             continue
         found = None if session is None else session.view("VIEWPORT").positions
-        if wanted is None or found is None or found.shape != wanted.shape:
+        if wanted is None or found is None or found.shape != wanted.shape.shape:
             continue
-        off = float(np.abs(found - wanted).max())
-        if off > _VISIBLE * float(np.ptp(wanted, axis=0).max()):
+        off = float(np.linalg.norm((found - wanted.shape) @ to_world, axis=1).max())
+        if off > _VISIBLE * float(np.ptp(wanted.shape @ to_world, axis=0).max()):
             text = (
                 f"The pose changed by up to {off:.3g}, as {deformer.definition.label} depends on the "
-                "proportions that were applied - undo it, or go on with this shape"
+                f"{wanted.applied} applied - undo it, or go on with this shape"
             )
             status.put(deformer.uid, Status(Level.WARNING, text))

@@ -7,7 +7,7 @@ compared by their matrices, and only the target is looked up in the list.
 
 from enum import IntEnum
 
-from bpy.types import Depsgraph, DepsgraphUpdate, Object
+from bpy.types import ID, Depsgraph, DepsgraphUpdate, Object
 
 from ..blocks import references
 from ..control import kinds, placement
@@ -53,6 +53,10 @@ class Changes:
     def has_edited_mesh(self, obj: Object) -> bool:
         """Whether the mesh itself, or its stack of modifiers, was edited."""
         return self._listed(obj.data) is Change.GEOMETRY
+
+    def is_edited(self, part: ID) -> bool:
+        """Whether Blender lists a datablock."""
+        return self._listed(part) is not Change.NOTHING
 
     def read(self, obj: Object, evaluated: Object) -> tuple[tuple, list[ControlState]]:
         """Where the target and its controls are, for comparison; and the control of each deformer."""

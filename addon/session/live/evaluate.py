@@ -59,6 +59,8 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
     if steps:
         _solve_in_order(steps, depsgraph, changes, haste)
     if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
+        if edit:
+            mirroring.note_keyed(changes.is_edited)
         mirroring.note_seen(edit)
 
 
@@ -130,14 +132,14 @@ def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, haste: Haste) ->
     obj, evaluated, placed, controls, change, last = look
     layout = last.layout if last is not None and change <= Change.DRIVEN else None
     new_geometry = change is Change.GEOMETRY
-    expected: dict[str, np.ndarray | None] = {}
+    expected: applied.Expected = {}
     in_viewport = depsgraph.mode == "VIEWPORT"
     if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
         expected = applied.follow(obj, evaluated, last)
     layout = _update_object(obj, evaluated, depsgraph, depsgraph.mode, controls, haste, new_geometry, layout)
     changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
     if expected:
-        applied.report(obj, expected)
+        applied.report(obj, evaluated, expected)
 
 
 def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> None:
@@ -212,6 +214,9 @@ def _update_object(
                 session.rest = None  # it knows its weights by the old names
             if shapes.connect_mask(obj, modifier, deformer):
                 obj.update_tag()
+            lost = deformer.mask_group and deformer.mask_group not in obj.vertex_groups
+            text = f"The mask is not used: {obj.name} has no vertex group '{deformer.mask_group}'"
+            status.put_mask(deformer.uid, f"{text} - pick another" if lost else "")
         with session.lock:
             try:
                 chain = _update_deformer(evaluation)

@@ -10,12 +10,13 @@ partner. And undo keeps objects in memory on which two steps agree. So after und
 partner from another step. Which places belonged together is remembered; about leaders the steps are right.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import count
 
 import bpy
 import numpy as np
-from bpy.types import Object
+from bpy.types import ID, Object
 from mathutils import Matrix
 
 from ... import compat
@@ -64,7 +65,9 @@ _led: dict[tuple[str, str], int] = remember({})  # which control leads in this e
 _agreed: dict[tuple, _Agreement] = remember({})  # the last one by pair, control and place; and by both places
 _numbers = count()
 _edits: dict[tuple[str, str], _Edit] = remember({})  # by the names of leader and partner
-_unkeyed: dict[str, str] = remember({})  # leaders that automatic keyframes may have keyed, by partner
+_followed: dict[str, str] = remember({})  # by the name of the partner: the leader that it has followed
+_key_counts: dict[str, int] = remember({})  # how many keyframes a control had when that was last looked at
+_unkeyed: dict[str, tuple[str, float]] = remember({})  # by partner: the leader that was keyed, and the frame
 
 
 def note_target(obj: Object) -> None:
@@ -119,13 +122,13 @@ def _follow(obj: Object, leader: SinewHandle, partner: SinewHandle) -> None:
         _edits.pop(names[::-1], None)
     if edit.leader == _channels(leader.control) and not bpy.app.background:
         _set_channels(partner.control, edit.partner)  # Esc: no operator has ended, and all is as it was
+        _followed.pop(names[1], None)
         return
     try:
         _mirror(obj, leader, partner)
     except SinewError:
         return  # scaled to zero, as the status says: such a frame has no mirror image
-    if bpy.context.scene.tool_settings.use_keyframe_insert_auto:
-        _unkeyed[names[1]] = names[0]
+    _followed[names[1]] = names[0]
 
 
 def _last_operator() -> tuple[int, int]:
@@ -212,6 +215,9 @@ def note_seen(edit: bool = False) -> None:
         for names, pair in _pairs(obj).items():
             places = _channels(pair[0].control), _channels(pair[1].control)
             _seen.update(zip(names, places, strict=True))
+            for handle in pair:
+                if handle.control.name_full not in _key_counts:
+                    _count_keys(handle.control)
             if edit and (names, places) not in _agreed:
                 agreement = _Agreement(next(_numbers), places, _led.get(names))
                 for key in (places, (0, places[0]), (1, places[1])):
@@ -219,13 +225,44 @@ def note_seen(edit: bool = False) -> None:
     _led.clear()
     if not edit:
         _edits.clear()
+        _followed.clear()
+
+
+def note_keyed(is_edited: Callable[[ID], bool]) -> None:
+    """Note the partners of selected controls that were given keyframes: by I, or by automatic keyframes.
+
+    Call it before ``note_seen``, after an edit. ``is_edited`` tells of a datablock whether it was edited.
+    """
+    for obj in _targets():
+        for names, pair in _pairs(obj).items():
+            edited = [
+                any(is_edited(action) for action, _curve in compat.action_curves(handle.control))
+                for handle in pair
+            ]
+            more = [edited[side] and _count_keys(pair[side].control) for side in (0, 1)]
+            for side in (0, 1):
+                leader, partner = names[side], names[1 - side]
+                is_led = more[side] or _followed.get(partner) == leader
+                if edited[side] and is_led and not more[1 - side] and _is_selected(pair[side].control):
+                    _unkeyed[partner] = leader, bpy.context.scene.frame_current_final
+
+
+def _count_keys(control: Object) -> bool:
+    """Count the keyframes of a control; whether they are more than when they were counted last."""
+    now = sum(len(curve.keyframe_points) for _action, curve in compat.action_curves(control))
+    before, _key_counts[control.name_full] = _key_counts.get(control.name_full, now), now
+    return now > before
+
+
+def _is_selected(control: Object) -> bool:
+    return control.select_get() or control == bpy.context.view_layer.objects.active
 
 
 def complete_undo() -> None:
     """After undo and redo: move the partners of which the step holds another place than beside the leader."""
     _note_targets()
-    _edits.clear()
-    _unkeyed.clear()
+    for noted in (_edits, _followed, _key_counts, _unkeyed):
+        noted.clear()
     for obj in _targets():
         for names, pair in _pairs(obj).items():
             places = _channels(pair[0].control), _channels(pair[1].control)
@@ -239,19 +276,19 @@ def complete_undo() -> None:
 
 
 def waits_for_keys() -> bool:
-    """Whether automatic keyframes may have keyed a leader, and not its partner."""
+    """Whether a leader may have been keyed, and not its partner."""
     return bool(_unkeyed)
 
 
 def key_partners() -> None:
-    """Give partners the keyframes that Blender inserted by itself for the controls that they followed.
+    """Give partners the keyframes that the controls on the other side were given.
 
     This may make actions, so handlers may not call it.
     """
     frame = bpy.context.scene.frame_current_final
-    for name, leader_name in list(_unkeyed.items()):
+    for name, (leader_name, keyed_frame) in list(_unkeyed.items()):
         leader, partner = (bpy.data.objects.get(each) for each in (leader_name, name))
-        if leader is None or partner is None:
+        if leader is None or partner is None or keyed_frame != frame:
             del _unkeyed[name]
             continue
         keys = _keys_now(leader, frame)

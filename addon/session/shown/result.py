@@ -13,7 +13,7 @@ from ...compat import read_triangles
 from ...core.geometry import distortion
 from ...core.geometry.distortion import Measure, RestMetric
 from ...core.memory import remember
-from ...mesh_io import RestShape, group_names, group_weights
+from ...mesh_io import RestShape, group_weights, known_groups
 from ...properties import SinewDeformer
 from ..blocks import targets
 from ..control import kinds
@@ -190,7 +190,7 @@ def weights(obj: Object, deformer: SinewDeformer, group: str) -> np.ndarray | No
         mesh = obj.data
         if targets.vertex_count(obj) != len(bound.rest.points):
             mesh = deformer.rest_in("VIEWPORT")
-            names = group_names(mesh)
+            names = known_groups(mesh)
         groups[group] = group_weights(mesh, names, {group}).get(group)
     return groups[group]
 

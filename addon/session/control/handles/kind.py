@@ -59,9 +59,10 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
 
     A space method moves all parts.
     """
-    lines = [Status(Level.WARNING, text) for text in request.unused[:_NAMED]]
+    unused = list(request.unused[:_NAMED])
     if len(request.unused) > _NAMED:
-        lines.append(Status(Level.WARNING, f"{len(request.unused) - _NAMED:,} more regions are not used"))
+        unused.append(f"{len(request.unused) - _NAMED:,} more regions are not used")
+    lines = [Status(Level.WARNING, text, left_out=True) for text in unused]
     if request.recipe.method.is_space:
         remarks = report.remarks if report is not None else ()
         return (*lines, *(Status(Level.WARNING, remark) for remark in remarks))

@@ -8,7 +8,7 @@ from bpy.types import Object
 from ....backend import Puppet
 from ....core.errors import ConstraintError, SinewError
 from ....core.geometry import frames
-from ....mesh_io import read_rest
+from ....mesh_io import group_names, group_weights, read_rest
 from ....properties import SinewDeformer
 from ...blocks import capture, targets
 from ...memory import sessions
@@ -27,19 +27,21 @@ def rig_puppet(
     margin: float = 0.25,
     automatic: bool = False,
     wait: bool = True,
-) -> tuple[SinewDeformer, SinewError | None]:
+) -> tuple[SinewDeformer, int, SinewError | None]:
     """A new deformer with a handle for each bone that deforms; and the error if it is not bound.
 
     A bone holds the vertex group of its name. If the mesh has none of these groups, or if ``automatic``, each
-    bone holds the middle of its limb, in a new group: all but ``margin`` of its length at each joint.
+    bone holds the middle of its limb, in a new group: all but ``margin`` of its length at each joint. Bones
+    whose groups have no vertices are left out; returns how many.
     """
     bones.require_bones(armature)
     targets.require_mesh(obj, "Bones hold the vertices of a mesh")
     names = [bone.name for bone in armature.data.bones if bone.use_deform]
-    painted = [] if automatic else [name for name in names if name in obj.vertex_groups]
+    named = [] if automatic else [name for name in names if name in obj.vertex_groups]
     deformer = add_deformer(obj, method)
     made: list[str] = []
     try:
+        painted = _with_vertices(obj, deformer, named)
         groups = {name: name for name in painted} or _make_groups(obj, armature, deformer, margin, made)
         for name, group in groups.items():
             handle = add_handle(obj, deformer, "HANDLE", group, armature, name, owns_group=group in made)
@@ -50,7 +52,20 @@ def rig_puppet(
             if group in obj.vertex_groups:
                 obj.vertex_groups.remove(obj.vertex_groups[group])
         raise
-    return deformer, try_bind(obj, deformer, wait)
+    left_out = len(named) - len(painted) if painted else 0
+    return deformer, left_out, try_bind(obj, deformer, wait)
+
+
+def _with_vertices(obj: Object, deformer: SinewDeformer, names: list[str]) -> list[str]:
+    """Those of the vertex groups that hold vertices of the mesh as it enters: importers leave empty ones."""
+    if not names:
+        return []
+    mesh = capture.rest_mesh(obj, deformer)
+    try:
+        found = group_weights(mesh, group_names(mesh), set(names))
+    finally:
+        bpy.data.meshes.remove(mesh)
+    return [name for name in names if (found[name] > 0.0).any()]
 
 
 def _make_groups(
