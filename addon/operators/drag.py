@@ -14,7 +14,7 @@ from bpy_extras import view3d_utils
 from .. import session
 from ..core.errors import SinewError
 from ..core.geometry import frames
-from ..core.methods import DEFAULT_METHOD, METHODS
+from ..core.methods import DEFAULT_GRIP_METHOD, DEFAULT_METHOD, METHODS
 from ..ids import Operators
 from .dragging import Dragging
 from .handle import select_control
@@ -157,6 +157,8 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
 
     def _drag(self, context: Context, hit: session.Hit, wait: bool) -> session.Drag:
         reach = math.inf if self.unlimited else self.reach * self.radius
+        if not (session.is_mesh(hit.obj) or self.properties.is_property_set("method")):
+            self.method = DEFAULT_GRIP_METHOD
         brush = session.Brush(self.choose_method(context).id, self.radius, reach)
         drag = session.Drag(hit, context.evaluated_depsgraph_get(), brush, wait)
         if not drag.is_held:

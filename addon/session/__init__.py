@@ -6,6 +6,7 @@ from .blocks.lattice_keys import show_late
 from .blocks.owners import copies, forget_owners, has_copies, owners
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, shown_by, stray_modifiers
+from .blocks.parts import ShownParts
 from .blocks.surface import Hit, first_hit, nearest_point
 from .blocks.targets import can_be_moved, is_exported, is_lattice, is_mesh, label, require_mesh
 from .control.handles.points import takes_segments

@@ -14,7 +14,6 @@ import numpy as np
 from bpy.types import Depsgraph, Object, PoseBone
 from mathutils import Matrix
 
-from ...backend import connected_parts
 from ...core import status
 from ...core.errors import ConstraintError, SinewError
 from ...core.geometry import frames, reach
@@ -23,6 +22,7 @@ from ...core.status import Level
 from ...mesh_io import group_weights, read_rest
 from ...properties import SinewDeformer, SinewHandle, deformers_of
 from ..blocks import shapes, surface, targets
+from ..blocks.parts import Parts
 from ..blocks.surface import Hit
 from ..control import kinds, locks
 from ..live import binding
@@ -278,13 +278,9 @@ def _parts(
 
     Larger parts must not ride on it. A support that has a vertex of them holds their other vertices.
     """
-    labels = connected_parts(len(points), faces)
-    order = np.argsort(labels, kind="stable")
-    starts = np.flatnonzero(np.diff(labels[order], prepend=-1))
-    low, high = (side.reduceat(points[order], starts) for side in (np.minimum, np.maximum))
-    sizes = np.linalg.norm(high - low, axis=1)
-    part = labels == labels[vertex]
-    return part, order[starts[sizes > sizes[part[order[starts]]]]]
+    parts = Parts(points, faces)
+    own, sizes = parts.labels[vertex], np.linalg.norm(parts.sides, axis=1)
+    return parts.labels == own, parts.firsts[sizes > sizes[own]]
 
 
 def _in_order(obj: Object) -> list[SinewDeformer]:

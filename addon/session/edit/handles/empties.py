@@ -44,9 +44,6 @@ def new_empty(obj: Object, frame: np.ndarray, pose: np.ndarray, name: str, size:
 
     It is a child of the target, and its own transform is zero at rest.
     """
-    target = np.array(obj.matrix_world, dtype=np.float64)
-    at_rest = target @ frame
-    moved = target @ pose @ frames.inverse(target, obj.name)
     empty = bpy.data.objects.new(name, None)
     empty.empty_display_type = "SPHERE"
     empty.empty_display_size = max(size, 1e-3)
@@ -55,8 +52,17 @@ def new_empty(obj: Object, frame: np.ndarray, pose: np.ndarray, name: str, size:
         collection.objects.link(empty)
     empty.parent = obj
     empty.matrix_parent_inverse = to_matrix(frame)
-    empty.matrix_basis = to_matrix(np.linalg.inv(at_rest) @ moved @ at_rest)
+    empty.matrix_basis = own_transform(frame, pose)
     return empty
+
+
+def own_transform(frame: np.ndarray, pose: np.ndarray) -> Matrix:
+    """The transform of a child of the target whose rest ``frame`` (4, 4) is moved by a ``pose`` (4, 4).
+
+    Only what the pose changes is carried over, so that an unmoved control has zeros and ones without noise.
+    """
+    still = np.eye(4)
+    return to_matrix(still + np.linalg.inv(frame) @ (pose - still) @ frame)
 
 
 def to_matrix(array: np.ndarray) -> Matrix:

@@ -98,7 +98,7 @@ def _place(obj: Object, target: SinewHandle, frame: np.ndarray, pose: np.ndarray
     control = target.control
     if control.parent == obj and control.parent_type == "OBJECT":
         control.matrix_parent_inverse = Matrix(frame.tolist())
-        control.matrix_basis = Matrix((frames.inverse(frame, target.name) @ pose @ frame).tolist())
+        control.matrix_basis = empties.own_transform(frame, pose)
     else:
         control.matrix_world = Matrix((_world(obj) @ pose @ frame).tolist())
     poses.set_rest(target, frame)
