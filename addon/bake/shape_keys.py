@@ -40,7 +40,9 @@ def require_keys(obj: Object) -> None:
 def require_room(scene: Scene, frames: range) -> None:
     """Raise an error if Time Stretching brings the keyframes so close that Blender merges them."""
     if frames.step * stretch(scene) < _APART:
-        raise SinewError("Time Stretching leaves no room between keyframes - bake to PC2, or with a larger Step")
+        raise SinewError(
+            "Time Stretching leaves no room between keyframes - bake to PC2, or with a larger Step"
+        )
 
 
 def require_own_mesh(obj: Object) -> None:

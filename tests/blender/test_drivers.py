@@ -84,7 +84,6 @@ def _go_to(value: float) -> None:
     bpy.context.scene.frame_set(round(10.0 * value))
 
 
-
 SOURCES = {"object": by_object, "scene": by_scene, "keys": by_keys, "frame": by_frame}
 
 
@@ -129,7 +128,11 @@ def settings(rig: HandleRig) -> Iterator[tuple[str, str, float, float]]:
     """Each setting of numbers and choices: its owner, its name, its value, and another one, as numbers."""
     deformer = rig.deformer
     owners = {"": deformer, f"{deformer.method}.": deformer.parameters}
-    owners |= {f"{rows}[0].": getattr(deformer, rows)[0] for rows in ("handles", "controls") if getattr(deformer, rows)}
+    owners |= {
+        f"{rows}[0].": getattr(deformer, rows)[0]
+        for rows in ("handles", "controls")
+        if getattr(deformer, rows)
+    }
     for path, owner in owners.items():
         for row in owner.bl_rna.properties:
             if not row.is_animatable or row.is_readonly or getattr(row, "is_array", False):

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from baking import FRAMES, animate, played
+from baking import FRAMES, STRETCHES, animate, played, stretch_time
 from rig import Rig, linked, make_active, push, save
 from second_blender import LOOK, another_blender
 
@@ -50,6 +50,16 @@ def test_a_target_of_twice_the_size_moves_as_the_source_at_every_frame(pair, tmp
     for frame, points in played(plate.obj).items():
         assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame  # float32
     assert np.abs(moved[FRAMES[-1]] - moved[FRAMES[0]]).max() > 1.0
+
+
+@pytest.mark.parametrize("stretch", STRETCHES)
+def test_time_stretching_plays_a_transfer_at_the_frames_of_the_scene(pair, tmp_path: Path, stretch):
+    plate, target = pair
+    stretch_time(*stretch)
+    transfer(plate.obj, target, tmp_path / "stout")
+    moved = played(target)
+    for frame, points in played(plate.obj).items():
+        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame
 
 
 def test_another_transfer_replaces_the_first_and_the_other_modifiers_stay(pair, tmp_path: Path):

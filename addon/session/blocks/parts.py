@@ -7,8 +7,11 @@ from bpy.types import Depsgraph, Object
 from ...backend import connected_parts
 from ...compat import read_faces, read_positions
 from ...core.geometry import frames
+from ...core.memory import remember
 from . import targets
 from .capture import evaluated_mesh
+
+_last: dict[tuple, "ShownParts"] = remember({})  # those that were asked for last
 
 
 class Parts:
@@ -50,3 +53,13 @@ class ShownParts:
             return self._whole
         away = ((self._points - place) ** 2).sum(axis=1)
         return float(self._sizes[np.argmin(np.where(sized, away, np.inf))])
+
+
+def shown_parts(obj: Object, depsgraph: Depsgraph) -> ShownParts:
+    """The parts of an object, remembered as long as it is where it was, has its size and its vertices."""
+    world = tuple(map(tuple, obj.matrix_world))
+    key = (obj.name_full, targets.size(obj), tuple(obj.dimensions), world)
+    if key not in _last:
+        _last.clear()
+        _last[key] = ShownParts(obj, depsgraph)
+    return _last[key]

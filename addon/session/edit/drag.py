@@ -105,6 +105,7 @@ class Drag:
             _make_active(obj, deformer)
             deformer.active_handle = list(deformer.handles).index(handle)
         self.uid, self._handle, self.name = deformer.uid, handle.uid, handle.name
+        self.is_region = bool(handle.vertex_group)
         mover = _mover(handle)
         self._channels = {name: tuple(getattr(mover, name)) for name in _CHANNELS}
         carrier = handle.control.matrix_world

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What handlers of other add-ons and scripts read of a deformed object, in frames, edits and renders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+import pytest
+from probe import render_points
+from rig import close, key_heights, points_of
+from rigs import RIGS, HandleRig
+
+HEIGHTS = {1: 0.0, 11: 1.0}
+
+
+@pytest.fixture(params=RIGS)
+def rising(request: pytest.FixtureRequest) -> HandleRig:
+    """Each rig with a control that rises by 0.1 each frame."""
+    rig = RIGS[request.param].new().start()
+    start = rig.control.location.z
+    key_heights(rig.control, {frame: start + height for frame, height in HEIGHTS.items()}, linear=True)
+    bpy.context.scene.frame_set(1)
+    return rig
+
+
+@pytest.fixture
+def listen():
+    """Add a handler of another add-on, which reads an object."""
+    added = []
+
+    def add(event: str, name: str) -> list[tuple[str, np.ndarray]]:
+        seen = []
+
+        def read(_scene: object, depsgraph: bpy.types.Depsgraph) -> None:
+            found = points_of(bpy.data.objects[name].evaluated_get(depsgraph))
+            seen.append((depsgraph.mode, found.copy()))
+
+        handlers = getattr(bpy.app.handlers, event)
+        handlers.append(read)
+        added.append((handlers, read))
+        return seen
+
+    yield add
+    for handlers, handler in added:
+        handlers.remove(handler)
+
+
+def height_at(frame: float) -> float:
+    return (frame - 1.0) / 10.0
+
+
+def test_handlers_of_frames_read_the_shape_of_the_frame(rising: HandleRig, listen: Callable):
+    seen, edits = listen("frame_change_post", rising.name), listen("depsgraph_update_post", rising.name)
+    for frame in (3, 9, 2):
+        bpy.context.scene.frame_set(frame)
+        (_mode, shape) = seen.pop()
+        assert close(shape, rising.at(height_at(frame)), max(rising.tolerance, 2e-5)), frame
+        assert not seen
+        assert not edits, "a change of frame is no edit"
+        assert rising.shows(shape)
+
+
+def test_handlers_of_frames_read_the_shape_in_renders(rising: HandleRig, listen: Callable):
+    seen = listen("frame_change_post", rising.name)
+    bpy.context.scene.frame_set(7)
+    seen.clear()
+    rendered = render_points(rising.obj)
+    shapes = [shape for mode, shape in seen if mode == "RENDER"]
+    assert shapes
+    assert all(close(shape, rendered, 2e-5) for shape in shapes)
